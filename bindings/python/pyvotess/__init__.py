@@ -1,0 +1,39 @@
+"""pyvotess: exact 3D Voronoi tessellation, NumPy in and out.
+
+>>> import numpy as np, pyvotess as vt
+>>> t = vt.tessellate(np.random.default_rng(1).random((1000, 3)))
+>>> t.neighbors[0], t.volumes[0]
+
+See :func:`tessellate` for the options and :class:`Tessellation` for the arrays.
+"""
+
+from ._c_api import CellStatus, ErrorCode
+from ._library import VERSION as __version__
+from .tessellation import (
+    DeviceInfo,
+    Neighbors,
+    StageSeconds,
+    Stats,
+    Tessellation,
+    Tessellator,
+    VerifyReport,
+    VotessError,
+    devices,
+    tessellate,
+)
+
+__all__ = [
+    "CellStatus",
+    "DeviceInfo",
+    "ErrorCode",
+    "Neighbors",
+    "StageSeconds",
+    "Stats",
+    "Tessellation",
+    "Tessellator",
+    "VerifyReport",
+    "VotessError",
+    "__version__",
+    "devices",
+    "tessellate",
+]

@@ -1,0 +1,148 @@
+"""The C interface of votess as ctypes sees it: constants, structs and one table of signatures (votess/votess.h)."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import (
+    CFUNCTYPE,
+    POINTER,
+    c_char,
+    c_char_p,
+    c_double,
+    c_int,
+    c_int32,
+    c_size_t,
+    c_uint32,
+    c_uint64,
+    c_void_p,
+)
+from enum import IntEnum
+from typing import Any, Dict, Iterable, Tuple
+
+OK = 0
+
+
+class ErrorCode(IntEnum):
+    """Why a call failed; the values of ``votess_status`` in C."""
+
+    INVALID_ARGUMENT = 1
+    OUT_OF_MEMORY = 2
+    CANCELLED = 3
+    UNSUPPORTED = 4
+    INTERNAL = 5
+
+
+class CellStatus(IntEnum):
+    """One byte per cell. A finished run holds only ``CERTIFIED`` and ``DUPLICATE``."""
+
+    CERTIFIED = 0  #: proven complete, every sign certain
+    NEEDS_EXACT = 1  #: a sign could not be certified in floating point
+    PLANE_OVERFLOW = 2  #: more planes than the engine's storage holds
+    VERTEX_OVERFLOW = 3  #: more vertices than the engine's storage holds
+    CANDIDATES_EXHAUSTED = 4  #: the candidate list ended before the security radius
+    DUPLICATE = 5  #: same coordinates as a seed of lower index, which keeps the cell; this one is empty
+    EMPTY = 6  #: the cell has no interior
+    OUTSIDE = 7  #: the seed lies outside the domain
+
+
+WANT_BITS: Dict[str, int] = {"neighbors": 1, "volumes": 2, "centroids": 4, "counts": 8}
+DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
+CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
+
+ProgressCallback = CFUNCTYPE(c_int, c_double, c_void_p)
+LogCallback = CFUNCTYPE(None, c_char_p, c_void_p)
+
+
+class Options(ctypes.Structure):
+    """``votess_options``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("want", c_uint32),
+        ("has_box", c_int32),
+        ("walls", c_int32),
+        ("box_lower", c_double * 3),
+        ("box_upper", c_double * 3),
+        ("duplicates", c_int32),
+        ("threads", c_uint32),
+        ("grid_resolution", c_uint32),
+        ("reserved", c_uint32),
+        ("device", c_char_p),
+        ("progress", ProgressCallback),
+        ("progress_user", c_void_p),
+        ("log", LogCallback),
+        ("log_user", c_void_p),
+    ]
+
+
+class Stats(ctypes.Structure):
+    """``votess_stats``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("threads", c_uint32),
+        ("points", c_uint64),
+        ("faces", c_uint64),
+        ("duplicates", c_uint64),
+        ("empty_cells", c_uint64),
+        ("fallback_cells", c_uint64),
+        ("exact_cells", c_uint64),
+        ("peak_memory_bytes", c_uint64),
+        ("mean_faces", c_double),
+        ("volume_sum", c_double),
+        ("box_volume", c_double),
+        ("seconds_upload", c_double),
+        ("seconds_sort", c_double),
+        ("seconds_knn", c_double),
+        ("seconds_clip", c_double),
+        ("seconds_fallback", c_double),
+        ("seconds_download", c_double),
+        ("seconds_total", c_double),
+        ("device", c_char * 256),
+    ]
+
+
+# Handles travel as void pointers. Arrays are returned as addresses (c_void_p), which NumPy wraps.
+_HANDLE = c_void_p
+_ARRAY = (c_void_p, (_HANDLE, POINTER(c_size_t)))
+
+# name: (type of the result, types of the arguments), in the order of votess.h.
+SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
+    "votess_version": (c_uint32, ()),
+    "votess_version_string": (c_char_p, ()),
+    "votess_sizeof_options": (c_size_t, ()),
+    "votess_sizeof_stats": (c_size_t, ()),
+    "votess_last_error": (c_char_p, ()),
+    "votess_options_init": (c_int, (POINTER(Options), c_size_t)),
+    "votess_tessellator_new": (c_int, (POINTER(_HANDLE),)),
+    "votess_tessellator_free": (None, (_HANDLE,)),
+    "votess_tessellate": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
+    "votess_tessellate_f32": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
+    "votess_result_free": (None, (_HANDLE,)),
+    "votess_result_size": (c_size_t, (_HANDLE,)),
+    "votess_result_indptr": _ARRAY,  # int64
+    "votess_result_indices": _ARRAY,  # int32
+    "votess_result_volumes": _ARRAY,  # float64
+    "votess_result_centroids": _ARRAY,  # float64
+    "votess_result_face_counts": _ARRAY,  # uint32
+    "votess_result_edge_counts": _ARRAY,  # uint32
+    "votess_result_vertex_counts": _ARRAY,  # uint32
+    "votess_result_status": _ARRAY,  # uint8
+    "votess_result_duplicate_of": _ARRAY,  # int32
+    "votess_result_lists_walls": (c_int, (_HANDLE,)),
+    "votess_result_box": (c_int, (_HANDLE, POINTER(c_double), POINTER(c_double))),
+    "votess_result_stats": (c_int, (_HANDLE, POINTER(Stats))),
+    "votess_verify": (
+        c_int,
+        (_HANDLE, c_void_p, c_size_t, c_size_t, c_uint64, POINTER(c_int), POINTER(c_uint32), c_char_p, c_size_t),
+    ),
+    "votess_device_count": (c_size_t, ()),
+    "votess_device_info": (c_int, (c_size_t, c_char_p, c_size_t, c_char_p, c_size_t, c_char_p, c_size_t)),
+}
+
+
+def declare(library: ctypes.CDLL, names: Iterable[str] = tuple(SIGNATURES)) -> None:
+    """Sets the signatures of these functions; AttributeError when the library lacks one."""
+    for name in names:
+        function = getattr(library, name)
+        function.restype, function.argtypes = SIGNATURES[name]

@@ -1,0 +1,109 @@
+"""Finds, loads and checks libvotess."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import os
+import sys
+from pathlib import Path
+from typing import List, Tuple
+
+from . import _c_api
+
+#: Version of this package. It needs the library of the same version, see :func:`check`.
+VERSION = "0.1.0"
+
+if sys.platform == "win32":
+    _FILE_NAMES: Tuple[str, ...] = ("votess.dll", "libvotess.dll")
+elif sys.platform == "darwin":
+    _FILE_NAMES = ("libvotess.dylib",)
+else:
+    _FILE_NAMES = ("libvotess.so", "libvotess.so." + VERSION.split(".")[0])
+
+# Builds with a sanitizer start only with its run-time library loaded first; VOTESS_LIBRARY can name them.
+_SKIPPED_BUILDS = ("asan", "tsan")
+
+
+def _folders() -> List[Path]:
+    """Where to look, best first: beside this package, then, in a source tree, its builds with release first."""
+    package = Path(__file__).resolve().parent
+    folders = [package]
+    source = package.parents[2] if len(package.parents) > 2 else package
+    if (source / "include" / "votess" / "votess.h").is_file():
+        builds = [source / "build" / "release"]
+        builds += sorted(p for p in (source / "build").glob("*") if p.name not in ("release", *_SKIPPED_BUILDS))
+        folders += [build / "lib" for build in builds]
+    return folders
+
+
+def find() -> str:
+    """Path or name of the library to load. ImportError, naming the places, when there is none."""
+    named = os.environ.get("VOTESS_LIBRARY")
+    if named:
+        return named
+    folders = _folders()
+    for folder in folders:
+        for name in _FILE_NAMES:
+            if (folder / name).is_file():
+                return str(folder / name)
+    in_system = ctypes.util.find_library("votess")
+    if in_system:
+        return in_system
+    places = "".join(f"\n  {folder}" for folder in folders)
+    raise ImportError(
+        f"{_FILE_NAMES[0]} was not found. Looked in{places}\n  the system's library path\n"
+        "Build votess, or set VOTESS_LIBRARY to the file."
+    )
+
+
+def _numbers(version: str) -> Tuple[int, ...]:
+    return tuple(int(part) for part in version.split("."))
+
+
+def check(library: ctypes.CDLL, name: str) -> None:
+    """ImportError unless the library suits this package: version and sizes of the structs, before anything is used.
+
+    Same major version and a minor version that is no older; before 1.0 the minor version must be the same.
+    """
+    _c_api.declare(library, ("votess_version_string", "votess_sizeof_options", "votess_sizeof_stats"))
+    found = library.votess_version_string().decode()
+    ours, theirs = _numbers(VERSION), _numbers(found)
+    suits = ours[0] == theirs[0] and (ours[1] == theirs[1] if ours[0] == 0 else ours[1] <= theirs[1])
+    if not suits:
+        raise ImportError(
+            f"{name} is votess {found}, but this pyvotess is {VERSION}: install the same version of both, "
+            "or set VOTESS_LIBRARY to the file of the right one."
+        )
+    for struct, size in (
+        (_c_api.Options, library.votess_sizeof_options()),
+        (_c_api.Stats, library.votess_sizeof_stats()),
+    ):
+        # A newer library may have added fields at the end of a struct; it never has fewer.
+        if size < ctypes.sizeof(struct):
+            raise ImportError(
+                f"{name} has {size} bytes for {struct.__doc__} where pyvotess {VERSION} has {ctypes.sizeof(struct)}: "
+                "it is another votess; install the same version of both."
+            )
+
+
+def load() -> Tuple[ctypes.CDLL, str]:
+    """The library, checked and with its signatures set, and the path or name that it was loaded from."""
+    name = find()
+    try:
+        library = ctypes.CDLL(name)
+    except OSError as error:
+        named = " (named by VOTESS_LIBRARY)" if os.environ.get("VOTESS_LIBRARY") else ""
+        raise ImportError(f"the votess library {name}{named} cannot be loaded: {error}") from error
+    try:
+        check(library, name)
+        _c_api.declare(library)
+    except AttributeError as error:
+        raise ImportError(
+            f"{name} is not the library of votess {VERSION}: {error}. Install the same version of both, "
+            "or set VOTESS_LIBRARY to the file of the right one."
+        ) from error
+    return library, name
+
+
+lib, path = load()

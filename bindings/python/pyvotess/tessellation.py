@@ -1,0 +1,619 @@
+"""Tessellate points; read, check and convert the result."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import operator
+import signal
+import threading
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, Union, overload
+
+import numpy as np
+
+from . import _c_api
+from ._c_api import ErrorCode
+from ._library import lib
+
+if TYPE_CHECKING:
+    from types import FrameType, TracebackType
+
+    import numpy.typing as npt
+
+    Float64Array = npt.NDArray[np.float64]
+    Int64Array = npt.NDArray[np.int64]
+    Int32Array = npt.NDArray[np.int32]
+    UInt32Array = npt.NDArray[np.uint32]
+    UInt8Array = npt.NDArray[np.uint8]
+
+#: Called some ten times a second with the fraction done, 0 to 1. Return False to stop the run; None goes on.
+Progress = Callable[[float], Optional[bool]]
+
+
+class VotessError(RuntimeError):
+    """A failed run that is not the fault of the input. ``code`` says why."""
+
+    def __init__(self, message: str, code: ErrorCode) -> None:
+        super().__init__(message, code)
+        self.code = code
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+def _raise_on_failure(status: int) -> None:
+    if status == _c_api.OK:
+        return
+    message = lib.votess_last_error().decode("utf-8", "replace")
+    if status == ErrorCode.INVALID_ARGUMENT:
+        raise ValueError(message)
+    if status == ErrorCode.OUT_OF_MEMORY:
+        raise MemoryError(message)
+    raise VotessError(message, ErrorCode(status))
+
+
+class _Handle:
+    """Owns one object of the library."""
+
+    def __init__(self, free: Callable[[ctypes.c_void_p], None]) -> None:
+        self.pointer = ctypes.c_void_p()
+        self._free = free  # kept here: module globals may be gone when the interpreter ends
+
+    def free(self) -> None:
+        if self.pointer:
+            self._free(self.pointer)
+            self.pointer.value = None
+
+    def __del__(self) -> None:
+        self.free()
+
+    def __reduce__(self) -> Any:
+        raise TypeError("objects of votess cannot be pickled or deep-copied: take their arrays")
+
+
+class _Memory:
+    """What NumPy needs to wrap an array of the library. It becomes the base of the ndarray and keeps the owner alive."""
+
+    def __init__(self, owner: _Handle, address: int, shape: Tuple[int, ...], dtype: np.dtype[Any]) -> None:
+        self._owner = owner
+        self.__array_interface__ = {
+            "version": 3,
+            "shape": shape,
+            "typestr": dtype.str,
+            "data": (address, True),  # True: read-only
+        }
+
+
+def _array(result: _Handle, name: str, dtype: Any, columns: int = 0) -> npt.NDArray[Any]:
+    """Read-only view, without a copy, of ``votess_result_<name>``; shape (length,) or (length / columns, columns)."""
+    length = ctypes.c_size_t()
+    address = getattr(lib, "votess_result_" + name)(result.pointer, ctypes.byref(length))
+    shape = (length.value // columns, columns) if columns else (length.value,)
+    if not address:
+        array = np.empty(shape, dtype)
+        array.flags.writeable = False
+        return array
+    return np.asarray(_Memory(result, address, shape, np.dtype(dtype)))
+
+
+# ---- input ----
+
+
+def _as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
+    """C-contiguous float64, or float32 as it is; no copy when it is one already. Refuses what would change a value."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked values: remove them first, e.g. numpy.ma.compress_rows({name})")
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise ValueError(f"{name} is not an array of numbers: {error}") from error
+    if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8:
+        raise ValueError(f"{name} has dtype {array.dtype}: give float64, float32 or integers")
+    if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
+        inexact = array > 2**53
+        if array.dtype.kind == "i":
+            inexact |= array < -(2**53)
+        if inexact.any():
+            index = tuple(int(i) for i in np.argwhere(inexact)[0])
+            place = "".join(f"[{i}]" for i in index)
+            raise ValueError(
+                f"{name}{place} is {array[index]}: integers beyond 2**53 are not all exact in float64; give float64"
+            )
+    dtype = np.float32 if array.dtype == np.float32 else np.float64
+    return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
+
+
+def _as_points(points: Any) -> npt.NDArray[Any]:
+    array = _as_float64_or_float32(points, "points")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"points has shape {array.shape}: it must be (N, 3)")
+    return array
+
+
+def _as_box(box: Any) -> Float64Array:
+    array = _as_float64_or_float32(box, "box").astype(np.float64)
+    if array.shape not in ((6,), (2, 3)):
+        raise ValueError(
+            f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1))"
+        )
+    return array.reshape(2, 3)
+
+
+def _as_count(value: Any, name: str, bits: int) -> int:
+    number = operator.index(value)
+    if not 0 <= number < 2**bits:  # ctypes would wrap it silently
+        raise ValueError(f"{name} is {number}: it must be from 0 to {2**bits - 1}")
+    return number
+
+
+def _as_want(want: Union[str, Iterable[str]]) -> Tuple[str, ...]:
+    words = [word.strip() for word in want.split(",")] if isinstance(want, str) else list(want)
+    for word in words:
+        if word not in _c_api.WANT_BITS:
+            raise ValueError(f"want has {word!r}: the words are {', '.join(_c_api.WANT_BITS)}")
+    return tuple(word for word in _c_api.WANT_BITS if word in words)
+
+
+def _as_device(device: Any) -> bytes:
+    if not isinstance(device, str):
+        raise TypeError(f"device must be a str, not {type(device).__name__}")
+    if "\0" in device:
+        raise ValueError(f"device is {device!r}: it must hold no zero character")
+    return device.encode()
+
+
+def _new_options(device: str, threads: int, grid_resolution: int) -> _c_api.Options:
+    options = _c_api.Options()
+    _raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
+    options.device = _as_device(device)
+    options.threads = _as_count(threads, "threads", 32)
+    options.grid_resolution = _as_count(grid_resolution, "grid_resolution", 32)
+    return options
+
+
+# ---- the run ----
+
+
+@contextlib.contextmanager
+def _storing_interrupts(raised: List[BaseException]) -> Iterator[bool]:
+    """While a run lasts, what the handler of Ctrl-C raises goes to ``raised``. Yields whether that is so.
+
+    Raised inside a ctypes callback it would be printed and lost. Only the main thread gets signals in Python.
+    """
+    previous = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(previous):
+        yield False
+        return
+
+    def handler(number: int, frame: Optional[FrameType]) -> None:
+        try:
+            previous(number, frame)
+        except BaseException as error:
+            raised.append(error)
+
+    try:
+        signal.signal(signal.SIGINT, handler)
+    except ValueError:  # a sub-interpreter has no signals
+        yield False
+        return
+    try:
+        yield True
+    finally:
+        signal.signal(signal.SIGINT, previous)
+
+
+def _run(function: Any, arguments: Tuple[Any, ...], options: _c_api.Options, out: Any, progress: Any) -> None:
+    raised: List[BaseException] = []
+
+    def on_progress(fraction: float, _user: Any) -> int:
+        try:
+            if not raised and progress is not None:
+                answer = progress(fraction)
+                return 1 if answer is None or answer else 0
+        except BaseException as error:
+            raised.append(error)
+        return 0 if raised else 1
+
+    with _storing_interrupts(raised) as storing:
+        if storing or progress is not None:
+            options.progress = _c_api.ProgressCallback(on_progress)
+        status = function(*arguments, ctypes.byref(options), out)
+    if raised:
+        try:
+            raise raised[0]
+        finally:
+            raised.clear()  # the traceback holds this frame, which holds the list
+    _raise_on_failure(status)
+
+
+def _tessellate(
+    tessellator: Optional[_Handle],
+    options: _c_api.Options,
+    points: Any,
+    box: Any,
+    want: Union[str, Iterable[str]],
+    walls: bool,
+    duplicates: str,
+    progress: Optional[Progress],
+) -> Tessellation:
+    array = _as_points(points)
+    wanted = _as_want(want)
+    options.want = sum(_c_api.WANT_BITS[word] for word in wanted)
+    options.walls = bool(walls)
+    if duplicates not in _c_api.DUPLICATES:
+        raise ValueError(f"duplicates is {duplicates!r}: the words are {', '.join(_c_api.DUPLICATES)}")
+    options.duplicates = _c_api.DUPLICATES[duplicates]
+    if box is not None:
+        lower, upper = _as_box(box)
+        options.has_box = 1
+        options.box_lower[:] = lower.tolist()
+        options.box_upper[:] = upper.tolist()
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress must be callable, not {type(progress).__name__}")
+
+    function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
+    result = _Handle(lib.votess_result_free)
+    arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
+    _run(function, arguments, options, ctypes.byref(result.pointer), progress)
+    return Tessellation(result, array, wanted)
+
+
+def tessellate(
+    points: npt.ArrayLike,
+    box: Optional[npt.ArrayLike] = None,
+    want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
+    walls: bool = False,
+    device: str = "auto",
+    threads: int = 0,
+    grid_resolution: int = 0,
+    duplicates: str = "merge",
+    progress: Optional[Progress] = None,
+) -> Tessellation:
+    """Voronoi cells of ``points`` in a box. The neighbor lists are exact for the coordinates as given.
+
+    Parameters
+    ----------
+    points : (N, 3) array of real numbers, any length unit; N may be 0.
+        float64 and float32 in C order are read in place; other arrays are converted, without loss. Not to be
+        changed by another thread meanwhile.
+    box : (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1)), the domain.
+        Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
+    want : words out of "neighbors", "volumes", "centroids", "counts", as a sequence or with commas in one string.
+    walls : list the walls of the box, -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, in the rows too.
+    device : "auto", "cpu", or an ``id`` out of :func:`devices`.
+    threads, grid_resolution : tuning, 0 = automatic. They change speed and memory, never the answer.
+    duplicates : "merge": the lowest index of equal points keeps the cell; "error": refuse them.
+    progress : called some ten times a second with the fraction done; returning False stops the run with
+        :class:`VotessError`, an exception stops it and goes on to the caller.
+
+    The GIL is released. Ctrl-C in the main thread stops the run and raises KeyboardInterrupt.
+
+    Raises
+    ------
+    ValueError : bad input; the message names the first offending index and value.
+    MemoryError, VotessError : the run failed.
+    """
+    options = _new_options(device, threads, grid_resolution)
+    return _tessellate(None, options, points, box, want, walls, duplicates, progress)
+
+
+class Tessellator:
+    """Keeps device, threads and buffers between calls. A context manager; otherwise freed with the object.
+
+    One call at a time: a second one, from another thread or from a progress callback, raises VotessError. Results
+    do not need the tessellator and outlive it.
+    """
+
+    def __init__(self, device: str = "auto", threads: int = 0, grid_resolution: int = 0) -> None:
+        self._options = _new_options(device, threads, grid_resolution)
+        self._lock = threading.Lock()
+        self._handle = _Handle(lib.votess_tessellator_free)
+        _raise_on_failure(lib.votess_tessellator_new(ctypes.byref(self._handle.pointer)))
+
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        if not self._lock.acquire(blocking=False):
+            raise VotessError("this Tessellator is in use by another call: use one per thread", ErrorCode.UNSUPPORTED)
+        try:
+            yield
+        finally:
+            self._lock.release()
+
+    def tessellate(
+        self,
+        points: npt.ArrayLike,
+        box: Optional[npt.ArrayLike] = None,
+        want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
+        walls: bool = False,
+        duplicates: str = "merge",
+        progress: Optional[Progress] = None,
+    ) -> Tessellation:
+        """As :func:`tessellate`. ValueError after :meth:`close`."""
+        with self._alone():
+            if not self._handle.pointer:
+                raise ValueError("this Tessellator is closed")
+            options = _c_api.Options.from_buffer_copy(self._options)  # its device text stays owned by the original
+            return _tessellate(self._handle, options, points, box, want, walls, duplicates, progress)
+
+    def close(self) -> None:
+        """Frees device and buffers. Harmless when repeated."""
+        with self._alone():
+            self._handle.free()
+
+    def __enter__(self) -> Tessellator:
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[type[BaseException]],
+        error: Optional[BaseException],
+        traceback: Optional[TracebackType],
+    ) -> None:
+        self.close()
+
+
+# ---- the result ----
+
+
+class Neighbors:
+    """The neighbor lists as rows of a compressed sparse row matrix, without its values.
+
+    ``neighbors[i]`` is the row of seed i: ascending ids, walls (negative) first. A slice gives a list of rows.
+    """
+
+    def __init__(self, indptr: Int64Array, indices: Int32Array) -> None:
+        self._indptr = indptr
+        self._indices = indices
+
+    @property
+    def indptr(self) -> Int64Array:
+        """(N+1,) int64: row i is ``indices[indptr[i]:indptr[i+1]]``."""
+        return self._indptr
+
+    @property
+    def indices(self) -> Int32Array:
+        """(indptr[N],) int32: ids of the neighbors."""
+        return self._indices
+
+    def __len__(self) -> int:
+        return len(self._indptr) - 1
+
+    @overload
+    def __getitem__(self, index: int) -> Int32Array: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> List[Int32Array]: ...
+
+    def __getitem__(self, index: Union[int, slice]) -> Union[Int32Array, List[Int32Array]]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        number = operator.index(index)
+        row = number + len(self) if number < 0 else number
+        if not 0 <= row < len(self):
+            raise IndexError(f"row {number} of {len(self)} rows")
+        return self._indices[self._indptr[row] : self._indptr[row + 1]]
+
+    def __iter__(self) -> Iterator[Int32Array]:
+        for i in range(len(self)):
+            yield self[i]
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.Neighbors: {len(self)} rows, {len(self._indices)} ids>"
+
+    def to_scipy(self) -> Any:
+        """The (N, N) adjacency matrix as a new scipy.sparse.csr_array of True. Walls are no seeds: they are dropped."""
+        from scipy.sparse import csr_array
+
+        is_seed = self._indices >= 0
+        seeds_before = np.concatenate(([0], np.cumsum(is_seed, dtype=np.int64)))
+        indices = self._indices[is_seed]
+        values = np.ones(len(indices), dtype=bool)
+        return csr_array((values, indices, seeds_before[self._indptr]), shape=(len(self), len(self)))
+
+
+@dataclass(frozen=True)
+class StageSeconds:
+    """Seconds of wall clock per stage. On the CPU ``knn`` and ``fallback`` are part of ``clip``."""
+
+    upload: float
+    sort: float
+    knn: float
+    clip: float
+    fallback: float
+    download: float
+    total: float
+
+
+@dataclass(frozen=True)
+class Stats:
+    """What a run did. ``dataclasses.asdict(stats)`` makes it a dict."""
+
+    device: str  #: name of the device that ran
+    points: int  #: N
+    faces: int  #: sum over cells of their number of faces, walls included
+    mean_faces: float  #: faces / cells that are not empty
+    volume_sum: float  #: sum of all volumes; 0 when volumes were not wanted
+    box_volume: float  #: volume of the domain
+    duplicates: int  #: seeds with status DUPLICATE
+    empty_cells: int  #: cells without interior, duplicates included
+    fallback_cells: int  #: cells redone on the CPU after another device
+    exact_cells: int  #: cells where exact arithmetic decided a sign
+    threads: int  #: CPU threads used
+    peak_memory_bytes: int  #: peak resident memory of the process so far
+    seconds: StageSeconds
+
+
+def _read_stats(result: _Handle) -> Stats:
+    c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
+    _raise_on_failure(lib.votess_result_stats(result.pointer, ctypes.byref(c_stats)))
+    fields: Dict[str, Any] = {name: getattr(c_stats, name) for name, _ in _c_api.Stats._fields_}
+    del fields["struct_size"]
+    fields["device"] = fields["device"].decode("utf-8", "replace")
+    stages = {name: fields.pop("seconds_" + name) for name in StageSeconds.__dataclass_fields__}
+    return Stats(seconds=StageSeconds(**stages), **fields)
+
+
+@dataclass(frozen=True)
+class VerifyReport:
+    """Outcome of :meth:`Tessellation.verify`. True when all checks that could be made passed."""
+
+    passed: bool
+    failure: str  #: one line on the first failed check; empty when passed
+    skipped: Tuple[str, ...]  #: checks whose arrays were not wanted: "volumes", "symmetry", "euler", "sample"
+
+    def __bool__(self) -> bool:
+        return self.passed
+
+
+class Tessellation:
+    """The cells of N seeds; rows follow the input order.
+
+    Arrays are read-only and lie in the library's memory, which lives as long as any of them. An array that was not
+    wanted raises AttributeError.
+    """
+
+    def __init__(self, result: _Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...]) -> None:
+        self._result = result
+        self._points = points
+        self._wanted = wanted
+        self._stats = _read_stats(result)
+        self._arrays: Dict[str, npt.NDArray[Any]] = {}
+        if "neighbors" in wanted:
+            self._neighbors = Neighbors(_array(result, "indptr", np.int64), _array(result, "indices", np.int32))
+        if "volumes" in wanted:
+            self._arrays["volumes"] = _array(result, "volumes", np.float64)
+        if "centroids" in wanted:
+            self._arrays["centroids"] = _array(result, "centroids", np.float64, columns=3)
+        if "counts" in wanted:
+            for name in ("face_counts", "edge_counts", "vertex_counts"):
+                self._arrays[name] = _array(result, name, np.uint32)
+        self._status = _array(result, "status", np.uint8)
+        duplicate_of = _array(result, "duplicate_of", np.int32)
+        self._duplicate_of = duplicate_of if len(duplicate_of) else None
+        lower, upper = (ctypes.c_double * 3)(), (ctypes.c_double * 3)()
+        _raise_on_failure(lib.votess_result_box(result.pointer, lower, upper))
+        self._box = np.array((lower, upper), dtype=np.float64)
+        self._box.flags.writeable = False
+
+    def _wanted_array(self, name: str, word: str) -> npt.NDArray[Any]:
+        if word not in self._wanted:
+            raise AttributeError(f"{name} was not computed: put {word!r} into want, which was {self._wanted}")
+        return self._arrays[name]
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.Tessellation of {len(self)} seeds: {', '.join(self._wanted) or 'status only'}>"
+
+    @property
+    def neighbors(self) -> Neighbors:
+        """Neighbor lists, N rows. Symmetric: i lists j exactly when j lists i."""
+        if "neighbors" not in self._wanted:
+            raise AttributeError(f"neighbors was not computed: put 'neighbors' into want, which was {self._wanted}")
+        return self._neighbors
+
+    @property
+    def volumes(self) -> Float64Array:
+        """(N,) float64, length unit cubed; 0 for a duplicate."""
+        return self._wanted_array("volumes", "volumes")
+
+    @property
+    def centroids(self) -> Float64Array:
+        """(N, 3) float64, centers of mass in the coordinates of the points; NaN for a duplicate."""
+        return self._wanted_array("centroids", "centroids")
+
+    @property
+    def face_counts(self) -> UInt32Array:
+        """(N,) uint32, faces of each cell, walls included."""
+        return self._wanted_array("face_counts", "counts")
+
+    @property
+    def edge_counts(self) -> UInt32Array:
+        """(N,) uint32, edges of each cell."""
+        return self._wanted_array("edge_counts", "counts")
+
+    @property
+    def vertex_counts(self) -> UInt32Array:
+        """(N,) uint32, vertices of each cell."""
+        return self._wanted_array("vertex_counts", "counts")
+
+    @property
+    def status(self) -> UInt8Array:
+        """(N,) uint8, values of :class:`CellStatus`."""
+        return self._status  # type: ignore[return-value]
+
+    @property
+    def duplicate_of(self) -> Optional[Int32Array]:
+        """(N,) int32: index of the seed that keeps the cell, -1 when not a duplicate. None when there is none."""
+        return self._duplicate_of
+
+    @property
+    def box(self) -> Float64Array:
+        """(2, 3) float64, lower and upper corner of the domain that was used."""
+        return self._box
+
+    @property
+    def lists_walls(self) -> bool:
+        """Whether the rows hold wall ids."""
+        return bool(lib.votess_result_lists_walls(self._result.pointer))
+
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """(N, 3) the points as they were read: the array given, if it needed no conversion. :meth:`verify` uses it."""
+        return self._points
+
+    @property
+    def stats(self) -> Stats:
+        """Counts and seconds per stage."""
+        return self._stats
+
+    def verify(self, sample: int = 64, rng_seed: int = 1) -> VerifyReport:
+        """Checks this result against its points.
+
+        Volumes sum to the box, neighbor lists are symmetric, Euler's formula holds, and ``sample`` cells drawn with
+        ``rng_seed`` equal cells cut anew by every seed. Checks whose arrays were not wanted are skipped.
+        """
+        points = np.ascontiguousarray(self._points, dtype=np.float64)
+        count = _as_count(sample, "sample", 8 * ctypes.sizeof(ctypes.c_size_t))
+        passed, skipped = ctypes.c_int(), ctypes.c_uint32()
+        failure = ctypes.create_string_buffer(1024)
+        _raise_on_failure(
+            lib.votess_verify(
+                self._result.pointer,
+                points.ctypes.data,
+                len(points),
+                count,
+                _as_count(rng_seed, "rng_seed", 64),
+                ctypes.byref(passed),
+                ctypes.byref(skipped),
+                failure,
+                len(failure),
+            )
+        )
+        names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
+        return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names)
+
+
+# ---- devices ----
+
+
+@dataclass(frozen=True)
+class DeviceInfo:
+    """A device that can run; ``id`` is what ``device=`` accepts."""
+
+    id: str
+    name: str
+    description: str  #: limits and features in one line
+
+
+def devices() -> List[DeviceInfo]:
+    """The devices of this machine that votess can use."""
+    found = []
+    for index in range(lib.votess_device_count()):
+        texts = [ctypes.create_string_buffer(size) for size in (256, 256, 4096)]
+        sized = [argument for text in texts for argument in (text, len(text))]
+        _raise_on_failure(lib.votess_device_info(index, *sized))
+        found.append(DeviceInfo(*(text.value.decode("utf-8", "replace") for text in texts)))
+    return found

@@ -1,0 +1,184 @@
+#include "arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <limits>
+
+#include "failure.hpp"
+#include "numbers.hpp"
+#include "output.hpp"
+
+namespace clvotess {
+namespace {
+
+// Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
+struct Typed {
+    std::optional<std::string> input, random, rng_seed, format, want, box, device, threads, grid_resolution, duplicates;
+    std::vector<std::string> outputs;
+    bool walls = false, verify = false, json = false, quiet = false;
+    bool help = false, version = false, list_devices = false;
+};
+
+Typed split_command_line(int count, const char* const* values) {
+    Typed typed;
+    CLI::App app;
+    app.set_help_flag();
+    app.add_option("INPUT", typed.input);
+    app.add_option("--random", typed.random);
+    app.add_option("--rng-seed", typed.rng_seed);
+    app.add_option("-o,--output", typed.outputs)->allow_extra_args(false);
+    app.add_option("--format", typed.format);
+    app.add_option("--want", typed.want);
+    app.add_option("--box", typed.box);
+    app.add_option("-x,--device", typed.device);
+    app.add_option("-t,--threads", typed.threads);
+    app.add_option("-g,--grid-resolution", typed.grid_resolution);
+    app.add_option("--duplicates", typed.duplicates);
+    const auto add_flag = [&app](const char* names, bool& flag) { app.add_flag(names, flag)->disable_flag_override(); };
+    add_flag("--walls", typed.walls);
+    add_flag("--verify", typed.verify);
+    add_flag("--json", typed.json);
+    add_flag("-q,--quiet", typed.quiet);
+    add_flag("-h,--help", typed.help);
+    add_flag("--version", typed.version);
+    add_flag("--list-devices", typed.list_devices);
+    try {
+        app.parse(count, values);
+    } catch (const CLI::ExtrasError&) {
+        const auto extras = app.remaining();
+        const std::string first = extras.empty() ? "" : extras.front();
+        if (first.starts_with('-')) throw bad_input("unknown option " + in_quotes(first) + ", see clvotess --help");
+        throw bad_input("one INPUT only, but " + in_quotes(first) + " is another");
+    } catch (const CLI::ParseError& error) {
+        throw bad_input(std::string(error.what()) + ", see clvotess --help");
+    }
+    return typed;
+}
+
+std::vector<std::string_view> split_at_commas(std::string_view list) {
+    std::vector<std::string_view> words;
+    for (;;) {
+        const auto comma = list.find(',');
+        words.push_back(list.substr(0, comma));
+        if (comma == std::string_view::npos) return words;
+        list.remove_prefix(comma + 1);
+    }
+}
+
+std::uint64_t whole_number(const char* option, const std::string& text, std::uint64_t largest) {
+    const auto value = read_uint64(text);
+    if (!value || *value > largest) {
+        throw bad_input(std::string(option) + " must be a whole number from 0 to " + std::to_string(largest) +
+                        ", not " + in_quotes(text));
+    }
+    return *value;
+}
+
+votess::Want read_want(const std::string& list) {
+    votess::Want want{.neighbors = false, .volumes = false, .centroids = false, .counts = false};
+    for (const std::string_view word : split_at_commas(list)) {
+        if (word == "neighbors") {
+            want.neighbors = true;
+        } else if (word == "volumes") {
+            want.volumes = true;
+        } else if (word == "centroids") {
+            want.centroids = true;
+        } else {
+            throw bad_input("--want has the word " + in_quotes(word) +
+                            ", this version knows neighbors, volumes and centroids");
+        }
+    }
+    return want;
+}
+
+votess::Box read_box(const std::string& text) {
+    const auto fields = split_at_commas(text);
+    if (fields.size() != 6) {
+        throw bad_input("--box must be six numbers x0,y0,z0,x1,y1,z1, not " + in_quotes(text));
+    }
+    double numbers[6] = {};
+    for (std::size_t i = 0; i < 6; ++i) {
+        const auto number = read_double(fields[i]);
+        if (!number) throw bad_input("--box " + in_quotes(text) + ": " + in_quotes(fields[i]) + " is not a number");
+        numbers[i] = *number;
+    }
+    return {.lower = {numbers[0], numbers[1], numbers[2]}, .upper = {numbers[3], numbers[4], numbers[5]}};
+}
+
+std::string read_device(const std::string& device) {
+    if (device == "auto" || device == "cpu") return device;
+    throw bad_input("--device " + in_quotes(device) +
+                    " is not known: this version has the CPU engine only (auto or cpu)");
+}
+
+votess::Duplicates read_duplicates(const std::string& word) {
+    if (word == "merge") return votess::Duplicates::merge;
+    if (word == "error") return votess::Duplicates::error;
+    throw bad_input("--duplicates must be merge or error, not " + in_quotes(word));
+}
+
+void read_source(const Typed& typed, Arguments& arguments) {
+    if (typed.input && typed.random) throw bad_input("give either INPUT or --random N, not both");
+    if (!typed.input && !typed.random) {
+        throw bad_input("nothing to do: give INPUT or --random N, see clvotess --help");
+    }
+    if (typed.rng_seed && !typed.random) throw bad_input("--rng-seed goes with --random N only");
+    if (typed.input) {
+        if (typed.input->empty()) throw bad_input("INPUT is empty: give a file, or - for stdin");
+        arguments.input = *typed.input;
+    }
+    if (typed.random) {
+        arguments.random_count = whole_number("--random", *typed.random, std::numeric_limits<std::int32_t>::max());
+        arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, 1}};
+    }
+    if (typed.rng_seed) {
+        arguments.rng_seed = whole_number("--rng-seed", *typed.rng_seed, std::numeric_limits<std::uint64_t>::max());
+    }
+}
+
+void read_outputs(const Typed& typed, Arguments& arguments) {
+    arguments.outputs = typed.outputs;
+    check_outputs(arguments.outputs, arguments.input);
+    const bool text = std::any_of(arguments.outputs.begin(), arguments.outputs.end(), is_text_output);
+    if (typed.format) {
+        if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
+        arguments.format = TextFormat(*typed.format);
+    }
+    const bool to_stdout = std::count(arguments.outputs.begin(), arguments.outputs.end(), "-") > 0;
+    if (to_stdout && typed.json) throw bad_input("-o - and --json both go to stdout: give the output a file name");
+    if (typed.want) arguments.wanted = read_want(*typed.want);
+    if (text) arguments.format.add_needs(arguments.wanted);
+}
+
+}  // namespace
+
+Arguments read_arguments(int count, const char* const* values) {
+    const Typed typed = split_command_line(count, values);
+    Arguments arguments;
+    arguments.help = typed.help;
+    arguments.version = typed.version;
+    arguments.list_devices = typed.list_devices;
+    if (arguments.help || arguments.version || arguments.list_devices) return arguments;
+
+    arguments.verify = typed.verify;
+    arguments.json = typed.json;
+    arguments.quiet = typed.quiet;
+    votess::Options& options = arguments.options;
+    if (typed.device) options.device = read_device(*typed.device);
+    if (typed.threads) options.threads = static_cast<unsigned>(whole_number("--threads", *typed.threads, 1024));
+    if (typed.grid_resolution) {
+        options.grid_resolution =
+            static_cast<unsigned>(whole_number("--grid-resolution", *typed.grid_resolution, 1u << 20));
+    }
+    if (typed.duplicates) options.duplicates = read_duplicates(*typed.duplicates);
+    options.walls = typed.walls;
+    read_source(typed, arguments);
+    if (typed.box) options.box = read_box(*typed.box);
+    read_outputs(typed, arguments);
+
+    options.want = arguments.wanted;
+    if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
+    return arguments;
+}
+
+}  // namespace clvotess

@@ -1,0 +1,40 @@
+// The command line, read and checked.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+#include <votess/votess.hpp>
+
+#include "text_format.hpp"
+
+namespace clvotess {
+
+struct Arguments {
+    std::string input;  // file or "-"; empty with --random
+    std::optional<std::uint64_t> random_count;
+    std::uint64_t rng_seed = 1;
+
+    std::vector<std::string> outputs;
+    TextFormat format{"%i %n"};
+
+    // Arrays that the user or an output wants, and the options of the run, where --verify may add to `options.want`.
+    votess::Want wanted;
+    votess::Options options;
+
+    bool verify = false;
+    bool json = false;
+    bool quiet = false;
+
+    bool help = false;
+    bool version = false;
+    bool list_devices = false;
+};
+
+// Throws Failure with exit_code::bad_input. After --help, --version or --list-devices nothing else is checked.
+[[nodiscard]] Arguments read_arguments(int count, const char* const* values);
+
+extern const char* const help_text;
+
+}  // namespace clvotess

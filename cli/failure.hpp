@@ -1,0 +1,38 @@
+// How clvotess fails: one exception type that carries the exit code, one line of text for the user.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace clvotess {
+
+namespace exit_code {
+inline constexpr int done = 0;
+inline constexpr int runtime_failure = 1;      // disk full, out of memory
+inline constexpr int bad_input = 2;            // bad usage or input: the user can mend it
+inline constexpr int verification_failed = 3;  // --verify
+inline constexpr int signal_base = 128;        // plus the signal number, as shells do
+}  // namespace exit_code
+
+class Failure : public std::runtime_error {
+public:
+    Failure(int code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    [[nodiscard]] int code() const noexcept { return code_; }
+
+private:
+    int code_;
+};
+
+[[nodiscard]] inline Failure bad_input(const std::string& message) {
+    return {exit_code::bad_input, message};
+}
+[[nodiscard]] inline Failure runtime_failure(const std::string& message) {
+    return {exit_code::runtime_failure, message};
+}
+
+// Text of the user for a message: in quotes, cut when long, control bytes shown as \xNN so that the message stays
+// one line.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+}  // namespace clvotess

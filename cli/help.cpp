@@ -1,0 +1,76 @@
+#include "arguments.hpp"
+
+namespace clvotess {
+
+const char* const help_text = R"(clvotess: exact 3D Voronoi tessellation
+
+usage: clvotess INPUT [options]                     tessellate the points of INPUT
+       clvotess --random N [--rng-seed S] [options]   N uniform points in the unit box instead
+
+Prints a short summary and writes the files that -o names.
+
+input
+  INPUT                  .xyz .txt .csv  text rows `x y z` or `id x y z`, separated by blanks, tabs,
+                                         commas or semicolons; # begins a comment; ids are whole
+                                         numbers. A .csv may begin with a line of names; an .xyz may
+                                         have the classic layout (count, comment, `Element x y z`).
+                         .npy            NumPy array (N, 3), float64 or float32
+                         -               text on stdin
+  --random N             N uniform points in the box 0..1 (domain: that box, unless --box is given)
+  --rng-seed S           which random points; default 1, the same points on every machine
+
+domain
+  --box x0,y0,z0,x1,y1,z1
+                         default: bounds of the points, each side moved out by half of
+                         (longest side / cbrt(N)); a point outside a given box is an error
+  --duplicates merge|error
+                         points of equal coordinates: the first keeps the cell, the others get an
+                         empty one (merge, the default), or the input is refused (error)
+
+output
+  -o, --output FILE      .txt   one row per point, in the order of the input, see --format
+                         .npz   NumPy arrays: indptr, indices (row i of the neighbor lists is
+                                indices[indptr[i]:indptr[i+1]]), volumes, centroids, status,
+                                duplicate_of when there are duplicates
+                         -      text on stdout
+                         Repeatable. A file is written whole or not at all. A device or a pipe
+                         without an extension, such as /dev/null, gets text.
+  --format FMT           text row, with the codes of Voro++; default "%i %n"
+                           %i  id: that of the input, else the index from 0
+                           %x %y %z  coordinates         %q  the three: "x y z"
+                           %w  number of vertices        %s  number of faces, walls included
+                           %n  ids of the neighbors      %v  volume
+                           %c  centroid relative to the point: "x y z"
+                           %%  a percent sign
+                         Numbers have the fewest digits that read back as the same float64.
+  --want LIST            of neighbors,volumes,centroids; default neighbors,volumes;
+                         an output that needs more adds it
+  --walls                list the walls of the box too, as neighbors -1 to -6 = xmin, xmax, ymin,
+                         ymax, zmin, zmax
+  --json                 the summary as one JSON object on stdout
+  -q, --quiet            no summary, no progress bar
+
+run
+  -x, --device auto|cpu  this version has the CPU engine only: both name it
+  -t, --threads N        CPU threads; default 0 = all
+  -g, --grid-resolution N
+                         blocks along an axis of the sorting grid; default 0 = automatic; changes
+                         speed and memory, never the answer
+  --verify               check the result: volume sum, symmetry of the neighbors, Euler's formula,
+                         and a sample of cells against every point. If it fails, no file is
+                         written and the exit code is 3
+
+  --list-devices         what -x accepts
+  --version              the version
+  -h, --help             this text
+
+units: lengths are those of the input, volumes their cube; times in the summary are seconds.
+
+exit codes: 0 done, 1 run-time failure (disk full, out of memory), 2 bad usage or input,
+            3 verification failed, 130 stopped by Ctrl-C
+
+example: the volume and the neighbors of each of a million random points
+  clvotess --random 1000000 -o cells.txt --format "%i %q %v %n"
+)";
+
+}  // namespace clvotess

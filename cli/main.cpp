@@ -1,0 +1,160 @@
+// clvotess: read, tessellate, check, write, tell.
+#include <fcntl.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <string>
+#include <votess/votess.hpp>
+
+#include "arguments.hpp"
+#include "failure.hpp"
+#include "input.hpp"
+#include "interrupt.hpp"
+#include "output.hpp"
+#include "progress.hpp"
+#include "summary.hpp"
+
+namespace clvotess {
+namespace {
+
+using Clock = Progress::Clock;
+
+double seconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+void print(const std::string& text) {
+    OutputFile("-").write(text);
+}
+
+void print_devices() {
+    std::string text;
+    for (const votess::DeviceInfo& device : votess::devices()) {
+        text += device.id + "  " + device.name + "  " + device.description + "\n";
+    }
+    print(text);
+}
+
+votess::Tessellation tessellate(const Input& input, const Arguments& arguments, Clock::time_point run_began) {
+    const InterruptGuard guard;
+    Progress progress(!arguments.quiet, run_began);
+    votess::Options options = arguments.options;
+    options.progress = [&progress](double fraction) {
+        progress.show(fraction);
+        return interrupting_signal() == 0;
+    };
+    try {
+        votess::Tessellation tessellation = votess::tessellate(std::span<const double>(input.points), options);
+        throw_if_interrupted();
+        return tessellation;
+    } catch (const votess::Error& error) {
+        if (error.code() == votess::ErrorCode::cancelled) throw_if_interrupted();
+        throw;
+    }
+}
+
+void tell(const Summary& summary, const Arguments& arguments) {
+    if (arguments.json) {
+        print(json_summary(summary));
+    } else if (!arguments.quiet) {
+        bool stdout_taken = false;
+        for (const std::string& path : arguments.outputs) stdout_taken |= path == "-";
+        if (stdout_taken) {
+            std::fputs(plain_summary(summary).c_str(), stderr);
+        } else {
+            print(plain_summary(summary));
+        }
+    }
+}
+
+int run(const Arguments& arguments) {
+    const auto run_began = Clock::now();
+    Summary summary;
+    const Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
+                                               : read_input(arguments.input);
+    summary.seconds_read = seconds_since(run_began);
+
+    const votess::Tessellation tessellation = tessellate(input, arguments, run_began);
+    summary.stats = tessellation.stats();
+    summary.has_volumes = arguments.wanted.volumes;
+
+    std::string failure;
+    if (arguments.verify) {
+        votess::VerifyReport report = votess::verify(tessellation, input.points);
+        summary.verified = report.passed;
+        summary.checks_skipped = std::move(report.skipped);
+        if (!report.passed) failure = "verification failed, no file was written: " + report.failure;
+    }
+
+    if (failure.empty()) {
+        const auto write_began = Clock::now();
+        const InterruptGuard guard;
+        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format});
+        summary.seconds_write = seconds_since(write_began);
+    }
+    summary.seconds_total = seconds_since(run_began);
+    tell(summary, arguments);
+    if (!failure.empty()) throw Failure(exit_code::verification_failed, failure);
+    return exit_code::done;
+}
+
+int exit_code_of(votess::ErrorCode code) {
+    const bool users = code == votess::ErrorCode::invalid_argument || code == votess::ErrorCode::unsupported;
+    return users ? exit_code::bad_input : exit_code::runtime_failure;
+}
+
+int complain(int code, std::string message) {
+    for (char& c : message) {
+        if (c == '\n' || c == '\r') c = ' ';
+    }
+    std::fprintf(stderr, "clvotess: %s\n", message.c_str());
+    return code;
+}
+
+int main_inside(int count, const char* const* values) {
+    try {
+        const Arguments arguments = read_arguments(count, values);
+        if (arguments.help) {
+            print(help_text);
+        } else if (arguments.version) {
+            print("clvotess " VOTESS_VERSION_STRING "\n");
+        } else if (arguments.list_devices) {
+            print_devices();
+        } else {
+            return run(arguments);
+        }
+        return exit_code::done;
+    } catch (const Failure& failure) {
+        return complain(failure.code(), failure.what());
+    } catch (const Interrupted& interrupted) {
+        return complain(exit_code::signal_base + interrupted.signal(), interrupted.what());
+    } catch (const votess::Error& error) {
+        return complain(exit_code_of(error.code()), error.what());
+    } catch (const std::bad_alloc&) {
+        return complain(exit_code::runtime_failure, "out of memory");
+    } catch (const std::exception& error) {
+        return complain(exit_code::runtime_failure, error.what());
+    }
+}
+
+// A standard stream that the parent closed would lend its number to the first file opened here, and messages would
+// end up in it. Read-only, so that writing to it still fails.
+void fill_standard_streams() {
+    for (int descriptor = 0; descriptor <= 2; ++descriptor) {
+        if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
+    }
+}
+
+}  // namespace
+}  // namespace clvotess
+
+int main(int argc, char** argv) {
+    clvotess::fill_standard_streams();
+    std::signal(SIGPIPE, SIG_IGN);  // a reader that left is a write error, so that temporary files are removed
+    return clvotess::main_inside(argc, argv);
+}

@@ -1,0 +1,118 @@
+#include "summary.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "numbers.hpp"
+
+namespace clvotess {
+namespace {
+
+using Stages = std::array<std::pair<const char*, double>, 9>;
+
+Stages stages_of(const Summary& summary) {
+    const votess::StageSeconds& seconds = summary.stats.seconds;
+    return {{{"total", summary.seconds_total},
+             {"read", summary.seconds_read},
+             {"upload", seconds.upload},
+             {"sort", seconds.sort},
+             {"knn", seconds.knn},
+             {"clip", seconds.clip},
+             {"fallback", seconds.fallback},
+             {"download", seconds.download},
+             {"write", summary.seconds_write}}};
+}
+
+std::string rounded(const char* format, double value) {
+    char text[64];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+
+std::string json_number(double value) {
+    return std::isfinite(value) ? to_text(value) : "null";
+}
+
+std::string json_string(const std::string& text) {
+    std::string result = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') {
+            result += {'\\', c};
+        } else if (static_cast<unsigned char>(c) < 0x20) {
+            char code[8];
+            std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(c));
+            result += code;
+        } else {
+            result += c;
+        }
+    }
+    return result + "\"";
+}
+
+}  // namespace
+
+std::string plain_summary(const Summary& summary) {
+    const votess::Stats& stats = summary.stats;
+    std::string text;
+    const auto line = [&text](std::string name, const std::string& value) {
+        name.resize(14, ' ');
+        text += name + value + "\n";
+    };
+    line("points", std::to_string(stats.points));
+    line("mean faces", rounded("%.4f", stats.mean_faces));
+    if (summary.has_volumes) {
+        const double error =
+            stats.box_volume > 0 ? std::abs(stats.volume_sum - stats.box_volume) / stats.box_volume : 0;
+        line("volume sum", rounded("%.10g", stats.volume_sum) + " of the box's " + rounded("%.10g", stats.box_volume) +
+                               ", relative difference " + rounded("%.1e", error));
+    }
+    if (stats.duplicates > 0) line("duplicates", std::to_string(stats.duplicates));
+    if (stats.empty_cells > 0) line("empty cells", std::to_string(stats.empty_cells));
+    if (stats.fallback_cells > 0) line("fallback", std::to_string(stats.fallback_cells) + " cells");
+    line("exact", std::to_string(stats.exact_cells) + " cells needed exact arithmetic");
+    if (summary.verified) {
+        std::string result = *summary.verified ? "yes" : "NO";
+        for (const std::string& check : summary.checks_skipped) result += ", without " + check;
+        line("verified", result);
+    }
+    line("device",
+         stats.device + (stats.threads == 1 ? ", 1 thread" : ", " + std::to_string(stats.threads) + " threads"));
+    std::string times;
+    for (const auto& [name, seconds] : stages_of(summary)) {
+        if (seconds > 0) times += (times.empty() ? "" : "  ") + std::string(name) + " " + rounded("%.3f", seconds);
+    }
+    line("seconds", times);
+    line("peak memory", rounded("%.1f MiB", static_cast<double>(stats.peak_memory_bytes) / (1024.0 * 1024.0)));
+    return text;
+}
+
+std::string json_summary(const Summary& summary) {
+    const votess::Stats& stats = summary.stats;
+    std::string text = "{";
+    const auto member = [&text](const char* name, const std::string& value) {
+        if (text.back() != '{') text += ", ";
+        text += json_string(name) + ": " + value;
+    };
+    member("version", json_string(VOTESS_VERSION_STRING));
+    member("device", json_string(stats.device));
+    member("points", std::to_string(stats.points));
+    member("faces", std::to_string(stats.faces));
+    member("mean_faces", json_number(stats.mean_faces));
+    member("volume_sum", summary.has_volumes ? json_number(stats.volume_sum) : "null");
+    member("box_volume", json_number(stats.box_volume));
+    member("duplicates", std::to_string(stats.duplicates));
+    member("empty_cells", std::to_string(stats.empty_cells));
+    member("fallback_cells", std::to_string(stats.fallback_cells));
+    member("exact_cells", std::to_string(stats.exact_cells));
+    member("threads", std::to_string(stats.threads));
+    text += ", \"seconds\": {";
+    for (const auto& [name, seconds] : stages_of(summary)) member(name, json_number(seconds));
+    text += "}";
+    member("peak_memory_bytes", std::to_string(stats.peak_memory_bytes));
+    member("verified", !summary.verified ? "null" : *summary.verified ? "true" : "false");
+    return text + "}\n";
+}
+
+}  // namespace clvotess

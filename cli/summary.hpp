@@ -1,0 +1,22 @@
+// What a run tells at its end, for people or as JSON.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+#include <votess/votess.hpp>
+
+namespace clvotess {
+
+struct Summary {
+    votess::Stats stats;
+    bool has_volumes = false;
+    double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the stages between are in stats
+    std::optional<bool> verified;                                   // nothing when not asked
+    std::vector<std::string> checks_skipped;
+};
+
+[[nodiscard]] std::string plain_summary(const Summary& summary);
+[[nodiscard]] std::string json_summary(const Summary& summary);  // one line
+
+}  // namespace clvotess

@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <thread>
+
+#include "cpu/cpu_engine.hpp"
+#include "cpu/kernels.hpp"
+#include "pipeline.hpp"
+#include "result.hpp"
+#include "votess/votess.hpp"
+
+namespace votess {
+namespace {
+
+template <class T>
+std::span<const T> view(const std::vector<T>& v) {
+    return {v.data(), v.size()};
+}
+
+}  // namespace
+
+namespace detail {
+struct TessellatorState {
+    cpu::CpuEngine engine;
+};
+}  // namespace detail
+
+Tessellation::Tessellation() {
+    auto empty = std::make_shared<detail::Result>();
+    empty->indptr.assign(1, 0);
+    result_ = std::move(empty);
+}
+Tessellation::Tessellation(std::shared_ptr<const detail::Result> result) : result_(std::move(result)) {}
+
+std::size_t Tessellation::size() const noexcept { return result_->status.size(); }
+std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexcept {
+    const auto& p = result_->indptr;
+    if (i + 1 >= p.size()) return {};
+    return view(result_->indices).subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
+}
+std::span<const std::int64_t> Tessellation::indptr() const noexcept { return view(result_->indptr); }
+std::span<const std::int32_t> Tessellation::indices() const noexcept { return view(result_->indices); }
+std::span<const double> Tessellation::volumes() const noexcept { return view(result_->volumes); }
+std::span<const double> Tessellation::centroids() const noexcept { return view(result_->centroids); }
+std::span<const std::uint32_t> Tessellation::face_counts() const noexcept { return view(result_->face_counts); }
+std::span<const std::uint32_t> Tessellation::edge_counts() const noexcept { return view(result_->edge_counts); }
+std::span<const std::uint32_t> Tessellation::vertex_counts() const noexcept { return view(result_->vertex_counts); }
+std::span<const CellStatus> Tessellation::status() const noexcept { return view(result_->status); }
+std::span<const std::int32_t> Tessellation::duplicate_of() const noexcept { return view(result_->duplicate_of); }
+const Box& Tessellation::box() const noexcept { return result_->box; }
+bool Tessellation::lists_walls() const noexcept { return result_->lists_walls; }
+const Stats& Tessellation::stats() const noexcept { return result_->stats; }
+
+Tessellator::Tessellator() : state_(std::make_unique<detail::TessellatorState>()) {}
+Tessellator::~Tessellator() = default;
+Tessellator::Tessellator(Tessellator&&) noexcept = default;
+Tessellator& Tessellator::operator=(Tessellator&&) noexcept = default;
+
+namespace {
+
+Tessellation run(const Points& points, const Options& options, Engine& engine) {
+    try {
+        auto result = std::make_shared<detail::Result>(run_pipeline(points, options, engine));
+        if (options.log) {
+            const Stats& s = result->stats;
+            options.log("tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
+                        std::to_string(s.seconds.total) + " s");
+        }
+        return Tessellation(std::move(result));
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory,
+                    "out of memory while tessellating " + std::to_string(points.count()) + " seeds");
+    } catch (const std::length_error&) {
+        throw Error(ErrorCode::out_of_memory,
+                    "out of memory while tessellating " + std::to_string(points.count()) + " seeds");
+    }
+}
+
+}  // namespace
+
+Tessellation Tessellator::tessellate(std::span<const double> points, const Options& options) {
+    return run({points, {}}, options, state_->engine);
+}
+Tessellation Tessellator::tessellate(std::span<const float> points, const Options& options) {
+    return run({{}, points}, options, state_->engine);
+}
+
+Tessellation tessellate(std::span<const double> points, const Options& options) {
+    return Tessellator().tessellate(points, options);
+}
+Tessellation tessellate(std::span<const float> points, const Options& options) {
+    return Tessellator().tessellate(points, options);
+}
+
+std::vector<DeviceInfo> devices() {
+    const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+    return {{"cpu", "CPU",
+             std::to_string(threads) + (threads == 1 ? " thread, " : " threads, ") + cpu::best_kernels().name +
+                 " instructions, exact in double precision"}};
+}
+
+}  // namespace votess

@@ -1,0 +1,416 @@
+// The C interface: votess.h over votess.hpp. The only catch-all wall of votess; no exception passes it.
+#include <votess/votess.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <new>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+#include <votess/votess.hpp>
+
+struct votess_tessellator {
+    votess::Tessellator tessellator;
+};
+
+struct votess_result {
+    votess::Tessellation tessellation;
+};
+
+namespace {
+
+template <typename Enum>
+constexpr bool same(int c_value, Enum value) {
+    return c_value == static_cast<int>(value);
+}
+
+static_assert(same(VOTESS_ERROR_INVALID_ARGUMENT, votess::ErrorCode::invalid_argument));
+static_assert(same(VOTESS_ERROR_OUT_OF_MEMORY, votess::ErrorCode::out_of_memory));
+static_assert(same(VOTESS_ERROR_CANCELLED, votess::ErrorCode::cancelled));
+static_assert(same(VOTESS_ERROR_UNSUPPORTED, votess::ErrorCode::unsupported));
+static_assert(same(VOTESS_ERROR_INTERNAL, votess::ErrorCode::internal));
+static_assert(same(VOTESS_CELL_CERTIFIED, votess::CellStatus::certified));
+static_assert(same(VOTESS_CELL_NEEDS_EXACT, votess::CellStatus::needs_exact));
+static_assert(same(VOTESS_CELL_PLANE_OVERFLOW, votess::CellStatus::plane_overflow));
+static_assert(same(VOTESS_CELL_VERTEX_OVERFLOW, votess::CellStatus::vertex_overflow));
+static_assert(same(VOTESS_CELL_CANDIDATES_EXHAUSTED, votess::CellStatus::candidates_exhausted));
+static_assert(same(VOTESS_CELL_DUPLICATE, votess::CellStatus::duplicate));
+static_assert(same(VOTESS_CELL_EMPTY, votess::CellStatus::empty));
+static_assert(same(VOTESS_CELL_OUTSIDE, votess::CellStatus::outside));
+static_assert(same(VOTESS_DUPLICATES_MERGE, votess::Duplicates::merge));
+static_assert(same(VOTESS_DUPLICATES_ERROR, votess::Duplicates::error));
+// The status bytes are handed out as they lie in memory.
+static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t));
+
+constexpr std::uint32_t known_want_bits =
+    VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_COUNTS;
+
+// Up to the last field of the first release. These never change; fields added later lie beyond.
+constexpr std::size_t first_options_size = offsetof(votess_options, log_user) + sizeof(votess_options::log_user);
+constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
+
+// The last failure of each thread. The one variable that outlives a call: thread-local, so that no thread sees or
+// changes another's, and of fixed size, so that telling of exhausted memory takes none.
+thread_local char last_error[1024] = "";
+
+// Copies what fits, never half a UTF-8 character.
+void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept {
+    if (out_size == 0) return;
+    std::size_t length = text.size();
+    if (length >= out_size) {
+        length = out_size - 1;
+        while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0u) == 0x80u) --length;
+    }
+    std::copy_n(text.data(), length, out);
+    out[length] = '\0';
+}
+
+void set_last_error(std::string_view message) noexcept {
+    copy_text(message, last_error, sizeof last_error);
+}
+
+[[noreturn]] void refuse(const std::string& message) {
+    throw votess::Error(votess::ErrorCode::invalid_argument, message);
+}
+
+template <typename Function>
+votess_status guarded(Function&& function) noexcept {
+    try {
+        function();
+        return VOTESS_OK;
+    } catch (const votess::Error& error) {
+        set_last_error(error.what());
+        return static_cast<votess_status>(error.code());
+    } catch (const std::bad_alloc&) {
+        set_last_error("out of memory");
+        return VOTESS_ERROR_OUT_OF_MEMORY;
+    } catch (const std::exception& error) {
+        std::snprintf(last_error, sizeof last_error, "internal error, please report it: %s", error.what());
+        return VOTESS_ERROR_INTERNAL;
+    } catch (...) {
+        set_last_error("internal error, please report it: an exception of unknown type");
+        return VOTESS_ERROR_INTERNAL;
+    }
+}
+
+void require(const void* pointer, const char* name) {
+    if (pointer == nullptr) refuse(std::string(name) + " is NULL");
+}
+
+void require_text_buffer(const char* buffer, std::size_t size, const char* name) {
+    if (buffer == nullptr && size != 0) {
+        refuse(std::string(name) + " is NULL but its size is " + std::to_string(size) + ": give 0");
+    }
+}
+
+void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy) {
+    if (size >= smallest) return;
+    refuse(std::string(name) + " is " + std::to_string(size) + ", but the smallest known is " +
+           std::to_string(smallest) + ": " + remedy);
+}
+
+votess_options default_options() {
+    const votess::Options defaults;
+    votess_options options{};
+    options.struct_size = sizeof(votess_options);
+    options.want =
+        (defaults.want.neighbors ? VOTESS_WANT_NEIGHBORS : 0u) | (defaults.want.volumes ? VOTESS_WANT_VOLUMES : 0u) |
+        (defaults.want.centroids ? VOTESS_WANT_CENTROIDS : 0u) | (defaults.want.counts ? VOTESS_WANT_COUNTS : 0u);
+    options.walls = defaults.walls ? 1 : 0;
+    options.duplicates = static_cast<std::int32_t>(defaults.duplicates);
+    options.threads = defaults.threads;
+    options.grid_resolution = defaults.grid_resolution;
+    return options;
+}
+
+votess::Options convert_options(const votess_options* given) {
+    if (given == nullptr) return {};
+    require_struct_size(given->struct_size, first_options_size, "options.struct_size",
+                        "call votess_options_init first");
+    votess_options c_options = default_options();
+    std::memcpy(&c_options, given, std::min<std::size_t>(given->struct_size, sizeof c_options));
+
+    if (const std::uint32_t unknown = c_options.want & ~known_want_bits; unknown != 0) {
+        refuse("options.want is " + std::to_string(c_options.want) + ": its bits " + std::to_string(unknown) +
+               " are unknown; combine VOTESS_WANT_* bits");
+    }
+    if (c_options.duplicates != VOTESS_DUPLICATES_MERGE && c_options.duplicates != VOTESS_DUPLICATES_ERROR) {
+        refuse("options.duplicates is " + std::to_string(c_options.duplicates) +
+               ": use VOTESS_DUPLICATES_MERGE or VOTESS_DUPLICATES_ERROR");
+    }
+    if (c_options.reserved != 0) {
+        refuse("options.reserved is " + std::to_string(c_options.reserved) + ": it must be 0");
+    }
+
+    votess::Options options;
+    if (c_options.has_box != 0) {
+        votess::Box box;
+        std::copy_n(c_options.box_lower, 3, box.lower.begin());
+        std::copy_n(c_options.box_upper, 3, box.upper.begin());
+        options.box = box;
+    }
+    options.walls = c_options.walls != 0;
+    options.want.neighbors = (c_options.want & VOTESS_WANT_NEIGHBORS) != 0;
+    options.want.volumes = (c_options.want & VOTESS_WANT_VOLUMES) != 0;
+    options.want.centroids = (c_options.want & VOTESS_WANT_CENTROIDS) != 0;
+    options.want.counts = (c_options.want & VOTESS_WANT_COUNTS) != 0;
+    options.duplicates = static_cast<votess::Duplicates>(c_options.duplicates);
+    if (c_options.device != nullptr) options.device = c_options.device;
+    options.threads = c_options.threads;
+    options.grid_resolution = c_options.grid_resolution;
+    if (c_options.progress != nullptr) {
+        options.progress = [callback = c_options.progress, user = c_options.progress_user](double fraction) {
+            return callback(fraction, user) != 0;
+        };
+    }
+    if (c_options.log != nullptr) {
+        options.log = [callback = c_options.log, user = c_options.log_user](std::string_view message) {
+            callback(std::string(message).c_str(), user);
+        };
+    }
+    return options;
+}
+
+template <typename Coordinate>
+std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count) {
+    if (points == nullptr && count != 0) refuse("points is NULL but count is " + std::to_string(count));
+    if (count > std::numeric_limits<std::size_t>::max() / (3 * sizeof(Coordinate))) {
+        refuse("count is " + std::to_string(count) + ": so many points do not fit into memory");
+    }
+    return {points, 3 * count};
+}
+
+template <typename Coordinate>
+votess_status tessellate(votess_tessellator* tessellator, const Coordinate* points, std::size_t count,
+                         const votess_options* options, votess_result** out) noexcept {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        const std::span<const Coordinate> input = coordinates(points, count);
+        const votess::Options converted = convert_options(options);
+        *out = new votess_result{tessellator != nullptr ? tessellator->tessellator.tessellate(input, converted)
+                                                        : votess::tessellate(input, converted)};
+    });
+}
+
+template <typename Element>
+const Element* expose(const votess_result* result, std::size_t* length,
+                      std::span<const Element> (votess::Tessellation::*array)() const noexcept) noexcept {
+    std::span<const Element> elements;
+    if (result != nullptr) {
+        elements = (result->tessellation.*array)();
+    } else {
+        set_last_error("result is NULL");
+    }
+    if (length != nullptr) *length = elements.size();
+    return elements.empty() ? nullptr : elements.data();
+}
+
+std::uint32_t check_bit(std::string_view name) {
+    if (name == "volumes") return VOTESS_CHECK_VOLUMES;
+    if (name == "symmetry") return VOTESS_CHECK_SYMMETRY;
+    if (name == "euler") return VOTESS_CHECK_EULER;
+    if (name == "sample") return VOTESS_CHECK_SAMPLE;
+    throw votess::Error(votess::ErrorCode::internal, "verify skipped an unknown check: " + std::string(name));
+}
+
+}  // namespace
+
+uint32_t votess_version(void) {
+    return VOTESS_VERSION_MAJOR * 1000000u + VOTESS_VERSION_MINOR * 1000u + VOTESS_VERSION_PATCH;
+}
+
+const char* votess_version_string(void) {
+    return VOTESS_VERSION_STRING;
+}
+
+size_t votess_sizeof_options(void) {
+    return sizeof(votess_options);
+}
+
+size_t votess_sizeof_stats(void) {
+    return sizeof(votess_stats);
+}
+
+const char* votess_last_error(void) {
+    return last_error;
+}
+
+votess_status votess_options_init(votess_options* options, size_t size) {
+    return guarded([&] {
+        require(options, "options");
+        require_struct_size(size, first_options_size, "size", "give sizeof(votess_options)");
+        votess_options defaults = default_options();
+        defaults.struct_size = static_cast<std::uint32_t>(std::min(size, sizeof defaults));
+        std::memcpy(options, &defaults, defaults.struct_size);
+    });
+}
+
+votess_status votess_tessellator_new(votess_tessellator** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        *out = new votess_tessellator{};
+    });
+}
+
+void votess_tessellator_free(votess_tessellator* tessellator) {
+    delete tessellator;
+}
+
+votess_status votess_tessellate(votess_tessellator* tessellator, const double* points, size_t count,
+                                const votess_options* options, votess_result** out) {
+    return tessellate(tessellator, points, count, options, out);
+}
+
+votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
+                                    const votess_options* options, votess_result** out) {
+    return tessellate(tessellator, points, count, options, out);
+}
+
+void votess_result_free(votess_result* result) {
+    delete result;
+}
+
+size_t votess_result_size(const votess_result* result) {
+    if (result != nullptr) return result->tessellation.size();
+    set_last_error("result is NULL");
+    return 0;
+}
+
+const int64_t* votess_result_indptr(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::indptr);
+}
+
+const int32_t* votess_result_indices(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::indices);
+}
+
+const double* votess_result_volumes(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::volumes);
+}
+
+const double* votess_result_centroids(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::centroids);
+}
+
+const uint32_t* votess_result_face_counts(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_counts);
+}
+
+const uint32_t* votess_result_edge_counts(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::edge_counts);
+}
+
+const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::vertex_counts);
+}
+
+const uint8_t* votess_result_status(const votess_result* result, size_t* length) {
+    return reinterpret_cast<const std::uint8_t*>(expose(result, length, &votess::Tessellation::status));
+}
+
+const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::duplicate_of);
+}
+
+int votess_result_lists_walls(const votess_result* result) {
+    if (result != nullptr) return result->tessellation.lists_walls() ? 1 : 0;
+    set_last_error("result is NULL");
+    return 0;
+}
+
+votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]) {
+    return guarded([&] {
+        require(result, "result");
+        require(lower, "lower");
+        require(upper, "upper");
+        const votess::Box& box = result->tessellation.box();
+        std::copy(box.lower.begin(), box.lower.end(), lower);
+        std::copy(box.upper.begin(), box.upper.end(), upper);
+    });
+}
+
+votess_status votess_result_stats(const votess_result* result, votess_stats* out) {
+    return guarded([&] {
+        require(result, "result");
+        require(out, "stats");
+        const std::uint32_t size = out->struct_size;
+        require_struct_size(size, first_stats_size, "stats.struct_size", "set it to sizeof(votess_stats)");
+
+        const votess::Stats& stats = result->tessellation.stats();
+        votess_stats c_stats{};
+        c_stats.struct_size = size;
+        c_stats.threads = stats.threads;
+        c_stats.points = stats.points;
+        c_stats.faces = stats.faces;
+        c_stats.duplicates = stats.duplicates;
+        c_stats.empty_cells = stats.empty_cells;
+        c_stats.fallback_cells = stats.fallback_cells;
+        c_stats.exact_cells = stats.exact_cells;
+        c_stats.peak_memory_bytes = stats.peak_memory_bytes;
+        c_stats.mean_faces = stats.mean_faces;
+        c_stats.volume_sum = stats.volume_sum;
+        c_stats.box_volume = stats.box_volume;
+        c_stats.seconds_upload = stats.seconds.upload;
+        c_stats.seconds_sort = stats.seconds.sort;
+        c_stats.seconds_knn = stats.seconds.knn;
+        c_stats.seconds_clip = stats.seconds.clip;
+        c_stats.seconds_fallback = stats.seconds.fallback;
+        c_stats.seconds_download = stats.seconds.download;
+        c_stats.seconds_total = stats.seconds.total;
+        copy_text(stats.device, c_stats.device, sizeof c_stats.device);
+        std::memcpy(out, &c_stats, std::min<std::size_t>(size, sizeof c_stats));
+    });
+}
+
+votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
+                            uint64_t rng_seed, int* passed, uint32_t* skipped, char* failure, size_t failure_size) {
+    return guarded([&] {
+        require(passed, "passed");
+        *passed = 0;
+        if (skipped != nullptr) *skipped = 0;
+        require_text_buffer(failure, failure_size, "failure");
+        copy_text("", failure, failure_size);
+        require(result, "result");
+
+        votess::VerifyOptions options;
+        options.sample = sample;
+        options.rng_seed = rng_seed;
+        const votess::VerifyReport report = votess::verify(result->tessellation, coordinates(points, count), options);
+        if (skipped != nullptr) {
+            for (const std::string& check : report.skipped) *skipped |= check_bit(check);
+        }
+        copy_text(report.failure, failure, failure_size);
+        *passed = report.passed ? 1 : 0;
+    });
+}
+
+size_t votess_device_count(void) {
+    std::size_t count = 0;
+    guarded([&] { count = votess::devices().size(); });
+    return count;
+}
+
+votess_status votess_device_info(size_t index, char* id, size_t id_size, char* name, size_t name_size,
+                                 char* description, size_t description_size) {
+    return guarded([&] {
+        require_text_buffer(id, id_size, "id");
+        require_text_buffer(name, name_size, "name");
+        require_text_buffer(description, description_size, "description");
+        const std::vector<votess::DeviceInfo> devices = votess::devices();
+        if (index >= devices.size()) {
+            refuse("index is " + std::to_string(index) + ", but there are " + std::to_string(devices.size()) +
+                   " devices");
+        }
+        copy_text(devices[index].id, id, id_size);
+        copy_text(devices[index].name, name, name_size);
+        copy_text(devices[index].description, description, description_size);
+    });
+}

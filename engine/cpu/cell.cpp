@@ -1,0 +1,311 @@
+#include "cpu/cell.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace votess::cpu {
+namespace {
+
+constexpr double unit = 0x1p-53;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Below these squares and products underflow may spoil the error bounds; such planes are always decided exactly.
+constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
+constexpr double worst_condition = 1e4;  // |na||nb||nc| / |det|
+constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
+// Every tolerance is at most worst_condition * 110 u * sqrt(3) |x| < 2.2e-10 |x|.
+constexpr double radius_slack = 1 + 1e-9;
+
+}  // namespace
+
+Cell::Cell() : kernels_(best_kernels()) { reserve_slots(word_slots); }
+
+template <class Visit>
+void Cell::for_each_alive(Visit visit) const {
+    const int words = (slots_ + word_slots - 1) / word_slots;
+    for (int w = 0; w < words; ++w)
+        for (std::uint64_t m = alive_[w]; m != 0; m &= m - 1) visit(w * word_slots + std::countr_zero(m));
+}
+
+void Cell::reserve_slots(int slots) {
+    if (slots <= capacity_) return;
+    const int capacity = std::max((slots + word_slots - 1) / word_slots * word_slots, 2 * capacity_);
+    std::vector<double> storage(static_cast<std::size_t>(capacity) * 5 + lanes, 0.0);
+    auto address = reinterpret_cast<std::uintptr_t>(storage.data());
+    double* base = storage.data() + (64 - address % 64) % 64 / sizeof(double);
+    double** arrays[] = {&x_, &y_, &z_, &tolerance_, &radius_};
+    for (int k = 0; k < 5; ++k) {
+        if (*arrays[k] != nullptr) std::copy_n(*arrays[k], slots_, base + static_cast<std::size_t>(k) * capacity);
+        *arrays[k] = base + static_cast<std::size_t>(k) * capacity;
+    }
+    storage_ = std::move(storage);
+    capacity_ = capacity;
+    corners_.resize(capacity);
+    alive_.resize(capacity / word_slots, 0);
+    killed_.resize(capacity / word_slots, 0);
+}
+
+VertexBlock Cell::block(int word) const {
+    const int first = word * word_slots;
+    return {x_ + first,         y_ + first,      z_ + first,
+            tolerance_ + first, radius_ + first, (std::min(slots_ - first, word_slots) + lanes - 1) / lanes};
+}
+
+void Cell::start(const exact::Point& seed, const Box& box) {
+    seed_ = seed;
+    planes_.clear();
+    for (int axis = 0; axis < 3; ++axis) {
+        CellPlane lower{{}, seed[axis] - box.lower[axis], 1, -1 - 2 * axis, true, exact::Plane::lower(axis, box.lower[axis])};
+        CellPlane upper{{}, box.upper[axis] - seed[axis], 1, -2 - 2 * axis, true, exact::Plane::upper(axis, box.upper[axis])};
+        lower.n[axis] = -1;
+        upper.n[axis] = 1;
+        planes_.push_back(lower);
+        planes_.push_back(upper);
+    }
+    std::fill(alive_.begin(), alive_.end(), 0);
+    alive_[0] = 0xff;
+    slots_ = 8;
+    used_exact_ = met_tie_ = radius_known_ = false;
+    for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
+        const int px = v & 1, py = 2 + ((v >> 1) & 1), pz = 4 + ((v >> 2) & 1);
+        const int nx = v ^ 1, ny = v ^ 2, nz = v ^ 4;  // neighbors along x, y, z
+        // The edge on planes y, z runs along x. Positive orientation flips with the number of lower walls.
+        const bool positive = std::popcount(static_cast<unsigned>(v)) % 2 == 1;
+        corners_[v] = positive ? Corner{{px, py, pz}, {nz, nx, ny}} : Corner{{py, px, pz}, {nz, ny, nx}};
+        x_[v] = (v & 1) != 0 ? planes_[1].h : -planes_[0].h;
+        y_[v] = (v & 2) != 0 ? planes_[3].h : -planes_[2].h;
+        z_[v] = (v & 4) != 0 ? planes_[5].h : -planes_[4].h;
+        tolerance_[v] = rounded_factor * (std::abs(x_[v]) + std::abs(y_[v]) + std::abs(z_[v]));
+        radius_[v] = x_[v] * x_[v] + y_[v] * y_[v] + z_[v] * z_[v];
+    }
+}
+
+double Cell::radius_squared() {
+    if (!radius_known_) {
+        double r = 0;
+        for (int w = 0; w * word_slots < slots_; ++w) r = std::max(r, kernels_.largest_radius(block(w)));
+        radius_squared_ = r * radius_slack;
+        radius_known_ = true;
+    }
+    return radius_squared_;
+}
+
+bool Cell::in_reach(const BoundingBox& box) const {
+    BoundingBox relative;
+    for (int k = 0; k < 3; ++k) {
+        // Outward by the rounding of the subtraction.
+        relative.lower[k] = box.lower[k] - seed_[k];
+        relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]);
+        relative.upper[k] = box.upper[k] - seed_[k];
+        relative.upper[k] += 2 * unit * std::abs(relative.upper[k]);
+    }
+    for (int w = 0; w * word_slots < slots_; ++w)
+        if (kernels_.box_in_reach(block(w), relative, radius_slack)) return true;
+    return false;
+}
+
+bool Cell::outside_exact(int slot, const CellPlane& plane) {
+    used_exact_ = true;
+    const auto& [a, b, c] = corners_[slot].plane;
+    const int side =
+        exact::side_of_vertex(seed_, planes_[a].source, planes_[b].source, planes_[c].source, plane.source);
+    if (side == 0) met_tie_ = true;
+    return side > 0;
+}
+
+int Cell::take_slot() {
+    for (int w = 0; w * word_slots < slots_; ++w) {
+        const std::uint64_t free = ~(alive_[w] | killed_[w]);
+        if (free == 0) continue;
+        const int slot = w * word_slots + std::countr_zero(free);
+        if (slot >= slots_) break;
+        return slot;
+    }
+    // A whole block at a time, its free lanes at the origin where no plane cuts.
+    reserve_slots(slots_ + lanes);
+    const int slot = slots_;
+    for (int i = slot; i < slot + lanes; ++i) x_[i] = y_[i] = z_[i] = tolerance_[i] = radius_[i] = 0;
+    slots_ += lanes;
+    return slot;
+}
+
+void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c) {
+    const CellPlane &pa = planes_[a], &pb = planes_[b], &pc = planes_[c];
+    const auto& [ax, ay, az] = pa.n;
+    const auto& [bx, by, bz] = pb.n;
+    const auto& [cx, cy, cz] = pc.n;
+    const double bcx = by * cz - bz * cy, bcy = bz * cx - bx * cz, bcz = bx * cy - by * cx;
+    const double cax = cy * az - cz * ay, cay = cz * ax - cx * az, caz = cx * ay - cy * ax;
+    const double abx = ay * bz - az * by, aby = az * bx - ax * bz, abz = ax * by - ay * bx;
+    const double determinant = ax * bcx + ay * bcy + az * bcz;
+    const double inverse = 1 / determinant;
+    const double product = pa.norm * pb.norm * pc.norm;
+    const double condition = product * std::abs(inverse);
+    double x, y, z, factor;
+    if (condition < worst_condition && product > smallest_product && pa.reliable && pb.reliable && pc.reliable) {
+        x = (pa.h * bcx + pb.h * cax + pc.h * abx) * inverse;
+        y = (pa.h * bcy + pb.h * cay + pc.h * aby) * inverse;
+        z = (pa.h * bcz + pb.h * caz + pc.h * abz) * inverse;
+        factor = solved_factor * condition;
+    } else {
+        const auto position = exact::vertex_position(seed_, pa.source, pb.source, pc.source);
+        x = position[0], y = position[1], z = position[2];
+        factor = rounded_factor;
+    }
+    x_[slot] = x, y_[slot] = y, z_[slot] = z;
+    tolerance_[slot] = factor * (std::abs(x) + std::abs(y) + std::abs(z));
+    radius_[slot] = x * x + y * y + z * z;
+}
+
+bool Cell::clip(std::int32_t id, const exact::Point& q) {
+    CellPlane plane;
+    for (int k = 0; k < 3; ++k) plane.n[k] = q[k] - seed_[k];
+    const double square = plane.n[0] * plane.n[0] + plane.n[1] * plane.n[1] + plane.n[2] * plane.n[2];
+    plane.h = 0.5 * square;
+    plane.norm = std::sqrt(square);
+    plane.id = id;
+    plane.reliable = square > smallest_square;
+    plane.source = exact::Plane::bisector(q);
+    const FilterPlane filter{plane.n[0], plane.n[1],  plane.n[2],
+                             plane.h,    plane.norm, plane.reliable ? 12 * unit * plane.h : infinity};
+
+    const int words = (slots_ + word_slots - 1) / word_slots;
+    bool any = false;
+    for (int w = 0; w < words; ++w) {
+        auto [possible, certain] = kernels_.classify(block(w), filter);
+        possible &= alive_[w];
+        certain &= possible;
+        for (std::uint64_t m = possible & ~certain; m != 0; m &= m - 1) {
+            const int bit = std::countr_zero(m);
+            if (outside_exact(w * word_slots + bit, plane)) certain |= 1ull << bit;
+        }
+        killed_[w] = certain;
+        any |= certain != 0;
+    }
+    if (!any) return false;
+
+    // The horizon: edges with one end cut off.
+    horizon_.clear();
+    auto is_killed = [this](int v) { return (killed_[v / word_slots] >> (v % word_slots)) & 1; };
+    for (int w = 0; w < words; ++w) {
+        for (std::uint64_t m = killed_[w]; m != 0; m &= m - 1) {
+            const Corner& corner = corners_[w * word_slots + std::countr_zero(m)];
+            for (int k = 0; k < 3; ++k) {
+                const std::int32_t survivor = corner.next[k];
+                if (!is_killed(survivor)) horizon_.push_back({corner.plane[k], corner.plane[k == 2 ? 0 : k + 1], survivor});
+            }
+        }
+    }
+    const auto added = static_cast<std::int32_t>(planes_.size());
+    planes_.push_back(plane);
+    ring_.resize(planes_.size());
+    for (int w = 0; w < words; ++w) {  // free at once: horizon_ holds all that is still needed of them
+        for (std::uint64_t m = killed_[w]; m != 0; m &= m - 1) {
+            const int v = w * word_slots + std::countr_zero(m);
+            x_[v] = y_[v] = z_[v] = tolerance_[v] = radius_[v] = 0;
+        }
+        alive_[w] &= ~killed_[w];
+        killed_[w] = 0;
+    }
+
+    // One new vertex per horizon edge, linked around the new face by the planes they share.
+    for (const HorizonEdge& edge : horizon_) {
+        const int v = take_slot();
+        alive_[v / word_slots] |= 1ull << (v % word_slots);
+        corners_[v].plane = {edge.first, edge.second, added};
+        corners_[v].next[0] = edge.survivor;
+        Corner& survivor = corners_[edge.survivor];
+        for (int k = 0; k < 3; ++k)
+            if (survivor.plane[k] == edge.second && survivor.plane[k == 2 ? 0 : k + 1] == edge.first) survivor.next[k] = v;
+        ring_[edge.first] = v;
+        place_vertex(v, edge.first, edge.second, added);
+    }
+    for (const HorizonEdge& edge : horizon_) {
+        const int v = ring_[edge.first], w = ring_[edge.second];
+        corners_[v].next[1] = w;  // along planes second, added
+        corners_[w].next[2] = v;
+    }
+    radius_known_ = false;
+    return true;
+}
+
+bool Cell::same_position(int v, int w, int shared_edge) {
+    const double reach = tolerance_[v] + tolerance_[w];
+    if (std::abs(x_[v] - x_[w]) > reach || std::abs(y_[v] - y_[w]) > reach || std::abs(z_[v] - z_[w]) > reach)
+        return false;
+    // Both lie on the line of the shared planes a, b; they coincide when v lies on the third plane of w.
+    const std::int32_t a = corners_[v].plane[shared_edge], b = corners_[v].plane[shared_edge == 2 ? 0 : shared_edge + 1];
+    for (std::int32_t third : corners_[w].plane) {
+        if (third == a || third == b) continue;
+        const auto& [p0, p1, p2] = corners_[v].plane;
+        used_exact_ = true;
+        return exact::side_of_vertex(seed_, planes_[p0].source, planes_[p1].source, planes_[p2].source,
+                                     planes_[third].source) == 0;
+    }
+    return false;
+}
+
+void Cell::merge_equal_corners() {
+    merged_.resize(slots_);
+    for (int v = 0; v < slots_; ++v) merged_[v] = v;
+    if (!met_tie_) return;
+    auto root = [this](int v) {
+        while (merged_[v] != v) v = merged_[v] = merged_[merged_[v]];
+        return v;
+    };
+    for_each_alive([&](int v) {
+        for (int k = 0; k < 3; ++k) {
+            const int w = corners_[v].next[k];
+            if (w > v && same_position(v, w, k)) merged_[root(v)] = root(w);
+        }
+    });
+    for (int v = 0; v < slots_; ++v) merged_[v] = root(v);
+}
+
+void Cell::canonical_faces(CellFaces& out) {
+    merge_equal_corners();
+    out.planes.clear();
+    out.corners.clear();
+    out.offsets.assign(1, 0);
+    out.vertex_count = 0;
+    start_.assign(planes_.size(), -1);
+    for_each_alive([&](int v) {
+        for (std::int32_t p : corners_[v].plane) start_[p] = v;
+        if (merged_[v] == v) ++out.vertex_count;
+    });
+    for (std::size_t p = 0; p < planes_.size(); ++p) {
+        const std::int32_t first = start_[p];
+        if (first < 0) continue;
+        const auto begin = out.corners.size();
+        int v = first;
+        do {
+            const Corner& corner = corners_[v];
+            const int k = corner.plane[0] == static_cast<std::int32_t>(p) ? 0 : (corner.plane[1] == static_cast<std::int32_t>(p) ? 1 : 2);
+            const std::int32_t representative = merged_[v];
+            if (out.corners.size() == begin || out.corners.back() != representative) out.corners.push_back(representative);
+            v = corner.next[k == 0 ? 2 : k - 1];
+        } while (v != first);
+        while (out.corners.size() > begin + 1 && out.corners.back() == out.corners[begin]) out.corners.pop_back();
+        if (out.corners.size() < begin + 3) {
+            out.corners.resize(begin);
+            continue;
+        }
+        out.planes.push_back(static_cast<std::int32_t>(p));
+        out.offsets.push_back(static_cast<std::int32_t>(out.corners.size()));
+    }
+    out.edge_count = static_cast<std::uint32_t>(out.corners.size() / 2);
+}
+
+void Cell::face_planes(std::vector<std::int32_t>& out) {
+    out.clear();
+    start_.assign(planes_.size(), -1);
+    for_each_alive([&](int v) {
+        for (std::int32_t p : corners_[v].plane) {
+            if (start_[p] < 0) out.push_back(p);
+            start_[p] = v;
+        }
+    });
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,116 @@
+// One Voronoi cell: a convex polytope around a seed, clipped plane by plane.
+//
+// The polytope is kept simple: every vertex lies on exactly three of its planes, every edge on two. A plane that only
+// touches a vertex leaves it alone (as if later planes were pushed outward by an infinitesimal), so vertices may
+// coincide; canonical_faces() merges those that exact arithmetic finds equal and drops faces of no area.
+//
+// Filter. With u = 2^-53 and planes rounded from exact ones (n relative error u, h 5u), Cramer's rule gives a vertex
+//     |x - X| <= 62 u |X| |na||nb||nc| / |det(na,nb,nc)|
+// (17u per numerator term, |perm| <= 1.16 |na||nb||nc| after Carlen, Lieb, Loss 2006), and the test of plane n, h
+//     |n.x - h - exact| <= |n| (|x - X| + 6u |x|) + 12 u h .
+// Vertices worse than `worst_condition` are solved exactly and rounded instead. Signs inside the bound are decided by
+// exact::side_of_vertex.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cpu/kernels.hpp"
+#include "exact/predicate.hpp"
+#include "votess/votess.hpp"
+
+namespace votess::cpu {
+
+struct CellPlane {
+    std::array<double, 3> n;  // q - p rounded, or the outward unit normal of a wall
+    double h;                 // n.x = h on the plane
+    double norm;              // |n|
+    std::int32_t id;          // what clip() was given; walls are -1..-6
+    bool reliable;            // large enough that no product underflows
+    exact::Plane source;
+};
+
+struct CellGeometry {
+    double volume = 0;
+    std::array<double, 3> centroid{};  // relative to the seed
+};
+
+// Faces of the canonical cell. Face f is the polygon of vertex slots corners[offsets[f]..offsets[f+1]), ordered
+// counterclockwise seen from outside.
+struct CellFaces {
+    std::vector<std::int32_t> planes;  // index into Cell::planes()
+    std::vector<std::int32_t> offsets;
+    std::vector<std::int32_t> corners;
+    std::uint32_t vertex_count = 0, edge_count = 0;
+
+    [[nodiscard]] std::size_t size() const { return planes.size(); }
+};
+
+class Cell {
+public:
+    Cell();
+
+    // Begins anew with the box around the seed; the box contains the seed.
+    void start(const exact::Point& seed, const Box& box);
+    // Cuts by the bisector with q (not equal to the seed). True when the cell changed.
+    bool clip(std::int32_t id, const exact::Point& q);
+
+    // At least the squared distance to the farthest vertex: no seed at 2 R or beyond cuts the cell.
+    [[nodiscard]] double radius_squared();
+    // False only when no seed inside the box (absolute coordinates) can cut the cell.
+    [[nodiscard]] bool in_reach(const BoundingBox& box) const;
+
+    [[nodiscard]] const exact::Point& seed() const { return seed_; }
+    [[nodiscard]] std::span<const CellPlane> planes() const { return planes_; }
+    [[nodiscard]] bool used_exact() const { return used_exact_; }
+    // Whether a plane touched a vertex, so that faces of no area may be left.
+    [[nodiscard]] bool met_tie() const { return met_tie_; }
+
+    // Planes that have a face; the canonical cell's only when no tie was met.
+    void face_planes(std::vector<std::int32_t>& out);
+    void canonical_faces(CellFaces& out);
+    [[nodiscard]] CellGeometry measure(const CellFaces& faces);
+
+private:
+    struct Corner {  // a vertex: planes in positive orientation; edge k lies on planes k, k+1 and leads to next[k]
+        std::array<std::int32_t, 3> plane;
+        std::array<std::int32_t, 3> next;
+    };
+    struct HorizonEdge {
+        std::int32_t first, second;  // planes, as ordered in the vertex that is cut off
+        std::int32_t survivor;       // vertex slot that stays
+    };
+
+    void reserve_slots(int slots);
+    [[nodiscard]] VertexBlock block(int word) const;
+    [[nodiscard]] bool outside_exact(int slot, const CellPlane& plane);
+    int take_slot();
+    void place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c);
+    void merge_equal_corners();
+    [[nodiscard]] bool same_position(int v, int w, int shared_edge);
+    [[nodiscard]] bool alive(int slot) const { return (alive_[slot / word_slots] >> (slot % word_slots)) & 1; }
+    template <class Visit>
+    void for_each_alive(Visit visit) const;
+
+    const Kernels& kernels_;
+    exact::Point seed_{};
+    std::vector<CellPlane> planes_;
+
+    int slots_ = 0;  // slots in use or free below this
+    std::vector<double> storage_;
+    double *x_ = nullptr, *y_ = nullptr, *z_ = nullptr, *tolerance_ = nullptr, *radius_ = nullptr;
+    int capacity_ = 0;
+    std::vector<Corner> corners_;
+    std::vector<std::uint64_t> alive_, killed_;
+
+    std::vector<HorizonEdge> horizon_;
+    std::vector<std::int32_t> ring_;    // plane -> new vertex that has it first
+    std::vector<std::int32_t> merged_;  // slot -> representative among equal vertices
+    std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
+    bool radius_known_ = false, used_exact_ = false, met_tie_ = false;
+    double radius_squared_ = 0;
+};
+
+}  // namespace votess::cpu

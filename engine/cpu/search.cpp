@@ -1,0 +1,201 @@
+#include "cpu/search.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace votess::cpu {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t first_window = 160;  // seeds loaded around a group at once
+constexpr std::size_t most_window = 768;   // beyond this the far walk is cheaper
+constexpr double band_growth = 1.6;        // of the squared distance from band to band
+// Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
+constexpr double distance_slack = 1 + 1e-12;
+
+bool farther(const QueueEntry& a, const QueueEntry& b) { return a.distance_squared > b.distance_squared; }
+
+double gap(double a_lower, double a_upper, double b_lower, double b_upper) {
+    return std::max({0.0, a_lower - b_upper, b_lower - a_upper});
+}
+
+// At most the squared distance between any point of a and any of b.
+double box_distance(const BoundingBox& a, const BoundingBox& b) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double d = gap(a.lower[k], a.upper[k], b.lower[k], b.upper[k]);
+        sum += d * d;
+    }
+    return sum * (1 - 1e-14);
+}
+
+BoundingBox unite(const BoundingBox* boxes, std::size_t count) {
+    BoundingBox all = boxes[0];
+    for (std::size_t i = 1; i < count; ++i)
+        for (int k = 0; k < 3; ++k) {
+            all.lower[k] = std::min(all.lower[k], boxes[i].lower[k]);
+            all.upper[k] = std::max(all.upper[k], boxes[i].upper[k]);
+        }
+    return all;
+}
+
+// Opens the children of a node, or the root when level is above the top.
+template <class Visit>
+void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit visit) {
+    const int level = entry.level - 1;
+    const std::size_t begin = entry.node * Hierarchy::fan;
+    const std::size_t end = std::min(begin + Hierarchy::fan, hierarchy.count(level));
+    for (std::size_t node = begin; node < end; ++node) visit(level, node, hierarchy.box(level, node));
+}
+
+}  // namespace
+
+void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
+    constexpr std::size_t per_task = 4096;
+    levels_.clear();
+    const std::size_t groups = (seeds.size() + group_size - 1) / group_size;
+    levels_.emplace_back(groups);
+    pool.run((groups + per_task - 1) / per_task, [&](std::size_t task, unsigned) {
+        for (std::size_t g = task * per_task; g < std::min(groups, (task + 1) * per_task); ++g) {
+            BoundingBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+            for (std::size_t i = g * group_size; i < std::min(seeds.size(), (g + 1) * group_size); ++i) {
+                const double p[3] = {seeds.x[i], seeds.y[i], seeds.z[i]};
+                for (int k = 0; k < 3; ++k) {
+                    box.lower[k] = std::min(box.lower[k], p[k]);
+                    box.upper[k] = std::max(box.upper[k], p[k]);
+                }
+            }
+            levels_[0][g] = box;
+        }
+    });
+    while (levels_.back().size() > 1) {
+        const auto& below = levels_.back();
+        std::vector<BoundingBox> level((below.size() + fan - 1) / fan);
+        for (std::size_t n = 0; n < level.size(); ++n)
+            level[n] = unite(&below[n * fan], std::min(fan, below.size() - n * fan));
+        levels_.push_back(std::move(level));
+    }
+}
+
+CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& scaled_box)
+    : kernels_(best_kernels()), seeds_(seeds), hierarchy_(hierarchy), box_(scaled_box) {}
+
+void CellBuilder::open_window(std::size_t group) {
+    group_ = group;
+    home_ = hierarchy_.box(0, group);
+    queue_.assign(1, {0, hierarchy_.top_level(), 0});
+    covered_ = 0;
+    for (auto* v : {&x_, &y_, &z_}) v->clear();
+    index_.clear();
+    // Groups that overlap the home box lie at distance 0: go on until the window proves anything.
+    for (std::size_t least = first_window; least <= most_window; least *= 2) {
+        extend_window(0, least);
+        if (covered_ > 0) break;
+    }
+    first_band_ = covered_;
+}
+
+void CellBuilder::pop_into_window() {
+    std::pop_heap(queue_.begin(), queue_.end(), farther);
+    const QueueEntry entry = queue_.back();
+    queue_.pop_back();
+    if (entry.level > 0) {
+        for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
+            queue_.push_back({box_distance(box, home_), level, static_cast<std::uint32_t>(node)});
+            std::push_heap(queue_.begin(), queue_.end(), farther);
+        });
+    } else {
+        const std::size_t begin = entry.node * group_size, end = begin + group_size;
+        x_.insert(x_.end(), seeds_.x.begin() + begin, seeds_.x.begin() + end);
+        y_.insert(y_.end(), seeds_.y.begin() + begin, seeds_.y.begin() + end);
+        z_.insert(z_.end(), seeds_.z.begin() + begin, seeds_.z.begin() + end);
+        for (std::size_t i = begin; i < end; ++i) index_.push_back(static_cast<std::int32_t>(i));
+    }
+}
+
+void CellBuilder::extend_window(double distance_squared, std::size_t least_count) {
+    while (!queue_.empty() && index_.size() < most_window &&
+           (queue_.front().distance_squared < distance_squared || index_.size() < least_count))
+        pop_into_window();
+    covered_ = queue_.empty() ? infinity : queue_.front().distance_squared;
+}
+
+Cell& CellBuilder::build(std::size_t seed) {
+    if (seed / group_size != group_) open_window(seed / group_size);
+    cell_.start({seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]}, box_);
+    measured_ = 0;
+    double from = 0;
+    double to = first_band_;
+    for (;;) {
+        if (to > covered_) {
+            extend_window(to, 0);
+            to = std::min(to, covered_);
+        }
+        if (to <= from && covered_ < infinity) {
+            clip_far(seed, from);
+            break;
+        }
+        if (clip_band(seed, from, to) || to == infinity) break;
+        from = to;
+        to = covered_ == infinity ? infinity : to * band_growth;
+    }
+    // The neighbor in memory is a neighbor in space, its cell of about this size.
+    first_band_ = std::min(first_band_, 4 * cell_.radius_squared());
+    return cell_;
+}
+
+bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
+    const std::size_t count = index_.size();
+    if (measured_ < count) {
+        distance_.resize(count);
+        const auto& p = cell_.seed();
+        kernels_.squared_distances(x_.data() + measured_, y_.data() + measured_, z_.data() + measured_,
+                                         static_cast<int>(count - measured_), p.data(), distance_.data() + measured_);
+        measured_ = count;
+    }
+    // Keys order by the high half of the distance's bits: monotone for positive doubles, never above it.
+    band_.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+        const double d = distance_[i];
+        if (d >= from && d < to && index_[i] != static_cast<std::int32_t>(seed))
+            band_.push_back((std::bit_cast<std::uint64_t>(d) & 0xffffffff00000000ull) | i);
+    }
+    std::sort(band_.begin(), band_.end());
+    for (const std::uint64_t key : band_) {
+        const double at_least = std::bit_cast<double>(key & 0xffffffff00000000ull);
+        if (at_least >= 4 * cell_.radius_squared() * distance_slack) return true;
+        const auto i = static_cast<std::uint32_t>(key);
+        cell_.clip(index_[i], {x_[i], y_[i], z_[i]});
+    }
+    return to >= 4 * cell_.radius_squared() * distance_slack;
+}
+
+void CellBuilder::clip_far(std::size_t seed, double from) {
+    const auto& p = cell_.seed();
+    const BoundingBox here{{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
+    far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
+    while (!far_queue_.empty()) {
+        std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
+        const QueueEntry entry = far_queue_.back();
+        far_queue_.pop_back();
+        if (entry.distance_squared >= 4 * cell_.radius_squared() * distance_slack) return;
+        if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node))) continue;
+        if (entry.level > 0) {
+            for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
+                far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
+                std::push_heap(far_queue_.begin(), far_queue_.end(), farther);
+            });
+            continue;
+        }
+        const std::size_t begin = entry.node * group_size, end = std::min(begin + group_size, seeds_.size());
+        double distance[group_size];
+        kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin],
+                                         static_cast<int>(end - begin), p.data(), distance);
+        for (std::size_t i = begin; i < end; ++i)
+            if (distance[i - begin] >= from && i != seed)
+                cell_.clip(static_cast<std::int32_t>(i), {seeds_.x[i], seeds_.y[i], seeds_.z[i]});
+    }
+}
+
+}  // namespace votess::cpu

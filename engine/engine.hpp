@@ -1,0 +1,42 @@
+// What every engine provides: the six stages of the pipeline, called in this order by pipeline.cpp.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "result.hpp"
+#include "votess/votess.hpp"
+
+namespace votess {
+
+// The input as given; one of the two spans is in use.
+struct Points {
+    std::span<const double> f64;
+    std::span<const float> f32;
+
+    [[nodiscard]] std::size_t coordinates() const { return f64.size() + f32.size(); }
+    [[nodiscard]] std::size_t count() const { return coordinates() / 3; }
+    [[nodiscard]] double operator[](std::size_t i) const { return f32.empty() ? f64[i] : f32[i]; }
+};
+
+// Validated input: the domain and the power of two that brings it to order one.
+struct Job {
+    Points points;
+    Options options;
+    Box box;         // as given
+    Box scaled_box;  // times scale
+    double scale = 1;
+};
+
+class Engine {
+public:
+    virtual ~Engine() = default;
+    virtual void upload(const Job& job) = 0;
+    virtual void sort() = 0;
+    virtual void knn() = 0;
+    virtual void clip() = 0;
+    virtual void fallback() = 0;
+    virtual void download(detail::Result& result) = 0;
+};
+
+}  // namespace votess

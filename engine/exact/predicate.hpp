@@ -1,0 +1,40 @@
+// The one decision that everything follows from: is the vertex of planes a, b, c outside plane d?
+//
+// Planes are relative to a seed p. With integers N, S in units of a common power of two, a bisector with seed q is
+//     2 N.X <= S,  N = q - p,  S = |N|^2        and a wall is        2 N.X <= S,  N = +-e_axis,  S = 2 (wall - p).N .
+// Float64 coordinates are integers times a power of two, so the 4x4 determinant is decided in integer arithmetic
+// without rounding, overflow or underflow for any float64 input; the width is chosen per call from the operands
+// (128 bits when the differences fit 23 bits, as in a lattice; 320 bits when they fit 61; wider beyond).
+#pragma once
+
+#include <array>
+
+namespace votess::exact {
+
+using Point = std::array<double, 3>;
+
+// A plane as the input gives it.
+struct Plane {
+    enum class Kind { bisector, lower_wall, upper_wall };
+    Kind kind = Kind::bisector;
+    int axis = 0;  // walls
+    Point seed{};  // bisector: coordinates of q
+    double wall = 0;
+
+    static Plane bisector(const Point& q) { return {Kind::bisector, 0, q, 0}; }
+    static Plane lower(int axis, double at) { return {Kind::lower_wall, axis, {}, at}; }
+    static Plane upper(int axis, double at) { return {Kind::upper_wall, axis, {}, at}; }
+};
+
+// +1 when the vertex lies strictly outside d, -1 strictly inside, 0 on it. a, b, c must meet in one point.
+int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
+
+// The vertex relative to p, each component with relative error at most 2^-50 (double) or 2^-110 (quad).
+using Quad = __float128;
+std::array<double, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c);
+std::array<Quad, 3> vertex_position_quad(const Point& p, const Plane& a, const Plane& b, const Plane& c);
+
+// q - p, correctly rounded to quad (the exact difference of two doubles may need 2100 bits).
+std::array<Quad, 3> difference_quad(const Point& q, const Point& p);
+
+}  // namespace votess::exact

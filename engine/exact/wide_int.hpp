@@ -1,0 +1,143 @@
+// Fixed-width two's complement integers of W 64-bit limbs, little endian. Wide enough by construction: the callers
+// choose W from bounds on their operands, so nothing here checks for overflow.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace votess::exact {
+
+using Int128 = __int128;
+using Uint128 = unsigned __int128;
+
+template <int W>
+struct WideInt {
+    std::array<std::uint64_t, W> limb{};
+
+    [[nodiscard]] bool negative() const { return static_cast<std::int64_t>(limb[W - 1]) < 0; }
+    [[nodiscard]] bool zero() const {
+        std::uint64_t any = 0;
+        for (auto l : limb) any |= l;
+        return any == 0;
+    }
+    [[nodiscard]] int sign() const { return negative() ? -1 : (zero() ? 0 : 1); }
+};
+
+template <int W>
+WideInt<W> from_int128(Int128 value) {
+    WideInt<W> r;
+    const std::uint64_t fill = value < 0 ? ~0ull : 0ull;
+    r.limb[0] = static_cast<std::uint64_t>(value);
+    for (int i = 1; i < W; ++i) r.limb[i] = i == 1 ? static_cast<std::uint64_t>(value >> 64) : fill;
+    return r;
+}
+
+template <int W>
+WideInt<W> operator+(const WideInt<W>& a, const WideInt<W>& b) {
+    WideInt<W> r;
+    Uint128 carry = 0;
+    for (int i = 0; i < W; ++i) {
+        carry += static_cast<Uint128>(a.limb[i]) + b.limb[i];
+        r.limb[i] = static_cast<std::uint64_t>(carry);
+        carry >>= 64;
+    }
+    return r;
+}
+
+template <int W>
+WideInt<W> operator-(const WideInt<W>& a, const WideInt<W>& b) {
+    WideInt<W> r;
+    std::uint64_t borrow = 0;
+    for (int i = 0; i < W; ++i) {
+        const Uint128 d = static_cast<Uint128>(a.limb[i]) - b.limb[i] - borrow;
+        r.limb[i] = static_cast<std::uint64_t>(d);
+        borrow = static_cast<std::uint64_t>(d >> 64) & 1;
+    }
+    return r;
+}
+
+template <int W>
+WideInt<W> operator-(const WideInt<W>& a) {
+    return WideInt<W>{} - a;
+}
+
+// The full product. Schoolbook on the unsigned limbs; a negative operand counts 2^(64 W) too much, taken off after.
+template <int A, int B>
+WideInt<A + B> operator*(const WideInt<A>& a, const WideInt<B>& b) {
+    WideInt<A + B> r;
+    for (int i = 0; i < A; ++i) {
+        std::uint64_t carry = 0;
+        for (int j = 0; j < B; ++j) {
+            const Uint128 t = static_cast<Uint128>(a.limb[i]) * b.limb[j] + r.limb[i + j] + carry;
+            r.limb[i + j] = static_cast<std::uint64_t>(t);
+            carry = static_cast<std::uint64_t>(t >> 64);
+        }
+        r.limb[i + B] = carry;
+    }
+    auto subtract_high = [&r](const auto& x, int from, int count) {
+        std::uint64_t borrow = 0;
+        for (int i = 0; i < count; ++i) {
+            const Uint128 d = static_cast<Uint128>(r.limb[from + i]) - x.limb[i] - borrow;
+            r.limb[from + i] = static_cast<std::uint64_t>(d);
+            borrow = static_cast<std::uint64_t>(d >> 64) & 1;
+        }
+    };
+    if (a.negative()) subtract_high(b, A, B);
+    if (b.negative()) subtract_high(a, B, A);
+    return r;
+}
+
+// Sign extension or truncation; truncating is right when the value fits.
+template <int To, int From>
+WideInt<To> resize(const WideInt<From>& a) {
+    WideInt<To> r;
+    const std::uint64_t fill = a.negative() ? ~0ull : 0ull;
+    for (int i = 0; i < To; ++i) r.limb[i] = i < From ? a.limb[i] : fill;
+    return r;
+}
+
+template <int W>
+WideInt<W> shift_left(const WideInt<W>& a, int bits) {
+    WideInt<W> r;
+    const int limbs = bits / 64, rest = bits % 64;
+    for (int i = W - 1; i >= limbs; --i) {
+        r.limb[i] = a.limb[i - limbs] << rest;
+        if (rest != 0 && i > limbs) r.limb[i] |= a.limb[i - limbs - 1] >> (64 - rest);
+    }
+    return r;
+}
+
+// Number of bits of |a|.
+template <int W>
+int bit_length(const WideInt<W>& a) {
+    const WideInt<W> m = a.negative() ? -a : a;
+    for (int i = W - 1; i >= 0; --i)
+        if (m.limb[i] != 0) return 64 * i + 64 - std::countl_zero(m.limb[i]);
+    return 0;
+}
+
+// a = mantissa * 2^exponent with |mantissa| in [0.5, 1), truncated to the precision of Real (at most 128 bits).
+template <class Real>
+struct Scaled {
+    Real mantissa = 0;
+    int exponent = 0;
+};
+
+template <class Real, int W>
+Scaled<Real> to_scaled(const WideInt<W>& a) {
+    const bool negative = a.negative();
+    const WideInt<W> m = negative ? -a : a;
+    int top = W - 1;
+    while (top >= 0 && m.limb[top] == 0) --top;
+    if (top < 0) return {};
+    const int zeros = std::countl_zero(m.limb[top]);
+    auto word = [&](int i) { return i >= 0 ? m.limb[i] : 0; };
+    auto shifted = [&](int i) { return zeros == 0 ? word(i) : (word(i) << zeros) | (word(i - 1) >> (64 - zeros)); };
+    constexpr Real two_to_minus_64 = static_cast<Real>(5.42101086242752217003726400434970855712890625e-20);
+    Real r = (static_cast<Real>(shifted(top)) + static_cast<Real>(shifted(top - 1)) * two_to_minus_64) * two_to_minus_64;
+    return {negative ? -r : r, 64 * (top + 1) - zeros};
+}
+
+}  // namespace votess::exact

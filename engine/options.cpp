@@ -1,0 +1,125 @@
+#include "options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace votess {
+namespace {
+
+constexpr const char* axis_name[3] = {"x", "y", "z"};
+constexpr unsigned most_threads = 1024, most_resolution = 1u << 20;
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
+
+void check_options(const Options& options) {
+    if (options.threads > most_threads)
+        refuse("threads = " + std::to_string(options.threads) + " is too many: give at most " +
+               std::to_string(most_threads) + ", or 0 for all");
+    if (options.grid_resolution > most_resolution)
+        refuse("grid resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
+               std::to_string(most_resolution) + ", or 0 for automatic");
+    if (options.device != "auto" && options.device != "cpu")
+        refuse("device '" + options.device + "' is not available: this version runs on 'cpu' (or 'auto')");
+    if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
+        refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
+    if (!options.box) return;
+    for (int k = 0; k < 3; ++k) {
+        const double lower = options.box->lower[k], upper = options.box->upper[k];
+        if (!std::isfinite(lower) || !std::isfinite(upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   " is not finite");
+        if (!(lower < upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
+    }
+}
+
+// Bounds of the seeds, moved out by half of (longest side / cbrt(N)), at least to the next double.
+Box default_box(const Box& bounds, std::size_t count) {
+    if (count == 0) return {{0, 0, 0}, {1, 1, 1}};
+    double longest = 0, largest = 0;
+    for (int k = 0; k < 3; ++k) {
+        longest = std::max(longest, bounds.upper[k] - bounds.lower[k]);
+        largest = std::max({largest, std::abs(bounds.lower[k]), std::abs(bounds.upper[k])});
+    }
+    double margin = 0.5 * longest / std::cbrt(static_cast<double>(count));
+    if (longest == 0) margin = largest == 0 ? 0.5 : 0.5 * largest;
+    Box box;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+        box.lower[k] = std::min(bounds.lower[k] - margin, std::nextafter(bounds.lower[k], -infinity));
+        box.upper[k] = std::max(bounds.upper[k] + margin, std::nextafter(bounds.upper[k], infinity));
+        if (!std::isfinite(box.lower[k]) || !std::isfinite(box.upper[k]))
+            refuse(std::string("the seeds span ") + axis_name[k] + " from " + number(bounds.lower[k]) + " to " +
+                   number(bounds.upper[k]) + ", too near the largest double for a default box: give a box");
+    }
+    return box;
+}
+
+// Power of two that brings the largest coordinate of the domain to order one; 1 when it is ordinary already.
+double scale_for(const Box& box) {
+    double largest = 0;
+    for (int k = 0; k < 3; ++k) largest = std::max({largest, std::abs(box.lower[k]), std::abs(box.upper[k])});
+    const int exponent = std::ilogb(largest);
+    if (std::abs(exponent) < 64) return 1;
+    // 2^1023 is the largest power; a subnormal box of 2^-1074 is brought to 2^-51, which is near enough.
+    return std::ldexp(1.0, std::clamp(-exponent, -1021, 1023));
+}
+
+void check_scaled(double value, double scale, const std::string& what) {
+    if (value * scale / scale != value)
+        refuse(what + " = " + number(value) + " is too small beside the box to be represented at one scale: move it to 0");
+}
+
+}  // namespace
+
+std::string number(double value) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+    return {text, end};
+}
+
+Job validate(const Points& points, const Options& options) {
+    check_options(options);
+    if (points.coordinates() % 3 != 0)
+        refuse("points hold " + std::to_string(points.coordinates()) +
+               " coordinates, which is not a multiple of 3: the shape must be (N,3)");
+    if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+        throw Error(ErrorCode::unsupported, std::to_string(points.count()) + " seeds are too many: at most 2147483647");
+
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (std::size_t i = 0; i < points.count(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const double value = points[3 * i + k];
+            if (!std::isfinite(value))
+                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) + " is not finite");
+            if (options.box && !(value >= options.box->lower[k] && value <= options.box->upper[k]))
+                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) +
+                       " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
+                       number(options.box->upper[k]));
+            bounds.lower[k] = std::min(bounds.lower[k], value);
+            bounds.upper[k] = std::max(bounds.upper[k], value);
+        }
+    }
+
+    Job job{points, options, options.box ? *options.box : default_box(bounds, points.count()), {}, 1};
+    job.scale = scale_for(job.box);
+    for (int k = 0; k < 3; ++k) {
+        job.scaled_box.lower[k] = job.box.lower[k] * job.scale;
+        job.scaled_box.upper[k] = job.box.upper[k] * job.scale;
+    }
+    if (job.scale < 1) {  // only scaling down can lose bits
+        for (int k = 0; k < 3; ++k) {
+            check_scaled(job.box.lower[k], job.scale, std::string("box: lower ") + axis_name[k]);
+            check_scaled(job.box.upper[k], job.scale, std::string("box: upper ") + axis_name[k]);
+        }
+        for (std::size_t i = 0; i < points.coordinates(); ++i)
+            check_scaled(points[i], job.scale, "point " + std::to_string(i / 3) + ": " + axis_name[i % 3]);
+    }
+    return job;
+}
+
+}  // namespace votess

@@ -1,0 +1,13 @@
+// Checks what the user gave and derives the domain. Throws Error(invalid_argument) naming the first offender.
+#pragma once
+
+#include "engine.hpp"
+
+namespace votess {
+
+Job validate(const Points& points, const Options& options);
+
+// Shortest text that reads back as the same double.
+std::string number(double value);
+
+}  // namespace votess

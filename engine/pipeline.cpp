@@ -1,0 +1,33 @@
+#include "pipeline.hpp"
+
+#include <chrono>
+
+#include "options.hpp"
+
+namespace votess {
+namespace {
+
+template <class Stage>
+void timed(double& seconds, Stage stage) {
+    const auto begin = std::chrono::steady_clock::now();
+    stage();
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace
+
+detail::Result run_pipeline(const Points& points, const Options& options, Engine& engine) {
+    detail::Result result;
+    StageSeconds& seconds = result.stats.seconds;
+    timed(seconds.total, [&] {
+        timed(seconds.upload, [&] { engine.upload(validate(points, options)); });
+        timed(seconds.sort, [&] { engine.sort(); });
+        timed(seconds.knn, [&] { engine.knn(); });
+        timed(seconds.clip, [&] { engine.clip(); });
+        timed(seconds.fallback, [&] { engine.fallback(); });
+        timed(seconds.download, [&] { engine.download(result); });
+    });
+    return result;
+}
+
+}  // namespace votess

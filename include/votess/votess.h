@@ -1,0 +1,151 @@
+// votess: exact 3D Voronoi tessellation. C interface, the same functions as votess.hpp, where the method is told.
+//
+// Rules: handles are opaque and freed by their _free function (NULL is allowed). Functions that can fail return a
+// votess_status; after a failure votess_last_error() tells why, for the calling thread. Structs begin with their own
+// size as the caller compiled it, so that a program built against an older header keeps working: fields are only ever
+// added at the end, those that the caller lacks keep their defaults, those that the library lacks are ignored. Arrays
+// belong to the result handle and live as long as it. No exception leaves the library.
+#ifndef VOTESS_H
+#define VOTESS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <votess/export.hpp>
+#include <votess/version.hpp>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum votess_status {
+    VOTESS_OK = 0,
+    VOTESS_ERROR_INVALID_ARGUMENT = 1,
+    VOTESS_ERROR_OUT_OF_MEMORY = 2,
+    VOTESS_ERROR_CANCELLED = 3,
+    VOTESS_ERROR_UNSUPPORTED = 4,
+    VOTESS_ERROR_INTERNAL = 5
+} votess_status;
+
+// Values of the per-cell status bytes; see CellStatus in votess.hpp.
+typedef enum votess_cell_status {
+    VOTESS_CELL_CERTIFIED = 0,
+    VOTESS_CELL_NEEDS_EXACT = 1,
+    VOTESS_CELL_PLANE_OVERFLOW = 2,
+    VOTESS_CELL_VERTEX_OVERFLOW = 3,
+    VOTESS_CELL_CANDIDATES_EXHAUSTED = 4,
+    VOTESS_CELL_DUPLICATE = 5,
+    VOTESS_CELL_EMPTY = 6,
+    VOTESS_CELL_OUTSIDE = 7
+} votess_cell_status;
+
+// Bits of votess_options.want.
+#define VOTESS_WANT_NEIGHBORS 1u
+#define VOTESS_WANT_VOLUMES 2u
+#define VOTESS_WANT_CENTROIDS 4u
+#define VOTESS_WANT_COUNTS 8u
+
+// Checks that votess_verify can skip, see VerifyReport::skipped in votess.hpp.
+#define VOTESS_CHECK_VOLUMES 1u
+#define VOTESS_CHECK_SYMMETRY 2u
+#define VOTESS_CHECK_EULER 4u
+#define VOTESS_CHECK_SAMPLE 8u
+
+#define VOTESS_DUPLICATES_MERGE 0
+#define VOTESS_DUPLICATES_ERROR 1
+
+// Called from the thread inside votess_tessellate, some ten times a second; return 0 to cancel, else nonzero.
+typedef int (*votess_progress_callback)(double fraction, void* user);
+// message: zero-terminated, valid during the call.
+typedef void (*votess_log_callback)(const char* message, void* user);
+
+typedef struct votess_options {
+    uint32_t struct_size;  // set by votess_options_init
+    uint32_t want;         // VOTESS_WANT_* bits; default neighbors and volumes
+    int32_t has_box;       // 0: default box (see Options::box in votess.hpp), else box_lower, box_upper count
+    int32_t walls;         // nonzero: list wall ids -1..-6 in the rows
+    double box_lower[3];
+    double box_upper[3];
+    int32_t duplicates;                 // VOTESS_DUPLICATES_*
+    uint32_t threads;                   // 0 = all
+    uint32_t grid_resolution;           // 0 = automatic
+    uint32_t reserved;                  // 0
+    const char* device;                 // "auto" or "cpu"; NULL = auto
+    votess_progress_callback progress;  // may be NULL
+    void* progress_user;
+    votess_log_callback log;  // may be NULL
+    void* log_user;
+} votess_options;
+
+typedef struct votess_stats {
+    uint32_t struct_size;  // set it to sizeof(votess_stats) before votess_result_stats
+    uint32_t threads;
+    uint64_t points, faces, duplicates, empty_cells, fallback_cells, exact_cells, peak_memory_bytes;
+    double mean_faces, volume_sum, box_volume;
+    double seconds_upload, seconds_sort, seconds_knn, seconds_clip, seconds_fallback, seconds_download, seconds_total;
+    char device[256];  // zero-terminated
+} votess_stats;
+
+typedef struct votess_tessellator votess_tessellator;
+typedef struct votess_result votess_result;
+
+// Version of the library that is loaded: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
+VOTESS_API uint32_t votess_version(void);
+VOTESS_API const char* votess_version_string(void);
+// Sizes of the structs above in the loaded library, for callers that cannot include this header.
+VOTESS_API size_t votess_sizeof_options(void);
+VOTESS_API size_t votess_sizeof_stats(void);
+// Message of the last failure on this thread; "" when there was none. UTF-8, valid until the thread's next failure.
+VOTESS_API const char* votess_last_error(void);
+
+// Fills in the defaults, struct_size too. options: not NULL. size: sizeof(votess_options) as the caller compiled it;
+// the library writes no byte beyond it.
+VOTESS_API votess_status votess_options_init(votess_options* options, size_t size);
+
+VOTESS_API votess_status votess_tessellator_new(votess_tessellator** out);
+VOTESS_API void votess_tessellator_free(votess_tessellator* tessellator);
+
+// points: 3 * count coordinates, x y z per seed; NULL only when count is 0. options: NULL = defaults.
+// tessellator: NULL = one for this call; else one call at a time, and not freed before the call returns.
+// On success *out is a new result, which does not need the tessellator, else it is NULL.
+VOTESS_API votess_status votess_tessellate(votess_tessellator* tessellator, const double* points, size_t count,
+                                           const votess_options* options, votess_result** out);
+VOTESS_API votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
+                                               const votess_options* options, votess_result** out);
+VOTESS_API void votess_result_free(votess_result* result);
+
+// Arrays of a result: pointer to the first element, *length its number of elements. NULL and 0 when the array was not
+// wanted or has no elements. length may be NULL. Orders and units as in votess.hpp.
+VOTESS_API size_t votess_result_size(const votess_result* result);  // N
+VOTESS_API const int64_t* votess_result_indptr(const votess_result* result, size_t* length);
+VOTESS_API const int32_t* votess_result_indices(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_volumes(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_centroids(const votess_result* result, size_t* length);
+VOTESS_API const uint32_t* votess_result_face_counts(const votess_result* result, size_t* length);
+VOTESS_API const uint32_t* votess_result_edge_counts(const votess_result* result, size_t* length);
+VOTESS_API const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t* length);
+VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size_t* length);
+VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
+VOTESS_API int votess_result_lists_walls(const votess_result* result);  // 1 when the rows hold wall ids, else 0
+VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
+VOTESS_API votess_status votess_result_stats(const votess_result* result, votess_stats* stats);
+
+// Checks a result against the points it came from (see verify() in votess.hpp). *passed becomes 1 or 0; a failed check
+// is not a failed call: its one-line description, else "", is copied to failure (failure_size bytes, zero-terminated,
+// cut if too long; may be NULL with size 0). *skipped becomes the VOTESS_CHECK_* bits of the checks whose arrays the
+// result lacks; may be NULL.
+VOTESS_API votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
+                                       uint64_t rng_seed, int* passed, uint32_t* skipped, char* failure,
+                                       size_t failure_size);
+
+// Devices: index from 0 to votess_device_count() - 1. The strings are copied, zero-terminated, cut if too long; each
+// may be NULL with size 0. Pass id as votess_options.device.
+VOTESS_API size_t votess_device_count(void);
+VOTESS_API votess_status votess_device_info(size_t index, char* id, size_t id_size, char* name, size_t name_size,
+                                            char* description, size_t description_size);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,210 @@
+// votess: exact 3D Voronoi tessellation. C++20 interface.
+//
+//     votess::Options options;
+//     votess::Tessellation t = votess::tessellate(points /* span<const double>, 3N */, options);
+//     for (auto j : t.neighbors(i)) ...        t.volumes()[i]
+//
+// The cell of a seed is the part of the domain that is nearer to it than to any other seed; two seeds are
+// neighbors when their cells share a polygon of positive area. Each cell is a convex polytope clipped by bisectors
+// until the security radius proves it complete (Ray, Sokolov, Lefebvre, Lévy: Meshless Voronoi on the GPU, ACM TOG
+// 37(6), 2018). Every sign that decides the topology is exact for the float64 coordinates as given, so the lists
+// are the same for any thread count, any tuning option and any order of the seeds.
+//
+// The library never prints, never exits and keeps no global state. Errors are thrown as votess::Error.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <votess/export.hpp>
+#include <votess/version.hpp>
+
+namespace votess {
+
+// The values equal those of votess_status in votess.h.
+enum class ErrorCode : std::int32_t {
+    invalid_argument = 1,  // bad input: the message names the first offending index and value
+    out_of_memory = 2,
+    cancelled = 3,    // the progress callback asked to stop
+    unsupported = 4,  // a request that this build or this device cannot serve
+    internal = 5,     // a bug in votess: please report it
+};
+
+class VOTESS_API Error : public std::runtime_error {
+public:
+    Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    [[nodiscard]] ErrorCode code() const noexcept { return code_; }
+
+private:
+    ErrorCode code_;
+};
+
+// An axis-aligned box. Valid when lower < upper on every axis; both are finite.
+struct Box {
+    std::array<double, 3> lower{};
+    std::array<double, 3> upper{};
+};
+
+// One byte per cell. A finished run holds only `certified` and `duplicate`; the others are reasons why one engine
+// handed a cell to the next.
+enum class CellStatus : std::uint8_t {
+    certified = 0,             // the security radius proves the cell complete, every sign is certain
+    needs_exact = 1,           // a sign could not be certified in floating point
+    plane_overflow = 2,        // more planes than the engine's storage holds
+    vertex_overflow = 3,       // more vertices than the engine's storage holds
+    candidates_exhausted = 4,  // the candidate list ended before the security radius
+    duplicate = 5,             // same coordinates as a seed of lower index, which keeps the cell; this one is empty
+    empty = 6,                 // the cell has no interior
+    outside = 7,               // the seed lies outside the domain
+};
+
+enum class Duplicates : std::uint8_t {
+    merge = 0,  // the lowest index keeps the cell, the others are empty with status `duplicate`
+    error = 1,  // refuse the input
+};
+
+// Which arrays to compute and store.
+struct Want {
+    bool neighbors = true;   // indptr, indices
+    bool volumes = true;     // volumes
+    bool centroids = false;  // centroids
+    bool counts = false;     // face_counts, edge_counts, vertex_counts
+};
+
+// Called from the thread that runs tessellate(), at most some ten times a second. `fraction` grows from 0 to 1.
+// Return false to stop: tessellate() then throws ErrorCode::cancelled.
+using ProgressCallback = std::function<bool(double fraction)>;
+// One line of text for a log, without a line end.
+using LogCallback = std::function<void(std::string_view message)>;
+
+struct Options {
+    // Domain. Default: the bounds of the seeds, each side moved out by half of (longest side / cbrt(N)); when all
+    // seeds coincide, by half of the largest absolute coordinate (0.5 when that is 0).
+    std::optional<Box> box;
+    // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) in the rows too.
+    bool walls = false;
+    Want want;
+    Duplicates duplicates = Duplicates::merge;
+
+    // "auto" or "cpu".
+    std::string device = "auto";
+    // Tuning: changes speed and memory, never the answer.
+    unsigned threads = 0;          // CPU threads, 0 = all; at most 1024
+    unsigned grid_resolution = 0;  // blocks along an axis of the sorting grid, 0 = automatic; at most 2^20
+
+    ProgressCallback progress;
+    LogCallback log;
+};
+
+// Seconds of wall clock per stage of the pipeline. The CPU engine pulls candidates while it clips and decides exact
+// signs on the spot, so there `knn` and `fallback` are part of `clip`.
+struct StageSeconds {
+    double upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
+    double total = 0;
+};
+
+struct Stats {
+    std::string device;                  // name of the device that ran
+    std::uint64_t points = 0;            // N
+    std::uint64_t faces = 0;             // sum over cells of their number of faces, walls included
+    double mean_faces = 0;               // faces / cells that are not empty
+    double volume_sum = 0;               // sum of all volumes; 0 when volumes were not wanted
+    double box_volume = 0;               // volume of the domain
+    std::uint64_t duplicates = 0;        // seeds with status `duplicate`
+    std::uint64_t empty_cells = 0;       // cells without interior, duplicates included
+    std::uint64_t fallback_cells = 0;    // cells redone on the CPU after another device
+    std::uint64_t exact_cells = 0;       // cells where exact arithmetic decided a sign
+    unsigned threads = 0;                // CPU threads used
+    StageSeconds seconds;
+    std::uint64_t peak_memory_bytes = 0; // peak resident memory of the process so far
+};
+
+namespace detail {
+struct Result;
+struct TessellatorState;
+}  // namespace detail
+
+// The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans stay
+// valid as long as any copy of the handle. An array that was not wanted is an empty span. N is the number of seeds,
+// rows follow the input order.
+class VOTESS_API Tessellation {
+public:
+    Tessellation();
+    explicit Tessellation(std::shared_ptr<const detail::Result> result);
+
+    [[nodiscard]] std::size_t size() const noexcept;  // N
+    // Row i: ids of the neighbors of seed i in ascending order (walls first, being negative).
+    [[nodiscard]] std::span<const std::int32_t> neighbors(std::size_t i) const noexcept;
+    [[nodiscard]] std::span<const std::int64_t> indptr() const noexcept;         // N+1, CSR row starts, indptr[0] = 0
+    [[nodiscard]] std::span<const std::int32_t> indices() const noexcept;        // indptr[N], CSR columns
+    [[nodiscard]] std::span<const double> volumes() const noexcept;              // N, length unit cubed
+    [[nodiscard]] std::span<const double> centroids() const noexcept;            // 3N, x y z absolute; NaN when empty
+    [[nodiscard]] std::span<const std::uint32_t> face_counts() const noexcept;   // N, walls included
+    [[nodiscard]] std::span<const std::uint32_t> edge_counts() const noexcept;   // N
+    [[nodiscard]] std::span<const std::uint32_t> vertex_counts() const noexcept; // N
+    [[nodiscard]] std::span<const CellStatus> status() const noexcept;           // N
+    // N when the input has duplicates, else empty: index of the seed that keeps the cell; -1 for those not duplicate.
+    [[nodiscard]] std::span<const std::int32_t> duplicate_of() const noexcept;
+    [[nodiscard]] const Box& box() const noexcept;  // the domain that was used
+    [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
+    [[nodiscard]] const Stats& stats() const noexcept;
+
+private:
+    std::shared_ptr<const detail::Result> result_;
+};
+
+// Keeps device, threads and buffers between calls. One call at a time per object; different objects are independent.
+class VOTESS_API Tessellator {
+public:
+    Tessellator();
+    ~Tessellator();
+    Tessellator(Tessellator&&) noexcept;
+    Tessellator& operator=(Tessellator&&) noexcept;
+
+    // points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box; read only during the call.
+    // float32 input is widened without loss. N = 0 gives an empty result; N is below 2^31.
+    // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal.
+    [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
+    [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
+
+private:
+    std::unique_ptr<detail::TessellatorState> state_;
+};
+
+// The same with a Tessellator that lives for one call.
+[[nodiscard]] VOTESS_API Tessellation tessellate(std::span<const double> points, const Options& options = {});
+[[nodiscard]] VOTESS_API Tessellation tessellate(std::span<const float> points, const Options& options = {});
+
+// The checker of --verify. Volumes sum to the domain's (relative 1e-9), neighbor lists are symmetric, Euler's formula
+// V - E + F = 2 holds for each cell, and `sample` cells drawn with `rng_seed` equal cells clipped anew by every seed,
+// without any search structure. Checks whose arrays the result lacks are skipped and named in `skipped`.
+struct VerifyOptions {
+    std::size_t sample = 64;
+    std::uint64_t rng_seed = 1;
+};
+struct VerifyReport {
+    bool passed = false;
+    std::string failure;               // one line on the first failed check; empty when passed
+    std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
+};
+// points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's.
+[[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
+                                             const VerifyOptions& options = {});
+
+struct DeviceInfo {
+    std::string id;           // what Options::device accepts
+    std::string name;         // for people
+    std::string description;  // limits and features in one line
+};
+[[nodiscard]] VOTESS_API std::vector<DeviceInfo> devices();
+
+}  // namespace votess

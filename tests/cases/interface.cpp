@@ -1,0 +1,155 @@
+// Promises of votess.hpp that are not about geometry.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "../support/check.hpp"
+
+TEST_SUITE("api") {
+    TEST_CASE("a Tessellator used again gives identical results") {
+        votess::Tessellator tessellator;
+        const std::vector<test::PointSet> sets{test::uniform(3000, 81), test::cubic(5),
+                                               test::uniform(10, 82),   test::clustered(2000, 83),
+                                               test::cospherical(101),  test::uniform(3000, 81)};
+        for (int round = 0; round < 2; ++round)
+            for (const test::PointSet& set : sets) {
+                CAPTURE(set.name);
+                const auto options = test::all_options(set.box);
+                CHECK(test::check_identical(test::run(set), tessellator.tessellate(set.points, options)) == "");
+            }
+        votess::Tessellator moved = std::move(tessellator);
+        CHECK(test::check_identical(test::run(sets[0]),
+                                    moved.tessellate(sets[0].points, test::all_options(sets[0].box))) == "");
+    }
+
+    TEST_CASE("a result outlives its Tessellator and its copies") {
+        const test::PointSet set = test::uniform(500, 84);
+        const auto expected = test::run(set);
+        votess::Tessellation kept;
+        {
+            votess::Tessellator tessellator;
+            const auto t = tessellator.tessellate(set.points, test::all_options(set.box));
+            kept = t;
+            const auto other = tessellator.tessellate(test::uniform(700, 85).points);
+            CHECK(other.size() == 700);
+        }
+        CHECK(test::check_identical(expected, kept) == "");
+    }
+
+    TEST_CASE("a default-constructed Tessellation is empty") {
+        const votess::Tessellation t;
+        CHECK(t.size() == 0);
+        CHECK(t.indices().empty());
+        CHECK(t.volumes().empty());
+        CHECK(t.status().empty());
+        CHECK(t.stats().points == 0);
+    }
+
+    TEST_CASE("the default options give neighbors and volumes, without walls") {
+        const test::PointSet set = test::uniform(200, 86);
+        const auto t = votess::tessellate(set.points);
+        CHECK(t.indptr().size() == 201);
+        CHECK(t.volumes().size() == 200);
+        CHECK(t.centroids().empty());
+        CHECK(t.face_counts().empty());
+        CHECK_FALSE(t.lists_walls());
+        CHECK(t.stats().device != "");
+        CHECK(t.stats().threads >= 1);
+        CHECK(t.stats().seconds.total > 0);
+        CHECK(test::check_invariants(t, set.points) == "");
+    }
+
+    TEST_CASE("stats") {
+        const test::PointSet set = test::cubic(8);
+        const auto t = test::run(set);
+        CHECK(t.stats().points == 512);
+        CHECK(t.stats().faces == 512 * 6);
+        CHECK(t.stats().mean_faces == 6);
+        CHECK(t.stats().box_volume == 512);
+        CHECK(t.stats().exact_cells > 0);  // a lattice is all ties
+        CHECK(test::run(test::uniform(500, 87)).stats().fallback_cells == 0);
+    }
+
+    TEST_CASE("progress grows from 0 to 1, false cancels") {
+        const test::PointSet set = test::uniform(test::by_size(200000, 40000), 88);
+        votess::Options options = test::all_options(set.box);
+        std::vector<double> seen;
+        options.progress = [&](double fraction) {
+            seen.push_back(fraction);
+            return true;
+        };
+        CHECK(votess::tessellate(set.points, options).size() == set.size());
+        REQUIRE_FALSE(seen.empty());
+        CHECK(std::is_sorted(seen.begin(), seen.end()));
+        CHECK(seen.front() >= 0);
+        CHECK(seen.back() <= 1);
+
+        votess::Tessellator tessellator;
+        options.progress = [](double) { return false; };
+        try {
+            const auto t = tessellator.tessellate(set.points, options);
+            FAIL("was not cancelled");
+        } catch (const votess::Error& error) {
+            CHECK(error.code() == votess::ErrorCode::cancelled);
+        }
+        options.progress = {};
+        const test::PointSet small = test::uniform(300, 89);
+        CHECK(test::check_identical(test::run(small), tessellator.tessellate(small.points, options)) == "");
+    }
+
+    TEST_CASE("an exception of the caller's callback comes through") {
+        const test::PointSet set = test::uniform(test::by_size(200000, 40000), 90);
+        votess::Tessellator tessellator;
+        votess::Options options = test::all_options(set.box);
+        options.progress = [](double) -> bool { throw std::logic_error("mine"); };
+        CHECK_THROWS_WITH_AS((void)tessellator.tessellate(set.points, options), "mine", std::logic_error);
+        options.progress = {};
+        const test::PointSet small = test::uniform(300, 91);
+        CHECK(test::check_identical(test::run(small), tessellator.tessellate(small.points, options)) == "");
+    }
+
+    TEST_CASE("devices") {
+        const auto all = votess::devices();
+        REQUIRE_FALSE(all.empty());
+        CHECK(std::any_of(all.begin(), all.end(), [](const auto& device) { return device.id == "cpu"; }));
+        for (const auto& device : all) {
+            CHECK(device.name != "");
+            votess::Options options;
+            options.device = device.id;
+            CHECK(votess::tessellate(test::uniform(50, 92).points, options).size() == 50);
+        }
+    }
+
+    TEST_CASE("verify passes a good result and fails on points that do not belong") {
+        const test::PointSet set = test::uniform(400, 93), other = test::uniform(400, 94);
+        const auto t = test::run(set);
+        CHECK(votess::verify(t, set.points).passed);
+        CHECK(votess::verify(t, set.points, {400, 7}).passed);
+        const auto report = votess::verify(t, other.points);
+        CHECK_FALSE(report.passed);
+        CHECK(report.failure != "");
+        CHECK(report.failure.find('\n') == std::string::npos);
+        CHECK_THROWS_AS((void)votess::verify(t, std::span(set.points).first(3 * 399)), votess::Error);
+        CHECK_THROWS_AS((void)votess::verify(t, std::span(set.points).first(3 * 400 - 1)), votess::Error);
+
+        // One seed moved a little: only the sample can see it, and must when it takes every cell.
+        test::Coordinates moved = set.points;
+        moved[3 * 200] += moved[3 * 200] < 0.5 ? 0.05 : -0.05;
+        CHECK_FALSE(votess::verify(t, moved, {400, 1}).passed);
+    }
+
+    TEST_CASE("verify names what it skips") {
+        const test::PointSet set = test::uniform(300, 95);
+        votess::Options options;
+        options.threads = 1;
+        options.want = {false, false, false, false};
+        const auto nothing = votess::verify(test::run(set, options), set.points);
+        CHECK(nothing.passed);
+        CHECK(nothing.skipped.size() == 4);
+        options.want = {true, true, false, false};
+        const auto usual = votess::verify(test::run(set, options), set.points);
+        CHECK(usual.passed);
+        CHECK(usual.skipped == std::vector<std::string>{"euler"});
+    }
+}

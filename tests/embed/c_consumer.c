@@ -1,0 +1,474 @@
+// Uses the C interface as a C11 program would, error paths included. Returns 0 when all is well, else prints what is
+// not.
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <votess/votess.h>
+
+static int failures = 0;
+
+#define CHECK(condition)                                                                                 \
+    do {                                                                                                 \
+        if (!(condition)) {                                                                              \
+            fprintf(stderr, "c_consumer.c:%d: not true: %s; last error: \"%s\"\n", __LINE__, #condition, \
+                    votess_last_error());                                                                \
+            ++failures;                                                                                  \
+        }                                                                                                \
+    } while (0)
+
+// The call must fail with this status and a one-line message that holds this text.
+#define CHECK_FAILS(call, expected, text)                                                                             \
+    do {                                                                                                              \
+        const votess_status status_ = (call);                                                                         \
+        const char* message_ = votess_last_error();                                                                   \
+        if (status_ != (expected) || strstr(message_, text) == NULL || strchr(message_, '\n') != NULL) {              \
+            fprintf(stderr, "c_consumer.c:%d: %s: status %d, message \"%s\"; expected %d, \"%s\"\n", __LINE__, #call, \
+                    (int)status_, message_, (int)(expected), text);                                                   \
+            ++failures;                                                                                               \
+        }                                                                                                             \
+    } while (0)
+
+static const double cube[24] = {0.5, 0.5, 0.5, 0.5, 0.5, 1.5, 0.5, 1.5, 0.5, 0.5, 1.5, 1.5,
+                                1.5, 0.5, 0.5, 1.5, 0.5, 1.5, 1.5, 1.5, 0.5, 1.5, 1.5, 1.5};
+
+static votess_options options_with_box(double side) {
+    votess_options options;
+    CHECK(votess_options_init(&options, sizeof options) == VOTESS_OK);
+    options.has_box = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        options.box_lower[axis] = 0;
+        options.box_upper[axis] = side;
+    }
+    return options;
+}
+
+// Uniform numbers in [0, 1): a 64-bit linear congruential generator (Knuth's MMIX constants).
+static double* random_points(size_t count, uint64_t seed) {
+    double* points = malloc(3 * count * sizeof *points);
+    if (points == NULL) {
+        fprintf(stderr, "c_consumer.c: no memory for %zu points\n", count);
+        exit(2);
+    }
+    for (size_t i = 0; i < 3 * count; ++i) {
+        seed = seed * 6364136223846793005u + 1442695040888963407u;
+        points[i] = (double)(seed >> 11) / 9007199254740992.0;
+    }
+    return points;
+}
+
+static void check_version(void) {
+    char text[32];
+    snprintf(text, sizeof text, "%d.%d.%d", VOTESS_VERSION_MAJOR, VOTESS_VERSION_MINOR, VOTESS_VERSION_PATCH);
+    CHECK(strcmp(votess_version_string(), text) == 0);
+    CHECK(strcmp(votess_version_string(), VOTESS_VERSION_STRING) == 0);
+    CHECK(votess_version() == VOTESS_VERSION_MAJOR * 1000000u + VOTESS_VERSION_MINOR * 1000u + VOTESS_VERSION_PATCH);
+    CHECK(votess_sizeof_options() == sizeof(votess_options));
+    CHECK(votess_sizeof_stats() == sizeof(votess_stats));
+    CHECK(strcmp(votess_last_error(), "") == 0);
+}
+
+static void check_cube(votess_tessellator* tessellator) {
+    votess_options options = options_with_box(2);
+    options.want = VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_COUNTS;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    if (result == NULL) return;
+
+    size_t length = 99;
+    CHECK(votess_result_size(result) == 8);
+    const int64_t* indptr = votess_result_indptr(result, &length);
+    CHECK(length == 9);
+    const int32_t* indices = votess_result_indices(result, &length);
+    CHECK(length == 24);
+    CHECK(indices == votess_result_indices(result, NULL));
+    const double* volumes = votess_result_volumes(result, &length);
+    CHECK(length == 8);
+    const double* centroids = votess_result_centroids(result, &length);
+    CHECK(length == 24);
+    const uint32_t* faces = votess_result_face_counts(result, &length);
+    CHECK(length == 8);
+    const uint32_t* edges = votess_result_edge_counts(result, &length);
+    CHECK(length == 8);
+    const uint32_t* vertices = votess_result_vertex_counts(result, &length);
+    CHECK(length == 8);
+    const uint8_t* status = votess_result_status(result, &length);
+    CHECK(length == 8);
+    CHECK(votess_result_duplicate_of(result, &length) == NULL && length == 0);
+    CHECK(votess_result_lists_walls(result) == 0);
+
+    CHECK(indptr && indices && volumes && centroids && faces && edges && vertices && status);
+    if (indptr && indices && volumes && centroids && faces && edges && vertices && status) {
+        for (int i = 0; i < 8; ++i) {
+            CHECK(indptr[i] == 3 * i && indptr[i + 1] == 3 * (i + 1));
+            int previous = -1;
+            for (int64_t k = indptr[i]; k < indptr[i + 1]; ++k) {
+                const int changed = indices[k] ^ i;  // the number of a corner has one bit for each axis
+                CHECK(changed == 1 || changed == 2 || changed == 4);
+                CHECK(indices[k] > previous);
+                previous = indices[k];
+            }
+            CHECK(fabs(volumes[i] - 1) < 1e-13);
+            for (int axis = 0; axis < 3; ++axis) CHECK(fabs(centroids[3 * i + axis] - cube[3 * i + axis]) < 1e-13);
+            CHECK(faces[i] == 6 && edges[i] == 12 && vertices[i] == 8);
+            CHECK(status[i] == VOTESS_CELL_CERTIFIED);
+        }
+    }
+
+    double lower[3] = {9, 9, 9}, upper[3] = {9, 9, 9};
+    CHECK(votess_result_box(result, lower, upper) == VOTESS_OK);
+    for (int axis = 0; axis < 3; ++axis) CHECK(lower[axis] == 0 && upper[axis] == 2);
+
+    votess_stats stats;
+    memset(&stats, 0xff, sizeof stats);
+    stats.struct_size = sizeof stats;
+    CHECK(votess_result_stats(result, &stats) == VOTESS_OK);
+    CHECK(stats.struct_size == sizeof stats);
+    CHECK(stats.points == 8 && stats.faces == 48 && stats.mean_faces == 6);
+    CHECK(stats.duplicates == 0 && stats.empty_cells == 0 && stats.fallback_cells == 0);
+    CHECK(stats.exact_cells <= 8);
+    CHECK(fabs(stats.volume_sum - 8) < 1e-12 && fabs(stats.box_volume - 8) < 1e-12);
+    CHECK(stats.seconds_total >= 0 && stats.seconds_clip >= 0);
+    CHECK(memchr(stats.device, 0, sizeof stats.device) != NULL && stats.device[0] != '\0');
+
+    int passed = 0;
+    uint32_t skipped = 99;
+    char failure[256] = "x";
+    CHECK(votess_verify(result, cube, 8, 8, 1, &passed, &skipped, failure, sizeof failure) == VOTESS_OK);
+    CHECK(passed == 1 && skipped == 0 && strcmp(failure, "") == 0);
+    double moved[24];
+    memcpy(moved, cube, sizeof moved);
+    moved[0] = 0.75;
+    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, failure, sizeof failure) == VOTESS_OK);
+    CHECK(passed == 0 && strlen(failure) > 0);
+    char cut[6] = "xxxxx";
+    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, cut, sizeof cut) == VOTESS_OK);
+    CHECK(passed == 0 && strlen(cut) == 5 && strncmp(cut, failure, 5) == 0);
+    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, NULL, 0) == VOTESS_OK);
+    CHECK(passed == 0);
+
+    CHECK_FAILS(votess_verify(result, cube, 7, 8, 1, &passed, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "7");
+    CHECK_FAILS(votess_verify(result, NULL, 8, 8, 1, &passed, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "points");
+    CHECK_FAILS(votess_verify(result, cube, 8, 8, 1, NULL, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "passed");
+    CHECK_FAILS(votess_verify(result, cube, 8, 8, 1, &passed, NULL, NULL, 4), VOTESS_ERROR_INVALID_ARGUMENT, "failure");
+    CHECK_FAILS(votess_verify(NULL, cube, 8, 8, 1, &passed, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "result");
+    CHECK_FAILS(votess_result_box(result, NULL, upper), VOTESS_ERROR_INVALID_ARGUMENT, "lower");
+    CHECK_FAILS(votess_result_box(result, lower, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "upper");
+    CHECK_FAILS(votess_result_stats(result, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "stats");
+    votess_result_free(result);
+}
+
+static void check_null_result(void) {
+    double corner[3];
+    votess_stats stats;
+    stats.struct_size = sizeof stats;
+    size_t length = 99;
+    CHECK_FAILS(votess_result_box(NULL, corner, corner), VOTESS_ERROR_INVALID_ARGUMENT, "result");
+    CHECK_FAILS(votess_result_stats(NULL, &stats), VOTESS_ERROR_INVALID_ARGUMENT, "result");
+    CHECK(votess_result_size(NULL) == 0);
+    CHECK(votess_result_lists_walls(NULL) == 0);
+    CHECK(votess_result_indptr(NULL, &length) == NULL && length == 0);
+    length = 99;
+    CHECK(votess_result_status(NULL, &length) == NULL && length == 0);
+    CHECK(votess_result_volumes(NULL, NULL) == NULL);
+    votess_result_free(NULL);
+    votess_tessellator_free(NULL);
+}
+
+static void check_walls_and_defaults(void) {
+    const double points[6] = {0.25, 0.5, 0.5, 0.75, 0.5, 0.5};
+    votess_options options = options_with_box(1);
+    CHECK(options.want == (VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES));
+    options.walls = 1;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(NULL, points, 2, &options, &result) == VOTESS_OK);
+    if (result != NULL) {
+        const int32_t expected[12] = {-6, -5, -4, -3, -1, 1, -6, -5, -4, -3, -2, 0};
+        size_t length = 0;
+        const int32_t* indices = votess_result_indices(result, &length);
+        CHECK(length == 12 && indices != NULL && memcmp(indices, expected, sizeof expected) == 0);
+        CHECK(votess_result_lists_walls(result) == 1);
+        CHECK(votess_result_centroids(result, &length) == NULL && length == 0);  // not wanted
+        votess_result_free(result);
+    }
+
+    // No options at all: the default box is wider than the points by half of (0.5 / cbrt(2)) on each side.
+    result = NULL;
+    CHECK(votess_tessellate(NULL, points, 2, NULL, &result) == VOTESS_OK);
+    if (result != NULL) {
+        double lower[3], upper[3];
+        CHECK(votess_result_box(result, lower, upper) == VOTESS_OK);
+        const double margin = 0.5 * 0.5 / cbrt(2.0);
+        CHECK(fabs(lower[0] - (0.25 - margin)) < 1e-12 && fabs(upper[2] - (0.5 + margin)) < 1e-12);
+        size_t length = 0;
+        CHECK(votess_result_volumes(result, &length) != NULL && length == 2);
+        votess_result_free(result);
+    }
+}
+
+static void check_empty_and_float(votess_tessellator* tessellator) {
+    votess_result* result = NULL;
+    size_t length = 99;
+    CHECK(votess_tessellate(tessellator, NULL, 0, NULL, &result) == VOTESS_OK);
+    if (result != NULL) {
+        CHECK(votess_result_size(result) == 0);
+        const int64_t* indptr = votess_result_indptr(result, &length);
+        CHECK(length == 1 && indptr != NULL && indptr[0] == 0);
+        CHECK(votess_result_indices(result, &length) == NULL && length == 0);
+        votess_result_free(result);
+    }
+
+    float narrow[24];
+    for (int i = 0; i < 24; ++i) narrow[i] = (float)cube[i];
+    const votess_options options = options_with_box(2);
+    result = NULL;
+    CHECK(votess_tessellate_f32(tessellator, narrow, 8, &options, &result) == VOTESS_OK);
+    if (result != NULL) {
+        const double* volumes = votess_result_volumes(result, &length);
+        CHECK(length == 8 && volumes != NULL && fabs(volumes[7] - 1) < 1e-13);
+        votess_result_free(result);
+    }
+    narrow[10] = (float)NAN;
+    CHECK_FAILS(votess_tessellate_f32(tessellator, narrow, 8, NULL, &result), VOTESS_ERROR_INVALID_ARGUMENT, "3");
+    CHECK(result == NULL);
+}
+
+static void check_duplicates(votess_tessellator* tessellator) {
+    const double points[9] = {0.25, 0.5, 0.5, 0.75, 0.5, 0.5, 0.25, 0.5, 0.5};
+    votess_options options = options_with_box(1);
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(tessellator, points, 3, &options, &result) == VOTESS_OK);
+    if (result != NULL) {
+        size_t length = 0;
+        const int32_t* duplicate_of = votess_result_duplicate_of(result, &length);
+        CHECK(length == 3 && duplicate_of != NULL && duplicate_of[0] == -1 && duplicate_of[1] == -1 &&
+              duplicate_of[2] == 0);
+        const uint8_t* status = votess_result_status(result, &length);
+        CHECK(length == 3 && status != NULL && status[2] == VOTESS_CELL_DUPLICATE);
+        votess_result_free(result);
+    }
+    options.duplicates = VOTESS_DUPLICATES_ERROR;
+    CHECK_FAILS(votess_tessellate(tessellator, points, 3, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "2");
+    CHECK(result == NULL);
+}
+
+static void check_bad_input(votess_tessellator* tessellator) {
+    votess_result* result = NULL;
+    const votess_options good = options_with_box(2);
+    votess_options options = good;
+    double points[24];
+
+    memcpy(points, cube, sizeof points);
+    points[13] = INFINITY;
+    CHECK_FAILS(votess_tessellate(tessellator, points, 8, NULL, &result), VOTESS_ERROR_INVALID_ARGUMENT, "4");
+    memcpy(points, cube, sizeof points);
+    points[17] = 2.5;
+    CHECK_FAILS(votess_tessellate(tessellator, points, 8, &good, &result), VOTESS_ERROR_INVALID_ARGUMENT, "2.5");
+    CHECK_FAILS(votess_tessellate(tessellator, NULL, 8, &good, &result), VOTESS_ERROR_INVALID_ARGUMENT, "points");
+    CHECK_FAILS(votess_tessellate(tessellator, cube, SIZE_MAX / 2, &good, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                "count");
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &good, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "out");
+    CHECK_FAILS(votess_tessellator_new(NULL), VOTESS_ERROR_INVALID_ARGUMENT, "out");
+
+    options.box_upper[1] = options.box_lower[1];
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "box");
+    options = good;
+    options.want |= 1u << 20;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "1048576");
+    options = good;
+    options.duplicates = 2;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                "duplicates is 2");
+    options = good;
+    options.reserved = 7;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                "reserved is 7");
+    options = good;
+    options.threads = 5000;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "5000");
+    options = good;
+    options.device = "abacus";
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) != VOTESS_OK);
+    CHECK(strstr(votess_last_error(), "abacus") != NULL);
+    CHECK(result == NULL);
+
+    // A failure sets *out to NULL whatever was there.
+    result = (votess_result*)points;
+    CHECK_FAILS(votess_tessellate(tessellator, NULL, 8, &good, &result), VOTESS_ERROR_INVALID_ARGUMENT, "points");
+    CHECK(result == NULL);
+    // A success leaves the message of the last failure alone.
+    CHECK(votess_tessellate(tessellator, cube, 8, &good, &result) == VOTESS_OK);
+    CHECK(strstr(votess_last_error(), "points") != NULL);
+    votess_result_free(result);
+}
+
+static void check_struct_sizes(votess_tessellator* tessellator) {
+    votess_options options;
+    CHECK_FAILS(votess_options_init(NULL, sizeof options), VOTESS_ERROR_INVALID_ARGUMENT, "options");
+    CHECK_FAILS(votess_options_init(&options, 0), VOTESS_ERROR_INVALID_ARGUMENT, "size is 0");
+    CHECK_FAILS(votess_options_init(&options, 16), VOTESS_ERROR_INVALID_ARGUMENT, "size is 16");
+
+    votess_result* result = NULL;
+    options = options_with_box(2);
+    options.struct_size = 0;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                "struct_size is 0");
+    options.struct_size = offsetof(votess_options, log_user);
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                "struct_size is");
+
+    // A program built against a newer header: the fields that this library lacks are neither read nor written.
+    struct newer_options {
+        votess_options options;
+        unsigned char beyond[64];
+    } newer;
+    memset(&newer, 0xee, sizeof newer);
+    CHECK(votess_options_init(&newer.options, sizeof newer) == VOTESS_OK);
+    CHECK(newer.options.struct_size == sizeof(votess_options));
+    for (size_t i = 0; i < sizeof newer.beyond; ++i) CHECK(newer.beyond[i] == 0xee);
+    newer.options.struct_size = sizeof newer;
+    CHECK(votess_tessellate(tessellator, cube, 8, &newer.options, &result) == VOTESS_OK);
+    if (result == NULL) return;
+
+    struct newer_stats {
+        votess_stats stats;
+        unsigned char beyond[64];
+    } stats;
+    memset(&stats, 0xee, sizeof stats);
+    stats.stats.struct_size = sizeof stats;
+    CHECK(votess_result_stats(result, &stats.stats) == VOTESS_OK);
+    CHECK(stats.stats.struct_size == sizeof stats && stats.stats.points == 8);
+    for (size_t i = 0; i < sizeof stats.beyond; ++i) CHECK(stats.beyond[i] == 0xee);
+    stats.stats.struct_size = 0;
+    CHECK_FAILS(votess_result_stats(result, &stats.stats), VOTESS_ERROR_INVALID_ARGUMENT, "struct_size is 0");
+    stats.stats.struct_size = 40;
+    CHECK_FAILS(votess_result_stats(result, &stats.stats), VOTESS_ERROR_INVALID_ARGUMENT, "struct_size is 40");
+    votess_result_free(result);
+}
+
+struct calls {
+    int count;
+    int stop_after;  // cancel at this call; 0 = never
+    double last_fraction;
+    int in_order;
+    int lines;
+    int line_ends;
+};
+
+static int on_progress(double fraction, void* user) {
+    struct calls* calls = user;
+    ++calls->count;
+    if (!(fraction >= calls->last_fraction && fraction <= 1)) calls->in_order = 0;
+    calls->last_fraction = fraction;
+    return calls->stop_after == 0 || calls->count < calls->stop_after;
+}
+
+static void on_log(const char* message, void* user) {
+    struct calls* calls = user;
+    ++calls->lines;
+    if (strchr(message, '\n') != NULL) ++calls->line_ends;
+}
+
+static void check_callbacks(votess_tessellator* tessellator) {
+    const size_t count = 200000;
+    double* points = random_points(count, 1);
+    votess_options options = options_with_box(1);
+    struct calls calls = {0, 0, 0, 1, 0, 0};
+    options.threads = 1;
+    options.progress = on_progress;
+    options.progress_user = &calls;
+    options.log = on_log;
+    options.log_user = &calls;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(tessellator, points, count, &options, &result) == VOTESS_OK);
+    CHECK(calls.count > 0 && calls.in_order == 1 && calls.line_ends == 0);
+    if (result != NULL) {
+        const double* volumes = votess_result_volumes(result, NULL);
+        double sum = 0;
+        for (size_t i = 0; volumes != NULL && i < count; ++i) sum += volumes[i];
+        CHECK(fabs(sum - 1) < 1e-9);
+        int passed = 0;
+        CHECK(votess_verify(result, points, count, 4, 1, &passed, NULL, NULL, 0) == VOTESS_OK && passed == 1);
+    }
+    votess_result_free(result);
+
+    calls = (struct calls){0, 1, 0, 1, 0, 0};
+    CHECK(votess_tessellate(tessellator, points, count, &options, &result) == VOTESS_ERROR_CANCELLED);
+    CHECK(result == NULL && strlen(votess_last_error()) > 0);
+
+    // The tessellator serves on after a cancelled run.
+    options.progress = NULL;
+    options.log = NULL;
+    CHECK(votess_tessellate(tessellator, points, 1000, &options, &result) == VOTESS_OK);
+    CHECK(votess_result_size(result) == 1000);
+    votess_result_free(result);
+    free(points);
+}
+
+static void check_result_outlives_tessellator(void) {
+    votess_tessellator* tessellator = NULL;
+    CHECK(votess_tessellator_new(&tessellator) == VOTESS_OK && tessellator != NULL);
+    const votess_options options = options_with_box(2);
+    votess_result* first = NULL;
+    votess_result* second = NULL;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &first) == VOTESS_OK);
+    CHECK(votess_tessellate(tessellator, cube, 4, &options, &second) == VOTESS_OK);
+    votess_tessellator_free(tessellator);
+    CHECK(votess_result_size(first) == 8 && votess_result_size(second) == 4);
+    const double* volumes = votess_result_volumes(first, NULL);
+    CHECK(volumes != NULL && fabs(volumes[3] - 1) < 1e-13);
+    votess_result_free(first);
+    volumes = votess_result_volumes(second, NULL);
+    CHECK(volumes != NULL && fabs(volumes[3] - 2) < 1e-13);
+    votess_result_free(second);
+}
+
+static void check_devices(void) {
+    const size_t count = votess_device_count();
+    CHECK(count >= 1);
+    int have_cpu = 0;
+    for (size_t i = 0; i < count; ++i) {
+        char id[64], name[256], description[1024], cut[3];
+        CHECK(votess_device_info(i, id, sizeof id, name, sizeof name, description, sizeof description) == VOTESS_OK);
+        CHECK(strlen(id) > 0 && strlen(name) > 0);
+        if (strcmp(id, "cpu") == 0) have_cpu = 1;
+        CHECK(votess_device_info(i, cut, sizeof cut, NULL, 0, NULL, 0) == VOTESS_OK);
+        CHECK(strlen(cut) <= 2 && strncmp(cut, id, strlen(cut)) == 0);
+
+        votess_options options = options_with_box(2);
+        options.device = id;
+        votess_result* result = NULL;
+        CHECK(votess_tessellate(NULL, cube, 8, &options, &result) == VOTESS_OK);
+        votess_result_free(result);
+    }
+    CHECK(have_cpu == 1);
+    char id[8];
+    CHECK_FAILS(votess_device_info(count, id, sizeof id, NULL, 0, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "index is");
+    CHECK_FAILS(votess_device_info(0, id, sizeof id, NULL, 8, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "name");
+}
+
+int main(void) {
+    check_version();
+    votess_tessellator* tessellator = NULL;
+    CHECK(votess_tessellator_new(&tessellator) == VOTESS_OK && tessellator != NULL);
+    check_cube(NULL);
+    check_cube(tessellator);
+    check_null_result();
+    check_walls_and_defaults();
+    check_empty_and_float(tessellator);
+    check_duplicates(tessellator);
+    check_bad_input(tessellator);
+    check_struct_sizes(tessellator);
+    check_callbacks(tessellator);
+    votess_tessellator_free(tessellator);
+    check_result_outlives_tessellator();
+    check_devices();
+    if (failures != 0) {
+        fprintf(stderr, "c_consumer: %d checks failed\n", failures);
+        return 1;
+    }
+    printf("c_consumer: votess %s, all checks passed\n", votess_version_string());
+    return 0;
+}

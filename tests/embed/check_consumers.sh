@@ -1,0 +1,46 @@
+#!/bin/sh
+# Builds and runs programs that use votess from outside: installed, and as a subproject.
+# Usage: check_consumers.sh SOURCE_DIR BUILD_DIR   (BUILD_DIR: votess configured and built there, VOTESS_INSTALL on)
+set -eu
+
+if [ $# -ne 2 ]; then
+    echo "usage: $0 SOURCE_DIR BUILD_DIR" >&2
+    exit 2
+fi
+source_dir=$(cd "$1" && pwd)
+build_dir=$(cd "$2" && pwd)
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+
+# The consumers are built as votess was: sanitizer flags must agree.
+cached() {
+    sed -n "s/^$1:[A-Z]*=//p" "$build_dir/CMakeCache.txt"
+}
+configure() {
+    cmake -G "$(cached CMAKE_GENERATOR)" \
+        -DCMAKE_C_COMPILER="$(cached CMAKE_C_COMPILER)" -DCMAKE_CXX_COMPILER="$(cached CMAKE_CXX_COMPILER)" \
+        -DCMAKE_C_FLAGS="$(cached CMAKE_C_FLAGS)" -DCMAKE_CXX_FLAGS="$(cached CMAKE_CXX_FLAGS)" \
+        -DCMAKE_BUILD_TYPE="$(cached CMAKE_BUILD_TYPE)" -DBUILD_SHARED_LIBS="$(cached BUILD_SHARED_LIBS)" "$@"
+}
+jobs=${CMAKE_BUILD_PARALLEL_LEVEL:-2}
+
+echo "== installed: find_package(votess)"
+cmake --install "$build_dir" --prefix "$work/prefix"
+# The installed package must not need the trees that it came from.
+if grep -rlF -e "$source_dir/" -e "$build_dir/" "$work/prefix" --include='*.cmake' --include='*.h' --include='*.hpp'; then
+    echo "the files above name the source or build folder" >&2
+    exit 1
+fi
+configure -S "$source_dir/tests/embed/cpp_consumer" -B "$work/installed" -DCMAKE_PREFIX_PATH="$work/prefix"
+cmake --build "$work/installed" --parallel "$jobs"
+"$work/installed/cpp_consumer"
+"$work/installed/c_consumer"
+
+echo "== subproject: add_subdirectory(votess)"
+configure -S "$source_dir/tests/embed/subproject" -B "$work/subproject" -DVOTESS_SOURCE="$source_dir"
+cmake --build "$work/subproject" --parallel "$jobs"
+"$work/subproject/subproject_consumer"
+
+echo "consumers: all passed"

@@ -1,0 +1,85 @@
+// Every family of generators.hpp, small, against the exact diagram.
+#include <doctest/doctest.h>
+
+#include "../support/check.hpp"
+#include "brute_force.hpp"
+
+TEST_SUITE("oracle") {
+    TEST_CASE("families of about 30 seeds equal the exact diagram") {
+        const std::size_t seeds = test::by_size(8, 1);
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed)
+            for (const test::PointSet& set : test::families(30, seed)) {
+                const auto t = test::run(set);
+                INFO("seed " << seed << ' ' << set.name << '\n' << test::print_points(set.points, t.box()));
+                CHECK(test::check_exact(t, set.points) == "");
+            }
+    }
+
+    TEST_CASE("families of about 90 seeds equal the exact diagram") {
+        for (const test::PointSet& set : test::families(test::by_size(90, 40), 11)) {
+            CAPTURE(set.name);
+            CHECK(test::check_exact(test::run(set), set.points) == "");
+        }
+    }
+
+    TEST_CASE("families in adversarial orders equal the exact diagram") {
+        using test::Order;
+        for (const Order order : {Order::reversed, Order::interleaved, Order::by_last_coordinate, Order::shuffled})
+            for (const test::PointSet& base :
+                 {test::cospherical(9), test::cospherical_and_center(14), test::cocircular(25, 3),
+                  test::cocircular(50, 2), test::on_oblique_line(20, 7), test::on_oblique_plane(25, 8), test::cubic(3),
+                  test::bcc(4), test::fcc(3), test::diamond(4)}) {
+                const test::PointSet set = test::reordered(base, order);
+                CAPTURE(set.name);
+                CAPTURE(static_cast<int>(order));
+                CHECK(test::check_exact(test::run(set), set.points) == "");
+            }
+    }
+
+    TEST_CASE("cubic lattice of spacing 0.1, 4 x 4 x 4, equals the exact diagram") {
+        // i * 0.1 is rounded, so some lattice diagonals do share a tiny face and others do not.
+        const test::PointSet set = test::cubic(4, 0.1);
+        CHECK(test::check_exact(test::run(set), set.points) == "");
+        const test::PointSet shuffled = test::reordered(set, test::Order::shuffled);
+        CHECK(test::check_exact(test::run(shuffled), shuffled.points) == "");
+    }
+
+    TEST_CASE("needles and slabs: three seeds 1e-12 apart on an oblique line in the unit box") {
+        for (const double step : {1e-3, 1e-6, 1e-9, 1e-12, 1e-15}) {
+            CAPTURE(step);
+            test::PointSet set{"slabs", {}, test::unit_box()};
+            for (const int k : {-1, 0, 1})
+                set.points.insert(set.points.end(), {0.4 + k * step, 0.5 + 2 * k * step, 0.6 - 3 * k * step});
+            CHECK(test::check_exact(test::run(set), set.points) == "");
+            // A second line across: needles.
+            for (const int k : {-1, 1})
+                set.points.insert(set.points.end(), {0.4 + 3 * k * step, 0.5 - 2 * k * step, 0.6 + k * step});
+            CHECK(test::check_exact(test::run(set), set.points) == "");
+        }
+    }
+
+    TEST_CASE("a box far flatter than wide equals the exact diagram") {
+        for (const double height : {1e-3, 1e-9, 0x1p-60}) {
+            CAPTURE(height);
+            test::PointSet set = test::uniform(24, 3);
+            for (std::size_t i = 2; i < set.points.size(); i += 3) set.points[i] *= height;
+            set.box->upper[2] = height;
+            CHECK(test::check_exact(test::run(set), set.points) == "");
+        }
+    }
+
+    TEST_CASE("one coordinate near zero: right, or refused as out of range") {
+        for (const double tiny : {1e-30, 1e-100, 1e-200, 5e-324}) {
+            CAPTURE(tiny);
+            test::PointSet set = test::uniform(12, 4);
+            set.points[0] = tiny;
+            set.points[16] = tiny;
+            try {
+                CHECK(test::check_exact(test::run(set), set.points) == "");
+            } catch (const votess::Error& error) {
+                CHECK(error.code() == votess::ErrorCode::invalid_argument);
+                CHECK(tiny < 1e-30);  // that much every engine must take
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+// Against Voro++, which works in plain floating point: where the two differ, the exact test of that pair must side with
+// votess.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <voro++/voro++.hh>
+
+#include "../support/check.hpp"
+#include "brute_force.hpp"
+
+namespace {
+
+struct VoroppResult {
+    test::Rows rows;
+    std::vector<double> volumes;
+};
+
+VoroppResult voropp(const test::PointSet& set) {
+    const votess::Box& box = *set.box;
+    const int blocks = std::max(1, static_cast<int>(std::cbrt(static_cast<double>(set.size()) / 6)));
+    voro::container container(box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2], box.upper[2],
+                              blocks, blocks, blocks, false, false, false, 8);
+    for (std::size_t i = 0; i < set.size(); ++i)
+        container.put(static_cast<int>(i), set.points[3 * i], set.points[3 * i + 1], set.points[3 * i + 2]);
+    VoroppResult result{test::Rows(set.size()), std::vector<double>(set.size())};
+    voro::c_loop_all loop(container);
+    voro::voronoicell_neighbor cell;
+    if (loop.start()) do {
+            if (!container.compute_cell(cell, loop)) continue;
+            const auto i = static_cast<std::size_t>(loop.pid());
+            cell.neighbors(result.rows[i]);
+            std::sort(result.rows[i].begin(), result.rows[i].end());
+            result.volumes[i] = cell.volume();
+        } while (loop.inc());
+    return result;
+}
+
+void compare(const test::PointSet& set) {
+    votess::Options options = test::all_options(set.box);
+    options.threads = 2;
+    const auto t = votess::tessellate(set.points, options);
+    CHECK(test::check_invariants(t, set.points) == "");
+    const VoroppResult theirs = voropp(set);
+
+    std::size_t differing = 0, in_our_favor = 0, cells_apart = 0;
+    double worst = 0;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+        const auto ours = t.neighbors(i);
+        std::vector<std::int32_t> pairs;
+        std::set_symmetric_difference(ours.begin(), ours.end(), theirs.rows[i].begin(), theirs.rows[i].end(),
+                                      std::back_inserter(pairs));
+        cells_apart += !pairs.empty();
+        for (const std::int32_t j : pairs) {
+            if (++differing > 500) continue;
+            const bool we_list = std::binary_search(ours.begin(), ours.end(), j);
+            const bool right = test::exact_face(set.points, *set.box, i, j) == we_list;
+            in_our_favor += right;
+            if (!right) FAIL_CHECK(set.name << ": votess is wrong on " << i << ' ' << j << ", listed " << we_list);
+        }
+        // Voro++ cuts with an absolute tolerance, which a small cell feels.
+        const double mean = 1.0 / static_cast<double>(set.size());
+        worst = std::max(worst, std::abs(t.volumes()[i] - theirs.volumes[i]) / std::max(t.volumes()[i], 1e-3 * mean));
+    }
+    CHECK(worst <= 1e-9);
+    CHECK(differing <= 500);
+    MESSAGE(set.name << ' ' << set.size() << ": " << differing << " entries in " << cells_apart
+                     << " cells differ from Voro++, " << in_our_favor
+                     << " of them exactly in favor of votess; worst volume " << worst);
+}
+
+}  // namespace
+
+TEST_SUITE("oracle") {
+    TEST_CASE("Voro++: uniform seeds") {
+        compare(test::uniform(test::by_size(100000, 5000), 101));
+    }
+    TEST_CASE("Voro++: clustered seeds") {
+        compare(test::clustered(test::by_size(100000, 5000), 102));
+    }
+    TEST_CASE("Voro++: jittered lattice") {
+        compare(test::jittered(test::by_size(27, 12), 0.2, 103));
+    }
+}

@@ -1,0 +1,257 @@
+#include "check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <set>
+#include <sstream>
+
+#include "../oracle/brute_force.hpp"
+
+namespace test {
+
+namespace {
+
+template <class... Parts>
+std::string text(const Parts&... parts) {
+    std::ostringstream out;
+    out.precision(17);
+    (out << ... << parts);
+    return out.str();
+}
+
+std::string text_row(std::span<const std::int32_t> row) {
+    std::ostringstream out;
+    out << '[';
+    for (std::size_t k = 0; k < row.size(); ++k) out << (k ? " " : "") << row[k];
+    out << ']';
+    return out.str();
+}
+
+template <class T>
+bool equal(std::span<const T> a, std::span<const T> b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](T x, T y) { return x == y || (x != x && y != y); });  // NaN equals NaN
+}
+
+bool is_duplicate(const votess::Tessellation& t, std::size_t i) {
+    return t.status()[i] == votess::CellStatus::duplicate;
+}
+
+std::string check_duplicate_cell(const votess::Tessellation& t, std::span<const double> points, std::size_t i) {
+    if (!t.neighbors(i).empty()) return text("duplicate ", i, " has neighbors");
+    if (!t.volumes().empty() && t.volumes()[i] != 0) return text("duplicate ", i, " has a volume");
+    if (!t.centroids().empty() && !std::isnan(t.centroids()[3 * i])) return text("duplicate ", i, " has a centroid");
+    if (!t.face_counts().empty() && t.face_counts()[i] + t.edge_counts()[i] + t.vertex_counts()[i] != 0)
+        return text("duplicate ", i, " has faces, edges or vertices");
+    const auto of = t.duplicate_of()[i];
+    if (of < 0 || static_cast<std::size_t>(of) >= i) return text("duplicate ", i, " of ", of);
+    for (std::size_t a = 0; a < 3; ++a)
+        if (points[3 * i + a] != points[3 * static_cast<std::size_t>(of) + a])
+            return text(i, " is no duplicate of ", of);
+    return "";
+}
+
+std::string check_row(const votess::Tessellation& t, std::size_t i) {
+    const auto row = t.neighbors(i);
+    for (std::size_t k = 0; k < row.size(); ++k) {
+        const std::int32_t j = row[k];
+        if (k > 0 && row[k - 1] >= j) return text("row ", i, " does not ascend: ", text_row(row));
+        if (j < (t.lists_walls() ? -6 : 0)) return text("row ", i, " holds ", j);
+        if (j < 0) continue;
+        if (static_cast<std::size_t>(j) >= t.size() || static_cast<std::size_t>(j) == i || is_duplicate(t, j))
+            return text("row ", i, " holds ", j);
+        const auto back = t.neighbors(static_cast<std::size_t>(j));
+        if (!std::binary_search(back.begin(), back.end(), static_cast<std::int32_t>(i)))
+            return text(i, " lists ", j, " but ", j, " does not list ", i);
+    }
+    return "";
+}
+
+std::string check_cell(const votess::Tessellation& t, std::size_t i) {
+    if (!t.volumes().empty() && !(t.volumes()[i] > 0)) return text("cell ", i, " has volume ", t.volumes()[i]);
+    if (!t.centroids().empty())
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double c = t.centroids()[3 * i + a];
+            if (!(c >= t.box().lower[a] && c <= t.box().upper[a])) return text("centroid ", i, " is outside: ", c);
+        }
+    if (!t.face_counts().empty()) {
+        const std::int64_t f = t.face_counts()[i], e = t.edge_counts()[i], v = t.vertex_counts()[i];
+        if (v - e + f != 2 || f < 4 || 2 * e < 3 * v)
+            return text("cell ", i, " has ", v, " vertices, ", e, " edges, ", f, " faces");
+        if (t.lists_walls() && t.indptr().size() > 1 && static_cast<std::size_t>(f) != t.neighbors(i).size())
+            return text("cell ", i, " counts ", f, " faces and lists ", t.neighbors(i).size());
+    }
+    return "";
+}
+
+std::string check_volume_sum(const votess::Tessellation& t) {
+    if (t.volumes().empty()) return "";
+    double box = 1, sum = 0;
+    for (std::size_t a = 0; a < 3; ++a) box *= t.box().upper[a] - t.box().lower[a];
+    for (const double v : t.volumes()) sum += v;
+    if (!(std::abs(sum - box) <= 1e-9 * box)) return text("volumes sum to ", sum, " in a box of ", box);
+    if (!(std::abs(t.stats().volume_sum - box) <= 1e-9 * box)) return text("stats.volume_sum ", t.stats().volume_sum);
+    if (!(std::abs(t.stats().box_volume - box) <= 1e-14 * box)) return text("stats.box_volume ", t.stats().box_volume);
+    return "";
+}
+
+}  // namespace
+
+bool reduced() {
+    const char* value = std::getenv("VOTESS_TEST_REDUCED");
+    return value != nullptr && *value != '\0' && std::string_view(value) != "0";
+}
+
+std::size_t by_size(std::size_t full, std::size_t when_reduced) {
+    return reduced() ? when_reduced : full;
+}
+
+std::uint64_t environment(const char* name, std::uint64_t otherwise) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value != '\0' ? std::strtoull(value, nullptr, 0) : otherwise;
+}
+
+votess::Options all_options(const std::optional<votess::Box>& box) {
+    votess::Options options;
+    options.box = box;
+    options.walls = true;
+    options.want = {true, true, true, true};
+    options.threads = 1;
+    return options;
+}
+
+votess::Tessellation run(const PointSet& set) {
+    return votess::tessellate(set.points, all_options(set.box));
+}
+
+votess::Tessellation run(const PointSet& set, votess::Options options) {
+    options.box = set.box;
+    return votess::tessellate(set.points, options);
+}
+
+std::vector<std::int32_t> row_of(const votess::Tessellation& t, std::size_t i) {
+    const auto row = t.neighbors(i);
+    return {row.begin(), row.end()};
+}
+
+Rows rows_of(const votess::Tessellation& t) {
+    Rows rows;
+    for (std::size_t i = 0; i < t.size(); ++i) rows.push_back(row_of(t, i));
+    return rows;
+}
+
+std::string check_invariants(const votess::Tessellation& t, std::span<const double> points) {
+    const std::size_t n = points.size() / 3;
+    if (t.size() != n || t.status().size() != n) return text("size ", t.size(), " instead of ", n);
+    const bool rows = !t.indptr().empty();
+    if (rows) {
+        if (t.indptr().size() != n + 1 || t.indptr()[0] != 0) return "indptr has a wrong size or start";
+        if (!std::is_sorted(t.indptr().begin(), t.indptr().end())) return "indptr does not ascend";
+        if (static_cast<std::size_t>(t.indptr()[n]) != t.indices().size())
+            return "indptr does not end at indices.size()";
+    }
+    std::uint64_t faces = 0, duplicates = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        std::string wrong;
+        if (is_duplicate(t, i)) {
+            ++duplicates;
+            wrong = check_duplicate_cell(t, points, i);
+        } else if (t.status()[i] != votess::CellStatus::certified) {
+            wrong = text("cell ", i, " has status ", static_cast<int>(t.status()[i]));
+        } else {
+            if (!t.duplicate_of().empty() && t.duplicate_of()[i] != -1) wrong = text("duplicate_of[", i, "] is not -1");
+            if (wrong.empty() && rows) wrong = check_row(t, i);
+            if (wrong.empty()) wrong = check_cell(t, i);
+            if (!t.face_counts().empty()) faces += t.face_counts()[i];
+        }
+        if (!wrong.empty()) return wrong;
+    }
+    if (duplicates == 0 ? !t.duplicate_of().empty() : t.duplicate_of().size() != n)
+        return "duplicate_of has a wrong size";
+    if (t.stats().points != n) return text("stats.points ", t.stats().points);
+    if (t.stats().duplicates != duplicates) return text("stats.duplicates ", t.stats().duplicates);
+    if (t.stats().empty_cells != duplicates) return text("stats.empty_cells ", t.stats().empty_cells);
+    if (!t.face_counts().empty() && t.stats().faces != faces) return text("stats.faces ", t.stats().faces);
+    return n > 0 ? check_volume_sum(t) : "";
+}
+
+std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b) {
+    if (!equal(a.indptr(), b.indptr()) || !equal(a.indices(), b.indices())) {
+        for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+            if (!equal(a.neighbors(i), b.neighbors(i)))
+                return text("row ", i, ": ", text_row(a.neighbors(i)), " and ", text_row(b.neighbors(i)));
+        return "rows differ in number";
+    }
+    if (!equal(a.volumes(), b.volumes())) return "volumes differ";
+    if (!equal(a.centroids(), b.centroids())) return "centroids differ";
+    if (!equal(a.face_counts(), b.face_counts())) return "face counts differ";
+    if (!equal(a.edge_counts(), b.edge_counts())) return "edge counts differ";
+    if (!equal(a.vertex_counts(), b.vertex_counts())) return "vertex counts differ";
+    if (!equal(a.status(), b.status())) return "statuses differ";
+    if (!equal(a.duplicate_of(), b.duplicate_of())) return "duplicate_of differs";
+    return "";
+}
+
+std::string check_exact(const votess::Tessellation& t, std::span<const double> points) {
+    const ExactDiagram exact = brute_force(points, t.box());
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        const ExactCell& cell = exact.cells[i];
+        if (is_duplicate(t, i) != (exact.duplicate_of[i] >= 0)) return text("status of ", i);
+        if (is_duplicate(t, i)) {
+            if (t.duplicate_of()[i] != exact.duplicate_of[i]) return text("duplicate_of[", i, "]");
+            continue;
+        }
+        if (!equal(t.neighbors(i), std::span<const std::int32_t>(cell.faces)))
+            return text("row ", i, " is ", text_row(t.neighbors(i)), " instead of ", text_row(cell.faces));
+        if (t.face_counts()[i] != cell.faces.size() || t.edge_counts()[i] != cell.edges ||
+            t.vertex_counts()[i] != cell.vertices)
+            return text("cell ", i, " has ", t.vertex_counts()[i], " vertices, ", t.edge_counts()[i], " edges, ",
+                        t.face_counts()[i], " faces instead of ", cell.vertices, ", ", cell.edges, ", ",
+                        cell.faces.size());
+        const mpf_class error = abs(mpf_class(t.volumes()[i]) - cell.volume) / cell.volume;
+        if (!std::isfinite(t.volumes()[i]) || error > 1e-10)
+            return text("volume ", i, " is ", t.volumes()[i], " instead of ", cell.volume.get_d());
+        // The absolute coordinate is rounded once more; nothing can be asked below its last digits.
+        const double size = std::max({cell.extent[0], cell.extent[1], cell.extent[2]});
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double c = t.centroids()[3 * i + a], exact_c = cell.centroid[a].get_d();
+            if (!std::isfinite(c) ||
+                abs(mpf_class(c) - cell.centroid[a]) > 1e-10 * size + 4 * 0x1p-53 * std::abs(exact_c))
+                return text("centroid ", i, " axis ", a, " is ", c, " instead of ", exact_c);
+        }
+    }
+    return check_invariants(t, points);
+}
+
+std::string print_points(std::span<const double> points, const votess::Box& box) {
+    std::ostringstream out;
+    out << std::hexfloat << "box {{";
+    for (std::size_t a = 0; a < 3; ++a) out << (a ? ", " : "") << box.lower[a];
+    out << "}, {";
+    for (std::size_t a = 0; a < 3; ++a) out << (a ? ", " : "") << box.upper[a];
+    out << "}}\npoints {";
+    for (std::size_t i = 0; i < points.size(); ++i)
+        out << (i == 0 ? "" : i % 3 == 0 ? ",\n        " : ", ") << points[i];
+    out << '}';
+    return out.str();
+}
+
+Coordinates minimize(Coordinates points, const std::function<bool(const Coordinates&)>& fails) {
+    for (bool shrunk = true; shrunk;) {
+        shrunk = false;
+        for (std::size_t i = points.size() / 3; i-- > 0;) {
+            Coordinates fewer = points;
+            fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(3 * i),
+                        fewer.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+            if (fails(fewer)) {
+                points = std::move(fewer);
+                shrunk = true;
+            }
+        }
+    }
+    return points;
+}
+
+}  // namespace test

@@ -1,0 +1,45 @@
+// Judging a tessellation. Each check returns one line on the first thing that is wrong, "" when all is well, so that
+// a test can print the input beside it and a minimizer can call it again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+#include <votess/votess.hpp>
+
+#include "generators.hpp"
+
+namespace test {
+
+// VOTESS_TEST_REDUCED=1 (sanitizers): ten times smaller.
+bool reduced();
+std::size_t by_size(std::size_t full, std::size_t when_reduced);
+std::uint64_t environment(const char* name, std::uint64_t otherwise);
+
+// Everything wanted, walls listed, one thread.
+votess::Options all_options(const std::optional<votess::Box>& box = std::nullopt);
+votess::Tessellation run(const PointSet& set);
+votess::Tessellation run(const PointSet& set, votess::Options options);
+
+using Rows = std::vector<std::vector<std::int32_t>>;
+Rows rows_of(const votess::Tessellation& t);
+std::vector<std::int32_t> row_of(const votess::Tessellation& t, std::size_t i);
+
+// What holds for any input: shapes, order, symmetry, volumes that fill the box, Euler, statuses, stats.
+std::string check_invariants(const votess::Tessellation& t, std::span<const double> points);
+// Exact equality of every array.
+std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b);
+// Equal to the exact diagram: rows, counts, statuses; volumes and centroids to 1e-10. Needs all_options().
+std::string check_exact(const votess::Tessellation& t, std::span<const double> points);
+
+// The points as C++ source with hexadecimal floats, ready to become a named case.
+std::string print_points(std::span<const double> points, const votess::Box& box);
+
+// Leaves out points, one after the other, as long as `fails` stays true.
+Coordinates minimize(Coordinates points, const std::function<bool(const Coordinates&)>& fails);
+
+}  // namespace test

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# Formats the sources that git tracks after .clang-format; --check only names those that would change (exit 1).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# Versions differ in details, so one of them is the rule: another would reformat what nobody touched.
+readonly version=14
+formatter=
+for candidate in "${CLANG_FORMAT:-}" "clang-format-$version" clang-format; do
+    if [[ -n $candidate ]] && "$candidate" --version 2>/dev/null | grep -q "version $version\."; then
+        formatter=$candidate
+        break
+    fi
+done
+[[ -n $formatter ]] || { echo "format: needs clang-format $version" >&2; exit 2; }
+
+mapfile -t files < <(git ls-files '*.cpp' '*.hpp' '*.c' '*.h')
+[[ ${#files[@]} -gt 0 ]] || exit 0
+if [[ ${1:-} == --check ]]; then
+    "$formatter" --dry-run --Werror "${files[@]}"
+else
+    "$formatter" -i "${files[@]}"
+fi

@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# Installs what a part of votess needs and the machine lacks, on Debian and Ubuntu.
+#   ./tools/setup.sh [run|test|bench]...     default: all three
+# With nothing missing it does nothing and needs no network. Elsewhere it says what to install.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+[[ $# -gt 0 ]] || set -- run test bench
+wanted=()
+need() {  # package, when dpkg does not know it as installed
+    [[ $(dpkg-query -W -f '${db:Status-Abbrev}' "$1" 2>/dev/null) == ii* ]] || wanted+=("$1")
+}
+need_command() {  # package command: any installed command will do, whoever brought it
+    command -v "$2" >/dev/null || wanted+=("$1")
+}
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "setup: no apt-get here; votess needs a C++20 compiler, CMake 3.25, Ninja and what third_party/README.md lists" >&2
+    exit 0
+fi
+if [[ -z ${CXX:-} ]] && ! command -v c++ >/dev/null; then
+    wanted+=(g++)
+fi
+need_command cmake cmake
+need_command ninja-build ninja
+for part in "$@"; do
+    case $part in
+        run)
+            need libcli11-dev
+            need zlib1g-dev
+            ;;
+        test)
+            need doctest-dev
+            need libgmp-dev
+            need libqhull-dev
+            need voro++-dev
+            tools/python.sh -c '' 2>/dev/null || wanted+=(python3-numpy)
+            ;;
+        bench)
+            need libcli11-dev
+            need libqhull-dev
+            need voro++-dev
+            need libcgal-dev
+            ;;
+        *)
+            echo "setup: unknown part '$part'; it is run, test or bench" >&2
+            exit 2
+            ;;
+    esac
+done
+[[ ${#wanted[@]} -gt 0 ]] || exit 0
+
+mapfile -t wanted < <(printf '%s\n' "${wanted[@]}" | sort -u)
+as_root=()
+if [[ $EUID -ne 0 ]]; then
+    command -v sudo >/dev/null || { echo "setup: as root, run: apt-get install ${wanted[*]}" >&2; exit 1; }
+    as_root=(sudo)
+fi
+echo "setup: installing ${wanted[*]}"
+install=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive
+         apt-get install --yes --quiet=2 --no-install-recommends -o Dpkg::Use-Pty=0)
+# A fresh machine has no package lists, an old one may have lists of packages that are gone: update, then try again.
+if ! "${install[@]}" "${wanted[@]}" >/dev/null 2>&1; then
+    echo "setup: updating the package lists first"
+    "${as_root[@]}" apt-get update --quiet=2
+    "${install[@]}" "${wanted[@]}"
+fi
