@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 std::string resolved(const std::string& path) {
     std::error_code problem;
-    const fs::path real = fs::weakly_canonical(path, problem);
+    const fs::path real = fs::weakly_canonical(fs::absolute(path), problem);
     return problem ? path : real.string();
 }
 

@@ -29,7 +29,9 @@ double seconds_since(Clock::time_point begin) {
 }
 
 void print(const std::string& text) {
-    OutputFile("-").write(text);
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+        throw runtime_failure(std::string("cannot write to stdout: ") + std::strerror(errno));
+    }
 }
 
 void print_devices() {

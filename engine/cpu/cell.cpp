@@ -13,6 +13,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Below these squares and products underflow may spoil the error bounds; such planes are always decided exactly.
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
 constexpr double worst_condition = 1e4;  // |na||nb||nc| / |det|
+constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which only the exact test decides
+constexpr std::int32_t no_plane = -1;  // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
 // Every tolerance is at most worst_condition * 110 u * sqrt(3) |x| < 2.2e-10 |x|.
 constexpr double radius_slack = 1 + 1e-9;
@@ -42,6 +44,7 @@ void Cell::reserve_slots(int slots) {
     storage_ = std::move(storage);
     capacity_ = capacity;
     corners_.resize(capacity);
+    refined_.resize(capacity);
     alive_.resize(capacity / word_slots, 0);
     killed_.resize(capacity / word_slots, 0);
 }
@@ -66,7 +69,9 @@ void Cell::start(const exact::Point& seed, const Box& box) {
     std::fill(alive_.begin(), alive_.end(), 0);
     alive_[0] = 0xff;
     slots_ = 8;
+    refined_plane_.id = no_plane;
     used_exact_ = met_tie_ = radius_known_ = false;
+    for (int v = 0; v < 8; ++v) refined_[v].tests = 0;
     for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
         const int px = v & 1, py = 2 + ((v >> 1) & 1), pz = 4 + ((v >> 2) & 1);
         const int nx = v ^ 1, ny = v ^ 2, nz = v ^ 4;  // neighbors along x, y, z
@@ -105,8 +110,37 @@ bool Cell::in_reach(const BoundingBox& box) const {
     return false;
 }
 
+int Cell::refined_side(int slot, const CellPlane& plane) {
+    using exact::DoubleDouble;
+    Refined& vertex = refined_[slot];
+    if (++vertex.tests < tests_before_refining || !plane.reliable) return 0;
+    if (vertex.tests == tests_before_refining) {
+        const auto& [a, b, c] = corners_[slot].plane;
+        const auto solved = exact::vertex_position_quad(seed_, planes_[a].source, planes_[b].source, planes_[c].source);
+        for (int k = 0; k < 3; ++k) {
+            const auto high = static_cast<double>(solved[k]);
+            vertex.position[k] = {high, static_cast<double>(solved[k] - high)};
+        }
+    }
+    if (refined_plane_.id != plane.id) {
+        DoubleDouble square{};
+        for (int k = 0; k < 3; ++k) {
+            refined_plane_.n[k] = exact::two_sum(plane.source.seed[k], -seed_[k]);
+            square = square + refined_plane_.n[k] * refined_plane_.n[k];
+        }
+        refined_plane_.minus_h = {-0.5 * square.high, -0.5 * square.low};
+        refined_plane_.id = plane.id;
+    }
+    DoubleDouble excess = refined_plane_.minus_h;
+    for (int k = 0; k < 3; ++k) excess = excess + refined_plane_.n[k] * vertex.position[k];
+    // At most 20 u^2 from each product, sum and rounding of the vertex.
+    const double bound = 0x1p-98 * (plane.norm * std::sqrt(radius_[slot]) + plane.h);
+    return excess.high > bound ? 1 : (excess.high < -bound ? -1 : 0);
+}
+
 bool Cell::outside_exact(int slot, const CellPlane& plane) {
     used_exact_ = true;
+    if (const int refined = refined_side(slot, plane); refined != 0) return refined > 0;
     const auto& [a, b, c] = corners_[slot].plane;
     const int side =
         exact::side_of_vertex(seed_, planes_[a].source, planes_[b].source, planes_[c].source, plane.source);
@@ -153,6 +187,7 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
         x = position[0], y = position[1], z = position[2];
         factor = rounded_factor;
     }
+    refined_[slot].tests = 0;
     x_[slot] = x, y_[slot] = y, z_[slot] = z;
     tolerance_[slot] = factor * (std::abs(x) + std::abs(y) + std::abs(z));
     radius_[slot] = x * x + y * y + z * z;

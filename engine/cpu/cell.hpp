@@ -9,7 +9,8 @@
 // (17u per numerator term, |perm| <= 1.16 |na||nb||nc| after Carlen, Lieb, Loss 2006), and the test of plane n, h
 //     |n.x - h - exact| <= |n| (|x - X| + 6u |x|) + 12 u h .
 // Vertices worse than `worst_condition` are solved exactly and rounded instead. Signs inside the bound are decided by
-// exact::side_of_vertex.
+// exact::side_of_vertex. A vertex that many bisectors almost touch (seeds near a sphere) is solved once to 106 bits and
+// tested in double-double arithmetic first.
 #pragma once
 
 #include <array>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "cpu/kernels.hpp"
+#include "exact/double_double.hpp"
 #include "exact/predicate.hpp"
 #include "votess/votess.hpp"
 
@@ -78,6 +80,15 @@ private:
         std::array<std::int32_t, 3> plane;
         std::array<std::int32_t, 3> next;
     };
+    struct Refined {  // grows more precise with the number of uncertain tests
+        int tests = 0;
+        std::array<exact::DoubleDouble, 3> position;
+    };
+    struct RefinedPlane {
+        std::int32_t id;
+        std::array<exact::DoubleDouble, 3> n;
+        exact::DoubleDouble minus_h;
+    };
     struct HorizonEdge {
         std::int32_t first, second;  // planes, as ordered in the vertex that is cut off
         std::int32_t survivor;       // vertex slot that stays
@@ -86,6 +97,8 @@ private:
     void reserve_slots(int slots);
     [[nodiscard]] VertexBlock block(int word) const;
     [[nodiscard]] bool outside_exact(int slot, const CellPlane& plane);
+    // Sign of the refined test; 0 when that is uncertain too.
+    [[nodiscard]] int refined_side(int slot, const CellPlane& plane);
     int take_slot();
     void place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c);
     void merge_equal_corners();
@@ -103,6 +116,8 @@ private:
     double *x_ = nullptr, *y_ = nullptr, *z_ = nullptr, *tolerance_ = nullptr, *radius_ = nullptr;
     int capacity_ = 0;
     std::vector<Corner> corners_;
+    std::vector<Refined> refined_;
+    RefinedPlane refined_plane_{};  // of the last plane tested
     std::vector<std::uint64_t> alive_, killed_;
 
     std::vector<HorizonEdge> horizon_;

@@ -10,6 +10,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t first_window = 160;  // seeds loaded around a group at once
 constexpr std::size_t most_window = 768;   // beyond this the far walk is cheaper
+constexpr double first_band = 0.6;         // of the squared reach expected
 constexpr double band_growth = 1.6;        // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
@@ -93,7 +94,8 @@ void CellBuilder::open_window(std::size_t group) {
         extend_window(0, least);
         if (covered_ > 0) break;
     }
-    first_band_ = covered_;
+    // The neighbor in memory is a neighbor in space, its cell of about this size; but density may jump.
+    reach_ = std::clamp(reach_, covered_, 8 * covered_);
 }
 
 void CellBuilder::pop_into_window() {
@@ -126,7 +128,7 @@ Cell& CellBuilder::build(std::size_t seed) {
     cell_.start({seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]}, box_);
     measured_ = 0;
     double from = 0;
-    double to = first_band_;
+    double to = first_band * reach_;
     for (;;) {
         if (to > covered_) {
             extend_window(to, 0);
@@ -138,10 +140,9 @@ Cell& CellBuilder::build(std::size_t seed) {
         }
         if (clip_band(seed, from, to) || to == infinity) break;
         from = to;
-        to = covered_ == infinity ? infinity : to * band_growth;
+        to = covered_ == infinity ? infinity : std::min(to * band_growth, 4 * cell_.radius_squared() * distance_slack);
     }
-    // The neighbor in memory is a neighbor in space, its cell of about this size.
-    first_band_ = std::min(first_band_, 4 * cell_.radius_squared());
+    reach_ = 4 * cell_.radius_squared();
     return cell_;
 }
 
@@ -151,18 +152,23 @@ bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
         distance_.resize(count);
         const auto& p = cell_.seed();
         kernels_.squared_distances(x_.data() + measured_, y_.data() + measured_, z_.data() + measured_,
-                                         static_cast<int>(count - measured_), p.data(), distance_.data() + measured_);
+                                   static_cast<int>(count - measured_), p.data(), distance_.data() + measured_);
+        // The home group comes first into the window, but equal distances may put another before it.
+        for (std::size_t i = measured_; i < count; ++i)
+            if (index_[i] == static_cast<std::int32_t>(seed)) distance_[i] = infinity;
         measured_ = count;
     }
     // Keys order by the high half of the distance's bits: monotone for positive doubles, never above it.
-    band_.clear();
-    for (std::size_t i = 0; i < count; ++i) {
+    band_.resize(count);
+    std::size_t selected = 0;
+    for (std::size_t i = 0; i < count; ++i) {  // without branches: each is a coin toss
         const double d = distance_[i];
-        if (d >= from && d < to && index_[i] != static_cast<std::int32_t>(seed))
-            band_.push_back((std::bit_cast<std::uint64_t>(d) & 0xffffffff00000000ull) | i);
+        band_[selected] = (std::bit_cast<std::uint64_t>(d) & 0xffffffff00000000ull) | i;
+        selected += static_cast<std::size_t>(d >= from) & static_cast<std::size_t>(d < to);
     }
-    std::sort(band_.begin(), band_.end());
-    for (const std::uint64_t key : band_) {
+    std::sort(band_.begin(), band_.begin() + static_cast<std::ptrdiff_t>(selected));
+    for (std::size_t k = 0; k < selected; ++k) {
+        const std::uint64_t key = band_[k];
         const double at_least = std::bit_cast<double>(key & 0xffffffff00000000ull);
         if (at_least >= 4 * cell_.radius_squared() * distance_slack) return true;
         const auto i = static_cast<std::uint32_t>(key);

@@ -65,7 +65,7 @@ private:
     std::vector<std::int32_t> index_;
     std::size_t measured_ = 0;  // distances known for the current seed
     std::vector<std::uint64_t> band_;
-    double first_band_ = 0;  // squared distance up to which a cell begins
+    double reach_ = 0;  // 4 R^2 expected of the next cell
 };
 
 }  // namespace votess::cpu

@@ -212,7 +212,7 @@ std::array<Real, 3> solve_vertex(const Point& p, const Plane& a, const Plane& b,
         return position<Real, W>(wide_row<W>(da, is_bisector(a)), wide_row<W>(db, is_bisector(b)),
                                  wide_row<W>(dc, is_bisector(c)), q);
     };
-    return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<3>();
+    return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<2>();
 }
 
 }  // namespace
@@ -239,8 +239,8 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
         return side(wide_row<W>(n[0], bisector[0]), wide_row<W>(n[1], bisector[1]), wide_row<W>(n[2], bisector[2]),
                     wide_row<W>(n[3], bisector[3]));
     };
-    // 5 * 61 + 8 < 320 bits and 5 * 126 + 8 < 960 bits.
-    return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<3>();
+    // 5 * 61 + 8 < 320 bits and 5 * 125 + 8 < 640 bits.
+    return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<2>();
 }
 
 std::array<double, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c) {

@@ -1,6 +1,7 @@
 // None, one, two, four: everything known by hand.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "../support/check.hpp"
@@ -30,7 +31,7 @@ TEST_SUITE("cases") {
         for (const auto& p : {std::array{0.5, 0.5, 0.5}, std::array{0.1, 0.9, 0.3}, std::array{0.0, 1.0, 0.0}}) {
             const auto t = votess::tessellate(p, test::all_options(test::unit_box()));
             CHECK(test::row_of(t, 0) == Row{-6, -5, -4, -3, -2, -1});
-            CHECK(t.volumes()[0] == 1);
+            CHECK(t.volumes()[0] == doctest::Approx(1).epsilon(1e-14));
             for (std::size_t a = 0; a < 3; ++a) CHECK(std::abs(t.centroids()[a] - 0.5) <= 1e-15);
             CHECK(t.vertex_counts()[0] == 8);
             CHECK(test::check_exact(t, p) == "");
@@ -42,12 +43,12 @@ TEST_SUITE("cases") {
         const auto at_origin = votess::tessellate(origin, test::all_options());
         CHECK(at_origin.box().lower == std::array{-0.5, -0.5, -0.5});
         CHECK(at_origin.box().upper == std::array{0.5, 0.5, 0.5});
-        CHECK(at_origin.volumes()[0] == 1);
+        CHECK(at_origin.volumes()[0] == doctest::Approx(1).epsilon(1e-14));
         const std::array elsewhere{1.0, -4.0, 2.0};
         const auto t = votess::tessellate(elsewhere, test::all_options());
         CHECK(t.box().lower == std::array{-1.0, -6.0, 0.0});
         CHECK(t.box().upper == std::array{3.0, -2.0, 4.0});
-        CHECK(t.volumes()[0] == 64);
+        CHECK(t.volumes()[0] == doctest::Approx(64).epsilon(1e-14));
     }
 
     TEST_CASE("default box: bounds moved out by half of longest side over the cube root of N") {
@@ -67,8 +68,8 @@ TEST_SUITE("cases") {
         const auto t = votess::tessellate(points, test::all_options(test::unit_box()));
         CHECK(test::row_of(t, 0) == Row{-6, -5, -4, -3, -1, 1});
         CHECK(test::row_of(t, 1) == Row{-6, -5, -4, -3, -2, 0});
-        CHECK(t.volumes()[0] == 0.375);
-        CHECK(t.volumes()[1] == 0.625);
+        CHECK(t.volumes()[0] == doctest::Approx(0.375).epsilon(1e-14));
+        CHECK(t.volumes()[1] == doctest::Approx(0.625).epsilon(1e-14));
         CHECK(test::check_exact(t, points) == "");
     }
 
@@ -99,7 +100,7 @@ TEST_SUITE("cases") {
         const auto t = votess::tessellate(square, test::all_options(test::unit_box()));
         CHECK(test::row_of(t, 0) == Row{-6, -5, -3, -1, 1, 2});
         CHECK(test::row_of(t, 3) == Row{-6, -5, -4, -2, 1, 2});
-        CHECK(t.volumes()[2] == 0.25);
+        CHECK(t.volumes()[2] == doctest::Approx(0.25).epsilon(1e-14));
         const std::array tetrahedron{0.25, 0.25, 0.25, 0.75, 0.75, 0.25, 0.75, 0.25, 0.75, 0.25, 0.75, 0.75};
         const auto u = votess::tessellate(tetrahedron, test::all_options(test::unit_box()));
         for (std::size_t i = 0; i < 4; ++i) {
@@ -115,7 +116,7 @@ TEST_SUITE("cases") {
         const auto t = test::run(set);
         for (std::size_t i = 0; i < 8; ++i) {
             CHECK(t.neighbors(i).size() == 6);
-            CHECK(t.volumes()[i] == 0.125);
+            CHECK(t.volumes()[i] == doctest::Approx(0.125).epsilon(1e-14));
         }
         CHECK(test::check_exact(t, set.points) == "");
     }

@@ -99,7 +99,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("diamond lattice: triakis truncated tetrahedra") {
         const int length = static_cast<int>(test::by_size(18, 12));
-        check_interior(test::diamond(length), length, 4, {16, 42, 28, 8});
+        check_interior(test::diamond(length), length, 4, {16, 30, 16, 8});
     }
 
     TEST_CASE("cubic lattice: any order of the seeds") {

@@ -10,7 +10,7 @@ TEST_SUITE("oracle") {
         for (std::uint64_t seed = 1; seed <= seeds; ++seed)
             for (const test::PointSet& set : test::families(30, seed)) {
                 const auto t = test::run(set);
-                INFO("seed " << seed << ' ' << set.name << '\n' << test::print_points(set.points, t.box()));
+                INFO("seed " << seed << " " << set.name << "\n" << test::print_points(set.points, t.box()));
                 CHECK(test::check_exact(t, set.points) == "");
             }
     }
@@ -65,6 +65,21 @@ TEST_SUITE("oracle") {
             for (std::size_t i = 2; i < set.points.size(); i += 3) set.points[i] *= height;
             set.box->upper[2] = height;
             CHECK(test::check_exact(test::run(set), set.points) == "");
+        }
+    }
+
+    TEST_CASE("seeds very close together in a box of order one: right, or refused as out of range") {
+        for (const double step : {0x1p-40, 0x1p-80, 0x1p-120, 0x1p-160, 0x1p-200, 0x1p-250, 0x1p-300}) {
+            CAPTURE(step);
+            test::PointSet set{"close", {2, 1, 1, 3, 0, 0, 1, 2, 2}, std::nullopt};
+            for (auto& x : set.points) x *= step;
+            set.box = test::cube(-1, 3);
+            try {
+                CHECK(test::check_exact(test::run(set), set.points) == "");
+            } catch (const votess::Error& error) {
+                CHECK(error.code() == votess::ErrorCode::invalid_argument);
+                CHECK(step < 0x1p-100);  // that much every engine must take
+            }
         }
     }
 

@@ -63,12 +63,12 @@ void compare(const test::PointSet& set) {
             if (++differing > 200) continue;
             const bool we_list = std::binary_search(ours.begin(), ours.end(), j);
             if (test::exact_face(set.points, *set.box, i, j) != we_list)
-                FAIL_CHECK(set.name << ": votess is wrong on " << i << ' ' << j << ", listed " << we_list);
+                FAIL_CHECK(set.name << ": votess is wrong on " << i << " " << j << ", listed " << we_list);
         }
     }
     CHECK(differing <= 200);
     CHECK(interior > set.size() / 3);  // else this compared nothing
-    MESSAGE(set.name << ' ' << set.size() << ": " << interior << " interior cells, " << differing
+    MESSAGE(set.name << " " << set.size() << ": " << interior << " interior cells, " << differing
                      << " entries differ from Qhull");
 }
 

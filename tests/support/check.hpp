@@ -30,7 +30,8 @@ Rows rows_of(const votess::Tessellation& t);
 std::vector<std::int32_t> row_of(const votess::Tessellation& t, std::size_t i);
 
 // What holds for any input: shapes, order, symmetry, volumes that fill the box, Euler, statuses, stats.
-std::string check_invariants(const votess::Tessellation& t, std::span<const double> points);
+// may_underflow: cells are allowed whose volume is below the least double.
+std::string check_invariants(const votess::Tessellation& t, std::span<const double> points, bool may_underflow = false);
 // Exact equality of every array.
 std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b);
 // Equal to the exact diagram: rows, counts, statuses; volumes and centroids to 1e-10. Needs all_options().

@@ -1,14 +1,13 @@
 // votess_bench: votess and its peers on the same points in the same run, taking turns; medians over the repeats.
+#include "bench.hpp"
+
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <map>
 #include <thread>
-
-#include <CLI/CLI.hpp>
-
-#include "bench.hpp"
 
 namespace bench {
 
@@ -98,8 +97,8 @@ std::vector<Measurement> measure(const Peers& peers, const Input& input, Want wa
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 m.box_volume *= input.box.upper[axis] - input.box.lower[axis];
             }
-            entry.key = peer->name() + '/' + std::to_string(threads) + '/' + input.name + '/' +
-                        std::string(name_of(want));
+            entry.key =
+                peer->name() + '/' + std::to_string(threads) + '/' + input.name + '/' + std::string(name_of(want));
             entries.push_back(std::move(entry));
         }
     }
@@ -134,7 +133,9 @@ std::vector<Measurement> measure(const Peers& peers, const Input& input, Want wa
     return measurements;
 }
 
-bool close(double a, double b, double relative) { return std::abs(a - b) <= relative * std::max(std::abs(a), std::abs(b)); }
+bool close(double a, double b, double relative) {
+    return std::abs(a - b) <= relative * std::max(std::abs(a), std::abs(b));
+}
 
 // --check: what must agree whatever the speed. Returns the number of complaints.
 int check(const std::vector<Measurement>& group) {
@@ -167,8 +168,8 @@ int check(const std::vector<Measurement>& group) {
         if (m.input == "uniform" || m.input == "clustered") {
             const auto mine = static_cast<double>(votess.answer.links), theirs = static_cast<double>(m.answer.links);
             if (m.bounded ? !close(mine, theirs, 1e-4) : theirs < mine * (1 - 1e-4)) {
-                complain(m, std::to_string(m.answer.links) + " neighbors, votess " +
-                                std::to_string(votess.answer.links));
+                complain(m,
+                         std::to_string(m.answer.links) + " neighbors, votess " + std::to_string(votess.answer.links));
             }
         }
     }
@@ -197,7 +198,8 @@ int run(const Settings& settings) {
         for (const std::size_t n : settings.sizes) {
             const Input input = make_input(name, n, settings.rng_seed);
             for (const std::string& want : settings.wants) {
-                const auto group = measure(peers, input, want == "full" ? Want::full : Want::neighbors, settings, paces);
+                const auto group =
+                    measure(peers, input, want == "full" ? Want::full : Want::neighbors, settings, paces);
                 print_table(group);
                 std::fflush(stdout);
                 complaints += settings.check ? check(group) : 0;
@@ -226,7 +228,9 @@ int main(int argc, char** argv) try {
     app.add_option("--threads", s.threads, "threads of votess, 0 = all; the peers use one")->delimiter(',');
     app.add_option("--want", s.wants, "what to compute")->delimiter(',')->check(CLI::IsMember({"neighbors", "full"}));
     app.add_option("--repeats", s.repeats, "runs of each")->check(CLI::Range(1, 1000));
-    app.add_option("--peers", s.peers, "besides votess; default: all found")->delimiter(',')->check(CLI::IsMember(peer_names));
+    app.add_option("--peers", s.peers, "besides votess; default: all found")
+        ->delimiter(',')
+        ->check(CLI::IsMember(peer_names));
     app.add_option("--limit", s.limit, "leave out a peer that would need longer for one run, in seconds");
     app.add_option("--rng-seed", s.rng_seed, "seed of the inputs");
     app.add_option("--json", s.json, "write every measurement and the machine to this file");

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
 #include <votess/votess.hpp>
 
 namespace bench {
@@ -85,7 +84,7 @@ struct Measurement {
     std::vector<double> seconds;  // each repeat; empty: failed or skipped
     Answer answer;                // of the last repeat
     double box_volume = 0;
-    std::string note;             // why there is no time
+    std::string note;  // why there is no time
 };
 
 double median(std::vector<double> values);

@@ -1,4 +1,5 @@
-// CGAL: Delaunay triangulation with exact predicates, points inserted in the order of a space-filling curve, one thread.
+// CGAL: Delaunay triangulation with exact predicates, points inserted in the order of a space-filling curve, one
+// thread.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Delaunay_triangulation_cell_base_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -45,6 +46,8 @@ public:
 
 }  // namespace
 
-std::unique_ptr<Peer> make_cgal() { return std::make_unique<Cgal>(); }
+std::unique_ptr<Peer> make_cgal() {
+    return std::make_unique<Cgal>();
+}
 
 }  // namespace bench

@@ -81,6 +81,8 @@ public:
 
 }  // namespace
 
-std::unique_ptr<Peer> make_qhull() { return std::make_unique<Qhull>(); }
+std::unique_ptr<Peer> make_qhull() {
+    return std::make_unique<Qhull>();
+}
 
 }  // namespace bench

@@ -1,7 +1,6 @@
 // Voro++: cells clipped one by one with a search over a grid of blocks, one thread.
 #include <algorithm>
 #include <cmath>
-
 #include <voro++/voro++.hh>
 
 #include "bench.hpp"
@@ -80,6 +79,8 @@ public:
 
 }  // namespace
 
-std::unique_ptr<Peer> make_voropp() { return std::make_unique<Voropp>(); }
+std::unique_ptr<Peer> make_voropp() {
+    return std::make_unique<Voropp>();
+}
 
 }  // namespace bench

@@ -27,6 +27,8 @@ public:
 
 }  // namespace
 
-std::unique_ptr<Peer> make_votess() { return std::make_unique<Votess>(); }
+std::unique_ptr<Peer> make_votess() {
+    return std::make_unique<Votess>();
+}
 
 }  // namespace bench

@@ -1,4 +1,6 @@
 // The table on stdout and the JSON file.
+#include <sys/utsname.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,8 +11,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <thread>
-
-#include <sys/utsname.h>
 
 #include "bench.hpp"
 
@@ -102,7 +102,9 @@ void write_measurement(std::ostream& out, const Measurement& m, const std::vecto
 
 }  // namespace
 
-std::string_view name_of(Want want) { return want == Want::full ? "full" : "neighbors"; }
+std::string_view name_of(Want want) {
+    return want == Want::full ? "full" : "neighbors";
+}
 
 void print_machine() {
     const Machine m = machine();

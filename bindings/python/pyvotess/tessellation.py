@@ -69,7 +69,7 @@ class _Handle:
         self.free()
 
     def __reduce__(self) -> Any:
-        raise TypeError("objects of votess cannot be pickled or deep-copied: take their arrays")
+        raise TypeError("a result of votess cannot be pickled or deep-copied: take its arrays")
 
 
 class _Memory:
@@ -341,6 +341,9 @@ class Tessellator:
         with self._alone():
             self._handle.free()
 
+    def __reduce__(self) -> Any:
+        raise TypeError("a Tessellator cannot be copied or pickled: make another one")
+
     def __enter__(self) -> Tessellator:
         return self
 
@@ -447,7 +450,7 @@ class Stats:
 def _read_stats(result: _Handle) -> Stats:
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
     _raise_on_failure(lib.votess_result_stats(result.pointer, ctypes.byref(c_stats)))
-    fields: Dict[str, Any] = {name: getattr(c_stats, name) for name, _ in _c_api.Stats._fields_}
+    fields: Dict[str, Any] = {field[0]: getattr(c_stats, field[0]) for field in _c_api.Stats._fields_}
     del fields["struct_size"]
     fields["device"] = fields["device"].decode("utf-8", "replace")
     stages = {name: fields.pop("seconds_" + name) for name in StageSeconds.__dataclass_fields__}
@@ -542,7 +545,7 @@ class Tessellation:
     @property
     def status(self) -> UInt8Array:
         """(N,) uint8, values of :class:`CellStatus`."""
-        return self._status  # type: ignore[return-value]
+        return self._status
 
     @property
     def duplicate_of(self) -> Optional[Int32Array]:

@@ -1,0 +1,83 @@
+"""What every test of clvotess stands on: a run of the program in an empty folder of its own."""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+CLI = os.environ.get("VOTESS_CLI", "clvotess")
+ROOT = Path(__file__).resolve().parents[2]
+SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreign code in the process
+
+JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
+             "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified"]
+SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
+OPTIONS = ["--random", "--rng-seed", "--output", "--format", "--want", "--walls", "--box", "--device", "--threads",
+           "--grid-resolution", "--duplicates", "--verify", "--json", "--list-devices", "--version", "--quiet",
+           "--help"]
+SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-q", "-h"]
+
+CUBE = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"
+CUBE_BOX = "-0.5,-0.5,-0.5,1.5,1.5,1.5"
+CUBE_NEIGHBORS = [[1, 2, 4], [0, 3, 5], [0, 3, 6], [1, 2, 7], [0, 5, 6], [1, 4, 7], [2, 4, 7], [3, 5, 6]]
+
+
+def random_points(count, seed=7):
+    return np.random.default_rng(seed).random((count, 3))
+
+
+def text_of(points, separator=" "):
+    return "".join(separator.join(repr(float(x)) for x in row) + "\n" for row in points)
+
+
+class CliTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def put(self, name, content):
+        path = self.folder / name
+        if isinstance(content, bytes):
+            path.write_bytes(content)
+        elif isinstance(content, np.ndarray):
+            np.save(path, content)
+        else:
+            path.write_text(content)
+        return name
+
+    def files(self):
+        return sorted(path.name for path in self.folder.iterdir())
+
+    def start(self, *arguments, **options):
+        return subprocess.Popen([CLI, *map(str, arguments)], cwd=self.folder, **options)
+
+    def run_cli(self, *arguments, stdin="", code=0, **options):
+        done = subprocess.run([CLI, *map(str, arguments)], cwd=self.folder, input=stdin, text=True,
+                              capture_output=True, timeout=300, check=False, **options)
+        self.assertEqual(done.returncode, code, f"{arguments}\nstdout: {done.stdout}\nstderr: {done.stderr}")
+        return done
+
+    def refuse(self, *arguments, says=(), stdin="", code=2):
+        """Runs a bad call: the exit code, one line on stderr that names the place, nothing on stdout, no new file."""
+        before = self.files()
+        done = self.run_cli(*arguments, stdin=stdin, code=code)
+        self.assertRegex(done.stderr, r"\Aclvotess: [^\n]+\n\Z", arguments)
+        self.assertEqual(done.stdout, "", arguments)
+        self.assertEqual(self.files(), before, arguments)
+        for text in [says] if isinstance(says, str) else says:
+            self.assertIn(text, done.stderr, arguments)
+        return done.stderr
+
+    def rows(self, *arguments, **options):
+        """Runs with text on stdout; the rows."""
+        done = self.run_cli(*arguments, "-q", "-o", "-", **options)
+        self.assertEqual(done.stderr, "")
+        return done.stdout.splitlines()
+
+    def json(self, *arguments, **options):
+        return json.loads(self.run_cli(*arguments, "--json", **options).stdout)

@@ -1,0 +1,198 @@
+"""Where points come from: text, .npy, stdin, --random; what is refused."""
+
+import io
+import os
+
+import numpy as np
+
+from cli_test import CUBE, CliTest, random_points, text_of
+
+
+class Source(CliTest):
+    def assert_reads(self, name, content, expected, ids=None):
+        """A file gives these points, read back bit by bit, in this order."""
+        self.put(name, content)
+        rows = [row.split() for row in self.rows(name, "--format", "%i %q")]
+        self.assertEqual([[float(x) for x in row[1:]] for row in rows], [list(map(float, p)) for p in expected])
+        self.assertEqual([int(row[0]) for row in rows], list(range(len(expected))) if ids is None else ids)
+
+    def test_text_separators_comments_and_line_ends(self):
+        expected = [[1, 2, 3], [-4, 5.5, 6e-3], [0.1, 7, 8]]
+        for content in ["1 2 3\n-4 5.5 6e-3\n.1 7 8\n",
+                        "1,2,3\n-4,5.5,6e-3\n.1,7,8\n",
+                        "1;2;3\n-4;5.5;6e-3\n.1;7;8",
+                        "\t1\t2\t3\n-4\t5.5\t6e-3\n  .1  7  8  \n",
+                        "# x y z\n\n1 , 2 ; 3 # first\n   \n#\n-4, 5.5, +6E-03\n0.1 7. 8\n\n",
+                        "1 2 3\r\n-4 5.5 6e-3\r\n\r\n.1 7 8\r\n",
+                        "\ufeff1 2 3\n-4 5.5 6e-3\n.1 7 8"]:
+            for name in ["a.txt", "a.xyz", "a.csv", "A.TXT"]:
+                with self.subTest(content=content, name=name):
+                    self.assert_reads(name, content.encode(), expected)
+
+    def test_text_keeps_every_bit(self):
+        points = random_points(500) * [1e-300, 1, 1e15] + [0, 0, 1e15]
+        points[:, 0] *= 1e300
+        self.assert_reads("a.txt", text_of(points), points)
+
+    def test_ids(self):
+        big = 2**63 - 1
+        self.assert_reads("a.txt", f"7 1 2 3\n{big} 4 5 6\n-{big} 7 8 9\n", [[1, 2, 3], [4, 5, 6], [7, 8, 9]],
+                          [7, big, -big])
+
+    def test_csv_line_of_names(self):
+        self.assert_reads("a.csv", "x,y,z\n1,2,3\n4,5,6\n", [[1, 2, 3], [4, 5, 6]])
+        self.assert_reads("a.csv", '# made by hand\n\n"ID";"X";"Y";"Z"\n9;1;2;3\n8;4;5;6\n', [[1, 2, 3], [4, 5, 6]],
+                          [9, 8])
+        self.assert_reads("a.csv", "pos x,pos y,pos z\n1,2,3\n", [[1, 2, 3]])
+        self.assert_reads("a.csv", "x,y,z\n", [])
+        self.refuse(self.put("a.csv", "x,y,z,id\n1,2,3,4\n"), says=["a.csv:2:", "'x' in column 1"])
+        self.refuse(self.put("a.csv", "1,2,3\nx,y,z\n"), says=["a.csv:2:", "'x'"])
+        self.refuse(self.put("a.csv", "1,2,oops\n1,2,3\n"), says=["a.csv:1:", "'oops'"])
+        self.refuse(self.put("a.txt", "x y z\n1 2 3\n"), says=["a.txt:1:", "'x'"])
+
+    def test_classic_xyz(self):
+        classic = "2\n# anything, 1 2 3\nH 1 2 3\nHe 4 5 6\n"
+        self.assert_reads("a.xyz", classic, [[1, 2, 3], [4, 5, 6]])
+        self.assert_reads("a.xyz", "0\nempty\n", [])
+        self.refuse(self.put("a.xyz", "3\n\nH 1 2 3\n"), says=["a.xyz:3:", "1 of the 3"])
+        self.refuse(self.put("a.xyz", "1\n\nH 1 2 3\nH 1 2 4\n"), says=["a.xyz:4:", "more rows than the 1"])
+        self.refuse(self.put("a.xyz", "1\n\nH 1 2\n"), says=["a.xyz:3:", "3 columns"])
+        self.refuse(self.put("a.xyz", "1\n\nH 1 2 c\n"), says=["a.xyz:3:", "'c'"])
+        self.refuse(self.put("a.txt", classic), says=["a.txt:1:", "1 column"])
+
+    def test_npy(self):
+        points = random_points(1000)
+        for name, array in [("c.npy", points), ("f.npy", np.asfortranarray(points)),
+                            ("c4.npy", points.astype("f4")), ("f4.npy", np.asfortranarray(points.astype("f4"))),
+                            ("none.npy", np.zeros((0, 3))), ("one.npy", points[:1])]:
+            with self.subTest(name):
+                self.assert_reads(name, array, array.astype(float))
+        for version in [(1, 0), (2, 0), (3, 0)]:
+            with open(self.folder / "v.npy", "wb") as file:
+                np.lib.format.write_array(file, points, version=version)
+            self.assertEqual(len(self.rows("v.npy")), 1000)
+        many = np.asfortranarray(random_points(70000))
+        self.put("many.npy", many)
+        self.put("many_c.npy", np.ascontiguousarray(many))
+        self.assertEqual(self.rows("many.npy", "--format", "%q"), self.rows("many_c.npy", "--format", "%q"))
+
+    def test_npy_refused(self):
+        points = random_points(10)
+        whole = io.BytesIO()
+        np.save(whole, points)
+        whole = whole.getvalue()
+        record = np.zeros(3, dtype=[("x", "f8"), ("y", "f8"), ("z", "f8")])
+        for content, says in [(points.astype(">f8"), ["big-endian", "'>f8'"]), (points.astype(">f4"), "big-endian"),
+                              (points.astype("i8"), "'<i8'"), (points.astype("f2"), "'<f2'"), (record, "records"),
+                              (points[:, :2], "(10, 2)"), (points.ravel(), "(30,)"), (np.float64(3), "()"),
+                              (points.reshape(1, 10, 3), "(1, 10, 3)"), (points.reshape(5, 6), "(5, 6)"),
+                              (whole[:-1], "239 bytes"), (whole + b"x", "241 bytes"), (whole[:50], "too early"),
+                              (whole[:5], "not a .npy"), (b"", "not a .npy"), (b"1 2 3\n" * 9, "not a .npy"),
+                              (b"\x93NUMPY\x09" + whole[7:], "version 9"),
+                              (whole.replace(b"(10, 3)", b"(9999999999999999999, 3)").replace(b" " * 19 + b"\n", b" \n"),
+                               "a.npy"),
+                              (whole.replace(b"'shape'", b"'spahe'"), "'shape'"),
+                              (whole.replace(b"'<f8'", b"x<f8x"), "type")]:
+            with self.subTest(says=says):
+                path = self.folder / "a.npy"
+                path.unlink(missing_ok=True)
+                self.put("a.npy", content if isinstance(content, bytes) else np.asarray(content))
+                self.refuse("a.npy", "-o", "out.npz", says=["a.npy"] + ([says] if isinstance(says, str) else says))
+
+    def test_stdin(self):
+        self.put("a.txt", CUBE)
+        self.assertEqual(self.rows("-", stdin=CUBE), self.rows("a.txt"))
+        self.assertEqual(self.rows("-", stdin=""), [])
+        self.refuse("-", "-o", "out.txt", stdin="1 2 3\n1 2\n", says=["stdin:2:", "2 columns"])
+        long_text = text_of(random_points(40000))  # several times the first buffer
+        self.assertEqual(len(self.rows("-", stdin=long_text)), 40000)
+
+    def test_bad_rows_name_file_and_line(self):
+        for content, line, says in [("1 2 3\n4 5 6\n7 8\n", 3, "2 columns"), ("1 2 3\n\n# c\n1 2 3 4\n", 4, "4 columns"),
+                                    ("1 2 3\n1\n", 2, "1 column,"), ("1 2\n", 1, "2 columns"), ("1\n", 1, "1 column,"),
+                                    ("1 2 3 4 5\n", 1, "radii"), ("1 2 3 4 5 6\n", 1, "6 columns"),
+                                    ("1 2 3 4\n1 2 3 4 5\n", 2, "5 columns"),
+                                    ("1 2 3\n4 five 6\n", 2, "'five'"), ("1 2 3x\n", 1, "'3x'"), ("1 2 0x3\n", 1, "'0x3'"),
+                                    ("1 2 1e\n", 1, "'1e'"), ("1 2 --3\n", 1, "'--3'"), ("1 2 +-3\n", 1, "'+-3'"),
+                                    ("1 2 3\n1,,2,3\n", 2, "column 2 is empty"), ("1,2,\n", 1, "column 3 is empty"),
+                                    (",1,2,3\n", 1, "column 1 is empty"), ("1,2,;3\n", 1, "column 3 is empty"),
+                                    ("1.5 1 2 3\n", 1, "'1.5'"), ("9223372036854775808 1 2 3\n", 1, "whole number"),
+                                    ("a 1 2 3\n", 1, "'a'"), ("1 2 3\n1 2 \x00\x01\n", 2, "\\x00\\x01"),
+                                    ("1 2 " + "y" * 5000 + "\n", 1, "yyy...'")]:
+            for name in ["a.txt", "a.xyz"]:
+                if name == "a.xyz" and content == "1\n":
+                    continue  # the classic layout
+                with self.subTest(content=content, name=name):
+                    self.put(name, content)
+                    self.refuse(name, "-o", "out.txt", says=[f"{name}:{line}: ", says])
+
+    def test_nonfinite_is_refused_by_index_and_value(self):
+        for word, shown in [("nan", "nan"), ("-inf", "inf"), ("inf", "inf"), ("1e999", "inf"), ("-1e999", "inf")]:
+            with self.subTest(word):
+                self.put("a.txt", f"1 2 3\n4 5 6\n7 {word} 9\n")
+                message = self.refuse("a.txt", "-o", "out.npz", says=shown)
+                self.assertRegex(message, r"\b2\b")
+        array = random_points(9)
+        array[4, 1] = np.nan
+        self.put("a.npy", array)
+        self.assertRegex(self.refuse("a.npy", "-o", "out.npz", says="nan"), r"\b4\b")
+
+    def test_tiny_numbers_are_zero(self):
+        self.assert_reads("a.txt", "1e-999 0 0\n1 1 1\n", [[0, 0, 0], [1, 1, 1]])
+
+    def test_unreadable(self):
+        self.refuse("absent.txt", says=["absent.txt", "No such file"])
+        self.refuse("absent.npy", says=["absent.npy", "No such file"])
+        for name in ["a.h5", "a.hdf5", "a", "a.dat"]:
+            self.put(name, CUBE)
+            self.refuse(name, says=[name, ".npy"])
+        for name in ["folder.txt", "folder.npy"]:
+            (self.folder / name).mkdir()
+            self.refuse(name, says=name)
+        self.refuse("", says="INPUT")
+        if os.geteuid() != 0:
+            self.put("closed.txt", CUBE)
+            (self.folder / "closed.txt").chmod(0)
+            self.refuse("closed.txt", says=["closed.txt", "Permission"])
+
+    def test_empty_input_everywhere(self):
+        self.put("a.txt", "# nothing\n")
+        self.put("a.npy", np.zeros((0, 3), "f4"))
+        for source in [["a.txt"], ["a.npy"], ["--random", "0"], ["-"]]:
+            with self.subTest(source):
+                summary = self.json(*source, "-o", "out.txt", "-o", "out.npz", "--verify", "--format", "%i %q %w %s %v %c %n",
+                                    "--want", "neighbors,volumes,centroids")
+                self.assertEqual((summary["points"], summary["mean_faces"], summary["verified"]), (0, 0, True))
+                self.assertEqual((self.folder / "out.txt").read_text(), "")
+                with np.load(self.folder / "out.npz") as arrays:
+                    self.assertEqual(arrays["indptr"].tolist(), [0])
+                    self.assertEqual(arrays["indices"].shape, (0,))
+                    self.assertEqual(arrays["centroids"].shape, (0, 3))
+                    self.assertEqual(arrays["volumes"].shape, (0,))
+        self.assertIn("points", self.run_cli("a.txt").stdout)
+
+    def test_random(self):
+        rows = self.rows("--random", "2000", "--format", "%q %v")
+        values = np.array([row.split() for row in rows], float)
+        self.assertEqual(values.shape, (2000, 4))
+        self.assertTrue(np.all((values[:, :3] >= 0) & (values[:, :3] < 1)))
+        self.assertLess(np.max(np.abs(values[:, :3].mean(axis=0) - 0.5)), 0.03)
+        self.assertAlmostEqual(values[:, 3].sum(), 1, places=12)
+        # SplitMix64 from state 1, known from its reference code: the same on every machine.
+        self.assertEqual(self.splitmix(1, 3), [float(x) for x in rows[0].split()[:3]])
+        self.assertEqual(rows, self.rows("--random", "2000", "--rng-seed", "1", "--format", "%q %v"))
+        self.assertEqual(self.rows("--random", "1", "--rng-seed", 2**64 - 1, "--format", "%q")[0].split(),
+                         [repr(x) for x in self.splitmix(2**64 - 1, 3)])
+        self.assertEqual(self.json("--random", "10")["box_volume"], 1)
+        self.assertEqual(self.json("--random", "10", "--box", "-1,-1,-1,1,1,3")["box_volume"], 16)
+
+    @staticmethod
+    def splitmix(state, count):
+        numbers = []
+        for _ in range(count):
+            state = (state + 0x9E3779B97F4A7C15) % 2**64
+            z = state
+            z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9 % 2**64
+            z = (z ^ z >> 27) * 0x94D049BB133111EB % 2**64
+            numbers.append(((z ^ z >> 31) >> 11) / 2**53)
+        return numbers

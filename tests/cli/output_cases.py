@@ -1,0 +1,189 @@
+"""Text rows and NumPy archives."""
+
+import io
+import os
+import re
+import shutil
+import subprocess
+import zipfile
+
+import numpy as np
+
+from cli_test import ROOT, CUBE, CUBE_BOX, CUBE_NEIGHBORS, CliTest, random_points, text_of
+
+
+class TextOutput(CliTest):
+    def test_default_format(self):
+        self.put("a.txt", CUBE)
+        expected = [f"{i} " + " ".join(map(str, row)) for i, row in enumerate(CUBE_NEIGHBORS)]
+        self.run_cli("a.txt", "--box", CUBE_BOX, "-o", "out.txt")
+        self.assertEqual((self.folder / "out.txt").read_text(), "\n".join(expected) + "\n")
+        self.assertEqual(self.rows("a.txt", "--box", CUBE_BOX), expected)
+        self.assertEqual(self.rows("a.txt", "--box", CUBE_BOX, "--format", "%i %n"), expected)
+
+    def test_codes(self):
+        self.put("a.txt", CUBE)
+        row = self.rows("a.txt", "--box", CUBE_BOX, "--format", "i=%i x=%x y=%y z=%z q=%q w=%w s=%s n=%n v=%v c=%c 5%%n\t.")[5]
+        self.assertEqual(row, "i=5 x=1 y=0 z=1 q=1 0 1 w=8 s=6 n=1 4 7 v=1 c=0 0 0 5%n\t.")
+        self.assertEqual(self.rows("a.txt", "--format", "%%i"), ["%i"] * 8)
+        self.assertEqual(self.rows("a.txt", "--format", "%n%i", "--box", CUBE_BOX)[0], "1 2 40")
+
+    def test_bad_codes(self):
+        self.put("a.txt", CUBE)
+        for form, says in [("%i %k", "'%k'"), ("%r", "'%r'"), ("%", "%%"), ("%i %", "%%"), ("", "empty"), ("% i", "'% '"),
+                           ("%I", "'%I'"), ("%i\n%n", "line end")]:
+            self.refuse("a.txt", "-o", "out.txt", "--format", form, says=["--format", says])
+
+    def test_walls(self):
+        self.put("a.txt", CUBE)
+        rows = self.rows("a.txt", "--box", CUBE_BOX, "--walls", "--format", "%n")
+        for i, row in enumerate(rows):
+            walls = [-5 - (i >> 2), -3 - (i >> 1 & 1), -1 - (i & 1)]
+            self.assertEqual([int(j) for j in row.split()], walls + CUBE_NEIGHBORS[i])
+        self.run_cli("a.txt", "--box", CUBE_BOX, "--walls", "-o", "out.npz")
+        with np.load(self.folder / "out.npz") as arrays:
+            self.assertEqual(arrays["indices"][:6].tolist(), [-5, -3, -1, 1, 2, 4])
+
+    def test_ids_name_rows_and_neighbors(self):
+        ids = [50, 2**62, -3, 7, 1000, -1, 8, 9]
+        self.put("a.txt", "".join(f"{i} {row}\n" for i, row in zip(ids, CUBE.splitlines())))
+        rows = self.rows("a.txt", "--box", CUBE_BOX, "--format", "%i:%n")
+        self.assertEqual(rows, [f"{ids[i]}:" + " ".join(map(str, sorted(ids[j] for j in row)))
+                                for i, row in enumerate(CUBE_NEIGHBORS)])
+        rows = self.rows("a.txt", "--box", CUBE_BOX, "--format", "%n", "--walls")
+        self.assertEqual(rows[0], "-5 -3 -1 " + " ".join(map(str, sorted(ids[j] for j in CUBE_NEIGHBORS[0]))))
+        # Arrays are about rows: indices, not ids.
+        self.run_cli("a.txt", "--box", CUBE_BOX, "-o", "out.npz")
+        with np.load(self.folder / "out.npz") as arrays:
+            self.assertEqual(arrays["indices"].tolist(), sum(CUBE_NEIGHBORS, []))
+
+    def test_numbers_read_back(self):
+        points = random_points(300)
+        self.put("a.npy", points)
+        rows = [row.split() for row in self.rows("a.npy", "--format", "%q %x %y %z %v %c")]
+        self.run_cli("a.npy", "-o", "out.npz", "--want", "volumes,centroids")
+        values = np.array(rows, float)
+        np.testing.assert_array_equal(values[:, :3], points)
+        np.testing.assert_array_equal(values[:, 3:6], points)
+        with np.load(self.folder / "out.npz") as arrays:
+            np.testing.assert_array_equal(values[:, 6], arrays["volumes"])
+            np.testing.assert_array_equal(values[:, 7:], arrays["centroids"] - points)
+        for row in rows:  # the fewest digits: as many as Python's repr has
+            for text in row:
+                self.assertEqual(self.digits(text), self.digits(repr(float(text))))
+
+    @staticmethod
+    def digits(text):
+        return re.sub(r"e.*|[-.]", "", text).strip("0")
+
+    def test_against_voropp(self):
+        voropp = shutil.which("voro++")
+        if not voropp:
+            self.skipTest("no voro++")
+        self.put("v", "".join(f"{i} {row}" for i, row in enumerate(text_of(random_points(400)).splitlines(True))))
+        shutil.copy(self.folder / "v", self.folder / "v.txt")
+        subprocess.run([voropp, "-c", "%i|%q|%w|%s|%n|%v|%c", *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True,
+                       capture_output=True)
+        rows = self.rows("v.txt", "--walls", "--box", "0,0,0,1,1,1", "--format", "%i|%q|%w|%s|%n|%v|%c")
+        theirs = {int(row.split("|")[0]): row.split("|") for row in (self.folder / "v.vol").read_text().splitlines()}
+        self.assertEqual(len(theirs), 400)
+        for row in rows:
+            mine = row.split("|")
+            other = theirs[int(mine[0])]
+            self.assertEqual(mine[2:4], other[2:4])
+            self.assertEqual(sorted(map(int, mine[4].split())), sorted(map(int, other[4].split())))
+            for column in [1, 5, 6]:
+                np.testing.assert_allclose(np.array(mine[column].split(), float), np.array(other[column].split(), float),
+                                           rtol=1e-4, atol=1e-6)
+
+    def test_rows_longer_than_usual(self):
+        # One seed inside a sphere of many: a row of thousands of neighbors.
+        count = 3000
+        i = np.arange(count) + 0.5
+        z, angle = 1 - 2 * i / count, np.pi * (1 + 5**0.5) * i
+        radius = np.sqrt(1 - z * z)
+        sphere = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+        self.put("a.npy", np.vstack([[0, 0, 0], sphere]))
+        text = self.rows("a.npy", "--format", "%n " + "x" * 100)
+        self.assertGreater(len(text[0].split()), 2000)
+        self.assertEqual(len(text), count + 1)
+
+
+class ArrayOutput(CliTest):
+    def load(self, *arguments):
+        self.run_cli(*arguments, "-o", "out.npz")
+        with np.load(self.folder / "out.npz", allow_pickle=False) as arrays:
+            return {name: arrays[name] for name in arrays.files}
+
+    def test_arrays(self):
+        count = 2000
+        arrays = self.load("--random", count, "--want", "neighbors,volumes,centroids")
+        self.assertEqual({name: (array.dtype.str, array.shape[1:]) for name, array in arrays.items()},
+                         {"indptr": ("<i8", ()), "indices": ("<i4", ()), "volumes": ("<f8", ()),
+                          "centroids": ("<f8", (3,)), "status": ("|u1", ())})
+        indptr, indices = arrays["indptr"], arrays["indices"]
+        self.assertEqual((len(indptr), indptr[0], indptr[-1]), (count + 1, 0, len(indices)))
+        for name in ["volumes", "centroids", "status"]:
+            self.assertEqual(len(arrays[name]), count)
+        self.assertAlmostEqual(arrays["volumes"].sum(), 1, places=12)
+        np.testing.assert_allclose(arrays["volumes"] @ arrays["centroids"], [0.5] * 3, rtol=1e-12)
+        rows = [set(indices[indptr[i]:indptr[i + 1]].tolist()) for i in range(count)]
+        self.assertTrue(all(i in rows[j] for i, row in enumerate(rows) for j in row))
+        text = [[int(j) for j in row.split()] for row in self.rows("--random", count, "--format", "%n")]
+        self.assertEqual(sum(text, []), indices.tolist())
+
+    def test_only_what_is_wanted(self):
+        for want, names in [([], ["indptr", "indices", "volumes", "status"]),
+                            (["--want", "neighbors"], ["indptr", "indices", "status"]),
+                            (["--want", "volumes"], ["volumes", "status"]),
+                            (["--want=centroids,volumes"], ["volumes", "centroids", "status"])]:
+            self.assertEqual(sorted(self.load("--random", "50", *want)), sorted(names))
+        # Text that needs more adds it.
+        self.run_cli("--random", "50", "--want", "volumes", "-o", "cells.txt", "--format", "%n %c %w")
+        self.assertEqual(len((self.folder / "cells.txt").read_text().splitlines()), 50)
+
+    def test_archive_is_sound_and_repeatable(self):
+        self.load("--random", "1000")
+        with zipfile.ZipFile(self.folder / "out.npz") as archive:
+            self.assertIsNone(archive.testzip())
+            self.assertEqual({info.compress_type for info in archive.infolist()}, {zipfile.ZIP_STORED})
+        first = (self.folder / "out.npz").read_bytes()
+        self.load("--random", "1000", "-t", "1")
+        with np.load(io.BytesIO(first)) as old, np.load(self.folder / "out.npz") as new:
+            np.testing.assert_array_equal(old["indices"], new["indices"])
+        unzip = shutil.which("unzip")
+        if unzip:
+            subprocess.run([unzip, "-tq", str(self.folder / "out.npz")], check=True, capture_output=True)
+
+    def test_zip64(self):
+        """The same code with the limit at 100 bytes instead of 4 GiB, so that every kind of record occurs."""
+        compiler = shutil.which(os.environ.get("CXX", "c++"))
+        if not compiler:
+            self.skipTest("no compiler")
+        self.put("driver.cpp", """
+            #include <array>
+            #include "atomic_file.hpp"
+            #include "zip_writer.hpp"
+            int main() {
+                const std::string small(99, 's'), large(100, 'l');
+                clvotess::OutputFile file("out.npz");
+                clvotess::ZipWriter zip(file, 100);
+                zip.add("small", std::array<std::string_view, 2>{small, ""});
+                zip.add("large", std::array<std::string_view, 2>{large, large});
+                zip.add("later", std::array<std::string_view, 1>{small});
+                zip.finish();
+                file.finish();
+                file.publish();
+            }""")
+        sources = [ROOT / "cli" / name for name in ["zip_writer.cpp", "atomic_file.cpp", "interrupt.cpp", "numbers.cpp"]]
+        subprocess.run([compiler, "-std=c++20", f"-I{ROOT / 'cli'}", "driver.cpp", *map(str, sources), "-lz", "-o", "driver"],
+                       cwd=self.folder, check=True)
+        subprocess.run(["./driver"], cwd=self.folder, check=True)
+        content = (self.folder / "out.npz").read_bytes()
+        self.assertEqual(content.count(b"PK\x06\x06"), 1)
+        with zipfile.ZipFile(self.folder / "out.npz") as archive:
+            self.assertIsNone(archive.testzip())
+            self.assertEqual([archive.read(name) for name in ["small", "large", "later"]], [b"s" * 99, b"l" * 200, b"s" * 99])
+        unzip = shutil.which("unzip")
+        if unzip:
+            subprocess.run([unzip, "-tq", str(self.folder / "out.npz")], check=True, capture_output=True)

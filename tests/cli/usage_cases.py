@@ -1,0 +1,212 @@
+"""Options, domain, duplicates, help, summary and verification."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from cli_test import (CLI, ROOT, SANITIZED, JSON_KEYS, SECONDS_KEYS, OPTIONS, SHORT_OPTIONS, CUBE, CUBE_BOX, CliTest,
+                      random_points)
+
+
+class Usage(CliTest):
+    def test_bad_usage(self):
+        self.put("a.txt", CUBE)
+        self.put("b.txt", CUBE)
+        for arguments, says in [([], "INPUT"), (["a.txt", "b.txt"], "'b.txt'"), (["a.txt", "--random", "5"], "not both"),
+                                (["a.txt", "--rng-seed", "5"], "--rng-seed"), (["--rng-seed", "5"], "--random"),
+                                (["--random", "-5"], "'-5'"), (["--random", "x"], "'x'"), (["--random", "1.5"], "'1.5'"),
+                                (["--random", "2147483648"], "'2147483648'"), (["--random"], "--random"),
+                                (["--random", "5", "--rng-seed", "-1"], "'-1'"),
+                                (["a.txt", "--box", "0,0,0,1,1"], "--box"), (["a.txt", "--box", "0,0,0,1,1,z"], "'z'"),
+                                (["a.txt", "--box", "0,0,0,1,1,1,1"], "--box"), (["a.txt", "--box", ""], "--box"),
+                                (["a.txt", "--box"], "--box"), (["a.txt", "--box", "0,0,0,1,,1"], "''"),
+                                (["a.txt", "-x", "gpu"], ["'gpu'", "CPU engine only"]),
+                                (["a.txt", "--device", "lavapipe"], "CPU engine only"), (["a.txt", "-x", "0"], "'0'"),
+                                (["a.txt", "-t", "-1"], "'-1'"), (["a.txt", "-t", "two"], "'two'"),
+                                (["a.txt", "-t", "1025"], "1024"), (["a.txt", "-t", "1", "-t", "2"], "threads"),
+                                (["a.txt", "-g", "-1"], "--grid-resolution"), (["a.txt", "-g", "1048577"], "1048576"),
+                                (["a.txt", "-g", "99999999999999999999"], "--grid-resolution"),
+                                (["a.txt", "--duplicates", "maybe"], "'maybe'"),
+                                (["a.txt", "--want", "areas"], ["'areas'", "neighbors, volumes and centroids"]),
+                                (["a.txt", "--want", "volumes,vertices"], "'vertices'"), (["a.txt", "--want", ""], "''"),
+                                (["a.txt", "--format", "%i"], "text output"),
+                                (["a.txt", "-o", "c.npz", "--format", "%i"], "text output"),
+                                (["a.txt", "-o", "-", "--json"], "stdout"), (["a.txt", "-o", "-", "-o", "-"], "twice"),
+                                (["a.txt", "--quiet=maybe"], "quiet"), (["a.txt", "-o"], "output")]:
+            with self.subTest(arguments):
+                self.refuse(*arguments, says=says)
+
+    def test_options_of_later_versions_do_not_exist(self):
+        self.put("a.txt", CUBE)
+        for option in ["--periodic", "--cell=1", "--origin=1", "--wall=1,0,0,1", "--min-face=0", "--weights=1",
+                       "--radii=1", "-k1", "--k-init=1", "--chunk-size=1", "--precision=single", "--image=a.png",
+                       "--dataset=a", "--bogus", "-z"]:
+            with self.subTest(option):
+                self.refuse("a.txt", option, "-o", "out.txt", says=["unknown option", option.split("=")[0]])
+        for name in ["a.h5", "a.vtu", "a.ply", "a.hdf5", "out", "out.csv"]:
+            self.refuse("a.txt", "-o", name, says=[f"'{name}'", ".npz"])
+
+    def test_bad_domain(self):
+        self.put("a.txt", CUBE)
+        message = self.refuse("a.txt", "-o", "out.npz", "--box", "-0.5,-0.5,-0.5,1.5,0.75,1.5", says="1")
+        self.assertRegex(message, r"\b2\b")  # the first point outside
+        for box in ["0,0,0,0,1,1", "0,0,0,1,-1,1", "0,0,nan,1,1,1", "0,0,0,1,1,inf", "0,0,0,1e999,1,1"]:
+            self.refuse("a.txt", "-o", "out.npz", "--box", box, says="box")
+            self.refuse("--random", "0", "-o", "out.npz", f"--box={box}", says="box")
+        self.assertEqual(self.json("a.txt", f"--box={CUBE_BOX}")["box_volume"], 8)
+        self.assertEqual(self.json("a.txt", "--box", CUBE_BOX)["box_volume"], 8)
+        self.assertEqual(self.json("a.txt", "--box", "0,0,0,1,1,1")["box_volume"], 1)
+
+    def test_default_box(self):
+        points = random_points(64) * [2, 1, 1]
+        self.put("a.npy", points)
+        sides = np.ptp(points, axis=0) + np.ptp(points, axis=0).max() / 4
+        self.assertAlmostEqual(self.json("a.npy")["box_volume"], sides.prod(), places=12)
+
+    def test_duplicates(self):
+        self.put("a.txt", CUBE + "0 1 0\n0 0 0\n")
+        summary = self.json("a.txt", "-o", "out.npz", "--box", CUBE_BOX)
+        self.assertEqual((summary["duplicates"], summary["empty_cells"]), (2, 2))
+        with np.load(self.folder / "out.npz") as arrays:
+            self.assertEqual(arrays["duplicate_of"].tolist(), [-1] * 8 + [2, 0])
+            self.assertEqual(arrays["duplicate_of"].dtype, np.int32)
+            self.assertEqual(arrays["status"].tolist(), [0] * 8 + [5, 5])
+            self.assertEqual(arrays["volumes"].tolist(), [1] * 8 + [0, 0])
+        rows = self.rows("a.txt", "--box", CUBE_BOX, "--format", "%i|%n|%v|%s|%w|%c")
+        self.assertEqual(rows[0], "0|1 2 4|1|6|8|0 0 0")
+        self.assertEqual(rows[8], "8||0|0|0|nan nan nan")
+        (self.folder / "out.npz").unlink()
+        message = self.refuse("a.txt", "-o", "out.npz", "--duplicates", "error")
+        self.assertRegex(message, r"\b8\b")
+        self.assertRegex(message, r"\b2\b")
+        self.assertEqual(self.rows("a.txt", "--duplicates", "merge"), self.rows("a.txt"))
+
+    def test_tuning_never_changes_the_answer(self):
+        arguments = ["--random", "3000", "--format", "%i %n"]
+        expected = self.rows(*arguments)
+        for option in [["-t", "1"], ["--threads=3"], ["-t0"], ["-g", "1"], ["--grid-resolution", "40"], ["-g", "0"],
+                       ["-x", "cpu"], ["--device", "auto"], ["-xauto"]]:
+            self.assertEqual(self.rows(*arguments, *option), expected, option)
+        self.assertEqual(self.json("--random", "3000", "-t", "1")["threads"], 1)
+
+    def test_help_is_true_and_complete(self):
+        for option in ["-h", "--help"]:
+            done = self.run_cli(option)
+            self.assertEqual(done.stderr, "")
+        text = done.stdout
+        self.assertEqual(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", text)), set(OPTIONS))
+        for option in SHORT_OPTIONS:
+            self.assertRegex(text, rf"(?m)^  {option}, --")
+        for code in "ixyzqwsnvc%":
+            self.assertIn("%" + code, text)
+        for word in ["units", "exit codes", ".xyz", ".txt", ".csv", ".npy", ".npz", "stdin", "stdout", "default"]:
+            self.assertIn(word, text)
+        self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        # The example runs as it stands, with fewer points.
+        example = next(line for line in text.splitlines() if line.startswith("  clvotess --random 1000000"))
+        example = example.strip().replace("1000000", "1000").replace("clvotess", f'"{CLI}"', 1)
+        subprocess.run(example, shell=True, cwd=self.folder, check=True, capture_output=True)
+        self.assertEqual(len((self.folder / "cells.txt").read_text().splitlines()), 1000)
+
+    def test_readme_names_only_options_that_exist(self):
+        readme = ROOT / "README.md"
+        if not readme.exists():
+            self.skipTest("no README.md")
+        commands = re.findall(r"clvotess [^\n`]*", readme.read_text())
+        self.assertTrue(commands)
+        for command in commands:
+            for option in re.findall(r"(?<=\s)--[a-z][a-z-]*", command):
+                self.assertIn(option, OPTIONS, command)
+
+    def test_version(self):
+        done = self.run_cli("--version")
+        self.assertRegex(done.stdout, r"\Aclvotess \d+\.\d+\.\d+\n\Z")
+        self.assertEqual(done.stdout.split()[1], self.json("--random", "5")["version"])
+
+    def test_list_devices(self):
+        lines = self.run_cli("--list-devices").stdout.splitlines()
+        self.assertIn("cpu", [line.split()[0] for line in lines])
+
+    def test_summary_on_stdout(self):
+        text = self.run_cli("--random", "1000").stdout
+        for word in ["points        1000\n", "mean faces", "volume sum", "exact", "thread", "seconds", "peak memory"]:
+            self.assertIn(word, text)
+        self.assertLess(len(text.splitlines()), 16)
+        self.assertNotIn("volume sum", self.run_cli("--random", "9", "--want", "neighbors").stdout)
+        quiet = self.run_cli("--random", "1000", "-q")
+        self.assertEqual(quiet.stdout + quiet.stderr, "")
+        self.assertEqual(self.run_cli("--random", "1000", "--quiet").stdout, "")
+
+    def test_summary_gives_way_to_text_on_stdout(self):
+        done = self.run_cli("--random", "10", "-o", "-")
+        self.assertEqual(len(done.stdout.splitlines()), 10)
+        self.assertIn("mean faces", done.stderr)
+
+    def test_json(self):
+        started = time.monotonic()
+        done = self.run_cli("--random", "20000", "--json", "-q", "-o", "out.txt")
+        elapsed = time.monotonic() - started
+        self.assertEqual(done.stdout.count("\n"), 1)
+        self.assertEqual(done.stderr, "")
+        summary = json.loads(done.stdout)
+        self.assertEqual(list(summary), JSON_KEYS)
+        self.assertEqual(list(summary["seconds"]), SECONDS_KEYS)
+        seconds = summary["seconds"]
+        self.assertTrue(all(isinstance(value, (int, float)) and value >= 0 for value in seconds.values()))
+        stages = sum(value for key, value in seconds.items() if key != "total")
+        self.assertLessEqual(stages, seconds["total"] * 1.001 + 1e-4)
+        self.assertLessEqual(seconds["total"], elapsed)
+        self.assertGreater(seconds["clip"], 0)
+        self.assertGreater(seconds["write"], 0)
+        self.assertEqual((summary["points"], summary["duplicates"], summary["empty_cells"], summary["fallback_cells"]),
+                         (20000, 0, 0, 0))
+        self.assertAlmostEqual(summary["volume_sum"], 1, places=10)
+        self.assertAlmostEqual(summary["mean_faces"], summary["faces"] / 20000)
+        self.assertTrue(14 < summary["mean_faces"] < 15.6)
+        self.assertIsNone(summary["verified"])
+        self.assertGreater(summary["peak_memory_bytes"], 1e6)
+        self.assertGreaterEqual(summary["threads"], 1)
+        self.assertIsInstance(summary["device"], str)
+        self.assertIsNone(self.json("--random", "9", "--want", "neighbors")["volume_sum"])
+        self.assertIsNone(self.json("--random", "9", "--want", "neighbors", "--verify")["volume_sum"])
+
+    def test_lattice_needs_exact_arithmetic(self):
+        self.put("a.txt", CUBE)
+        self.assertGreater(self.json("a.txt", "--box", CUBE_BOX)["exact_cells"], 0)
+
+    def test_verify(self):
+        for extra in [[], ["--walls"], ["--want", "neighbors"], ["--want", "volumes", "-o", "out.npz"], ["-t", "1"]]:
+            self.assertIs(self.json("--random", "5000", "--verify", *extra)["verified"], True)
+        self.assertRegex(self.run_cli("--random", "500", "--verify").stdout, r"(?m)^verified +yes$")
+        with np.load(self.folder / "out.npz") as arrays:
+            self.assertNotIn("indices", arrays.files)  # computed for the check, not asked for
+
+    @unittest.skipIf(SANITIZED, "a preloaded library and a sanitizer exclude each other")
+    def test_failed_verification(self):
+        compiler = shutil.which(os.environ.get("CXX", "c++"))
+        if not compiler or b"libvotess.so" not in Path(shutil.which(CLI)).read_bytes():
+            self.skipTest("needs a compiler and a shared libvotess")
+        with tempfile.TemporaryDirectory() as build:
+            # What the library would say about a wrong result.
+            (Path(build) / "votess").mkdir()
+            (Path(build) / "votess/version.hpp").write_text("")
+            (Path(build) / "false.cpp").write_text(
+                "#include <votess/votess.hpp>\n"
+                "votess::VerifyReport votess::verify(const Tessellation&, std::span<const double>, const VerifyOptions&)"
+                "{ return {false, \"seed 3 lists 5\\nbut not back\", {}}; }\n")
+            library = Path(build) / "false.so"
+            subprocess.run([compiler, "-std=c++20", "-shared", "-fPIC", f"-I{ROOT / 'include'}", f"-I{build}",
+                            str(Path(build) / "false.cpp"), "-o", str(library)], check=True)
+            done = self.run_cli("--random", "50", "--verify", "--json", "-o", "out.txt", "-o", "out.npz", code=3,
+                                env=dict(os.environ, LD_PRELOAD=str(library)))
+        self.assertIs(json.loads(done.stdout)["verified"], False)
+        self.assertRegex(done.stderr, r"\Aclvotess: verification failed[^\n]*seed 3 lists 5 but not back\n\Z")
+        self.assertEqual(self.files(), [])
