@@ -97,13 +97,19 @@ VOTESS_KERNELS(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,prefer-v
 
 }  // namespace
 
-const Kernels& best_kernels() {
+std::vector<const Kernels*> supported_kernels() {
+    std::vector<const Kernels*> supported;
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
-        return kernels_avx512;
-    if (__builtin_cpu_supports("avx2")) return kernels_avx2;
+        supported.push_back(&kernels_avx512);
+    if (__builtin_cpu_supports("avx2")) supported.push_back(&kernels_avx2);
 #endif
-    return kernels_baseline;
+    supported.push_back(&kernels_baseline);
+    return supported;
+}
+
+const Kernels& best_kernels() {
+    return *supported_kernels().front();
 }
 
 }  // namespace votess::cpu

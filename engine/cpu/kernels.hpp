@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 namespace votess::cpu {
 
@@ -45,7 +46,8 @@ struct Kernels {
     void (*squared_distances)(const double* x, const double* y, const double* z, int count, const double* p, double* out);
 };
 
-// The best of "avx512", "avx2", "baseline" that this processor has.
+// Those of "avx512", "avx2", "baseline" that this processor has, best first.
+std::vector<const Kernels*> supported_kernels();
 const Kernels& best_kernels();
 
 }  // namespace votess::cpu

@@ -83,6 +83,17 @@ TEST_SUITE("oracle") {
         }
     }
 
+    TEST_CASE("a pair one step apart near the origin of a box of order one: volume of a slab of 1e-29") {
+        // Found by the fuzz test: its vertices are 1e28 times farther away than the cell is thick.
+        const test::PointSet set{"pair near the origin",
+                                 {0x1.42686b9eae49p-13, 0x1.4283de8594bdap-9, 0x1.d4d56da132bf2p-9,
+                                  0x1.931e08274ea79p-39, 0x1.e85974c01f9dap-40, 0x1.ef345455d80cp-42,
+                                  0x1.931e08274ea79p-39, 0x1.e85974c01f9dap-40, 0x1.ef345455d80c1p-42},
+                                 votess::Box{{-0x1.d0ed2316922a8p-5, 0x1.e85974c01f9dap-40, 0x1.ef345455d80cp-42},
+                                             {0x1.d0ed23171023ep-3, 0x1.0ff79c93ebcacp-3, 0x1.9c170852d067ep-3}}};
+        CHECK(test::check_exact(test::run(set), set.points) == "");
+    }
+
     TEST_CASE("one coordinate near zero: right, or refused as out of range") {
         for (const double tiny : {1e-30, 1e-100, 1e-200, 5e-324}) {
             CAPTURE(tiny);

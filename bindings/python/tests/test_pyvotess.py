@@ -50,8 +50,8 @@ def lattice(n):
 
 
 def long_run_points():
-    """Enough points for some seconds of one thread."""
-    return uniform(int(os.environ.get("VOTESS_TEST_LONG_RUN", "400000")), seed=3)
+    """Enough points for about a second of one thread."""
+    return uniform(int(os.environ.get("VOTESS_TEST_LONG_RUN", "200000")), seed=3)
 
 
 class KnownAnswers(unittest.TestCase):
@@ -255,8 +255,7 @@ class Input(unittest.TestCase):
     def test_what_needs_a_copy(self):
         wide = np.zeros((200, 6))
         wide[:, ::2] = self.points
-        raw = np.frombuffer(b"\0" + self.points.tobytes(), np.uint8)[1:].view(np.float64)
-        raw.shape = (200, 3)
+        raw = np.frombuffer(b"\0" + self.points.tobytes(), np.uint8)[1:].view(np.float64).reshape(200, 3)  # not aligned
         for points in (
             np.asfortranarray(self.points),
             wide[:, ::2],

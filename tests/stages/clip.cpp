@@ -1,0 +1,129 @@
+// clip: the vector kernels agree bit for bit, and the filter never contradicts the exact test.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "cpu/cell.hpp"
+#include "cpu/kernels.hpp"
+#include "cpu/thread_pool.hpp"
+#include "support/check.hpp"
+#include "support/generators.hpp"
+#include "support/random.hpp"
+
+using namespace votess::cpu;
+using test::Random;
+
+TEST_SUITE("stages") {
+    TEST_CASE("clip: kernels of every instruction set give the same bits") {
+        const auto kernels = supported_kernels();
+        REQUIRE(std::string(kernels.back()->name) == "baseline");
+        Random random(1);
+        alignas(64) double x[64], y[64], z[64], tolerance[64], radius[64];
+        for (int round = 0; round < 500; ++round) {
+            for (int i = 0; i < 64; ++i) {
+                x[i] = random.uniform(-1, 1), y[i] = random.uniform(-1, 1), z[i] = random.uniform(-1, 1);
+                if (random.chance(0.2)) x[i] = y[i] = z[i] = 0.5;  // on the plane below, up to rounding
+                tolerance[i] = 1e-15;
+                radius[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+            }
+            const VertexBlock block{x, y, z, tolerance, radius, static_cast<int>(1 + random.below(8))};
+            const double n = random.uniform(0.1, 3);
+            const FilterPlane plane{n, n, n, 1.5 * n, n * std::sqrt(3.0), 1e-15};
+            BoundingBox box;
+            for (int k = 0; k < 3; ++k) box.lower[k] = random.uniform(-3, 3), box.upper[k] = box.lower[k] + random.uniform();
+            const auto sides = kernels.back()->classify(block, plane);
+            const bool reach = kernels.back()->box_in_reach(block, box, 1.0);
+            const double largest = kernels.back()->largest_radius(block);
+            // The baseline against the definitions.
+            for (int i = 0; i < 8 * block.blocks; ++i) {
+                const double excess = n * x[i] + n * y[i] + n * z[i] - plane.h;
+                const double bound = plane.norm * tolerance[i] + plane.h_error;
+                REQUIRE(((sides.possible >> i) & 1) == (excess >= -bound));
+                REQUIRE(((sides.certain >> i) & 1) == (excess > bound));
+                REQUIRE(radius[i] <= largest);
+            }
+            double out[64], other[64];
+            const double p[3] = {0.1, 0.2, 0.3};
+            kernels.back()->squared_distances(x, y, z, 61, p, out);
+            for (const Kernels* k : kernels) {
+                INFO(k->name);
+                const auto s = k->classify(block, plane);
+                REQUIRE(s.possible == sides.possible);
+                REQUIRE(s.certain == sides.certain);
+                REQUIRE(k->box_in_reach(block, box, 1.0) == reach);
+                REQUIRE(k->largest_radius(block) == largest);
+                k->squared_distances(x, y, z, 61, p, other);
+                for (int i = 0; i < 61; ++i) REQUIRE(other[i] == out[i]);
+            }
+        }
+    }
+
+    TEST_CASE("clip: a cell does not depend on the order of its planes") {
+        // Ties abound on small integers; the canonical cell must not show which plane came first.
+        Random random(2);
+        const int sets = static_cast<int>(test::by_size(300, 40));
+        for (int s = 0; s < sets; ++s) {
+            const std::int64_t range = random.chance(0.5) ? 2 : 1000;
+            std::vector<votess::exact::Point> seeds;
+            for (int i = 0; i < 30; ++i)
+                seeds.push_back({static_cast<double>(random.integer(-range, range)), static_cast<double>(random.integer(-range, range)),
+                                 static_cast<double>(random.integer(-range, range))});
+            const votess::exact::Point center{0, 0, 0};
+            const votess::Box box{{-3. * range, -3. * range, -3. * range}, {3. * range, 3. * range, 3. * range}};
+            std::vector<std::vector<votess::exact::Point>> answers;
+            std::vector<double> volumes;
+            for (int order = 0; order < 4; ++order) {
+                Cell cell;
+                cell.start(center, box);
+                for (const auto i : test::permutation(seeds.size(), random))
+                    if (seeds[i] != center) cell.clip(static_cast<std::int32_t>(i), seeds[i]);
+                CellFaces faces;
+                cell.canonical_faces(faces);
+                CHECK(static_cast<int>(faces.vertex_count + faces.size()) - static_cast<int>(faces.edge_count) == 2);
+                std::vector<votess::exact::Point> neighbors;  // by coordinates: seeds may repeat
+                for (const auto f : faces.planes) {
+                    const auto& plane = cell.planes()[f];
+                    neighbors.push_back(plane.id < 0 ? votess::exact::Point{100. * range, 0, static_cast<double>(plane.id)} : plane.source.seed);
+                }
+                std::sort(neighbors.begin(), neighbors.end());
+                answers.push_back(neighbors);
+                volumes.push_back(cell.measure(faces).volume);
+                CHECK(answers[0] == neighbors);
+                CHECK(volumes[0] == doctest::Approx(volumes.back()).epsilon(1e-12));
+            }
+        }
+    }
+
+    TEST_CASE("clip: a cell with more vertices than one mask word") {
+        const auto set = test::on_sphere_and_center(test::by_size(3000, 300), 7);
+        const std::size_t last = set.size() - 1;
+        Cell cell;
+        const votess::Box box = test::cube(-4, 4);
+        cell.start({set.points[3 * last], set.points[3 * last + 1], set.points[3 * last + 2]}, box);
+        for (std::size_t i = 0; i < last; ++i)
+            cell.clip(static_cast<std::int32_t>(i), {set.points[3 * i], set.points[3 * i + 1], set.points[3 * i + 2]});
+        CellFaces faces;
+        cell.canonical_faces(faces);
+        CHECK(faces.size() == last);
+        CHECK(static_cast<int>(faces.vertex_count + faces.size()) - static_cast<int>(faces.edge_count) == 2);
+    }
+
+    TEST_CASE("thread pool: every task once, exceptions come back, cancelling stops, and it works again after") {
+        ThreadPool pool(4);
+        for (std::size_t count : {0, 1, 3, 1000}) {
+            std::vector<std::atomic<int>> runs(count);
+            CHECK(pool.run(count, [&](std::size_t i, unsigned) { ++runs[i]; }));
+            for (auto& r : runs) REQUIRE(r == 1);
+        }
+        CHECK_THROWS_AS(pool.run(1000, [](std::size_t i, unsigned) { if (i == 500) throw std::runtime_error("task"); }),
+                        std::runtime_error);
+        std::atomic<int> done = 0;
+        const bool finished = pool.run(1u << 20, [&](std::size_t, unsigned) { ++done; }, [&](std::size_t) { return done < 10; });
+        CHECK_FALSE(finished);
+        CHECK(done < (1 << 20));
+        CHECK(pool.run(10, [](std::size_t, unsigned) {}));
+    }
+}
