@@ -14,8 +14,9 @@ for candidate in "${CLANG_FORMAT:-}" "clang-format-$version" clang-format; do
 done
 [[ -n $formatter ]] || { echo "format: needs clang-format $version" >&2; exit 2; }
 
-mapfile -t files < <(git ls-files '*.cpp' '*.hpp' '*.c' '*.h')
-[[ ${#files[@]} -gt 0 ]] || exit 0
+tracked=$(git ls-files '*.cpp' '*.hpp' '*.c' '*.h')
+[[ -n $tracked ]] || exit 0
+mapfile -t files <<<"$tracked"
 if [[ ${1:-} == --check ]]; then
     "$formatter" --dry-run --Werror "${files[@]}"
 else

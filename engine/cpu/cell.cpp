@@ -116,7 +116,7 @@ int Cell::refined_side(int slot, const CellPlane& plane) {
     if (++vertex.tests < tests_before_refining || !plane.reliable) return 0;
     if (vertex.tests == tests_before_refining) {
         const auto& [a, b, c] = corners_[slot].plane;
-        const auto solved = exact::vertex_position_quad(seed_, planes_[a].source, planes_[b].source, planes_[c].source);
+        const auto solved = exact::vertex_position<exact::Quad>(seed_, planes_[a].source, planes_[b].source, planes_[c].source);
         for (int k = 0; k < 3; ++k) {
             const auto high = static_cast<double>(solved[k]);
             vertex.position[k] = {high, static_cast<double>(solved[k] - high)};
@@ -183,7 +183,7 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
         z = (pa.h * bcz + pb.h * caz + pc.h * abz) * inverse;
         factor = solved_factor * condition;
     } else {
-        const auto position = exact::vertex_position(seed_, pa.source, pb.source, pc.source);
+        const auto position = exact::vertex_position<double>(seed_, pa.source, pb.source, pc.source);
         x = position[0], y = position[1], z = position[2];
         factor = rounded_factor;
     }

@@ -66,6 +66,11 @@ public:
 
     [[nodiscard]] const exact::Point& seed() const { return seed_; }
     [[nodiscard]] std::span<const CellPlane> planes() const { return planes_; }
+    [[nodiscard]] int slots() const { return slots_; }
+    [[nodiscard]] std::array<const CellPlane*, 3> corner_planes(int slot) const {
+        const auto& [a, b, c] = corners_[slot].plane;
+        return {&planes_[a], &planes_[b], &planes_[c]};
+    }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
     // Whether a plane touched a vertex, so that faces of no area may be left.
     [[nodiscard]] bool met_tie() const { return met_tie_; }
@@ -73,7 +78,7 @@ public:
     // Planes that have a face; the canonical cell's only when no tie was met.
     void face_planes(std::vector<std::int32_t>& out);
     void canonical_faces(CellFaces& out);
-    [[nodiscard]] CellGeometry measure(const CellFaces& faces);
+    [[nodiscard]] CellGeometry measure(const CellFaces& faces) const;
 
 private:
     struct Corner {  // a vertex: planes in positive orientation; edge k lies on planes k, k+1 and leads to next[k]

@@ -1,15 +1,19 @@
 // Volume and centroid of a cell as a sum of pyramids from the seed over its faces. Done in double with a running error
-// bound; needles and slabs, where vertices cancel, are done again in quad from exactly solved vertices.
+// bound; needles and slabs, where vertices cancel, are done again in quad from exactly solved vertices, and what is
+// thinner than quad can tell in 2304 bits.
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "cpu/cell.hpp"
+#include "exact/wide_float.hpp"
 
 namespace votess::cpu {
 namespace {
 
-constexpr double unit = 0x1p-53;
 // The promise is 1e-10; the bound counts vertices at their worst, the rest is rounding of the sums.
 constexpr double accepted_error = 5e-11;
+constexpr double smallest_volume = 1e-250;  // below this the error bound itself might underflow
 
 template <class Real>
 using Vector = std::array<Real, 3>;
@@ -26,7 +30,10 @@ template <class Real>
 Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
-double length_bound(const Vector<double>& a) { return std::abs(a[0]) + std::abs(a[1]) + std::abs(a[2]); }
+template <class Real>
+double length_bound(const Vector<Real>& a) {
+    return std::abs(static_cast<double>(a[0])) + std::abs(static_cast<double>(a[1])) + std::abs(static_cast<double>(a[2]));
+}
 
 // A pyramid over the triangle of doubled area vector A on the plane n.x = h has volume A.n h / (6 |n|^2): for a
 // bisector, h = |n|^2 / 2.
@@ -35,7 +42,7 @@ struct Sums {
     Real volume = 0;
     Vector<Real> moment{};  // integral of x over the cell
 
-    void add_pyramid(Real volume_of_it, const Vector<Real>& a, const Vector<Real>& b, const Vector<Real>& c) {
+    void add_pyramid(const Real& volume_of_it, const Vector<Real>& a, const Vector<Real>& b, const Vector<Real>& c) {
         volume += volume_of_it;
         for (int k = 0; k < 3; ++k) moment[k] += volume_of_it * (a[k] + b[k] + c[k]) * static_cast<Real>(0.25);
     }
@@ -47,69 +54,102 @@ struct Sums {
     }
 };
 
-}  // namespace
+// Unit roundoff of the working precision.
+template <class Real>
+constexpr double roundoff = 0x1p-53;
+template <>
+constexpr double roundoff<exact::Quad> = 0x1p-112;
+template <>
+constexpr double roundoff<exact::WideFloat> = 0;  // beyond any doubt
 
-CellGeometry Cell::measure(const CellFaces& faces) {
-    Sums<double> sums;
+template <class Real>
+struct Pyramids {  // over the faces on one plane: volume = factor * doubled area . n
+    Vector<Real> n;
+    Real factor;
+};
+
+template <class Real>
+Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed) {
+    if (plane.source.kind == exact::Plane::Kind::bisector) {
+        const auto n = exact::difference<Real>(plane.source.seed, seed);
+        return {n, static_cast<Real>(1) / 12};
+    }
+    const int axis = plane.source.axis;
+    const Real offset = static_cast<Real>(plane.source.wall) - static_cast<Real>(seed[axis]);
+    return {{static_cast<Real>(plane.n[0]), static_cast<Real>(plane.n[1]), static_cast<Real>(plane.n[2])},
+            static_cast<Real>(offset * plane.n[axis] / 6)};
+}
+
+// corner(slot) gives {position, bound on its error}. Nothing when the error bound is not met.
+template <class Real, class Corners>
+std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& faces, Corners&& corner) {
+    Sums<Real> sums;
     double error = 0;
-    auto position = [this](int v) { return Vector<double>{x_[v], y_[v], z_[v]}; };
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        const CellPlane& plane = planes_[faces.planes[f]];
-        const bool wall = plane.id < 0;
-        const double factor = wall ? plane.h / 6 : 1.0 / 12;
-        const double reach = factor * plane.norm;
-        const int begin = faces.offsets[f], end = faces.offsets[f + 1];
-        const int apex_slot = faces.corners[begin];
-        const auto apex = position(apex_slot);
-        Vector<double> previous = position(faces.corners[begin + 1]) - apex;
+        const CellPlane& plane = cell.planes()[faces.planes[f]];
+        const auto [n, factor] = pyramids<Real>(plane, cell.seed());
+        const double reach = static_cast<double>(factor) * length_bound(n);
+        const auto* slots = &faces.corners[faces.offsets[f]];
+        const int count = faces.offsets[f + 1] - faces.offsets[f];
+        const auto [apex, apex_error] = corner(slots[0]);
+        auto [last, last_error] = corner(slots[1]);
+        Vector<Real> previous = last - apex;
         double spread = length_bound(previous);
-        double worst = tolerance_[apex_slot] + tolerance_[faces.corners[begin + 1]];
-        for (int c = begin + 2; c < end; ++c) {
-            const int slot = faces.corners[c];
-            const auto current = position(slot) - apex;
+        double worst = std::max(apex_error, last_error);
+        for (int c = 2; c < count; ++c) {
+            const auto [position, position_error] = corner(slots[c]);
+            const auto current = position - apex;
             const double size = length_bound(current);
-            worst = std::max(worst, tolerance_[slot]);
+            worst = std::max(worst, position_error);
             // Moving a corner by t changes the doubled area by at most t times the opposite side.
-            error += reach * (3 * worst * (spread + size) + 8 * unit * spread * size);
-            const auto area = cross(previous, current);
-            const auto a = apex, b = position(faces.corners[c - 1]), d = position(slot);
-            sums.add_pyramid(dot(area, plane.n) * factor, a, b, d);
+            error += reach * (3 * worst * (spread + size) + 8 * roundoff<Real> * spread * size);
+            const Real volume = dot(cross(previous, current), n) * factor;
+            sums.add_pyramid(volume, apex, last, position);
             previous = current;
+            last = position;
             spread = size;
         }
     }
-    if (error <= accepted_error * sums.volume) return sums.geometry();
-
-    using exact::Quad;
-    Sums<Quad> precise;
-    std::vector<Vector<Quad>> solved(slots_);
-    std::vector<bool> known(slots_, false);
-    auto corner_position = [&](int v) {
-        if (!known[v]) {
-            const auto& [a, b, c] = corners_[v].plane;
-            solved[v] = exact::vertex_position_quad(seed_, planes_[a].source, planes_[b].source, planes_[c].source);
-            known[v] = true;
-        }
-        return solved[v];
-    };
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        const CellPlane& plane = planes_[faces.planes[f]];
-        Vector<Quad> n{plane.n[0], plane.n[1], plane.n[2]};
-        Quad factor = static_cast<Quad>(1) / 12;
-        if (plane.source.kind == exact::Plane::Kind::bisector) {
-            n = exact::difference_quad(plane.source.seed, seed_);
-        } else {
-            const int axis = plane.source.axis;
-            const Quad offset = static_cast<Quad>(plane.source.wall) - static_cast<Quad>(seed_[axis]);
-            factor = (offset < 0 ? -offset : offset) / 6;
-        }
-        const auto apex = corner_position(faces.corners[faces.offsets[f]]);
-        for (int c = faces.offsets[f] + 2; c < faces.offsets[f + 1]; ++c) {
-            const auto b = corner_position(faces.corners[c - 1]), d = corner_position(faces.corners[c]);
-            precise.add_pyramid(dot(cross(b - apex, d - apex), n) * factor, apex, b, d);
-        }
+    if constexpr (roundoff<Real> > 0) {
+        const auto volume = static_cast<double>(sums.volume);
+        if (!(volume > smallest_volume && error <= accepted_error * volume)) return std::nullopt;
     }
-    return precise.geometry();
+    return sums.geometry();
+}
+
+// Vertices solved exactly and rounded to Real, each once.
+template <class Real>
+std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces) {
+    struct Solved {
+        Vector<Real> position;
+        double error;
+    };
+    std::vector<std::optional<Solved>> known(cell.slots());
+    return sum_pyramids<Real>(cell, faces, [&](int slot) {
+        auto& vertex = known[slot];
+        if (!vertex) {
+            const auto [a, b, c] = cell.corner_planes(slot);
+            vertex.emplace();
+            vertex->position = exact::vertex_position<Real>(cell.seed(), a->source, b->source, c->source);
+            vertex->error = 8 * roundoff<Real> * length_bound(vertex->position);
+        }
+        return *vertex;
+    });
+}
+
+}  // namespace
+
+CellGeometry Cell::measure(const CellFaces& faces) const {
+    struct Corner {
+        Vector<double> position;
+        double error;
+    };
+    if (const auto g = sum_pyramids<double>(*this, faces, [this](int slot) {
+            return Corner{{x_[slot], y_[slot], z_[slot]}, tolerance_[slot]};
+        }))
+        return *g;
+    if (const auto g = sum_solved<exact::Quad>(*this, faces)) return *g;
+    return *sum_solved<exact::WideFloat>(*this, faces);
 }
 
 }  // namespace votess::cpu

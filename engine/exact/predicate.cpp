@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
+#include "exact/wide_float.hpp"
 #include "exact/wide_int.hpp"
 
 namespace votess::exact {
@@ -74,7 +76,7 @@ struct Difference {
 
 Int128 magnitude(Int128 x) { return x < 0 ? -x : x; }
 
-Difference difference(const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
+Difference int_difference(const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
     Difference d;
     switch (plane.kind) {
         case Plane::Kind::bisector:
@@ -177,42 +179,39 @@ constexpr int widest = 36;  // 2098 bits from the smallest subnormal to the larg
 
 template <class Real>
 Real scale_by_power(Real x, int exponent) {
-    // In steps that neither overflow nor underflow in between.
-    while (exponent > 500) x *= static_cast<Real>(0x1p500), exponent -= 500;
-    while (exponent < -500) x *= static_cast<Real>(0x1p-500), exponent += 500;
-    return x * static_cast<Real>(std::ldexp(1.0, exponent));
+    if constexpr (std::is_same_v<Real, WideFloat>) {
+        return ldexp(x, exponent);
+    } else {
+        // In steps that neither overflow nor underflow in between.
+        while (exponent > 500) x *= static_cast<Real>(0x1p500), exponent -= 500;
+        while (exponent < -500) x *= static_cast<Real>(0x1p-500), exponent += 500;
+        return x * static_cast<Real>(std::ldexp(1.0, exponent));
+    }
+}
+
+template <class Real, int W>
+Scaled<Real> scaled(const WideInt<W>& a) {
+    if constexpr (std::is_same_v<Real, WideFloat>) {
+        const WideInt<W> m = a.negative() ? -a : a;
+        WideFloat x = 0;
+        for (int i = W - 1; i >= 0; --i) x = ldexp(x, 64) + m.limb[i];
+        return {a.negative() ? WideFloat(-x) : x, 0};
+    } else {
+        return to_scaled<Real>(a);
+    }
 }
 
 template <class Real, int W>
 std::array<Real, 3> position(const WideRow<W>& a, const WideRow<W>& b, const WideRow<W>& c, int quantum) {
     const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);
-    const auto determinant = to_scaled<Real>(dot(a.n, bc));
+    const auto determinant = scaled<Real>(dot(a.n, bc));
     std::array<Real, 3> x{};
     for (int k = 0; k < 3; ++k) {
-        const auto numerator = to_scaled<Real>(a.s * bc[k] + b.s * ca[k] + c.s * ab[k]);
+        const auto numerator = scaled<Real>(a.s * bc[k] + b.s * ca[k] + c.s * ab[k]);
         x[k] = scale_by_power<Real>(numerator.mantissa / determinant.mantissa,
                                     numerator.exponent - determinant.exponent - 1 + quantum);
     }
     return x;
-}
-
-template <class Real>
-std::array<Real, 3> solve_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c) {
-    BitRange range;
-    range.add(p);
-    for (const Plane* plane : {&a, &b, &c}) range.add(*plane);
-    const int q = range.quantum();
-    if (range.span() > 124) {
-        return position<Real, widest>(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q), q);
-    }
-    const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
-    const Difference da = difference(seed, a, q), db = difference(seed, b, q), dc = difference(seed, c, q);
-    const Int128 m = std::max({largest(da), largest(db), largest(dc)});
-    auto at_width = [&]<int W>() {
-        return position<Real, W>(wide_row<W>(da, is_bisector(a)), wide_row<W>(db, is_bisector(b)),
-                                 wide_row<W>(dc, is_bisector(c)), q);
-    };
-    return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<2>();
 }
 
 }  // namespace
@@ -227,8 +226,8 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
                     wide_row<widest>(p, d, q));
     }
     const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
-    const std::array<Difference, 4> n{difference(seed, a, q), difference(seed, b, q), difference(seed, c, q),
-                                      difference(seed, d, q)};
+    const std::array<Difference, 4> n{int_difference(seed, a, q), int_difference(seed, b, q), int_difference(seed, c, q),
+                                      int_difference(seed, d, q)};
     const std::array<bool, 4> bisector{is_bisector(a), is_bisector(b), is_bisector(c), is_bisector(d)};
     const Int128 m = std::max({largest(n[0]), largest(n[1]), largest(n[2]), largest(n[3])});
     if (m < (1 << 23)) {
@@ -243,18 +242,27 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
     return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<2>();
 }
 
-std::array<double, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c) {
-    return solve_vertex<double>(p, a, b, c);
+template <class Real>
+std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c) {
+    BitRange range;
+    range.add(p);
+    for (const Plane* plane : {&a, &b, &c}) range.add(*plane);
+    const int q = range.quantum();
+    if (range.span() > 124) {
+        return position<Real, widest>(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q), q);
+    }
+    const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
+    const Difference da = int_difference(seed, a, q), db = int_difference(seed, b, q), dc = int_difference(seed, c, q);
+    const Int128 m = std::max({largest(da), largest(db), largest(dc)});
+    auto at_width = [&]<int W>() {
+        return position<Real, W>(wide_row<W>(da, is_bisector(a)), wide_row<W>(db, is_bisector(b)),
+                                 wide_row<W>(dc, is_bisector(c)), q);
+    };
+    return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<2>();
 }
 
-std::array<Quad, 3> vertex_position_quad(const Point& p, const Plane& a, const Plane& b, const Plane& c) {
-    return solve_vertex<Quad>(p, a, b, c);
-}
-
-std::array<Quad, 3> difference_quad(const Point& q, const Point& p) {
-    std::array<Quad, 3> n{};
-    for (int k = 0; k < 3; ++k) n[k] = static_cast<Quad>(q[k]) - static_cast<Quad>(p[k]);
-    return n;
-}
+template std::array<double, 3> vertex_position(const Point&, const Plane&, const Plane&, const Plane&);
+template std::array<Quad, 3> vertex_position(const Point&, const Plane&, const Plane&, const Plane&);
+template std::array<WideFloat, 3> vertex_position(const Point&, const Plane&, const Plane&, const Plane&);
 
 }  // namespace votess::exact

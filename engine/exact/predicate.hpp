@@ -29,12 +29,15 @@ struct Plane {
 // +1 when the vertex lies strictly outside d, -1 strictly inside, 0 on it. a, b, c must meet in one point.
 int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
 
-// The vertex relative to p, each component with relative error at most 2^-50 (double) or 2^-110 (quad).
+// The vertex relative to p and the difference q - p in a floating-point type: double, Quad or WideFloat
+// (wide_float.hpp). Each component has a relative error of a few units in the last place, cancellation or not.
 using Quad = __float128;
-std::array<double, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c);
-std::array<Quad, 3> vertex_position_quad(const Point& p, const Plane& a, const Plane& b, const Plane& c);
-
-// q - p, correctly rounded to quad (the exact difference of two doubles may need 2100 bits).
-std::array<Quad, 3> difference_quad(const Point& q, const Point& p);
+template <class Real>
+std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c);
+template <class Real>
+std::array<Real, 3> difference(const Point& q, const Point& p) {
+    return {static_cast<Real>(q[0]) - static_cast<Real>(p[0]), static_cast<Real>(q[1]) - static_cast<Real>(p[1]),
+            static_cast<Real>(q[2]) - static_cast<Real>(p[2])};
+}
 
 }  // namespace votess::exact

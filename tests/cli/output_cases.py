@@ -4,6 +4,7 @@ import io
 import os
 import re
 import shutil
+import struct
 import subprocess
 import zipfile
 
@@ -181,6 +182,11 @@ class ArrayOutput(CliTest):
         subprocess.run(["./driver"], cwd=self.folder, check=True)
         content = (self.folder / "out.npz").read_bytes()
         self.assertEqual(content.count(b"PK\x06\x06"), 1)
+        # The local header of "large", which zipfile and numpy.load do not look at.
+        at = 30 + len("small") + 99
+        fields = struct.unpack_from("<IHHHHHIIIHH5sHHQQ", content, at)
+        self.assertEqual((fields[0], fields[1], *fields[7:]),
+                         (0x04034B50, 45, 2**32 - 1, 2**32 - 1, 5, 20, b"large", 1, 16, 200, 200))
         with zipfile.ZipFile(self.folder / "out.npz") as archive:
             self.assertIsNone(archive.testzip())
             self.assertEqual([archive.read(name) for name in ["small", "large", "later"]], [b"s" * 99, b"l" * 200, b"s" * 99])

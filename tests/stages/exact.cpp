@@ -75,8 +75,8 @@ void check_family(const char* name, std::uint64_t seed, int sets, int least_ties
         ties += expected == 0;
         INFO(name, " set ", s);
         REQUIRE(votess::exact::side_of_vertex(p, a, b, c, d) == expected);
-        const auto position = votess::exact::vertex_position(p, a, b, c);
-        const auto quad = votess::exact::vertex_position_quad(p, a, b, c);
+        const auto position = votess::exact::vertex_position<double>(p, a, b, c);
+        const auto quad = votess::exact::vertex_position<votess::exact::Quad>(p, a, b, c);
         for (int k = 0; k < 3; ++k) {
             // Subnormal and overflowing positions cannot keep a relative error.
             const double truth = x[k].get_d();
@@ -100,7 +100,7 @@ void check_family(const char* name, std::uint64_t seed, int sets, int least_ties
 
 TEST_SUITE("stages") {
     TEST_CASE("exact: side and position of vertices equal rational arithmetic in every width") {
-        check_family("small integers", 1, 4000, 100, [](Random& r) { return static_cast<double>(r.integer(-3, 3)); });
+        check_family("small integers", 1, 4000, 60, [](Random& r) { return static_cast<double>(r.integer(-3, 3)); });
         check_family("offset integers", 2, 1000, 10, [](Random& r) { return 1e8 + static_cast<double>(r.integer(-2, 2)); });
         check_family("integers of 30 bits", 3, 1000, 0, [](Random& r) { return static_cast<double>(r.integer(-(1 << 30), 1 << 30)); });
         check_family("uniform", 4, 2000, 0, [](Random& r) { return r.uniform(); });
@@ -137,7 +137,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("exact: double-double sum and product keep 100 bits") {
         Random random(9);
-        auto value = [](const DoubleDouble& d) { return mpq_class(d.high) + mpq_class(d.low); };
+        auto value = [](const DoubleDouble& d) -> mpq_class { return mpq_class(d.high) + mpq_class(d.low); };
         for (int i = 0; i < 2000; ++i) {
             const DoubleDouble a = votess::exact::two_sum(random.uniform(-1, 1), random.uniform(-1, 1) * 0x1p-54);
             const DoubleDouble b = votess::exact::two_sum(random.uniform(-1, 1), random.uniform(-1, 1) * 0x1p-54);
