@@ -30,24 +30,50 @@ Tessellation::Tessellation() {
 }
 Tessellation::Tessellation(std::shared_ptr<const detail::Result> result) : result_(std::move(result)) {}
 
-std::size_t Tessellation::size() const noexcept { return result_->status.size(); }
+std::size_t Tessellation::size() const noexcept {
+    return result_->status.size();
+}
 std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexcept {
     const auto& p = result_->indptr;
     if (i + 1 >= p.size()) return {};
     return view(result_->indices).subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
 }
-std::span<const std::int64_t> Tessellation::indptr() const noexcept { return view(result_->indptr); }
-std::span<const std::int32_t> Tessellation::indices() const noexcept { return view(result_->indices); }
-std::span<const double> Tessellation::volumes() const noexcept { return view(result_->volumes); }
-std::span<const double> Tessellation::centroids() const noexcept { return view(result_->centroids); }
-std::span<const std::uint32_t> Tessellation::face_counts() const noexcept { return view(result_->face_counts); }
-std::span<const std::uint32_t> Tessellation::edge_counts() const noexcept { return view(result_->edge_counts); }
-std::span<const std::uint32_t> Tessellation::vertex_counts() const noexcept { return view(result_->vertex_counts); }
-std::span<const CellStatus> Tessellation::status() const noexcept { return view(result_->status); }
-std::span<const std::int32_t> Tessellation::duplicate_of() const noexcept { return view(result_->duplicate_of); }
-const Box& Tessellation::box() const noexcept { return result_->box; }
-bool Tessellation::lists_walls() const noexcept { return result_->lists_walls; }
-const Stats& Tessellation::stats() const noexcept { return result_->stats; }
+std::span<const std::int64_t> Tessellation::indptr() const noexcept {
+    return view(result_->indptr);
+}
+std::span<const std::int32_t> Tessellation::indices() const noexcept {
+    return view(result_->indices);
+}
+std::span<const double> Tessellation::volumes() const noexcept {
+    return view(result_->volumes);
+}
+std::span<const double> Tessellation::centroids() const noexcept {
+    return view(result_->centroids);
+}
+std::span<const std::uint32_t> Tessellation::face_counts() const noexcept {
+    return view(result_->face_counts);
+}
+std::span<const std::uint32_t> Tessellation::edge_counts() const noexcept {
+    return view(result_->edge_counts);
+}
+std::span<const std::uint32_t> Tessellation::vertex_counts() const noexcept {
+    return view(result_->vertex_counts);
+}
+std::span<const CellStatus> Tessellation::status() const noexcept {
+    return view(result_->status);
+}
+std::span<const std::int32_t> Tessellation::duplicate_of() const noexcept {
+    return view(result_->duplicate_of);
+}
+const Box& Tessellation::box() const noexcept {
+    return result_->box;
+}
+bool Tessellation::lists_walls() const noexcept {
+    return result_->lists_walls;
+}
+const Stats& Tessellation::stats() const noexcept {
+    return result_->stats;
+}
 
 Tessellator::Tessellator() : state_(std::make_unique<detail::TessellatorState>()) {}
 Tessellator::~Tessellator() = default;

@@ -11,7 +11,9 @@ namespace {
 constexpr const char* axis_name[3] = {"x", "y", "z"};
 constexpr unsigned most_threads = 1024, most_resolution = 1u << 20;
 
-[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
+[[noreturn]] void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, message);
+}
 
 void check_options(const Options& options) {
     if (options.threads > most_threads)
@@ -70,7 +72,8 @@ double scale_for(const Box& box) {
 
 void check_scaled(double value, double scale, const std::string& what) {
     if (value * scale / scale != value)
-        refuse(what + " = " + number(value) + " is too small beside the box to be represented at one scale: move it to 0");
+        refuse(what + " = " + number(value) +
+               " is too small beside the box to be represented at one scale: move it to 0");
 }
 
 }  // namespace

@@ -12,16 +12,18 @@ constexpr double unit = 0x1p-53;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Below these squares and products underflow may spoil the error bounds; such planes are always decided exactly.
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
-constexpr double worst_condition = 1e4;  // |na||nb||nc| / |det|
+constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
 constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which only the exact test decides
-constexpr std::int32_t no_plane = -1;  // walls are never refined
+constexpr std::int32_t no_plane = -1;     // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
 // Every tolerance is at most worst_condition * 110 u * sqrt(3) |x| < 2.2e-10 |x|.
 constexpr double radius_slack = 1 + 1e-9;
 
 }  // namespace
 
-Cell::Cell() : kernels_(best_kernels()) { reserve_slots(word_slots); }
+Cell::Cell() : kernels_(best_kernels()) {
+    reserve_slots(word_slots);
+}
 
 template <class Visit>
 void Cell::for_each_alive(Visit visit) const {
@@ -59,8 +61,10 @@ void Cell::start(const exact::Point& seed, const Box& box) {
     seed_ = seed;
     planes_.clear();
     for (int axis = 0; axis < 3; ++axis) {
-        CellPlane lower{{}, seed[axis] - box.lower[axis], 1, -1 - 2 * axis, true, exact::Plane::lower(axis, box.lower[axis])};
-        CellPlane upper{{}, box.upper[axis] - seed[axis], 1, -2 - 2 * axis, true, exact::Plane::upper(axis, box.upper[axis])};
+        CellPlane lower{
+            {}, seed[axis] - box.lower[axis], 1, -1 - 2 * axis, true, exact::Plane::lower(axis, box.lower[axis])};
+        CellPlane upper{
+            {}, box.upper[axis] - seed[axis], 1, -2 - 2 * axis, true, exact::Plane::upper(axis, box.upper[axis])};
         lower.n[axis] = -1;
         upper.n[axis] = 1;
         planes_.push_back(lower);
@@ -116,7 +120,8 @@ int Cell::refined_side(int slot, const CellPlane& plane) {
     if (++vertex.tests < tests_before_refining || !plane.reliable) return 0;
     if (vertex.tests == tests_before_refining) {
         const auto& [a, b, c] = corners_[slot].plane;
-        const auto solved = exact::vertex_position<exact::Quad>(seed_, planes_[a].source, planes_[b].source, planes_[c].source);
+        const auto solved =
+            exact::vertex_position<exact::Quad>(seed_, planes_[a].source, planes_[b].source, planes_[c].source);
         for (int k = 0; k < 3; ++k) {
             const auto high = static_cast<double>(solved[k]);
             vertex.position[k] = {high, static_cast<double>(solved[k] - high)};
@@ -202,7 +207,7 @@ bool Cell::clip(std::int32_t id, const exact::Point& q) {
     plane.id = id;
     plane.reliable = square > smallest_square;
     plane.source = exact::Plane::bisector(q);
-    const FilterPlane filter{plane.n[0], plane.n[1],  plane.n[2],
+    const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
                              plane.h,    plane.norm, plane.reliable ? 12 * unit * plane.h : infinity};
 
     const int words = (slots_ + word_slots - 1) / word_slots;
@@ -228,7 +233,8 @@ bool Cell::clip(std::int32_t id, const exact::Point& q) {
             const Corner& corner = corners_[w * word_slots + std::countr_zero(m)];
             for (int k = 0; k < 3; ++k) {
                 const std::int32_t survivor = corner.next[k];
-                if (!is_killed(survivor)) horizon_.push_back({corner.plane[k], corner.plane[k == 2 ? 0 : k + 1], survivor});
+                if (!is_killed(survivor))
+                    horizon_.push_back({corner.plane[k], corner.plane[k == 2 ? 0 : k + 1], survivor});
             }
         }
     }
@@ -252,7 +258,8 @@ bool Cell::clip(std::int32_t id, const exact::Point& q) {
         corners_[v].next[0] = edge.survivor;
         Corner& survivor = corners_[edge.survivor];
         for (int k = 0; k < 3; ++k)
-            if (survivor.plane[k] == edge.second && survivor.plane[k == 2 ? 0 : k + 1] == edge.first) survivor.next[k] = v;
+            if (survivor.plane[k] == edge.second && survivor.plane[k == 2 ? 0 : k + 1] == edge.first)
+                survivor.next[k] = v;
         ring_[edge.first] = v;
         place_vertex(v, edge.first, edge.second, added);
     }
@@ -270,7 +277,8 @@ bool Cell::same_position(int v, int w, int shared_edge) {
     if (std::abs(x_[v] - x_[w]) > reach || std::abs(y_[v] - y_[w]) > reach || std::abs(z_[v] - z_[w]) > reach)
         return false;
     // Both lie on the line of the shared planes a, b; they coincide when v lies on the third plane of w.
-    const std::int32_t a = corners_[v].plane[shared_edge], b = corners_[v].plane[shared_edge == 2 ? 0 : shared_edge + 1];
+    const std::int32_t a = corners_[v].plane[shared_edge],
+                       b = corners_[v].plane[shared_edge == 2 ? 0 : shared_edge + 1];
     for (std::int32_t third : corners_[w].plane) {
         if (third == a || third == b) continue;
         const auto& [p0, p1, p2] = corners_[v].plane;
@@ -316,9 +324,12 @@ void Cell::canonical_faces(CellFaces& out) {
         int v = first;
         do {
             const Corner& corner = corners_[v];
-            const int k = corner.plane[0] == static_cast<std::int32_t>(p) ? 0 : (corner.plane[1] == static_cast<std::int32_t>(p) ? 1 : 2);
+            const int k = corner.plane[0] == static_cast<std::int32_t>(p)
+                              ? 0
+                              : (corner.plane[1] == static_cast<std::int32_t>(p) ? 1 : 2);
             const std::int32_t representative = merged_[v];
-            if (out.corners.size() == begin || out.corners.back() != representative) out.corners.push_back(representative);
+            if (out.corners.size() == begin || out.corners.back() != representative)
+                out.corners.push_back(representative);
             v = corner.next[k == 0 ? 2 : k - 1];
         } while (v != first);
         while (out.corners.size() > begin + 1 && out.corners.back() == out.corners[begin]) out.corners.pop_back();

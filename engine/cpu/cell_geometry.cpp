@@ -32,7 +32,8 @@ Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
 }
 template <class Real>
 double length_bound(const Vector<Real>& a) {
-    return std::abs(static_cast<double>(a[0])) + std::abs(static_cast<double>(a[1])) + std::abs(static_cast<double>(a[2]));
+    return std::abs(static_cast<double>(a[0])) + std::abs(static_cast<double>(a[1])) +
+           std::abs(static_cast<double>(a[2]));
 }
 
 // A pyramid over the triangle of doubled area vector A on the plane n.x = h has volume A.n h / (6 |n|^2): for a
@@ -110,7 +111,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
             spread = size;
         }
     }
-    if constexpr (roundoff<Real> > 0) {
+    if constexpr (roundoff < Real >> 0) {
         const auto volume = static_cast<double>(sums.volume);
         if (!(volume > smallest_volume && error <= accepted_error * volume)) return std::nullopt;
     }

@@ -16,7 +16,9 @@ namespace {
 constexpr std::size_t block_seeds = 512;  // per task: neighbors in space, so the caches serve them
 constexpr double progress_interval = 0.1;
 
-std::size_t blocks_for(std::size_t count) { return (count + block_seeds - 1) / block_seeds; }
+std::size_t blocks_for(std::size_t count) {
+    return (count + block_seeds - 1) / block_seeds;
+}
 
 // Calls the user's progress callback at most every progress_interval seconds.
 ThreadPool::Watch watch(const ProgressCallback& progress, std::size_t total, double begin, double end) {
@@ -26,7 +28,8 @@ ThreadPool::Watch watch(const ProgressCallback& progress, std::size_t total, dou
         const auto now = std::chrono::steady_clock::now();
         if (std::chrono::duration<double>(now - last).count() < progress_interval) return true;
         last = now;
-        return progress(begin + (end - begin) * static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(total, 1)));
+        return progress(begin + (end - begin) * static_cast<double>(done) /
+                                    static_cast<double>(std::max<std::size_t>(total, 1)));
     };
 }
 
@@ -58,9 +61,8 @@ void CpuEngine::upload(const Job& job) {
 
 void CpuEngine::sort() {
     if (job_.options.progress) require(job_.options.progress(0.0));
-    seeds_ = job_.points.f32.empty()
-                 ? sort_seeds(job_.points.f64, job_.scale, job_.options.grid_resolution, *pool_)
-                 : sort_seeds(job_.points.f32, job_.scale, job_.options.grid_resolution, *pool_);
+    seeds_ = job_.points.f32.empty() ? sort_seeds(job_.points.f64, job_.scale, job_.options.grid_resolution, *pool_)
+                                     : sort_seeds(job_.points.f32, job_.scale, job_.options.grid_resolution, *pool_);
     if (seeds_.duplicates > 0 && job_.options.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());
@@ -71,7 +73,9 @@ void CpuEngine::sort() {
     }
 }
 
-void CpuEngine::knn() { hierarchy_.build(seeds_, *pool_); }
+void CpuEngine::knn() {
+    hierarchy_.build(seeds_, *pool_);
+}
 
 void CpuEngine::clip() {
     const std::size_t count = job_.points.count();

@@ -10,11 +10,15 @@ using Mask8 = std::int64_t __attribute__((vector_size(64)));
 
 #define VOTESS_INLINE inline __attribute__((always_inline))
 
-VOTESS_INLINE void load(Real8& r, const double* p) { std::memcpy(&r, p, sizeof r); }
+VOTESS_INLINE void load(Real8& r, const double* p) {
+    std::memcpy(&r, p, sizeof r);
+}
 VOTESS_INLINE std::uint64_t combine(const Mask8& m) {
     return static_cast<std::uint64_t>(((m[0] | m[1]) | (m[2] | m[3])) | ((m[4] | m[5]) | (m[6] | m[7])));
 }
-VOTESS_INLINE void maximum(Real8& a, const Real8& b) { a = a > b ? a : b; }
+VOTESS_INLINE void maximum(Real8& a, const Real8& b) {
+    a = a > b ? a : b;
+}
 
 VOTESS_INLINE SideMasks classify_body(const VertexBlock& v, const FilterPlane& plane) {
     Mask8 possible{}, certain{};
@@ -76,17 +80,21 @@ VOTESS_INLINE void squared_distances_body(const double* x, const double* y, cons
 }
 
 // One set of functions per instruction set; the bodies above are inlined into each.
-#define VOTESS_KERNELS(NAME, TARGET)                                                                               \
-    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) { return classify_body(v, p); }   \
-    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const BoundingBox& box, double slack) {                  \
-        return box_in_reach_body(v, box, slack);                                                                   \
-    }                                                                                                              \
-    TARGET double largest_radius_##NAME(const VertexBlock& v) { return largest_radius_body(v); }                   \
-    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count,             \
-                                         const double* p, double* out) {                                           \
-        squared_distances_body(x, y, z, count, p, out);                                                            \
-    }                                                                                                              \
-    constexpr Kernels kernels_##NAME{#NAME, classify_##NAME, box_in_reach_##NAME, largest_radius_##NAME,           \
+#define VOTESS_KERNELS(NAME, TARGET)                                                                     \
+    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                       \
+        return classify_body(v, p);                                                                      \
+    }                                                                                                    \
+    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const BoundingBox& box, double slack) {        \
+        return box_in_reach_body(v, box, slack);                                                         \
+    }                                                                                                    \
+    TARGET double largest_radius_##NAME(const VertexBlock& v) {                                          \
+        return largest_radius_body(v);                                                                   \
+    }                                                                                                    \
+    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count,   \
+                                         const double* p, double* out) {                                 \
+        squared_distances_body(x, y, z, count, p, out);                                                  \
+    }                                                                                                    \
+    constexpr Kernels kernels_##NAME{#NAME, classify_##NAME, box_in_reach_##NAME, largest_radius_##NAME, \
                                      squared_distances_##NAME};
 
 VOTESS_KERNELS(baseline, )

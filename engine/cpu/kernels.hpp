@@ -23,8 +23,8 @@ struct VertexBlock {
 // The plane n.x = h with the error terms of its filter.
 struct FilterPlane {
     double nx, ny, nz, h;
-    double norm;      // |n|
-    double h_error;   // bound on the error of h and of the final subtraction
+    double norm;     // |n|
+    double h_error;  // bound on the error of h and of the final subtraction
 };
 
 struct SideMasks {
@@ -43,7 +43,8 @@ struct Kernels {
     bool (*box_in_reach)(const VertexBlock&, const BoundingBox& relative, double slack);
     double (*largest_radius)(const VertexBlock&);
     // out[i] = squared distance of (x,y,z)[i] from p.
-    void (*squared_distances)(const double* x, const double* y, const double* z, int count, const double* p, double* out);
+    void (*squared_distances)(const double* x, const double* y, const double* z, int count, const double* p,
+                              double* out);
 };
 
 // Those of "avx512", "avx2", "baseline" that this processor has, best first.

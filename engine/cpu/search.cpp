@@ -15,7 +15,9 @@ constexpr double band_growth = 1.6;        // of the squared distance from band 
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 
-bool farther(const QueueEntry& a, const QueueEntry& b) { return a.distance_squared > b.distance_squared; }
+bool farther(const QueueEntry& a, const QueueEntry& b) {
+    return a.distance_squared > b.distance_squared;
+}
 
 double gap(double a_lower, double a_upper, double b_lower, double b_upper) {
     return std::max({0.0, a_lower - b_upper, b_lower - a_upper});
@@ -196,8 +198,8 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         }
         const std::size_t begin = entry.node * group_size, end = std::min(begin + group_size, seeds_.size());
         double distance[group_size];
-        kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin],
-                                         static_cast<int>(end - begin), p.data(), distance);
+        kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
+                                   p.data(), distance);
         for (std::size_t i = begin; i < end; ++i)
             if (distance[i - begin] >= from && i != seed)
                 cell_.clip(static_cast<std::int32_t>(i), {seeds_.x[i], seeds_.y[i], seeds_.z[i]});

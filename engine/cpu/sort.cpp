@@ -217,8 +217,7 @@ SortedSeeds sort_cloud(std::span<const Real> points, double scale, unsigned reso
         radix_sort(items, buffer, 3 * bits);
     }
     Sorter<Real>(cloud, out).resolve(items);
-    if (out.duplicates > 0)
-        std::erase_if(items, [&](const Item& i) { return out.duplicate_of[i.index] >= 0; });
+    if (out.duplicates > 0) std::erase_if(items, [&](const Item& i) { return out.duplicate_of[i.index] >= 0; });
 
     const std::size_t kept = items.size();
     // Padding lies infinitely far away, so that the last group is full.

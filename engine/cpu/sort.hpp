@@ -12,8 +12,8 @@
 namespace votess::cpu {
 
 struct SortedSeeds {
-    std::vector<double> x, y, z;        // scaled coordinates, M seeds without duplicates, padded by group_size
-    std::vector<std::int32_t> input;    // M: index in the input
+    std::vector<double> x, y, z;             // scaled coordinates, M seeds without duplicates, padded by group_size
+    std::vector<std::int32_t> input;         // M: index in the input
     std::vector<std::int32_t> duplicate_of;  // N when there are duplicates, else empty; -1 for the others
     std::size_t duplicates = 0;
 

@@ -74,7 +74,9 @@ struct Difference {
     Int128 wall = 0;
 };
 
-Int128 magnitude(Int128 x) { return x < 0 ? -x : x; }
+Int128 magnitude(Int128 x) {
+    return x < 0 ? -x : x;
+}
 
 Difference int_difference(const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
     Difference d;
@@ -100,7 +102,9 @@ Int128 largest(const Difference& d) {
     return m;
 }
 
-bool is_bisector(const Plane& plane) { return plane.kind == Plane::Kind::bisector; }
+bool is_bisector(const Plane& plane) {
+    return plane.kind == Plane::Kind::bisector;
+}
 
 // Differences below 2^23: every intermediate of the determinant stays below 2^126.
 SmallRow small_row(const Difference& d, bool bisector) {
@@ -159,7 +163,9 @@ auto dot(const std::array<A, 3>& a, const std::array<B, 3>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-int sign_of(Int128 x) { return x < 0 ? -1 : (x > 0 ? 1 : 0); }
+int sign_of(Int128 x) {
+    return x < 0 ? -1 : (x > 0 ? 1 : 0);
+}
 template <int W>
 int sign_of(const WideInt<W>& x) {
     return x.sign();
@@ -226,8 +232,8 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
                     wide_row<widest>(p, d, q));
     }
     const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
-    const std::array<Difference, 4> n{int_difference(seed, a, q), int_difference(seed, b, q), int_difference(seed, c, q),
-                                      int_difference(seed, d, q)};
+    const std::array<Difference, 4> n{int_difference(seed, a, q), int_difference(seed, b, q),
+                                      int_difference(seed, c, q), int_difference(seed, d, q)};
     const std::array<bool, 4> bisector{is_bisector(a), is_bisector(b), is_bisector(c), is_bisector(d)};
     const Int128 m = std::max({largest(n[0]), largest(n[1]), largest(n[2]), largest(n[3])});
     if (m < (1 << 23)) {
@@ -249,7 +255,8 @@ std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane&
     for (const Plane* plane : {&a, &b, &c}) range.add(*plane);
     const int q = range.quantum();
     if (range.span() > 124) {
-        return position<Real, widest>(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q), q);
+        return position<Real, widest>(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q),
+                                      q);
     }
     const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
     const Difference da = int_difference(seed, a, q), db = int_difference(seed, b, q), dc = int_difference(seed, c, q);

@@ -6,7 +6,8 @@
 
 namespace votess::exact {
 
-using WideFloat = boost::multiprecision::number<
-    boost::multiprecision::cpp_bin_float<2304, boost::multiprecision::digit_base_2>, boost::multiprecision::et_off>;
+using WideFloat =
+    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<2304, boost::multiprecision::digit_base_2>,
+                                  boost::multiprecision::et_off>;
 
 }  // namespace votess::exact

@@ -136,7 +136,8 @@ Scaled<Real> to_scaled(const WideInt<W>& a) {
     auto word = [&](int i) { return i >= 0 ? m.limb[i] : 0; };
     auto shifted = [&](int i) { return zeros == 0 ? word(i) : (word(i) << zeros) | (word(i - 1) >> (64 - zeros)); };
     constexpr Real two_to_minus_64 = static_cast<Real>(5.42101086242752217003726400434970855712890625e-20);
-    Real r = (static_cast<Real>(shifted(top)) + static_cast<Real>(shifted(top - 1)) * two_to_minus_64) * two_to_minus_64;
+    Real r =
+        (static_cast<Real>(shifted(top)) + static_cast<Real>(shifted(top - 1)) * two_to_minus_64) * two_to_minus_64;
     return {negative ? -r : r, 64 * (top + 1) - zeros};
 }
 

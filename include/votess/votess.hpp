@@ -24,7 +24,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
 #include <votess/export.hpp>
 #include <votess/version.hpp>
 
@@ -105,27 +104,27 @@ struct Options {
     LogCallback log;
 };
 
-// Seconds of wall clock per stage of the pipeline. The CPU engine pulls candidates while it clips and decides exact
-// signs on the spot, so there `knn` and `fallback` are part of `clip`.
+// Seconds of wall clock per stage of the pipeline. On the CPU `knn` builds the search structure, and `clip` pulls the
+// candidates and decides uncertain signs exactly on the spot, so that nothing is left for `fallback`.
 struct StageSeconds {
     double upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
     double total = 0;
 };
 
 struct Stats {
-    std::string device;                  // name of the device that ran
-    std::uint64_t points = 0;            // N
-    std::uint64_t faces = 0;             // sum over cells of their number of faces, walls included
-    double mean_faces = 0;               // faces / cells that are not empty
-    double volume_sum = 0;               // sum of all volumes; 0 when volumes were not wanted
-    double box_volume = 0;               // volume of the domain
-    std::uint64_t duplicates = 0;        // seeds with status `duplicate`
-    std::uint64_t empty_cells = 0;       // cells without interior, duplicates included
-    std::uint64_t fallback_cells = 0;    // cells redone on the CPU after another device
-    std::uint64_t exact_cells = 0;       // cells where exact arithmetic decided a sign
-    unsigned threads = 0;                // CPU threads used
+    std::string device;                // name of the device that ran
+    std::uint64_t points = 0;          // N
+    std::uint64_t faces = 0;           // sum over cells of their number of faces, walls included
+    double mean_faces = 0;             // faces / cells that are not empty
+    double volume_sum = 0;             // sum of all volumes; 0 when volumes were not wanted
+    double box_volume = 0;             // volume of the domain
+    std::uint64_t duplicates = 0;      // seeds with status `duplicate`
+    std::uint64_t empty_cells = 0;     // cells without interior, duplicates included
+    std::uint64_t fallback_cells = 0;  // cells redone on the CPU after another device
+    std::uint64_t exact_cells = 0;     // cells where exact arithmetic decided a sign
+    unsigned threads = 0;              // CPU threads used
     StageSeconds seconds;
-    std::uint64_t peak_memory_bytes = 0; // peak resident memory of the process so far
+    std::uint64_t peak_memory_bytes = 0;  // peak resident memory of the process so far
 };
 
 namespace detail {
@@ -144,17 +143,17 @@ public:
     [[nodiscard]] std::size_t size() const noexcept;  // N
     // Row i: ids of the neighbors of seed i in ascending order (walls first, being negative).
     [[nodiscard]] std::span<const std::int32_t> neighbors(std::size_t i) const noexcept;
-    [[nodiscard]] std::span<const std::int64_t> indptr() const noexcept;         // N+1, CSR row starts, indptr[0] = 0
-    [[nodiscard]] std::span<const std::int32_t> indices() const noexcept;        // indptr[N], CSR columns
-    [[nodiscard]] std::span<const double> volumes() const noexcept;              // N, length unit cubed
-    [[nodiscard]] std::span<const double> centroids() const noexcept;            // 3N, x y z absolute; NaN when empty
-    [[nodiscard]] std::span<const std::uint32_t> face_counts() const noexcept;   // N, walls included
-    [[nodiscard]] std::span<const std::uint32_t> edge_counts() const noexcept;   // N
-    [[nodiscard]] std::span<const std::uint32_t> vertex_counts() const noexcept; // N
-    [[nodiscard]] std::span<const CellStatus> status() const noexcept;           // N
+    [[nodiscard]] std::span<const std::int64_t> indptr() const noexcept;          // N+1, CSR row starts, indptr[0] = 0
+    [[nodiscard]] std::span<const std::int32_t> indices() const noexcept;         // indptr[N], CSR columns
+    [[nodiscard]] std::span<const double> volumes() const noexcept;               // N, length unit cubed
+    [[nodiscard]] std::span<const double> centroids() const noexcept;             // 3N, x y z absolute; NaN when empty
+    [[nodiscard]] std::span<const std::uint32_t> face_counts() const noexcept;    // N, walls included
+    [[nodiscard]] std::span<const std::uint32_t> edge_counts() const noexcept;    // N
+    [[nodiscard]] std::span<const std::uint32_t> vertex_counts() const noexcept;  // N
+    [[nodiscard]] std::span<const CellStatus> status() const noexcept;            // N
     // N when the input has duplicates, else empty: index of the seed that keeps the cell; -1 for those not duplicate.
     [[nodiscard]] std::span<const std::int32_t> duplicate_of() const noexcept;
-    [[nodiscard]] const Box& box() const noexcept;  // the domain that was used
+    [[nodiscard]] const Box& box() const noexcept;    // the domain that was used
     [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
     [[nodiscard]] const Stats& stats() const noexcept;
 
@@ -171,8 +170,9 @@ public:
     Tessellator& operator=(Tessellator&&) noexcept;
 
     // points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box; read only during the call.
-    // float32 input is widened without loss. N = 0 gives an empty result; N is below 2^31.
+    // float32 input is widened without loss. N = 0 gives an empty result; N from 2^31 on is `unsupported`.
     // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal.
+    // A Tessellator that was moved from may only be assigned or destroyed.
     [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
 

@@ -40,6 +40,12 @@ class CliTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
 
+    def assertListEqual(self, list1, list2, msg=None):
+        """The first difference only: unittest's own comparison of long lists takes hours."""
+        for i, (one, two) in enumerate(zip(list1, list2)):
+            self.assertFalse(one != two, f"element {i}: {one!r} != {two!r} {msg or ''}")
+        self.assertEqual(len(list1), len(list2), msg)
+
     def put(self, name, content):
         path = self.folder / name
         if isinstance(content, bytes):

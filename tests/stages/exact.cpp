@@ -1,19 +1,18 @@
 // The exact tier against rational arithmetic.
-#include "exact/predicate.hpp"
-
 #include <doctest/doctest.h>
 #include <gmpxx.h>
 
 #include <cmath>
 
 #include "exact/double_double.hpp"
+#include "exact/predicate.hpp"
 #include "exact/wide_int.hpp"
 #include "support/random.hpp"
 
+using test::Random;
 using votess::exact::DoubleDouble;
 using votess::exact::Plane;
 using votess::exact::Point;
-using test::Random;
 
 namespace {
 
@@ -101,12 +100,17 @@ void check_family(const char* name, std::uint64_t seed, int sets, int least_ties
 TEST_SUITE("stages") {
     TEST_CASE("exact: side and position of vertices equal rational arithmetic in every width") {
         check_family("small integers", 1, 4000, 60, [](Random& r) { return static_cast<double>(r.integer(-3, 3)); });
-        check_family("offset integers", 2, 1000, 10, [](Random& r) { return 1e8 + static_cast<double>(r.integer(-2, 2)); });
-        check_family("integers of 30 bits", 3, 1000, 0, [](Random& r) { return static_cast<double>(r.integer(-(1 << 30), 1 << 30)); });
+        check_family("offset integers", 2, 1000, 10,
+                     [](Random& r) { return 1e8 + static_cast<double>(r.integer(-2, 2)); });
+        check_family("integers of 30 bits", 3, 1000, 0,
+                     [](Random& r) { return static_cast<double>(r.integer(-(1 << 30), 1 << 30)); });
         check_family("uniform", 4, 2000, 0, [](Random& r) { return r.uniform(); });
         check_family("tenths", 5, 4000, 0, [](Random& r) { return 0.1 * static_cast<double>(r.integer(-2, 2)); });
-        check_family("twenty decades", 6, 2000, 0, [](Random& r) { return r.uniform(-1, 1) * std::pow(10.0, r.uniform(-20, 0)); });
-        check_family("all of float64", 7, 600, 0, [](Random& r) { return r.uniform(-1, 1) * std::ldexp(1.0, static_cast<int>(r.integer(-1074, 1000))); });
+        check_family("twenty decades", 6, 2000, 0,
+                     [](Random& r) { return r.uniform(-1, 1) * std::pow(10.0, r.uniform(-20, 0)); });
+        check_family("all of float64", 7, 600, 0, [](Random& r) {
+            return r.uniform(-1, 1) * std::ldexp(1.0, static_cast<int>(r.integer(-1074, 1000)));
+        });
     }
 
     TEST_CASE("exact: wide integers multiply, shift and compare like GMP") {
@@ -119,7 +123,8 @@ TEST_SUITE("stages") {
             for (auto& l : b.limb) l = random.chance(0.3) ? (random.chance(0.5) ? 0 : ~0ull) : random.next();
             auto value = [](const auto& w) {
                 mpz_class z = static_cast<long>(static_cast<std::int64_t>(w.limb.back()));
-                for (std::size_t k = w.limb.size() - 1; k-- > 0;) z = (z << 64) + mpz_class(static_cast<unsigned long>(w.limb[k]));
+                for (std::size_t k = w.limb.size() - 1; k-- > 0;)
+                    z = (z << 64) + mpz_class(static_cast<unsigned long>(w.limb[k]));
                 return z;
             };
             REQUIRE(value(a * b) == value(a) * value(b));

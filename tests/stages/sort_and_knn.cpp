@@ -26,7 +26,8 @@ void check_sorted(const test::PointSet& set, const SortedSeeds& sorted) {
     std::vector<std::int32_t> kept;
     std::vector<std::int32_t> duplicate_of(set.size(), -1);
     for (std::size_t i = 0; i < set.size(); ++i) {
-        const std::array<double, 3> p{set.points[3 * i] + 0.0, set.points[3 * i + 1] + 0.0, set.points[3 * i + 2] + 0.0};
+        const std::array<double, 3> p{set.points[3 * i] + 0.0, set.points[3 * i + 1] + 0.0,
+                                      set.points[3 * i + 2] + 0.0};
         const auto [at, is_new] = first.try_emplace(p, static_cast<std::int32_t>(i));
         if (is_new)
             kept.push_back(static_cast<std::int32_t>(i));
@@ -57,7 +58,8 @@ TEST_SUITE("stages") {
             const auto set = test::uniform(n, n + 1);
             check_sorted(set, sort_seeds(std::span<const double>(set.points), 1, 0, pool));
         }
-        for (const auto& set : test::families(600, 5)) check_sorted(set, sort_seeds(std::span<const double>(set.points), 1, 0, pool));
+        for (const auto& set : test::families(600, 5))
+            check_sorted(set, sort_seeds(std::span<const double>(set.points), 1, 0, pool));
         const auto large = test::uniform(test::by_size(131073, 5000), 3);
         for (unsigned resolution : {0u, 1u, 2u, 3u, 64u, 1u << 20})
             check_sorted(large, sort_seeds(std::span<const double>(large.points), 1, resolution, pool));
@@ -79,7 +81,8 @@ TEST_SUITE("stages") {
         const auto sorted = sort_seeds(std::span<const double>(set.points), 1, 0, pool);
         double step = 0;
         for (std::size_t s = 1; s < n; ++s)
-            step += std::hypot(sorted.x[s] - sorted.x[s - 1], sorted.y[s] - sorted.y[s - 1], sorted.z[s] - sorted.z[s - 1]);
+            step +=
+                std::hypot(sorted.x[s] - sorted.x[s - 1], sorted.y[s] - sorted.y[s - 1], sorted.z[s] - sorted.z[s - 1]);
         // Unsorted, the mean step is 0.66; along a space-filling curve it is about the mean spacing.
         CHECK(step / static_cast<double>(n) < 1.5 / std::cbrt(static_cast<double>(n)));
     }
