@@ -10,7 +10,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t first_window = 160;  // seeds loaded around a group at once
 constexpr std::size_t most_window = 768;   // beyond this the far walk is cheaper
-constexpr double first_band = 0.6;         // of the squared reach expected
+constexpr double first_band = 0.8;         // of the squared reach expected
 constexpr double band_growth = 1.6;        // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
