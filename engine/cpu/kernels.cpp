@@ -1,6 +1,11 @@
 #include "cpu/kernels.hpp"
 
+#include <bit>
 #include <cstring>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 namespace votess::cpu {
 namespace {
@@ -79,28 +84,60 @@ VOTESS_INLINE void squared_distances_body(const double* x, const double* y, cons
     }
 }
 
-// One set of functions per instruction set; the bodies above are inlined into each.
-#define VOTESS_KERNELS(NAME, TARGET)                                                                     \
-    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                       \
-        return classify_body(v, p);                                                                      \
-    }                                                                                                    \
-    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const BoundingBox& box, double slack) {        \
-        return box_in_reach_body(v, box, slack);                                                         \
-    }                                                                                                    \
-    TARGET double largest_radius_##NAME(const VertexBlock& v) {                                          \
-        return largest_radius_body(v);                                                                   \
-    }                                                                                                    \
-    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count,   \
-                                         const double* p, double* out) {                                 \
-        squared_distances_body(x, y, z, count, p, out);                                                  \
-    }                                                                                                    \
-    constexpr Kernels kernels_##NAME{#NAME, classify_##NAME, box_in_reach_##NAME, largest_radius_##NAME, \
-                                     squared_distances_##NAME};
+int select_band_plain(const double* distances, int count, double from, double to, std::uint64_t* keys) {
+    int selected = 0;
+    for (int i = 0; i < count; ++i) {  // without branches: each is a coin toss
+        const double d = distances[i];
+        keys[selected] = (std::bit_cast<std::uint64_t>(d) & key_distance_bits) | static_cast<std::uint32_t>(i);
+        selected += static_cast<int>(d >= from) & static_cast<int>(d < to);
+    }
+    return selected;
+}
 
-VOTESS_KERNELS(baseline, )
 #if defined(__x86_64__)
-VOTESS_KERNELS(avx2, __attribute__((target("avx2"))))
-VOTESS_KERNELS(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"))))
+// The compiler does not find the compressing store by itself.
+__attribute__((target("avx512f"))) int select_band_compress(const double* distances, int count, double from, double to,
+                                                            std::uint64_t* keys) {
+    int selected = 0;
+    __m512i index = _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0);
+    for (int i = 0; i < count; i += lanes) {
+        const auto valid = static_cast<__mmask8>(count - i >= lanes ? 0xff : (1 << (count - i)) - 1);
+        const __m512d d = _mm512_maskz_loadu_pd(valid, distances + i);
+        const __mmask8 inside = _mm512_mask_cmp_pd_mask(
+            _mm512_mask_cmp_pd_mask(valid, d, _mm512_set1_pd(from), _CMP_GE_OQ), d, _mm512_set1_pd(to), _CMP_LT_OQ);
+        const __m512i high =
+            _mm512_and_si512(_mm512_castpd_si512(d), _mm512_set1_epi64(static_cast<long long>(key_distance_bits)));
+        _mm512_mask_compressstoreu_epi64(keys + selected, inside, _mm512_or_si512(high, index));
+        selected += __builtin_popcount(inside);
+        index = _mm512_add_epi64(index, _mm512_set1_epi64(lanes));
+    }
+    return selected;
+}
+#endif
+
+// One set of functions per instruction set; the bodies above are inlined into each. SELECT is the one that is not.
+#define VOTESS_KERNELS(NAME, TARGET, SELECT)                                                           \
+    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                     \
+        return classify_body(v, p);                                                                    \
+    }                                                                                                  \
+    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const BoundingBox& box, double slack) {      \
+        return box_in_reach_body(v, box, slack);                                                       \
+    }                                                                                                  \
+    TARGET double largest_radius_##NAME(const VertexBlock& v) {                                        \
+        return largest_radius_body(v);                                                                 \
+    }                                                                                                  \
+    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count, \
+                                         const double* p, double* out) {                               \
+        squared_distances_body(x, y, z, count, p, out);                                                \
+    }                                                                                                  \
+    constexpr Kernels kernels_##NAME{                                                                  \
+        #NAME, classify_##NAME, box_in_reach_##NAME, largest_radius_##NAME, squared_distances_##NAME, SELECT};
+
+VOTESS_KERNELS(baseline, , select_band_plain)
+#if defined(__x86_64__)
+VOTESS_KERNELS(avx2, __attribute__((target("avx2"))), select_band_plain)
+VOTESS_KERNELS(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"))),
+               select_band_compress)
 #endif
 
 }  // namespace

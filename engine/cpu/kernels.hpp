@@ -45,7 +45,12 @@ struct Kernels {
     // out[i] = squared distance of (x,y,z)[i] from p.
     void (*squared_distances)(const double* x, const double* y, const double* z, int count, const double* p,
                               double* out);
+    // Sort keys of the distances in [from, to): their high half, monotone for positive doubles, over their index.
+    // keys has room for count + 8; returns how many were written, in order of index.
+    int (*select_band)(const double* distances, int count, double from, double to, std::uint64_t* keys);
 };
+
+inline constexpr std::uint64_t key_distance_bits = 0xffffffff00000000ull;
 
 // Those of "avx512", "avx2", "baseline" that this processor has, best first.
 std::vector<const Kernels*> supported_kernels();

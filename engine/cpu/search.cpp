@@ -160,18 +160,12 @@ bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
             if (index_[i] == static_cast<std::int32_t>(seed)) distance_[i] = infinity;
         measured_ = count;
     }
-    // Keys order by the high half of the distance's bits: monotone for positive doubles, never above it.
-    band_.resize(count);
-    std::size_t selected = 0;
-    for (std::size_t i = 0; i < count; ++i) {  // without branches: each is a coin toss
-        const double d = distance_[i];
-        band_[selected] = (std::bit_cast<std::uint64_t>(d) & 0xffffffff00000000ull) | i;
-        selected += static_cast<std::size_t>(d >= from) & static_cast<std::size_t>(d < to);
-    }
-    std::sort(band_.begin(), band_.begin() + static_cast<std::ptrdiff_t>(selected));
-    for (std::size_t k = 0; k < selected; ++k) {
+    band_.resize(count + lanes);
+    const int selected = kernels_.select_band(distance_.data(), static_cast<int>(count), from, to, band_.data());
+    std::sort(band_.begin(), band_.begin() + selected);
+    for (int k = 0; k < selected; ++k) {
         const std::uint64_t key = band_[k];
-        const double at_least = std::bit_cast<double>(key & 0xffffffff00000000ull);
+        const double at_least = std::bit_cast<double>(key & key_distance_bits);
         if (at_least >= 4 * cell_.radius_squared() * distance_slack) return true;
         const auto i = static_cast<std::uint32_t>(key);
         cell_.clip(index_[i], {x_[i], y_[i], z_[i]});

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -59,6 +60,19 @@ TEST_SUITE("stages") {
                 REQUIRE(k->largest_radius(block) == largest);
                 k->squared_distances(x, y, z, 61, p, other);
                 for (int i = 0; i < 61; ++i) REQUIRE(other[i] == out[i]);
+                const double from = random.uniform(0, 2), to = from + random.uniform();
+                std::uint64_t keys[72];
+                const int selected = k->select_band(out, 61, from, to, keys);
+                int next = 0;
+                for (int i = 0; i < 61; ++i) {
+                    if (!(out[i] >= from && out[i] < to)) continue;
+                    REQUIRE(next < selected);
+                    REQUIRE(static_cast<int>(keys[next] & ~key_distance_bits) == i);
+                    const double key = std::bit_cast<double>(keys[next++] & key_distance_bits);
+                    REQUIRE(key <= out[i]);
+                    REQUIRE(key >= out[i] * (1 - 1e-6));
+                }
+                REQUIRE(next == selected);
             }
         }
     }
