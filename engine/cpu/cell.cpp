@@ -18,6 +18,8 @@ constexpr std::int32_t no_plane = -1;     // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
 // Every tolerance is at most worst_condition * 110 u * sqrt(3) |x| < 2.2e-10 |x|.
 constexpr double radius_slack = 1 + 1e-9;
+// Squared distances below this may have underflowed; a cell that small is searched as if it were larger.
+constexpr double smallest_radius = 1e-280;
 
 }  // namespace
 
@@ -92,7 +94,7 @@ void Cell::start(const exact::Point& seed, const Box& box) {
 
 double Cell::radius_squared() {
     if (!radius_known_) {
-        double r = 0;
+        double r = smallest_radius;
         for (int w = 0; w * word_slots < slots_; ++w) r = std::max(r, kernels_.largest_radius(block(w)));
         radius_squared_ = r * radius_slack;
         radius_known_ = true;
@@ -110,7 +112,7 @@ bool Cell::in_reach(const BoundingBox& box) const {
         relative.upper[k] += 2 * unit * std::abs(relative.upper[k]);
     }
     for (int w = 0; w * word_slots < slots_; ++w)
-        if (kernels_.box_in_reach(block(w), relative, radius_slack)) return true;
+        if (kernels_.box_in_reach(block(w), relative, radius_slack, smallest_radius)) return true;
     return false;
 }
 

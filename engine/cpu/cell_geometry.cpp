@@ -13,7 +13,7 @@ namespace {
 
 // The promise is 1e-10; the bound counts vertices at their worst, the rest is rounding of the sums.
 constexpr double accepted_error = 5e-11;
-constexpr double smallest_volume = 1e-250;  // below this the error bound itself might underflow
+constexpr double smallest_volume = 1e-140;  // below this volume times position might underflow
 
 template <class Real>
 using Vector = std::array<Real, 3>;

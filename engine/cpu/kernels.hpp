@@ -39,8 +39,9 @@ struct BoundingBox {
 struct Kernels {
     const char* name;
     SideMasks (*classify)(const VertexBlock&, const FilterPlane&);
-    // Whether the box reaches into the ball around any vertex that touches the seed: only there can a seed cut.
-    bool (*box_in_reach)(const VertexBlock&, const BoundingBox& relative, double slack);
+    // Whether the box reaches into the ball around any vertex that touches the seed: only there can a seed cut. The
+    // squared radius counts as radius * slack + floor.
+    bool (*box_in_reach)(const VertexBlock&, const BoundingBox& relative, double slack, double floor);
     double (*largest_radius)(const VertexBlock&);
     // out[i] = squared distance of (x,y,z)[i] from p.
     void (*squared_distances)(const double* x, const double* y, const double* z, int count, const double* p,

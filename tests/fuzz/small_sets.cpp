@@ -182,6 +182,6 @@ TEST_SUITE("fuzz") {
     }
 
     TEST_CASE("small sets whose coordinates span hundreds of binary digits equal the exact diagram, or are refused") {
-        fuzz(test::environment("VOTESS_FUZZ_SETS", test::by_size(3000, 200)) / 4, true);
+        fuzz(test::environment("VOTESS_FUZZ_SETS", test::by_size(12000, 600)) / 4, true);
     }
 }

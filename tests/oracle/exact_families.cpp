@@ -1,6 +1,8 @@
 // Every family of generators.hpp, small, against the exact diagram.
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "../support/check.hpp"
 #include "brute_force.hpp"
 
@@ -92,6 +94,32 @@ TEST_SUITE("oracle") {
                                  votess::Box{{-0x1.d0ed2316922a8p-5, 0x1.e85974c01f9dap-40, 0x1.ef345455d80cp-42},
                                              {0x1.d0ed23171023ep-3, 0x1.0ff79c93ebcacp-3, 0x1.9c170852d067ep-3}}};
         CHECK(test::check_exact(test::run(set), set.points) == "");
+    }
+
+    TEST_CASE("cells so small that squared distances underflow: right, or refused as out of range") {
+        for (int k = 20; k <= 1070; k += 10) {
+            const double d = std::ldexp(1.0, -k);
+            CAPTURE(k);
+            const test::PointSet set{"small cell in a corner",
+                                     {0, 0, 0, 0, 0, d, -2 * d, -2 * d, -d},
+                                     votess::Box{{-2 * d, -2 * d, -d}, {1 + 0x1p-52, 1, 1}}};
+            try {
+                CHECK(test::check_exact(test::run(set), set.points) == "");
+            } catch (const votess::Error& error) {
+                CHECK(error.code() == votess::ErrorCode::invalid_argument);
+                CHECK(k > 100);  // that much every engine must take
+            }
+        }
+    }
+
+    TEST_CASE("a corner cell whose moment underflows: right, or refused as out of range") {
+        const double d = 0x1p-300, e = 0x1.0000000000001p-300;
+        const test::PointSet set{"corner", {0, 0, d, d, 0, 0, 0, e, e}, test::unit_box()};
+        try {
+            CHECK(test::check_exact(test::run(set), set.points) == "");
+        } catch (const votess::Error& error) {
+            CHECK(error.code() == votess::ErrorCode::invalid_argument);
+        }
     }
 
     TEST_CASE("one coordinate near zero: right, or refused as out of range") {

@@ -1,6 +1,7 @@
 // clip: the vector kernels agree bit for bit, and the filter never contradicts the exact test.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
@@ -38,7 +39,7 @@ TEST_SUITE("stages") {
             for (int k = 0; k < 3; ++k)
                 box.lower[k] = random.uniform(-3, 3), box.upper[k] = box.lower[k] + random.uniform();
             const auto sides = kernels.back()->classify(block, plane);
-            const bool reach = kernels.back()->box_in_reach(block, box, 1.0);
+            const bool reach = kernels.back()->box_in_reach(block, box, 1.0, 0.0);
             const double largest = kernels.back()->largest_radius(block);
             // The baseline against the definitions.
             for (int i = 0; i < 8 * block.blocks; ++i) {
@@ -56,7 +57,7 @@ TEST_SUITE("stages") {
                 const auto s = k->classify(block, plane);
                 REQUIRE(s.possible == sides.possible);
                 REQUIRE(s.certain == sides.certain);
-                REQUIRE(k->box_in_reach(block, box, 1.0) == reach);
+                REQUIRE(k->box_in_reach(block, box, 1.0, 0.0) == reach);
                 REQUIRE(k->largest_radius(block) == largest);
                 k->squared_distances(x, y, z, 61, p, other);
                 for (int i = 0; i < 61; ++i) REQUIRE(other[i] == out[i]);
@@ -112,6 +113,40 @@ TEST_SUITE("stages") {
                 volumes.push_back(cell.measure(faces).volume);
                 CHECK(answers[0] == neighbors);
                 CHECK(volumes[0] == doctest::Approx(volumes.back()).epsilon(1e-12));
+            }
+        }
+    }
+
+    TEST_CASE("clip: a vertex that many bisectors almost touch") {
+        // The seeds are integer points of a sphere around (5, 0, 0) with squared radius 75, so that its center is a
+        // vertex of the cell. A candidate on the sphere but for x = e cuts that vertex off when e > 0, by 5 e.
+        const votess::exact::Point center{5, 0, 0};
+        const auto on_sphere = [&](double x, double y, double z) {
+            return votess::exact::Point{center[0] + x, center[1] + y, center[2] + z};
+        };
+        const auto has_center = [](Cell& cell) {
+            CellFaces faces;
+            cell.canonical_faces(faces);
+            return std::ranges::any_of(faces.corners, [&](int slot) {
+                return std::ranges::all_of(cell.corner_planes(slot),
+                                           [](const CellPlane* plane) { return plane->id >= 0 && plane->id < 3; });
+            });
+        };
+        for (int exponent = -40; exponent >= -400; exponent -= 3) {
+            for (const double sign : {-1.0, 1.0}) {
+                const double e = sign * std::ldexp(1.0, exponent);
+                Cell cell;
+                cell.start(on_sphere(5, 5, 5), test::cube(-40, 40));
+                std::int32_t id = 0;
+                for (const auto& q : {on_sphere(5, 5, -5), on_sphere(5, -5, 5), on_sphere(-5, 5, 5)})
+                    cell.clip(id++, q);
+                // Misses by so little that the tests on this vertex change to higher precision.
+                for (int miss = 0; miss < 12; ++miss) cell.clip(id++, {-std::ldexp(1.0, -60 - miss), 1, 7});
+                REQUIRE(has_center(cell));
+                INFO("e = ", e);
+                cell.clip(id++, {e, -7, 1});
+                CHECK(has_center(cell) == (e < 0));
+                CHECK(cell.used_exact());
             }
         }
     }
