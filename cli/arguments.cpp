@@ -13,7 +13,8 @@ namespace {
 
 // Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
 struct Typed {
-    std::optional<std::string> input, random, rng_seed, format, want, box, device, threads, grid_resolution, duplicates;
+    std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
+    std::optional<std::string> threads, grid_resolution, k_init, chunk_size;
     std::vector<std::string> outputs;
     bool walls = false, verify = false, json = false, quiet = false;
     bool help = false, version = false, list_devices = false;
@@ -33,6 +34,9 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("-x,--device", typed.device);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
+    app.add_option("-k,--k-init", typed.k_init);
+    app.add_option("--chunk-size", typed.chunk_size);
+    app.add_option("--precision", typed.precision);
     app.add_option("--duplicates", typed.duplicates);
     const auto add_flag = [&app](const char* names, bool& flag) { app.add_flag(names, flag)->disable_flag_override(); };
     add_flag("--walls", typed.walls);
@@ -106,9 +110,18 @@ votess::Box read_box(const std::string& text) {
 }
 
 std::string read_device(const std::string& device) {
-    if (device == "auto" || device == "cpu") return device;
-    throw bad_input("--device " + in_quotes(device) +
-                    " is not known: this version has the CPU engine only (auto or cpu)");
+    constexpr std::size_t most_digits = 6;
+    const bool index =
+        !device.empty() && device.size() <= most_digits && device.find_first_not_of("0123456789") == std::string::npos;
+    if (index || device == "auto" || device == "cpu" || device == "gpu" || device == "lavapipe") return device;
+    throw bad_input("--device must be auto, cpu, gpu, lavapipe or an index out of --list-devices, not " +
+                    in_quotes(device));
+}
+
+votess::Precision read_precision(const std::string& word) {
+    if (word == "single") return votess::Precision::single;
+    if (word == "double") return votess::Precision::double_;
+    throw bad_input("--precision must be single or double, not " + in_quotes(word));
 }
 
 votess::Duplicates read_duplicates(const std::string& word) {
@@ -170,6 +183,12 @@ Arguments read_arguments(int count, const char* const* values) {
         options.grid_resolution =
             static_cast<unsigned>(whole_number("--grid-resolution", *typed.grid_resolution, 1u << 20));
     }
+    if (typed.k_init) options.k_init = static_cast<unsigned>(whole_number("--k-init", *typed.k_init, 1024));
+    if (typed.chunk_size) {
+        options.chunk_size = static_cast<unsigned>(
+            whole_number("--chunk-size", *typed.chunk_size, std::numeric_limits<std::uint32_t>::max()));
+    }
+    if (typed.precision) options.precision = read_precision(*typed.precision);
     if (typed.duplicates) options.duplicates = read_duplicates(*typed.duplicates);
     options.walls = typed.walls;
     read_source(typed, arguments);

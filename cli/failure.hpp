@@ -9,7 +9,7 @@ namespace clvotess {
 
 namespace exit_code {
 inline constexpr int done = 0;
-inline constexpr int runtime_failure = 1;      // disk full, out of memory
+inline constexpr int runtime_failure = 1;      // disk full, out of memory, device lost
 inline constexpr int bad_input = 2;            // bad usage or input: the user can mend it
 inline constexpr int verification_failed = 3;  // --verify
 inline constexpr int signal_base = 128;        // plus the signal number, as shells do

@@ -51,22 +51,34 @@ output
   -q, --quiet            no summary, no progress bar
 
 run
-  -x, --device auto|cpu  this version has the CPU engine only: both name it
-  -t, --threads N        CPU threads; default 0 = all
-  -g, --grid-resolution N
-                         blocks along an axis of the sorting grid; default 0 = automatic; changes
-                         speed and memory, never the answer
+  -x, --device auto|cpu|gpu|lavapipe|INDEX
+                         auto      the first GPU, else the CPU (default)
+                         gpu       the first GPU; without one an error, never the CPU instead
+                         lavapipe  the first Vulkan device that is software
+                         INDEX     that Vulkan device, a number of --list-devices
+  --precision single|double
+                         of volumes and centroids from a GPU: relative error 1e-5 (single, the
+                         default) or 1e-10 (double). The CPU always gives 1e-10; the neighbors
+                         are exact either way
   --verify               check the result: volume sum, symmetry of the neighbors, Euler's formula,
                          and a sample of cells against every point. If it fails, no file is
                          written and the exit code is 3
 
-  --list-devices         what -x accepts
+tuning: changes speed and memory, never the answer; default 0 = automatic
+  -t, --threads N        CPU threads; 0 = all
+  -g, --grid-resolution N
+                         blocks along an axis of the sorting grid, at most 1048576
+  -k, --k-init N         GPU: nearest neighbors tried first for each cell, at most 1024
+  --chunk-size N         GPU: cells in flight at once
+
+  --list-devices         the devices of this machine: what -x accepts, name, description
   --version              the version
   -h, --help             this text
 
 units: lengths are those of the input, volumes their cube; times in the summary are seconds.
 
-exit codes: 0 done, 1 run-time failure (disk full, out of memory), 2 bad usage or input,
+exit codes: 0 done, 1 run-time failure (device lost, disk full, out of memory),
+            2 bad usage or input, or a device that is not there,
             3 verification failed, 130 stopped by Ctrl-C
 
 example: the volume and the neighbors of each of a million random points

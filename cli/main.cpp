@@ -1,6 +1,7 @@
 // clvotess: read, tessellate, check, write, tell.
 #include <fcntl.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -9,6 +10,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 #include <votess/votess.hpp>
 
 #include "arguments.hpp"
@@ -35,9 +37,18 @@ void print(const std::string& text) {
 }
 
 void print_devices() {
+    std::vector<votess::DeviceInfo> rows = votess::devices();
+    rows.insert(rows.begin(), {"device", "name", "description"});
+    std::size_t id_width = 0, name_width = 0;
+    for (const votess::DeviceInfo& row : rows) {
+        id_width = std::max(id_width, row.id.size());
+        name_width = std::max(name_width, row.name.size());
+    }
     std::string text;
-    for (const votess::DeviceInfo& device : votess::devices()) {
-        text += device.id + "  " + device.name + "  " + device.description + "\n";
+    for (votess::DeviceInfo& row : rows) {
+        row.id.resize(id_width, ' ');
+        row.name.resize(name_width, ' ');
+        text += row.id + "  " + row.name + "  " + row.description + "\n";
     }
     print(text);
 }

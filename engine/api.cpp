@@ -1,8 +1,5 @@
-#include <algorithm>
-#include <thread>
-
-#include "cpu/cpu_engine.hpp"
-#include "cpu/kernels.hpp"
+#include "engines.hpp"
+#include "options.hpp"
 #include "pipeline.hpp"
 #include "result.hpp"
 #include "votess/votess.hpp"
@@ -19,7 +16,7 @@ std::span<const T> view(const std::vector<T>& v) {
 
 namespace detail {
 struct TessellatorState {
-    cpu::CpuEngine engine;
+    Engines engines;
 };
 }  // namespace detail
 
@@ -82,14 +79,31 @@ Tessellator& Tessellator::operator=(Tessellator&&) noexcept = default;
 
 namespace {
 
-Tessellation run(const Points& points, const Options& options, Engine& engine) {
+void log(const Options& options, const std::string& line) {
+    if (options.log) options.log(line);
+}
+
+detail::Result run_on(Engines& engines, const Points& points, const Options& options) {
+    check_options(options);
+    Engine& engine = engines.choose(options.device);
     try {
-        auto result = std::make_shared<detail::Result>(run_pipeline(points, options, engine));
-        if (options.log) {
-            const Stats& s = result->stats;
-            options.log("tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
-                        std::to_string(s.seconds.total) + " s");
-        }
+        return run_pipeline(points, options, engine);
+    } catch (const Error& error) {
+        const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
+        // After a failure the engine's device may be unusable.
+        if (device_failed) engines.forget_gpu();
+        if (!device_failed || options.device != "auto" || &engine == &engines.cpu()) throw;
+        log(options, std::string("the CPU takes over: ") + error.what());
+    }
+    return run_pipeline(points, options, engines.cpu());
+}
+
+Tessellation run(Engines& engines, const Points& points, const Options& options) {
+    try {
+        auto result = std::make_shared<detail::Result>(run_on(engines, points, options));
+        const Stats& s = result->stats;
+        log(options, "tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
+                         std::to_string(s.seconds.total) + " s");
         return Tessellation(std::move(result));
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory,
@@ -103,10 +117,10 @@ Tessellation run(const Points& points, const Options& options, Engine& engine) {
 }  // namespace
 
 Tessellation Tessellator::tessellate(std::span<const double> points, const Options& options) {
-    return run({points, {}}, options, state_->engine);
+    return run(state_->engines, {points, {}}, options);
 }
 Tessellation Tessellator::tessellate(std::span<const float> points, const Options& options) {
-    return run({{}, points}, options, state_->engine);
+    return run(state_->engines, {{}, points}, options);
 }
 
 Tessellation tessellate(std::span<const double> points, const Options& options) {
@@ -117,10 +131,7 @@ Tessellation tessellate(std::span<const float> points, const Options& options) {
 }
 
 std::vector<DeviceInfo> devices() {
-    const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
-    return {{"cpu", "CPU",
-             std::to_string(threads) + (threads == 1 ? " thread, " : " threads, ") + cpu::best_kernels().name +
-                 " instructions, exact in double precision"}};
+    return Engines::devices();
 }
 
 }  // namespace votess

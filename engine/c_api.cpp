@@ -35,6 +35,7 @@ static_assert(same(VOTESS_ERROR_OUT_OF_MEMORY, votess::ErrorCode::out_of_memory)
 static_assert(same(VOTESS_ERROR_CANCELLED, votess::ErrorCode::cancelled));
 static_assert(same(VOTESS_ERROR_UNSUPPORTED, votess::ErrorCode::unsupported));
 static_assert(same(VOTESS_ERROR_INTERNAL, votess::ErrorCode::internal));
+static_assert(same(VOTESS_ERROR_DEVICE_LOST, votess::ErrorCode::device_lost));
 static_assert(same(VOTESS_CELL_CERTIFIED, votess::CellStatus::certified));
 static_assert(same(VOTESS_CELL_NEEDS_EXACT, votess::CellStatus::needs_exact));
 static_assert(same(VOTESS_CELL_PLANE_OVERFLOW, votess::CellStatus::plane_overflow));
@@ -45,6 +46,8 @@ static_assert(same(VOTESS_CELL_EMPTY, votess::CellStatus::empty));
 static_assert(same(VOTESS_CELL_OUTSIDE, votess::CellStatus::outside));
 static_assert(same(VOTESS_DUPLICATES_MERGE, votess::Duplicates::merge));
 static_assert(same(VOTESS_DUPLICATES_ERROR, votess::Duplicates::error));
+static_assert(same(VOTESS_PRECISION_SINGLE, votess::Precision::single));
+static_assert(same(VOTESS_PRECISION_DOUBLE, votess::Precision::double_));
 // The status bytes are handed out as they lie in memory.
 static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t));
 
@@ -54,6 +57,11 @@ constexpr std::uint32_t known_want_bits =
 // Up to the last field of the first release. These never change; fields added later lie beyond.
 constexpr std::size_t first_options_size = offsetof(votess_options, log_user) + sizeof(votess_options::log_user);
 constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
+
+// No padding at the end: whatever is added later makes the struct larger, which tells callers with and without it
+// apart.
+static_assert(sizeof(votess_options) == offsetof(votess_options, reserved2) + sizeof(votess_options::reserved2));
+static_assert(sizeof(votess_stats) == offsetof(votess_stats, reserved) + sizeof(votess_stats::reserved));
 
 // The last failure of each thread. The one variable that outlives a call: thread-local, so that no thread sees or
 // changes another's, and of fixed size, so that telling of exhausted memory takes none.
@@ -126,6 +134,9 @@ votess_options default_options() {
     options.duplicates = static_cast<std::int32_t>(defaults.duplicates);
     options.threads = defaults.threads;
     options.grid_resolution = defaults.grid_resolution;
+    options.precision = static_cast<std::int32_t>(defaults.precision);
+    options.k_init = defaults.k_init;
+    options.chunk_size = defaults.chunk_size;
     return options;
 }
 
@@ -144,8 +155,15 @@ votess::Options convert_options(const votess_options* given) {
         refuse("options.duplicates is " + std::to_string(c_options.duplicates) +
                ": use VOTESS_DUPLICATES_MERGE or VOTESS_DUPLICATES_ERROR");
     }
+    if (c_options.precision != VOTESS_PRECISION_SINGLE && c_options.precision != VOTESS_PRECISION_DOUBLE) {
+        refuse("options.precision is " + std::to_string(c_options.precision) +
+               ": use VOTESS_PRECISION_SINGLE or VOTESS_PRECISION_DOUBLE");
+    }
     if (c_options.reserved != 0) {
         refuse("options.reserved is " + std::to_string(c_options.reserved) + ": it must be 0");
+    }
+    if (c_options.reserved2 != 0) {
+        refuse("options.reserved2 is " + std::to_string(c_options.reserved2) + ": it must be 0");
     }
 
     votess::Options options;
@@ -164,6 +182,9 @@ votess::Options convert_options(const votess_options* given) {
     if (c_options.device != nullptr) options.device = c_options.device;
     options.threads = c_options.threads;
     options.grid_resolution = c_options.grid_resolution;
+    options.precision = static_cast<votess::Precision>(c_options.precision);
+    options.k_init = c_options.k_init;
+    options.chunk_size = c_options.chunk_size;
     if (c_options.progress != nullptr) {
         options.progress = [callback = c_options.progress, user = c_options.progress_user](double fraction) {
             return callback(fraction, user) != 0;
@@ -366,6 +387,7 @@ votess_status votess_result_stats(const votess_result* result, votess_stats* out
         c_stats.seconds_download = stats.seconds.download;
         c_stats.seconds_total = stats.seconds.total;
         copy_text(stats.device, c_stats.device, sizeof c_stats.device);
+        c_stats.precision = static_cast<std::int32_t>(stats.precision);
         std::memcpy(out, &c_stats, std::min<std::size_t>(size, sizeof c_stats));
     });
 }

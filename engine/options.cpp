@@ -9,33 +9,24 @@ namespace votess {
 namespace {
 
 constexpr const char* axis_name[3] = {"x", "y", "z"};
-constexpr unsigned most_threads = 1024, most_resolution = 1u << 20;
+constexpr unsigned most_threads = 1024, most_resolution = 1u << 20, most_k_init = 1024;
+constexpr std::size_t most_index_digits = 6;
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message);
 }
 
-void check_options(const Options& options) {
-    if (options.threads > most_threads)
-        refuse("threads = " + std::to_string(options.threads) + " is too many: give at most " +
-               std::to_string(most_threads) + ", or 0 for all");
-    if (options.grid_resolution > most_resolution)
-        refuse("grid resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
-               std::to_string(most_resolution) + ", or 0 for automatic");
-    if (options.device != "auto" && options.device != "cpu")
-        refuse("device '" + options.device + "' is not available: this version runs on 'cpu' (or 'auto')");
-    if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
-        refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
-    if (!options.box) return;
-    for (int k = 0; k < 3; ++k) {
-        const double lower = options.box->lower[k], upper = options.box->upper[k];
-        if (!std::isfinite(lower) || !std::isfinite(upper))
-            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   " is not finite");
-        if (!(lower < upper))
-            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
-    }
+bool names_device(const std::string& device) {
+    if (device == "auto" || device == "cpu" || device == "gpu" || device == "lavapipe") return true;
+    return !device.empty() && device.size() <= most_index_digits &&
+           std::all_of(device.begin(), device.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// Control bytes become question marks, so that a message stays one line.
+std::string in_quotes(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return "'" + text + "'";
 }
 
 // Bounds of the seeds, moved out by half of (longest side / cbrt(N)), at least to the next double.
@@ -82,6 +73,35 @@ std::string number(double value) {
     char text[32];
     const auto end = std::to_chars(text, text + sizeof text, value).ptr;
     return {text, end};
+}
+
+void check_options(const Options& options) {
+    if (options.threads > most_threads)
+        refuse("threads = " + std::to_string(options.threads) + " is too many: give at most " +
+               std::to_string(most_threads) + ", or 0 for all");
+    if (options.grid_resolution > most_resolution)
+        refuse("grid resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
+               std::to_string(most_resolution) + ", or 0 for automatic");
+    if (options.k_init > most_k_init)
+        refuse("k_init = " + std::to_string(options.k_init) + " is too many: give at most " +
+               std::to_string(most_k_init) + ", or 0 for automatic");
+    if (!names_device(options.device))
+        refuse("device " + in_quotes(options.device) +
+               " is not known: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
+    if (options.precision != Precision::single && options.precision != Precision::double_)
+        refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
+    if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
+        refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
+    if (!options.box) return;
+    for (int k = 0; k < 3; ++k) {
+        const double lower = options.box->lower[k], upper = options.box->upper[k];
+        if (!std::isfinite(lower) || !std::isfinite(upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   " is not finite");
+        if (!(lower < upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
+    }
 }
 
 Job validate(const Points& points, const Options& options) {

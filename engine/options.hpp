@@ -5,6 +5,9 @@
 
 namespace votess {
 
+// The options alone. Whether the device is there is the concern of whoever selects the engine.
+void check_options(const Options& options);
+// Options and points.
 Job validate(const Points& points, const Options& options);
 
 // Shortest text that reads back as the same double.

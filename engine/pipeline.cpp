@@ -7,11 +7,12 @@
 namespace votess {
 namespace {
 
+// Adds, because an engine may have put there what it did of a stage within another one.
 template <class Stage>
 void timed(double& seconds, Stage stage) {
     const auto begin = std::chrono::steady_clock::now();
     stage();
-    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 }  // namespace

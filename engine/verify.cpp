@@ -11,14 +11,22 @@
 namespace votess {
 namespace {
 
-constexpr double volume_tolerance = 1e-9;        // of the sum
-constexpr double cell_volume_tolerance = 1e-10;  // of one cell
+// Relative errors of the volume of one cell and of the sum of all.
+struct VolumeTolerance {
+    double cell, sum;
+};
+constexpr VolumeTolerance double_tolerance{1e-10, 1e-9}, single_tolerance{1e-5, 1e-4};
+
+const VolumeTolerance& volume_tolerance(const Tessellation& t) {
+    return t.stats().precision == Precision::single ? single_tolerance : double_tolerance;
+}
 
 std::string check_volumes(const Tessellation& t) {
     const Stats& s = t.stats();
     // Subnormal volumes are rounded to a multiple of the least double.
     const double rounding = static_cast<double>(t.size() + 1) * std::numeric_limits<double>::denorm_min();
-    if (t.size() == 0 || std::abs(s.volume_sum - s.box_volume) <= volume_tolerance * s.box_volume + rounding) return {};
+    const double allowed = volume_tolerance(t).sum * s.box_volume + rounding;
+    if (t.size() == 0 || std::abs(s.volume_sum - s.box_volume) <= allowed) return {};
     return "volumes sum to " + number(s.volume_sum) + ", the box holds " + number(s.box_volume);
 }
 
@@ -90,8 +98,8 @@ std::string check_cell(const Tessellation& t, const Job& job, std::size_t i, cpu
     if (!t.volumes().empty()) {
         const double unscale = 1 / job.scale;
         const double volume = cell.measure(faces).volume * unscale * unscale * unscale;
-        if (!(std::abs(volume - t.volumes()[i]) <=
-              2 * cell_volume_tolerance * volume + std::numeric_limits<double>::denorm_min()))
+        const double allowed = (volume_tolerance(t).cell + double_tolerance.cell) * volume;  // both are rounded
+        if (!(std::abs(volume - t.volumes()[i]) <= allowed + std::numeric_limits<double>::denorm_min()))
             return "cell " + std::to_string(i) + " has volume " + number(t.volumes()[i]) +
                    ", trying every seed gives " + number(volume);
     }

@@ -29,12 +29,20 @@ for part in "$@"; do
             need libboost-dev
             need libcli11-dev
             need zlib1g-dev
+            need libvulkan-dev
+            need libvulkan-volk-dev
+            need libglm-dev
+            need glslang-tools
+            need libvulkan1
+            need mesa-vulkan-drivers
             ;;
         test)
             need doctest-dev
             need libgmp-dev
             need libqhull-dev
             need voro++-dev
+            need vulkan-validationlayers
+            need spirv-tools
             tools/python.sh -c '' 2>/dev/null || wanted+=(python3-numpy)
             ;;
         bench)

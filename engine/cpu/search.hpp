@@ -8,7 +8,7 @@
 
 #include "cpu/cell.hpp"
 #include "cpu/sort.hpp"
-#include "cpu/thread_pool.hpp"
+#include "thread_pool.hpp"
 
 namespace votess::cpu {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "cpu/thread_pool.hpp"
+#include "thread_pool.hpp"
 
 namespace votess::cpu {
 

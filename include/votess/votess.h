@@ -24,7 +24,8 @@ typedef enum votess_status {
     VOTESS_ERROR_OUT_OF_MEMORY = 2,
     VOTESS_ERROR_CANCELLED = 3,
     VOTESS_ERROR_UNSUPPORTED = 4,
-    VOTESS_ERROR_INTERNAL = 5
+    VOTESS_ERROR_INTERNAL = 5,
+    VOTESS_ERROR_DEVICE_LOST = 6
 } votess_status;
 
 // Values of the per-cell status bytes; see CellStatus in votess.hpp.
@@ -54,6 +55,12 @@ typedef enum votess_cell_status {
 #define VOTESS_DUPLICATES_MERGE 0
 #define VOTESS_DUPLICATES_ERROR 1
 
+// What volumes and centroids hold; see Precision in votess.hpp.
+typedef enum votess_precision {
+    VOTESS_PRECISION_SINGLE = 0,  // relative error 1e-5 from a GPU, 1e-10 from the CPU
+    VOTESS_PRECISION_DOUBLE = 1   // relative error 1e-10
+} votess_precision;
+
 // Called from the thread inside votess_tessellate, some ten times a second; return 0 to cancel, else nonzero.
 typedef int (*votess_progress_callback)(double fraction, void* user);
 // message: zero-terminated, valid during the call.
@@ -67,14 +74,18 @@ typedef struct votess_options {
     double box_lower[3];
     double box_upper[3];
     int32_t duplicates;                 // VOTESS_DUPLICATES_*
-    uint32_t threads;                   // 0 = all
-    uint32_t grid_resolution;           // 0 = automatic
+    uint32_t threads;                   // CPU threads, 0 = all; at most 1024
+    uint32_t grid_resolution;           // 0 = automatic; at most 2^20
     uint32_t reserved;                  // 0
-    const char* device;                 // "auto" or "cpu"; NULL = auto
+    const char* device;                 // "auto", "cpu", "gpu", "lavapipe" or an id of votess_device_info; NULL = auto
     votess_progress_callback progress;  // may be NULL
     void* progress_user;
     votess_log_callback log;  // may be NULL
     void* log_user;
+    int32_t precision;    // VOTESS_PRECISION_*; default single
+    uint32_t k_init;      // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
+    uint32_t chunk_size;  // GPU: cells in flight at once, 0 = automatic
+    uint32_t reserved2;   // 0
 } votess_options;
 
 typedef struct votess_stats {
@@ -83,7 +94,9 @@ typedef struct votess_stats {
     uint64_t points, faces, duplicates, empty_cells, fallback_cells, exact_cells, peak_memory_bytes;
     double mean_faces, volume_sum, box_volume;
     double seconds_upload, seconds_sort, seconds_knn, seconds_clip, seconds_fallback, seconds_download, seconds_total;
-    char device[256];  // zero-terminated
+    char device[256];   // zero-terminated
+    int32_t precision;  // VOTESS_PRECISION_*: what volumes and centroids hold; the CPU always gives double
+    uint32_t reserved;  // 0
 } votess_stats;
 
 typedef struct votess_tessellator votess_tessellator;

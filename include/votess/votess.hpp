@@ -36,6 +36,7 @@ enum class ErrorCode : std::int32_t {
     cancelled = 3,    // the progress callback asked to stop
     unsupported = 4,  // a request that this build or this device cannot serve
     internal = 5,     // a bug in votess: please report it
+    device_lost = 6,  // the device stopped answering or its driver failed
 };
 
 class VOTESS_API Error : public std::runtime_error {
@@ -71,6 +72,12 @@ enum class Duplicates : std::uint8_t {
     error = 1,  // refuse the input
 };
 
+// Of volumes and centroids: the relative error that is promised. The lists are exact either way.
+enum class Precision : std::uint8_t {
+    single = 0,   // 1e-5 on a GPU; the CPU gives 1e-10 always
+    double_ = 1,  // 1e-10; on a GPU that lacks float64 arithmetic `unsupported`
+};
+
 // Which arrays to compute and store.
 struct Want {
     bool neighbors = true;   // indptr, indices
@@ -94,11 +101,16 @@ struct Options {
     Want want;
     Duplicates duplicates = Duplicates::merge;
 
-    // "auto" or "cpu".
+    // "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device that is
+    // software; a number = that device of devices(). A device that cannot be had is `unsupported`, never replaced;
+    // with "auto" a GPU that fails is replaced by the CPU.
     std::string device = "auto";
+    Precision precision = Precision::single;
     // Tuning: changes speed and memory, never the answer.
     unsigned threads = 0;          // CPU threads, 0 = all; at most 1024
     unsigned grid_resolution = 0;  // blocks along an axis of the sorting grid, 0 = automatic; at most 2^20
+    unsigned k_init = 0;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
+    unsigned chunk_size = 0;       // GPU: cells in flight at once, 0 = automatic
 
     ProgressCallback progress;
     LogCallback log;
@@ -125,6 +137,8 @@ struct Stats {
     unsigned threads = 0;              // CPU threads used
     StageSeconds seconds;
     std::uint64_t peak_memory_bytes = 0;  // peak resident memory of the process so far
+    // What volumes and centroids hold; the CPU always gives double_.
+    Precision precision = Precision::double_;
 };
 
 namespace detail {
@@ -171,7 +185,7 @@ public:
 
     // points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box; read only during the call.
     // float32 input is widened without loss. N = 0 gives an empty result; N from 2^31 on is `unsupported`.
-    // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal.
+    // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal, device_lost.
     // A Tessellator that was moved from may only be assigned or destroyed.
     [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
@@ -184,9 +198,10 @@ private:
 [[nodiscard]] VOTESS_API Tessellation tessellate(std::span<const double> points, const Options& options = {});
 [[nodiscard]] VOTESS_API Tessellation tessellate(std::span<const float> points, const Options& options = {});
 
-// The checker of --verify. Volumes sum to the domain's (relative 1e-9), neighbor lists are symmetric, Euler's formula
-// V - E + F = 2 holds for each cell, and `sample` cells drawn with `rng_seed` equal cells clipped anew by every seed,
-// without any search structure. Checks whose arrays the result lacks are skipped and named in `skipped`.
+// The checker of --verify. Volumes sum to the domain's (relative 1e-9; 1e-4 when stats().precision is single), neighbor
+// lists are symmetric, Euler's formula V - E + F = 2 holds for each cell, and `sample` cells drawn with `rng_seed`
+// equal cells clipped anew by every seed, without any search structure. Checks whose arrays the result lacks are
+// skipped and named in `skipped`.
 struct VerifyOptions {
     std::size_t sample = 64;
     std::uint64_t rng_seed = 1;

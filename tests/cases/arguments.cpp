@@ -96,8 +96,12 @@ TEST_SUITE("api") {
         votess::Options options;
         options.device = "toaster";
         CHECK(has(refusal({0, 0, 0}, options), "toaster"));
-        options.device = "";
-        CHECK(refusal({0, 0, 0}, options) != "");
+        for (const std::string device :
+             {"", " ", "GPU", "cpu ", "auto\n", "-1", "+1", "1.0", "0x1", "1000000", "0000001"}) {
+            CAPTURE(device);
+            options.device = device;
+            CHECK(has(refusal({0, 0, 0}, options), "auto, cpu, gpu, lavapipe"));
+        }
         options = {};
         options.threads = 1025;
         CHECK(has(refusal({0, 0, 0}, options), "1025"));
@@ -105,11 +109,50 @@ TEST_SUITE("api") {
         options.grid_resolution = (1u << 20) + 1;
         CHECK(has(refusal({0, 0, 0}, options), "1048577"));
         options = {};
+        options.k_init = 1025;
+        CHECK(has(refusal({0, 0, 0}, options), "k_init = 1025"));
+        options = {};
+        options.precision = static_cast<votess::Precision>(2);
+        CHECK(has(refusal({0, 0, 0}, options), "precision = 2"));
+        options = {};
         options.duplicates = static_cast<votess::Duplicates>(9);
         CHECK(refusal({0, 0, 0}, options) != "");
         options = {};
         options.device = "cpu";
         CHECK(refusal({0, 0, 0}, options) == "");
+    }
+
+    TEST_CASE("the largest values of the tuning options change nothing") {
+        const test::PointSet set = test::uniform(300, 74);
+        votess::Options options = test::all_options(set.box);
+        options.device = "cpu";
+        const auto expected = votess::tessellate(set.points, options);
+        options.k_init = 1024;
+        options.chunk_size = std::numeric_limits<unsigned>::max();
+        options.grid_resolution = 1u << 20;
+        for (const auto precision : {votess::Precision::single, votess::Precision::double_}) {
+            options.precision = precision;
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(test::check_identical(expected, t) == "");
+            CHECK(t.stats().precision == votess::Precision::double_);
+        }
+    }
+
+    TEST_CASE("a device that is not there is unsupported") {
+        for (const std::string device : {"gpu", "lavapipe", "0", "7", "999999"}) {
+            CAPTURE(device);
+            votess::Options options;
+            options.device = device;
+            try {
+                const auto t = votess::tessellate(test::Coordinates{0, 0, 0}, options);
+                CHECK(t.size() == 1);  // this machine has it
+            } catch (const votess::Error& error) {
+                const std::string message = error.what();
+                CHECK(error.code() == votess::ErrorCode::unsupported);
+                CHECK(message != "");
+                CHECK(message.find('\n') == std::string::npos);
+            }
+        }
     }
 
     TEST_CASE("coordinates beyond the range of exact arithmetic are refused, never guessed") {

@@ -2,9 +2,30 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <memory>
 #include <stdexcept>
 
 #include "../support/check.hpp"
+#include "result.hpp"
+
+namespace {
+
+// The result of an engine with another precision, whose volumes are all larger by this factor.
+votess::Tessellation with_error(const votess::Tessellation& t, votess::Precision precision, double factor) {
+    const auto copy = [](auto& to, const auto& from) { to.assign(from.begin(), from.end()); };
+    auto result = std::make_shared<votess::detail::Result>();
+    result->box = t.box();
+    copy(result->indptr, t.indptr());
+    copy(result->indices, t.indices());
+    copy(result->status, t.status());
+    for (const double volume : t.volumes()) result->volumes.push_back(volume * factor);
+    result->stats = t.stats();
+    result->stats.volume_sum *= factor;
+    result->stats.precision = precision;
+    return votess::Tessellation(std::move(result));
+}
+
+}  // namespace
 
 TEST_SUITE("api") {
     TEST_CASE("a Tessellator used again gives identical results") {
@@ -137,6 +158,29 @@ TEST_SUITE("api") {
         test::Coordinates moved = set.points;
         moved[3 * 200] += moved[3 * 200] < 0.5 ? 0.05 : -0.05;
         CHECK_FALSE(votess::verify(t, moved, {400, 1}).passed);
+    }
+
+    TEST_CASE("verify allows the errors of the precision, no more") {
+        const test::PointSet set = test::uniform(400, 96);
+        votess::Options options;
+        options.device = "cpu";
+        options.box = set.box;
+        const auto t = votess::tessellate(set.points, options);
+        CHECK(t.stats().precision == votess::Precision::double_);
+        const auto passes = [&](votess::Precision precision, double error, std::size_t sample) {
+            return votess::verify(with_error(t, precision, 1 + error), set.points, {sample, 1}).passed;
+        };
+        using enum votess::Precision;
+        for (const double sign : {1.0, -1.0}) {
+            CHECK(passes(double_, sign * 1e-11, 400));
+            CHECK_FALSE(passes(double_, sign * 5e-10, 400));  // cells
+            CHECK(passes(double_, sign * 5e-10, 0));
+            CHECK_FALSE(passes(double_, sign * 2e-9, 0));  // sum
+            CHECK(passes(single, sign * 9e-6, 400));
+            CHECK_FALSE(passes(single, sign * 2e-5, 400));
+            CHECK(passes(single, sign * 9e-5, 0));
+            CHECK_FALSE(passes(single, sign * 2e-4, 0));
+        }
     }
 
     TEST_CASE("verify names what it skips") {

@@ -17,9 +17,9 @@ JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum",
              "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--output", "--format", "--want", "--walls", "--box", "--device", "--threads",
-           "--grid-resolution", "--duplicates", "--verify", "--json", "--list-devices", "--version", "--quiet",
-           "--help"]
-SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-q", "-h"]
+           "--grid-resolution", "--k-init", "--chunk-size", "--precision", "--duplicates", "--verify", "--json",
+           "--list-devices", "--version", "--quiet", "--help"]
+SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 
 CUBE = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"
 CUBE_BOX = "-0.5,-0.5,-0.5,1.5,1.5,1.5"

@@ -28,8 +28,19 @@ class Usage(CliTest):
                                 (["a.txt", "--box", "0,0,0,1,1"], "--box"), (["a.txt", "--box", "0,0,0,1,1,z"], "'z'"),
                                 (["a.txt", "--box", "0,0,0,1,1,1,1"], "--box"), (["a.txt", "--box", ""], "--box"),
                                 (["a.txt", "--box"], "--box"), (["a.txt", "--box", "0,0,0,1,,1"], "''"),
-                                (["a.txt", "-x", "gpu"], ["'gpu'", "CPU engine only"]),
-                                (["a.txt", "--device", "lavapipe"], "CPU engine only"), (["a.txt", "-x", "0"], "'0'"),
+                                (["a.txt", "-x", "toaster"], ["'toaster'", "auto, cpu, gpu, lavapipe", "index"]),
+                                (["a.txt", "-x", "GPU"], "'GPU'"), (["a.txt", "-x", ""], "''"),
+                                (["a.txt", "-x", "-1"], "'-1'"), (["a.txt", "--device=+1"], "'+1'"),
+                                (["a.txt", "-x", "0x1"], "'0x1'"), (["a.txt", "-x", "1000000"], "'1000000'"),
+                                (["a.txt", "-x", "cpu "], "'cpu '"), (["a.txt", "-x", "cpu", "-x", "cpu"], "device"),
+                                (["a.txt", "-k", "-1"], ["--k-init", "'-1'"]), (["a.txt", "-k", "1025"], "1024"),
+                                (["a.txt", "--k-init", "1.5"], "'1.5'"), (["a.txt", "-k"], "k-init"),
+                                (["a.txt", "--chunk-size", "-1"], ["--chunk-size", "'-1'"]),
+                                (["a.txt", "--chunk-size", "4294967296"], "4294967295"),
+                                (["a.txt", "--chunk-size", "1e6"], "'1e6'"),
+                                (["a.txt", "--precision", "half"], ["--precision", "single or double", "'half'"]),
+                                (["a.txt", "--precision", "Single"], "'Single'"),
+                                (["a.txt", "--precision", ""], "''"), (["a.txt", "--precision"], "precision"),
                                 (["a.txt", "-t", "-1"], "'-1'"), (["a.txt", "-t", "two"], "'two'"),
                                 (["a.txt", "-t", "1025"], "1024"), (["a.txt", "-t", "1", "-t", "2"], "threads"),
                                 (["a.txt", "-g", "-1"], "--grid-resolution"), (["a.txt", "-g", "1048577"], "1048576"),
@@ -47,8 +58,7 @@ class Usage(CliTest):
     def test_options_of_later_versions_do_not_exist(self):
         self.put("a.txt", CUBE)
         for option in ["--periodic", "--cell=1", "--origin=1", "--wall=1,0,0,1", "--min-face=0", "--weights=1",
-                       "--radii=1", "-k1", "--k-init=1", "--chunk-size=1", "--precision=single", "--image=a.png",
-                       "--dataset=a", "--bogus", "-z"]:
+                       "--radii=1", "--image=a.png", "--dataset=a", "--bogus", "-z"]:
             with self.subTest(option):
                 self.refuse("a.txt", option, "-o", "out.txt", says=["unknown option", option.split("=")[0]])
         for name in ["a.h5", "a.vtu", "a.ply", "a.hdf5", "out", "out.csv"]:
@@ -93,7 +103,9 @@ class Usage(CliTest):
         arguments = ["--random", "3000", "--format", "%i %n"]
         expected = self.rows(*arguments)
         for option in [["-t", "1"], ["--threads=3"], ["-t0"], ["-g", "1"], ["--grid-resolution", "40"], ["-g", "0"],
-                       ["-x", "cpu"], ["--device", "auto"], ["-xauto"]]:
+                       ["-x", "cpu"], ["--device", "auto"], ["-xauto"], ["-k", "1"], ["--k-init=1024"], ["-k0"],
+                       ["--chunk-size", "1000"], ["--chunk-size=0"], ["--chunk-size", "4294967295"],
+                       ["--precision", "single"], ["--precision=double"]]:
             self.assertEqual(self.rows(*arguments, *option), expected, option)
         self.assertEqual(self.json("--random", "3000", "-t", "1")["threads"], 1)
 
@@ -132,8 +144,30 @@ class Usage(CliTest):
         self.assertEqual(done.stdout.split()[1], self.json("--random", "5")["version"])
 
     def test_list_devices(self):
-        lines = self.run_cli("--list-devices").stdout.splitlines()
-        self.assertIn("cpu", [line.split()[0] for line in lines])
+        heads, *rows = self.run_cli("--list-devices").stdout.splitlines()
+        self.assertEqual(heads.split(), ["device", "name", "description"])
+        columns = [heads.index(head) for head in heads.split()]
+        ids = []
+        for row in rows:
+            for column in columns[1:]:
+                self.assertEqual((row[column - 2:column], row[column:column + 1].isspace()), ("  ", False), row)
+            ids.append(row.split()[0])
+        self.assertEqual(ids.count("cpu"), 1)
+        self.assertEqual([i for i in ids if i != "cpu"], [str(i) for i in range(len(ids) - 1)])
+        for device in ids:
+            self.assertEqual(self.json("--random", "50", "-x", device)["points"], 50)
+
+    def test_devices_that_may_be_missing(self):
+        for device in ["gpu", "lavapipe", "0", "999999"]:
+            with self.subTest(device):
+                done = subprocess.run([CLI, "--random", "50", "-x", device, "-q", "-o", "out.txt"], cwd=self.folder,
+                                      text=True, capture_output=True, timeout=300, check=False)
+                self.assertIn(done.returncode, [0, 2])
+                self.assertRegex(done.stderr, r"\A(clvotess: [^\n]+\n)?\Z")
+                self.assertEqual(done.stderr != "", done.returncode == 2)
+                self.assertEqual(self.files(), ["out.txt"] if done.returncode == 0 else [])
+                shutil.rmtree(self.folder)
+                self.folder.mkdir()
 
     def test_summary_on_stdout(self):
         text = self.run_cli("--random", "1000").stdout
@@ -189,24 +223,51 @@ class Usage(CliTest):
         with np.load(self.folder / "out.npz") as arrays:
             self.assertNotIn("indices", arrays.files)  # computed for the check, not asked for
 
-    @unittest.skipIf(SANITIZED, "a preloaded library and a sanitizer exclude each other")
-    def test_failed_verification(self):
+    def preloading(self, function):
+        """An environment where this C++ function takes the place of the library's."""
         compiler = shutil.which(os.environ.get("CXX", "c++"))
-        if not compiler or b"libvotess.so" not in Path(shutil.which(CLI)).read_bytes():
-            self.skipTest("needs a compiler and a shared libvotess")
-        with tempfile.TemporaryDirectory() as build:
-            # What the library would say about a wrong result.
-            (Path(build) / "votess").mkdir()
-            (Path(build) / "votess/version.hpp").write_text("")
-            (Path(build) / "false.cpp").write_text(
-                "#include <votess/votess.hpp>\n"
-                "votess::VerifyReport votess::verify(const Tessellation&, std::span<const double>, const VerifyOptions&)"
-                "{ return {false, \"seed 3 lists 5\\nbut not back\", {}}; }\n")
-            library = Path(build) / "false.so"
-            subprocess.run([compiler, "-std=c++20", "-shared", "-fPIC", f"-I{ROOT / 'include'}", f"-I{build}",
-                            str(Path(build) / "false.cpp"), "-o", str(library)], check=True)
-            done = self.run_cli("--random", "50", "--verify", "--json", "-o", "out.txt", "-o", "out.npz", code=3,
-                                env=dict(os.environ, LD_PRELOAD=str(library)))
+        if SANITIZED or not compiler or b"libvotess.so" not in Path(shutil.which(CLI)).read_bytes():
+            self.skipTest("needs a compiler and a shared libvotess without sanitizer")
+        build = tempfile.TemporaryDirectory()
+        self.addCleanup(build.cleanup)
+        (Path(build.name) / "votess").mkdir()
+        (Path(build.name) / "votess/version.hpp").write_text("")
+        source, library = Path(build.name) / "false.cpp", Path(build.name) / "false.so"
+        source.write_text("#include <votess/votess.hpp>\n" + function)
+        subprocess.run([compiler, "-std=c++20", "-shared", "-fPIC", f"-I{ROOT / 'include'}", f"-I{build.name}",
+                        str(source), "-o", str(library)], check=True)
+        return dict(os.environ, LD_PRELOAD=str(library))
+
+    def test_exit_codes_of_library_errors(self):
+        for error, code in [("invalid_argument", 2), ("unsupported", 2), ("out_of_memory", 1), ("internal", 1),
+                            ("device_lost", 1)]:
+            environment = self.preloading(
+                "votess::Tessellation votess::tessellate(std::span<const double>, const Options&)"
+                f"{{ throw Error(ErrorCode::{error}, \"device 'gpu':\\nno luck\"); }}\n")
+            done = self.run_cli("--random", "50", "-x", "gpu", "-o", "out.txt", code=code, env=environment)
+            self.assertEqual((done.stdout, done.stderr), ("", "clvotess: device 'gpu': no luck\n"))
+            self.assertEqual(self.files(), [])
+
+    def test_options_reach_the_library(self):
+        environment = self.preloading(
+            "votess::Tessellation votess::tessellate(std::span<const double>, const Options& o) {"
+            "  throw Error(ErrorCode::internal, o.device + ' ' + std::to_string(o.threads) + ' ' +"
+            "    std::to_string(o.grid_resolution) + ' ' + std::to_string(o.k_init) + ' ' +"
+            "    std::to_string(o.chunk_size) + (o.precision == Precision::double_ ? \" double\" : \" single\")); }\n")
+        for options, told in [([], "auto 0 0 0 0 single"),
+                              (["-x", "lavapipe", "-t", "2", "-g", "3", "-k", "1024", "--chunk-size", "4294967295",
+                                "--precision", "double"], "lavapipe 2 3 1024 4294967295 double"),
+                              (["-x", "999999", "--precision", "single"], "999999 0 0 0 0 single")]:
+            done = self.run_cli("--random", "50", *options, code=1, env=environment)
+            self.assertEqual(done.stderr, f"clvotess: {told}\n")
+
+    def test_failed_verification(self):
+        # What the library would say about a wrong result.
+        environment = self.preloading(
+            "votess::VerifyReport votess::verify(const Tessellation&, std::span<const double>, const VerifyOptions&)"
+            "{ return {false, \"seed 3 lists 5\\nbut not back\", {}}; }\n")
+        done = self.run_cli("--random", "50", "--verify", "--json", "-o", "out.txt", "-o", "out.npz", code=3,
+                            env=environment)
         self.assertIs(json.loads(done.stdout)["verified"], False)
         self.assertRegex(done.stderr, r"\Aclvotess: verification failed[^\n]*seed 3 lists 5 but not back\n\Z")
         self.assertEqual(self.files(), [])

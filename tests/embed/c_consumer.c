@@ -132,6 +132,8 @@ static void check_cube(votess_tessellator* tessellator) {
     CHECK(fabs(stats.volume_sum - 8) < 1e-12 && fabs(stats.box_volume - 8) < 1e-12);
     CHECK(stats.seconds_total >= 0 && stats.seconds_clip >= 0);
     CHECK(memchr(stats.device, 0, sizeof stats.device) != NULL && stats.device[0] != '\0');
+    CHECK(stats.precision == VOTESS_PRECISION_SINGLE || stats.precision == VOTESS_PRECISION_DOUBLE);
+    CHECK(stats.reserved == 0);
 
     int passed = 0;
     uint32_t skipped = 99;
@@ -289,9 +291,26 @@ static void check_bad_input(votess_tessellator* tessellator) {
     options.threads = 5000;
     CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "5000");
     options = good;
-    options.device = "abacus";
-    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) != VOTESS_OK);
-    CHECK(strstr(votess_last_error(), "abacus") != NULL);
+    options.reserved2 = 7;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                "reserved2 is 7");
+    options = good;
+    options.precision = -1;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                "precision is -1");
+    options.precision = 2;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                "precision is 2");
+    options.precision = VOTESS_PRECISION_DOUBLE + 256;  // not cut to a byte
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "257");
+    options = good;
+    options.k_init = 1025;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "1025");
+    options = good;
+    options.device = "abacus\n";
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "abacus");
+    options.device = "";
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "lavapipe");
     CHECK(result == NULL);
 
     // A failure sets *out to NULL whatever was there.
@@ -302,6 +321,63 @@ static void check_bad_input(votess_tessellator* tessellator) {
     CHECK(votess_tessellate(tessellator, cube, 8, &good, &result) == VOTESS_OK);
     CHECK(strstr(votess_last_error(), "points") != NULL);
     votess_result_free(result);
+}
+
+static void check_tuning(votess_tessellator* tessellator) {
+    votess_options options = options_with_box(2);
+    CHECK(options.precision == VOTESS_PRECISION_SINGLE && options.k_init == 0 && options.chunk_size == 0);
+    CHECK(options.reserved == 0 && options.reserved2 == 0 && options.device == NULL);
+    options.device = "cpu";
+    options.k_init = 1024;
+    options.chunk_size = UINT32_MAX;
+    options.precision = VOTESS_PRECISION_DOUBLE;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    if (result == NULL) return;
+    votess_stats stats;
+    stats.struct_size = sizeof stats;
+    CHECK(votess_result_stats(result, &stats) == VOTESS_OK && stats.precision == VOTESS_PRECISION_DOUBLE);
+    votess_result_free(result);
+    options.precision = VOTESS_PRECISION_SINGLE;
+    result = NULL;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    CHECK(votess_result_stats(result, &stats) == VOTESS_OK && stats.precision == VOTESS_PRECISION_DOUBLE);  // the CPU
+    votess_result_free(result);
+}
+
+// A program built against the first header, whose structs ended earlier: what lies beyond is neither read nor written.
+static void check_first_struct_sizes(votess_tessellator* tessellator) {
+    const size_t first_options = offsetof(votess_options, precision), first_stats = offsetof(votess_stats, precision);
+    CHECK(first_options == offsetof(votess_options, log_user) + sizeof(void*));
+    CHECK(first_stats == offsetof(votess_stats, device) + 256);
+
+    votess_options options;
+    memset(&options, 0xee, sizeof options);
+    CHECK(votess_options_init(&options, first_options) == VOTESS_OK);
+    CHECK(options.struct_size == first_options && options.want == (VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES));
+    const unsigned char* bytes = (const unsigned char*)&options;
+    for (size_t i = first_options; i < sizeof options; ++i) CHECK(bytes[i] == 0xee);
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    if (result == NULL) return;
+
+    votess_stats stats;
+    memset(&stats, 0xee, sizeof stats);
+    stats.struct_size = (uint32_t)first_stats;
+    CHECK(votess_result_stats(result, &stats) == VOTESS_OK);
+    CHECK(stats.struct_size == first_stats && stats.points == 8);
+    bytes = (const unsigned char*)&stats;
+    for (size_t i = first_stats; i < sizeof stats; ++i) CHECK(bytes[i] == 0xee);
+    votess_result_free(result);
+
+    // What the caller has is read, if it is only part of what is new.
+    options.struct_size = (uint32_t)offsetof(votess_options, chunk_size);
+    options.precision = VOTESS_PRECISION_DOUBLE;
+    options.k_init = 1024;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    votess_result_free(result);
+    options.k_init = 1025;
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "k_init");
 }
 
 static void check_struct_sizes(votess_tessellator* tessellator) {
@@ -444,6 +520,17 @@ static void check_devices(void) {
         votess_result_free(result);
     }
     CHECK(have_cpu == 1);
+    // What this machine may lack is there or told to be missing.
+    const char* const others[] = {"gpu", "lavapipe", "0", "999999"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
+        votess_options options = options_with_box(2);
+        options.device = others[i];
+        votess_result* result = NULL;
+        const votess_status status = votess_tessellate(NULL, cube, 8, &options, &result);
+        CHECK(status == VOTESS_OK || status == VOTESS_ERROR_UNSUPPORTED);
+        CHECK((status == VOTESS_OK) == (result != NULL));
+        votess_result_free(result);
+    }
     char id[8];
     CHECK_FAILS(votess_device_info(count, id, sizeof id, NULL, 0, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "index is");
     CHECK_FAILS(votess_device_info(0, id, sizeof id, NULL, 8, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "name");
@@ -460,6 +547,8 @@ int main(void) {
     check_empty_and_float(tessellator);
     check_duplicates(tessellator);
     check_bad_input(tessellator);
+    check_tuning(tessellator);
+    check_first_struct_sizes(tessellator);
     check_struct_sizes(tessellator);
     check_callbacks(tessellator);
     votess_tessellator_free(tessellator);

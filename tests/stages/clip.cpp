@@ -11,10 +11,10 @@
 
 #include "cpu/cell.hpp"
 #include "cpu/kernels.hpp"
-#include "cpu/thread_pool.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
+#include "thread_pool.hpp"
 
 using namespace votess::cpu;
 using test::Random;
@@ -166,7 +166,7 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("thread pool: every task once, exceptions come back, cancelling stops, and it works again after") {
-        ThreadPool pool(4);
+        votess::ThreadPool pool(4);
         for (std::size_t count : {0, 1, 3, 1000}) {
             std::vector<std::atomic<int>> runs(count);
             CHECK(pool.run(count, [&](std::size_t i, unsigned) { ++runs[i]; }));

@@ -12,10 +12,10 @@
 #include "support/check.hpp"
 #include "support/generators.hpp"
 
+using votess::ThreadPool;
 using votess::cpu::Hierarchy;
 using votess::cpu::sort_seeds;
 using votess::cpu::SortedSeeds;
-using votess::cpu::ThreadPool;
 
 namespace {
 

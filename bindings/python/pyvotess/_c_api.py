@@ -30,6 +30,7 @@ class ErrorCode(IntEnum):
     CANCELLED = 3
     UNSUPPORTED = 4
     INTERNAL = 5
+    DEVICE_LOST = 6  #: the device stopped answering or its driver failed
 
 
 class CellStatus(IntEnum):
@@ -47,6 +48,7 @@ class CellStatus(IntEnum):
 
 WANT_BITS: Dict[str, int] = {"neighbors": 1, "volumes": 2, "centroids": 4, "counts": 8}
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
+PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 
 ProgressCallback = CFUNCTYPE(c_int, c_double, c_void_p)
@@ -72,6 +74,10 @@ class Options(ctypes.Structure):
         ("progress_user", c_void_p),
         ("log", LogCallback),
         ("log_user", c_void_p),
+        ("precision", c_int32),
+        ("k_init", c_uint32),
+        ("chunk_size", c_uint32),
+        ("reserved2", c_uint32),
     ]
 
 
@@ -99,6 +105,8 @@ class Stats(ctypes.Structure):
         ("seconds_download", c_double),
         ("seconds_total", c_double),
         ("device", c_char * 256),
+        ("precision", c_int32),
+        ("reserved", c_uint32),
     ]
 
 

@@ -26,7 +26,7 @@ PACKAGE_PARENT = str(pathlib.Path(__file__).resolve().parents[1])
 sys.path.insert(0, PACKAGE_PARENT)
 
 import pyvotess as vt  # noqa: E402
-from pyvotess import _c_api, _library  # noqa: E402
+from pyvotess import _c_api, _library, tessellation  # noqa: E402
 
 UNIT_BOX = (0, 0, 0, 1, 1, 1)
 EVERYTHING = ("neighbors", "volumes", "centroids", "counts")
@@ -131,7 +131,16 @@ class KnownAnswers(unittest.TestCase):
     def test_tuning_never_changes_the_answer(self):
         points = uniform(3000)
         expected = vt.tessellate(points, threads=1)
-        for options in ({"threads": 2}, {"grid_resolution": 1}, {"grid_resolution": 40}, {"device": "cpu"}):
+        for options in (
+            {"threads": 2},
+            {"grid_resolution": 1},
+            {"grid_resolution": 40},
+            {"device": "cpu"},
+            {"k_init": 1},
+            {"k_init": 1024, "chunk_size": 500},
+            {"chunk_size": 2**32 - 1},
+            {"precision": "double", "device": "cpu"},
+        ):
             t = vt.tessellate(points, **options)
             np.testing.assert_array_equal(t.neighbors.indptr, expected.neighbors.indptr, str(options))
             np.testing.assert_array_equal(t.neighbors.indices, expected.neighbors.indices, str(options))
@@ -358,7 +367,16 @@ class BadInput(unittest.TestCase):
         self.refused("grid_resolution is 4294967296", points, grid_resolution=2**32)
         self.refused("threads.*100000", points, threads=100000)
         self.refused("grid.resolution.*2147483648", points, grid_resolution=2**31)
+        self.refused("k_init is -1", points, k_init=-1)
+        self.refused("k_init is 4294967296", points, k_init=2**32)
+        self.refused("k_init.*1025.*1024", points, k_init=1025)
+        self.refused("chunk_size is -1", points, chunk_size=-1)
+        self.refused("chunk_size is 4294967296", points, chunk_size=2**32)
+        self.refused("'half'.*single, double", points, precision="half")
+        self.refused("precision is 1", points, precision=1)
+        self.refused("precision is None", points, precision=None)
         self.refused("", points, threads=1.5, error=TypeError)
+        self.refused("", points, k_init=1.5, error=TypeError)
         self.refused("device", points, device=0, error=TypeError)
         self.refused("zero character", points, device="cpu\0")
         self.refused("progress", points, progress=1, error=TypeError)
@@ -366,8 +384,15 @@ class BadInput(unittest.TestCase):
             vt.tessellate(points, periodic=True)
 
     def test_unknown_device(self):
-        with self.assertRaisesRegex((ValueError, vt.VotessError), "abacus"):
-            vt.tessellate(uniform(4), device="abacus")
+        for device in ("abacus", "", "GPU", "-1", "1000000", "cpu\n"):
+            self.refused("auto, cpu, gpu, lavapipe", uniform(4), device=device)
+
+    def test_device_that_may_be_missing(self):
+        for device in ("gpu", "lavapipe", "0", "999999"):
+            try:
+                self.assertEqual(len(vt.tessellate(uniform(4), device=device)), 4)
+            except vt.VotessError as error:
+                self.assertEqual(error.code, vt.ErrorCode.UNSUPPORTED)
 
     def test_duplicates_refused(self):
         points = uniform(10)
@@ -588,7 +613,8 @@ class Running(unittest.TestCase):
 
 class TessellatorTest(unittest.TestCase):
     def test_reuse(self):
-        with vt.Tessellator(device="cpu", threads=2) as tessellator:
+        options = {"precision": "double", "grid_resolution": 9, "k_init": 30, "chunk_size": 100}
+        with vt.Tessellator(device="cpu", threads=2, **options) as tessellator:
             results = []
             for count in (1000, 10, 0, 3000, 1, 1000):
                 t = tessellator.tessellate(uniform(count), box=UNIT_BOX, want=EVERYTHING, walls=True)
@@ -638,6 +664,12 @@ class TessellatorTest(unittest.TestCase):
     def test_bad_options(self):
         with self.assertRaisesRegex(ValueError, "threads is -2"):
             vt.Tessellator(threads=-2)
+        with self.assertRaisesRegex(ValueError, "k_init is -2"):
+            vt.Tessellator(k_init=-2)
+        with self.assertRaisesRegex(ValueError, "chunk_size is -2"):
+            vt.Tessellator(chunk_size=-2)
+        with self.assertRaisesRegex(ValueError, "'half'"):
+            vt.Tessellator(precision="half")
         with self.assertRaises(TypeError):
             vt.Tessellator(device=None)
 
@@ -690,6 +722,12 @@ class Facts(unittest.TestCase):
         with self.assertRaises(dataclasses.FrozenInstanceError):
             stats.points = 1
 
+    def test_precision(self):
+        for precision in ("single", "double"):
+            t = vt.tessellate(uniform(100), device="cpu", precision=precision)
+            self.assertEqual(t.stats.precision, "double")  # the CPU has no other
+        self.assertIn(vt.tessellate(uniform(100)).stats.precision, ("single", "double"))
+
     def test_devices(self):
         devices = vt.devices()
         self.assertIn("cpu", [device.id for device in devices])
@@ -705,6 +743,13 @@ class Facts(unittest.TestCase):
         self.assertTrue(issubclass(vt.VotessError, RuntimeError))
         error = pickle.loads(pickle.dumps(vt.VotessError("text", vt.ErrorCode.CANCELLED)))
         self.assertEqual((str(error), error.code), ("text", vt.ErrorCode.CANCELLED))
+        for code in vt.ErrorCode:
+            kind = {"INVALID_ARGUMENT": ValueError, "OUT_OF_MEMORY": MemoryError}.get(code.name, vt.VotessError)
+            with self.assertRaises(kind) as caught:
+                tessellation._raise_on_failure(code)
+            if kind is vt.VotessError:
+                self.assertEqual(caught.exception.code, code)
+        self.assertEqual(vt.ErrorCode.DEVICE_LOST, 6)
 
     def test_names(self):
         for name in vt.__all__:
@@ -720,6 +765,19 @@ class Loading(unittest.TestCase):
     def test_struct_sizes(self):
         self.assertEqual(ctypes.sizeof(_c_api.Options), _library.lib.votess_sizeof_options())
         self.assertEqual(ctypes.sizeof(_c_api.Stats), _library.lib.votess_sizeof_stats())
+
+    def test_options_lie_where_the_library_looks(self):
+        options = _c_api.Options()
+        _library.lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options))
+        self.assertEqual((options.precision, options.k_init, options.chunk_size, options.reserved2), (0, 0, 0, 0))
+        points = uniform(4)
+        for field, text in (("precision", "precision is 77"), ("k_init", "k_init = 5000"), ("reserved2", "is 5000")):
+            options = tessellation._new_options("cpu", 0, "single", 0, 0, 0)
+            setattr(options, field, 77 if field == "precision" else 5000)
+            result = ctypes.c_void_p()
+            arguments = (None, points.ctypes.data, 4, ctypes.byref(options), ctypes.byref(result))
+            self.assertEqual(_library.lib.votess_tessellate(*arguments), vt.ErrorCode.INVALID_ARGUMENT)
+            self.assertIn(text, _library.lib.votess_last_error().decode())
 
     def test_table_names_every_function_of_the_header(self):
         header = pathlib.Path(PACKAGE_PARENT).parents[1] / "include" / "votess" / "votess.h"

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace votess::cpu {
+namespace votess {
 
 class ThreadPool {
 public:
@@ -47,4 +47,4 @@ private:
     std::exception_ptr failure_;
 };
 
-}  // namespace votess::cpu
+}  // namespace votess

@@ -1,8 +1,8 @@
-#include "cpu/thread_pool.hpp"
+#include "thread_pool.hpp"
 
 #include <chrono>
 
-namespace votess::cpu {
+namespace votess {
 
 ThreadPool::ThreadPool(unsigned threads) {
     try {
@@ -80,4 +80,4 @@ bool ThreadPool::run(std::size_t count, const Task& task, const Watch& watch) {
     return !cancelled_;
 }
 
-}  // namespace votess::cpu
+}  // namespace votess

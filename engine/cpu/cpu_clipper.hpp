@@ -1,0 +1,54 @@
+// Sorted seeds, search structure and threads: what clips cells on the CPU, all of them for the CPU engine or some for
+// another engine.
+#pragma once
+
+#include <optional>
+
+#include "cpu/search.hpp"
+#include "cpu/sort.hpp"
+#include "exact_clipper.hpp"
+
+namespace votess::cpu {
+
+class CpuClipper : public ExactClipper {
+public:
+    void begin(const Job& job) override;
+    ThreadPool& pool() override { return *pool_; }
+    void prepare() override;
+    std::span<const std::int32_t> duplicate_of() override;
+    void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) override;
+    void end() override;
+
+    // The stages of a full run, in this order.
+    void sort();
+    void build_search();
+    void clip_all(ResultBuilder& out, const Stretch& stretch);
+    [[nodiscard]] std::vector<std::int32_t> take_duplicates() { return std::move(seeds_.duplicate_of); }
+
+private:
+    struct Worker {  // scratch of one thread
+        std::optional<CellBuilder> builder;
+        std::vector<std::int32_t> planes, row, rows;
+        std::vector<std::uint32_t> lengths;
+        CellFaces faces;
+        CellCounters counters;
+    };
+
+    [[nodiscard]] std::vector<std::int32_t> in_sorted_order(std::span<const std::int32_t> cells);
+    // cells[k] is the input index of the sorted seed seed_at(k).
+    template <class SeedAt>
+    void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
+                     ResultBuilder& out, const Stretch& stretch);
+    void clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out) const;
+
+    std::optional<ThreadPool> pool_;
+    Job job_;
+    Progress progress_;
+    bool sorted_ = false, searchable_ = false;
+    SortedSeeds seeds_;
+    Hierarchy hierarchy_;
+    std::vector<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
+    std::vector<Worker> workers_;
+};
+
+}  // namespace votess::cpu

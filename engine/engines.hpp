@@ -1,0 +1,32 @@
+// The engines of a Tessellator, and which of them a device name stands for.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine.hpp"
+
+namespace votess {
+
+class Engines {
+public:
+    Engines();
+    ~Engines();
+    Engines(const Engines&) = delete;
+    Engines& operator=(const Engines&) = delete;
+
+    // device: as Options::device, checked. Throws `unsupported` with the reason when it cannot be had.
+    Engine& choose(const std::string& device);
+    Engine& cpu();
+    // The next choice of a GPU opens it anew.
+    void forget_gpu();
+
+    static std::vector<DeviceInfo> devices();
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace votess

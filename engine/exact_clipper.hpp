@@ -1,0 +1,40 @@
+// The exact clipper of the CPU as other engines see it: they hand it the cells that they could not certify.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "engine.hpp"
+#include "progress.hpp"
+#include "result_builder.hpp"
+#include "thread_pool.hpp"
+
+namespace votess {
+
+// One call at a time, from any thread; the calling thread works with the pool's.
+class ExactClipper {
+public:
+    virtual ~ExactClipper() = default;
+
+    // Begins a job, whose points must stay until end(). Cheap but for threads when their number changes: seeds are
+    // sorted and searched first by whichever call below needs it.
+    virtual void begin(const Job& job) = 0;
+    // Threads as job.options.threads says. Kept between jobs; free whenever no call of the clipper is running.
+    virtual ThreadPool& pool() = 0;
+
+    // Sorts the seeds and builds the search structure now, once a job: for a thread that would otherwise wait.
+    // Throws invalid_argument when there are duplicates and the options refuse them.
+    virtual void prepare() = 0;
+    // As in the result: N, or empty when no two seeds are equal. Valid until end().
+    virtual std::span<const std::int32_t> duplicate_of() = 0;
+    // Clips the cells of these seeds (input indices in any order, each once) and stores rows, geometry and counts;
+    // their status becomes `certified`, and they count as fallback cells. Duplicates among them are left as they are:
+    // they are for ResultBuilder::set_duplicates(). Calls options.progress from the calling thread, with fractions of
+    // this stretch of the run, and throws `cancelled` when it says so.
+    virtual void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) = 0;
+
+    // Forgets the job and frees its memory; the threads stay. Not before ResultBuilder::finish().
+    virtual void end() = 0;
+};
+
+}  // namespace votess

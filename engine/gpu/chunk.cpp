@@ -1,0 +1,187 @@
+#include "gpu/chunk.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "shared/bindings.h"
+
+namespace votess::gpu {
+namespace {
+
+using vulkan::MemoryKind;
+using vulkan::push_bytes;
+
+constexpr std::uint32_t geometry_components = 4;
+
+// Small first tiers leave nearly all cells to the second.
+std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& settings) {
+    constexpr std::uint32_t ordinary_k = 48;
+    return settings.tiers[0].k < ordinary_k ? cells : std::max(cells / 4, std::min(cells, 1024u));
+}
+
+uvec2 words(std::uint64_t value) {
+    return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32)};
+}
+
+}  // namespace
+
+VkDeviceSize Chunk::bytes_per_cell(const PassSettings& s) {
+    const VkDeviceSize share = s.tiers[0].k < 48 ? 4 : 1;  // of the second tier, in quarters
+    return 4 * (VkDeviceSize{s.tiers[0].k} + 2 * s.tiers[0].planes + 20) +
+           (s.tiers[1].k + 2 * s.tiers[1].planes) * share;
+}
+
+VkDeviceSize Chunk::largest_bytes_per_cell(const PassSettings& s) {
+    return 4 * VkDeviceSize{std::max({s.tiers[0].k, s.tiers[0].planes + s.tiers[1].planes, s.tiers[1].k})};
+}
+
+Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells, const PassSettings& settings)
+    : cells_(cells),
+      todo_capacity_(second_tier_cells(cells, settings)),
+      float64_geometry_(device.has_float64()),
+      measure_(settings.measure),
+      commands_(device, 6) {
+    const VkDeviceSize n = cells, t = todo_capacity_;
+    const auto words_on = [&](VkDeviceSize count, MemoryKind kind, const char* name) {
+        return memory.buffer(count * 4, kind, name);
+    };
+    const auto on_device = [&](VkDeviceSize count, const char* name) {
+        return words_on(count, MemoryKind::device, name);
+    };
+    const auto on_host = [&](VkDeviceSize count, const char* name) {
+        return words_on(count, MemoryKind::download, name);
+    };
+    list_ = on_device(n * settings.tiers[0].k, "list");
+    list_info_ = on_device(n * 2, "list info");
+    rows_ = on_device(n * settings.tiers[0].planes, "rows");
+    second_list_ = on_device(t * settings.tiers[1].k, "second list");
+    second_list_info_ = on_device(t * 2, "second list info");
+    second_rows_ = on_device(t * settings.tiers[1].planes, "second rows");
+    info_ = on_device(n, "info");
+    row_length_ = on_device(n, "row length");
+    row_place_ = on_device(n, "row place");
+    row_offsets_ = on_device(n, "row offsets");
+    todo_ = on_device(t, "todo");
+    state_ = memory.buffer(sizeof(ChunkState), MemoryKind::device, "chunk state");
+    const VkDeviceSize geometry_words = measure_ ? n * geometry_components * (float64_geometry_ ? 2 : 1) : 0;
+    geometry_ = on_device(geometry_words, "geometry");
+    scan_.reserve(memory, cells);
+
+    info_host_ = on_host(n, "info, host");
+    length_host_ = on_host(n, "row length, host");
+    geometry_host_ = on_host(geometry_words, "geometry, host");
+    state_host_ = memory.buffer(sizeof(ChunkState), MemoryKind::download, "chunk state, host");
+    // A cell of the second tier has no row in the first.
+    rows_out_ =
+        on_host(n * settings.tiers[0].planes + t * (settings.tiers[1].planes - settings.tiers[0].planes), "rows out");
+}
+
+void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& job, std::uint32_t first,
+                  std::uint32_t count, bool second_tier) {
+    first_ = first;
+    count_ = count;
+    KnnPush knn{};
+    ClipPush clip{};
+    for (int k = 0; k < 3; ++k) {
+        knn.lower[k] = words(job.lower[k]);
+        knn.upper[k] = words(job.upper[k]);
+        clip.extent[k] = words(seeds.extent()[k]);
+    }
+    knn.bounded = job.bounded;
+    knn.first_cell = clip.first_cell = first;
+    knn.cell_count = clip.cell_count = count;
+    knn.seed_count = seeds.count();
+    knn.own_count = clip.own_count = job.own_count;
+    knn.level_count = seeds.level_count();
+    std::ranges::copy(seeds.level_first(), knn.level_first);
+    clip.todo_capacity = todo_capacity_;
+    clip.walls = job.walls ? 1 : 0;
+    clip.neighbors = job.neighbors ? 1 : 0;
+    clip.volume_tolerance = static_cast<float>(job.volume_tolerance);
+
+    Bindings bindings = seeds.bindings();
+    bindings.set(BINDING_LIST, list_);
+    bindings.set(BINDING_LIST_INFO, list_info_);
+    bindings.set(BINDING_INFO, info_);
+    bindings.set(BINDING_ROW_LENGTH, row_length_);
+    bindings.set(BINDING_ROW_PLACE, row_place_);
+    bindings.set(BINDING_ROWS, rows_);
+    bindings.set(BINDING_GEOMETRY, geometry_);
+    bindings.set(BINDING_TODO, todo_);
+    bindings.set(BINDING_CHUNK_STATE, state_);
+    bindings.set(BINDING_SECOND_ROWS, second_rows_);
+    bindings.set(BINDING_ROW_OFFSETS, row_offsets_);
+    bindings.set(BINDING_ROWS_OUT, rows_out_);
+
+    commands_.begin();
+    std::optional<Commands::Label> label(std::in_place, commands_, "knn");
+    commands_.fill(state_, 0, sizeof(ChunkState), 0);
+    commands_.barrier();
+    stamps_[0] = commands_.timestamp();
+    knn.stride = clip.list_stride = clip.row_stride = cells_;
+    knn.most_visits = passes.settings.tiers[0].most_visits;
+    commands_.dispatch(passes.knn_search[0], bindings.list(), push_bytes(knn), count);
+    commands_.barrier();
+    stamps_[1] = commands_.timestamp();
+    label.emplace(commands_, "clip");
+    commands_.dispatch(passes.clip_cells[0], bindings.list(), push_bytes(clip), count);
+    commands_.barrier();
+    stamps_[2] = commands_.timestamp();
+    if (second_tier) {
+        commands_.dispatch(passes.clip_todo, bindings.list(), push_bytes(clip), 1);
+        commands_.barrier();
+        Bindings second = bindings;
+        second.set(BINDING_LIST, second_list_);
+        second.set(BINDING_LIST_INFO, second_list_info_);
+        second.set(BINDING_ROWS, second_rows_);
+        knn.stride = clip.list_stride = clip.row_stride = todo_capacity_;
+        knn.most_visits = passes.settings.tiers[1].most_visits;
+        label.emplace(commands_, "knn");
+        const VkDeviceSize args = offsetof(ChunkState, groups_x);
+        commands_.dispatch_indirect(passes.knn_search[1], second.list(), push_bytes(knn), state_, args);
+        commands_.barrier();
+        stamps_[3] = commands_.timestamp();
+        label.emplace(commands_, "clip");
+        commands_.dispatch_indirect(passes.clip_cells[1], second.list(), push_bytes(clip), state_, args);
+        commands_.barrier();
+    } else {
+        stamps_[3] = commands_.timestamp();
+    }
+    stamps_[4] = commands_.timestamp();
+
+    label.emplace(commands_, "download");
+    if (job.neighbors) {
+        commands_.copy(row_length_, 0, row_offsets_, 0, VkDeviceSize{count} * 4);
+        commands_.barrier();
+        scan_.record(commands_, passes, row_offsets_, count);
+        commands_.dispatch(passes.download_rows, bindings.list(), push_bytes(RowsPush{count, cells_, todo_capacity_}),
+                           count);
+    }
+    commands_.copy(info_, 0, info_host_, 0, VkDeviceSize{count} * 4);
+    commands_.copy(row_length_, 0, length_host_, 0, VkDeviceSize{count} * 4);
+    if (measure_) commands_.copy(geometry_, 0, geometry_host_, 0, geometry_.size() / cells_ * count);
+    commands_.copy(state_, 0, state_host_, 0, sizeof(ChunkState));
+    stamps_[5] = commands_.timestamp();
+    commands_.barrier_to_host();
+    label.reset();
+    commands_.end();
+    commands_.submit();
+}
+
+void Chunk::wait() {
+    commands_.wait();
+    for (const Buffer* buffer : {&info_host_, &length_host_, &geometry_host_, &state_host_, &rows_out_})
+        buffer->invalidate();
+}
+
+double Chunk::geometry(std::uint32_t cell, std::uint32_t component) const {
+    const std::size_t i = std::size_t{cell} * geometry_components + component;
+    return float64_geometry_ ? geometry_host_.as<double>()[i] : static_cast<double>(geometry_host_.as<float>()[i]);
+}
+
+Chunk::Seconds Chunk::seconds() const {
+    const auto between = [&](int from, int to) { return commands_.seconds(stamps_[from], stamps_[to]); };
+    return {between(0, 1) + between(2, 3), between(1, 2) + between(3, 4), between(4, 5)};
+}
+
+}  // namespace votess::gpu

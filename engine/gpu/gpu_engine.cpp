@@ -1,0 +1,320 @@
+#include "gpu/gpu_engine.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+namespace votess::gpu {
+namespace {
+
+constexpr std::uint32_t usual_k = 64, least_second_k = 192;
+constexpr std::uint32_t software_chunk = 1u << 14, usual_chunk = 1u << 20;
+constexpr std::size_t block_cells = 4096;  // per task of the host
+constexpr double hopeless = 0.9;           // share of a chunk left to the CPU
+constexpr std::uint32_t most_skipped = 31;
+constexpr double clip_begins = 0.05, clip_ends = 0.95;  // as fractions of the run, for the progress callback
+
+class Stopwatch {
+public:
+    explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+    ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+
+private:
+    double& seconds_;
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+GpuEngine::GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipper, const EngineLimits& limits)
+    : device_(std::move(device)), memory_(*device_), clipper_(clipper), limits_(limits), seeds_(*device_, memory_) {}
+
+PassSettings GpuEngine::pass_settings(const Options& options) const {
+    const bool float64 = device_->has_float64();
+    if (options.precision == Precision::double_ && !float64)
+        throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name +
+                                                "' has no float64 arithmetic: use precision single, or the CPU");
+    PassSettings s;
+    TierLimits& first = s.tiers[0];
+    TierLimits& second = s.tiers[1];
+    first.k = options.k_init == 0 ? usual_k : options.k_init;
+    first.planes = 32;
+    first.vertices = 64;
+    first.most_visits = 4000;
+    first.float64 = options.precision == Precision::double_;
+    second.k = std::max(least_second_k, 2 * first.k);
+    second.planes = 64;
+    second.vertices = 128;
+    second.most_visits = 40000;
+    second.float64 = float64;
+    s.measure = options.want.volumes || options.want.centroids;
+    if (limits_.local_size != 0) s.local_size = limits_.local_size;
+    return s;
+}
+
+std::uint32_t GpuEngine::chunk_cells(const PassSettings& settings) const {
+    const auto& adapter = device_->adapter();
+    VkDeviceSize cells = job_.options.chunk_size;
+    if (cells == 0) cells = adapter.software() ? software_chunk : usual_chunk;
+    const VkDeviceSize range = std::min<VkDeviceSize>(adapter.limits.maxStorageBufferRange, memory_.max_buffer_bytes());
+    cells = std::min(cells, range / Chunk::largest_bytes_per_cell(settings));
+    // Two chunks take at most a quarter of the memory.
+    cells = std::min(cells, adapter.device_memory / 8 / Chunk::bytes_per_cell(settings));
+    const VkDeviceSize most = std::max<VkDeviceSize>(seeds_.count(), 1);
+    return static_cast<std::uint32_t>(std::clamp<VkDeviceSize>(cells, 1, most));
+}
+
+void GpuEngine::upload(const Job& job) {
+    job_ = job;
+    progress_ = Progress(job.options.progress);
+    progress_.report(0);
+    spent_ = {};
+    pending_.clear();
+    duplicates_ = false;
+    second_tier_ = true;
+    skip_ = 0;
+    done_cells_ = 0;
+    part_ = {};
+    parts_.reset();
+    clipper_.begin(job_);
+    result_.begin(job_);
+    if (job_.points.count() == 0) return;
+    const PassSettings settings = pass_settings(job_.options);
+    if (!passes_ || passes_->settings != settings) {
+        passes_.reset();
+        for (auto& chunk : chunks_) chunk.reset();
+        passes_.emplace(*device_, settings);
+    }
+    const std::uint32_t most = limits_.most_seeds != 0 ? limits_.most_seeds : SeedStore::most_seeds(*device_, memory_);
+    parts_.emplace(job_, Units::for_box(job_.box), most);
+    if (parts_->size() == 1) begin_part(0);
+}
+
+void GpuEngine::begin_part(std::size_t index) {
+    part_ = parts_->get(index);
+    seeds_.upload(job_, part_.members, *passes_);
+}
+
+void GpuEngine::sort() {
+    if (parts_ && parts_->size() == 1) sort_part();
+}
+
+void GpuEngine::sort_part() {
+    const unsigned resolution = job_.options.grid_resolution;
+    const auto bits = resolution == 0 ? KEY_BITS_PER_AXIS
+                                      : std::clamp<std::uint32_t>(std::bit_width(resolution - 1), 1, KEY_BITS_PER_AXIS);
+    seeds_.sort(*passes_, bits);
+    if (seeds_.state().duplicates == 0 && seeds_.state().suspects == 0) return;
+    duplicates_ = true;
+    if (job_.options.duplicates == Duplicates::error) clipper_.prepare();  // throws, with the name of the first
+}
+
+void GpuEngine::knn() {
+    if (parts_ && parts_->size() == 1) seeds_.build_hierarchy(*passes_);
+}
+
+void GpuEngine::clip() {
+    if (!parts_) return;
+    for (std::size_t index = 0; index < parts_->size(); ++index) {
+        if (parts_->size() > 1) {
+            {
+                const Stopwatch watch(spent_.upload);
+                begin_part(index);
+            }
+            const Stopwatch watch(spent_.sort);
+            sort_part();
+            seeds_.build_hierarchy(*passes_);
+        }
+        spent_.device.knn += seeds_.seconds().knn;
+        clip_part(index);
+    }
+}
+
+void GpuEngine::clip_part(std::size_t index) {
+    const std::uint32_t cells = chunk_cells(passes_->settings);
+    for (auto& chunk : chunks_)
+        if (!chunk || chunk->capacity() != cells) {
+            chunk.reset();
+            chunk.emplace(*device_, memory_, cells, passes_->settings);
+        }
+    ChunkJob job;
+    const Options& options = job_.options;
+    job.neighbors = options.want.neighbors;
+    job.walls = options.walls;
+    job.volume_tolerance = options.precision == Precision::double_ ? 0.5e-10 : 0.5e-5;
+    job.own_count = part_.own_count;
+    std::copy_n(part_.lower, 3, job.lower);
+    std::copy_n(part_.upper, 3, job.upper);
+    job.bounded = part_.bounded;
+
+    Chunk* running = nullptr;
+    const bool last_part = index + 1 == parts_->size();
+    std::uint32_t skipped = 0;
+    std::size_t slot = 0;
+    for (std::uint32_t first = 0; first < seeds_.count() || running != nullptr;) {
+        Chunk* started = nullptr;
+        if (first < seeds_.count()) {
+            const std::uint32_t count = std::min(cells, seeds_.count() - first);
+            if (skipped < skip_) {
+                ++skipped;
+                leave_to_cpu(first, count);
+            } else {
+                skipped = 0;
+                started = &*chunks_[slot];
+                slot ^= 1;
+                started->start(seeds_, *passes_, job, first, count, second_tier_);
+            }
+            first += count;
+        }
+        // The CPU's share of the chunks before, beside the device's work on this one; the last share is fallback().
+        const double progress = clip_begins + (clip_ends - clip_begins) * static_cast<double>(done_cells_) /
+                                                  static_cast<double>(job_.points.count());
+        if (started != nullptr || first < seeds_.count() || !last_part) clip_pending(progress);
+        Progress::require(progress_.going_on(progress));
+        if (running != nullptr) {
+            running->wait();
+            collect(*running);
+        }
+        running = started;
+    }
+}
+
+void GpuEngine::collect(const Chunk& chunk) {
+    const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
+    const auto infos = chunk.info();
+    const auto lengths = chunk.row_lengths();
+    const std::size_t blocks = (chunk.count() + block_cells - 1) / block_cells;
+    std::vector<std::int32_t> cells(chunk.count());
+    std::vector<std::size_t> row_begin(blocks + 1, 0);
+    for (std::uint32_t i = 0; i < chunk.count(); ++i) {
+        cells[i] = input_of(order[i] & INDEX_MASK);
+        row_begin[i / block_cells + 1] += lengths[i];
+    }
+    for (std::size_t b = 0; b < blocks; ++b) row_begin[b + 1] += row_begin[b];
+    const auto rows = chunk.rows(job_.options.want.neighbors ? row_begin[blocks] : 0);
+
+    std::mutex mutex;
+    std::size_t left = 0;
+    clipper_.pool().run(blocks, [&](std::size_t block, unsigned) {
+        const std::size_t begin = block * block_cells, end = std::min<std::size_t>(chunk.count(), begin + block_cells);
+        CellCounters counters;
+        std::vector<std::int32_t> pending;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t info = infos[i], status = info & 0xff;
+            if (status == STATUS_CERTIFIED) {
+                counters.faces += (info >> INFO_FACES_SHIFT) & 0xff;
+                collect_cell(chunk, static_cast<std::uint32_t>(i), cells[i]);
+            } else if (status != STATUS_DUPLICATE && status != STATUS_OUTSIDE) {
+                pending.push_back(cells[i]);
+            }
+        }
+        result_.count(counters);
+        if (job_.options.want.neighbors) {
+            const auto part = std::span(cells).subspan(begin, end - begin);
+            const auto part_rows = rows.subspan(row_begin[block], row_begin[block + 1] - row_begin[block]);
+            if (part_.members.empty()) {
+                result_.copy_rows(part, lengths.subspan(begin, end - begin), part_rows);
+            } else {
+                std::vector<std::int32_t> named(part_rows.begin(), part_rows.end());
+                for (auto& id : named)
+                    if (id >= 0) id = input_of(static_cast<std::uint32_t>(id));
+                auto row = named.begin();
+                for (std::size_t i = begin; i < end; row += lengths[i++]) std::sort(row, row + lengths[i]);
+                result_.copy_rows(part, lengths.subspan(begin, end - begin), named);
+            }
+        }
+        const std::lock_guard lock(mutex);
+        left += pending.size();
+        pending_.insert(pending_.end(), pending.begin(), pending.end());
+    });
+    done_cells_ += chunk.count();
+
+    const auto seconds = chunk.seconds();
+    spent_.device.knn += seconds.knn;
+    spent_.device.clip += seconds.clip;
+    spent_.device.download += seconds.download;
+    // A tier, or the whole device, that rarely succeeds (lattices) costs more than it spares.
+    const double todo = chunk.todo_count(), of_all = static_cast<double>(left) / chunk.count();
+    if (second_tier_ && chunk.count() >= 256 && todo > 0.5 * chunk.count() &&
+        static_cast<double>(left) > hopeless * todo)
+        second_tier_ = false;
+    skip_ = of_all > hopeless ? std::min(2 * skip_ + 1, most_skipped) : 0;
+}
+
+void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input) {
+    const std::uint32_t info = chunk.info()[cell];
+    const auto i = static_cast<std::size_t>(input);
+    const Want& want = job_.options.want;
+    const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - seeds_.units().shift;
+    if (want.volumes) result_.volumes()[i] = std::ldexp(chunk.geometry(cell, 0), 3 * exponent);
+    if (want.centroids)
+        for (std::uint32_t k = 0; k < 3; ++k)
+            result_.centroids()[3 * i + k] = job_.points[3 * i + k] + std::ldexp(chunk.geometry(cell, 1 + k), exponent);
+    if (want.counts) {
+        const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff;
+        result_.face_counts()[i] = (info >> INFO_FACES_SHIFT) & 0xff;
+        result_.edge_counts()[i] = vertices / 2 * 3;  // three edges at every vertex
+        result_.vertex_counts()[i] = vertices;
+    }
+}
+
+void GpuEngine::leave_to_cpu(std::uint32_t first, std::uint32_t count) {
+    for (const std::uint32_t member : seeds_.order().subspan(first, count)) {
+        if ((member & DUPLICATE_BIT) == 0 && member < part_.own_count) pending_.push_back(input_of(member));
+    }
+    done_cells_ += count;
+}
+
+void GpuEngine::clip_pending(double progress) {
+    if (pending_.empty()) return;
+    const Stopwatch watch(spent_.fallback);
+    clipper_.clip(pending_, result_, {progress, progress});
+    pending_.clear();
+}
+
+void GpuEngine::fallback() {
+    clip_pending(clip_ends);
+}
+
+void GpuEngine::download(detail::Result& result) {
+    if (duplicates_) {
+        const auto duplicate_of = clipper_.duplicate_of();
+        result_.set_duplicates({duplicate_of.begin(), duplicate_of.end()});
+    }
+    // clip() did more than its name says: upload and sort of parts, and the CPU's share beside the device's passes.
+    StageSeconds& seconds = result.stats.seconds;
+    const double overlapped = std::max(0.0, spent_.fallback - seconds.fallback);
+    const double passes = std::max(0.0, seconds.clip - spent_.upload - spent_.sort - overlapped);
+    const double on_device = spent_.device.knn + spent_.device.clip + spent_.device.download;
+    seconds.upload += spent_.upload;
+    seconds.sort += spent_.sort;
+    seconds.fallback += overlapped;
+    if (on_device > 0) {
+        seconds.knn += passes * spent_.device.knn / on_device;
+        seconds.clip = passes * spent_.device.clip / on_device;
+        seconds.download += passes * spent_.device.download / on_device;
+    }
+    result_.finish(result, clipper_.pool());
+    result.stats.device = device_->adapter().name;
+    result.stats.precision = job_.options.precision;
+    clipper_.end();
+    check_messages();
+    progress_.report(1);
+    parts_.reset();
+    part_ = {};
+    job_ = {};
+}
+
+// The validation layer's findings are bugs, whatever the result.
+void GpuEngine::check_messages() {
+    const auto messages = device_->instance().take_messages();
+    if (!messages.empty())
+        throw Error(ErrorCode::internal, "Vulkan validation found " + std::to_string(messages.size()) +
+                                             " problems, the first: " + messages.front());
+}
+
+}  // namespace votess::gpu

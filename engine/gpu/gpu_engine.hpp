@@ -1,0 +1,84 @@
+// The Vulkan engine: the six stages as compute passes. What it cannot certify the exact clipper of the CPU takes,
+// chunk by chunk, while the device works on the next chunk.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine.hpp"
+#include "exact_clipper.hpp"
+#include "gpu/chunk.hpp"
+#include "gpu/parts.hpp"
+#include "gpu/passes.hpp"
+#include "gpu/seed_store.hpp"
+#include "result_builder.hpp"
+
+namespace votess::gpu {
+
+// What tests vary beyond the options. 0 = as the device allows.
+struct EngineLimits {
+    std::uint32_t most_seeds = 0;  // on the device at once
+    std::uint32_t local_size = 0;
+};
+
+class GpuEngine : public Engine {
+public:
+    GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipper, const EngineLimits& limits = {});
+
+    void upload(const Job& job) override;
+    void sort() override;
+    void knn() override;
+    void clip() override;
+    void fallback() override;
+    void download(detail::Result& result) override;
+
+    [[nodiscard]] vulkan::Device& device() { return *device_; }
+    [[nodiscard]] vulkan::Memory& memory() { return memory_; }
+
+private:
+    // Seconds of the host within clip(), to tell its stages apart.
+    struct Spent {
+        double upload = 0, sort = 0, fallback = 0;  // wall clock
+        Chunk::Seconds device;                      // of the device, whose passes the rest of the time is shared among
+    };
+
+    [[nodiscard]] PassSettings pass_settings(const Options& options) const;
+    [[nodiscard]] std::uint32_t chunk_cells(const PassSettings& settings) const;
+    void begin_part(std::size_t index);
+    void sort_part();
+    void clip_part(std::size_t index);
+    // Takes over the cells of a finished chunk; those not certified are added to the pending ones.
+    void collect(const Chunk& chunk);
+    void collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input);
+    void leave_to_cpu(std::uint32_t first, std::uint32_t count);
+    void clip_pending(double progress);
+    [[nodiscard]] std::int32_t input_of(std::uint32_t member) const {
+        return part_.members.empty() ? static_cast<std::int32_t>(member) : part_.members[member];
+    }
+    void check_messages();
+
+    std::shared_ptr<vulkan::Device> device_;
+    vulkan::Memory memory_;
+    ExactClipper& clipper_;
+    EngineLimits limits_;
+    std::optional<Passes> passes_;
+    SeedStore seeds_;
+    std::optional<Chunk> chunks_[2];
+
+    Job job_;
+    Progress progress_;
+    ResultBuilder result_;
+    std::optional<Parts> parts_;
+    Part part_;
+    bool duplicates_ = false;            // there are some, or there may be
+    bool second_tier_ = true;            // worth its time
+    std::uint32_t skip_ = 0;             // chunks to leave to the CPU after hopeless ones
+    std::vector<std::int32_t> pending_;  // cells (input index) for the CPU
+    std::size_t done_cells_ = 0;
+    Spent spent_;
+};
+
+}  // namespace votess::gpu

@@ -1,0 +1,82 @@
+#include "gpu/passes.hpp"
+
+#include <bit>
+
+#include "shaders.hpp"
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+namespace votess::gpu {
+namespace {
+
+using vulkan::Device;
+using vulkan::Pass;
+
+template <class Push>
+Pass make(Device& device, const char* name, std::span<const std::uint32_t> spirv, std::vector<std::uint32_t> bindings,
+          std::uint32_t local_size, std::vector<std::uint32_t> constants = {}) {
+    return Pass(device, {name, spirv, std::move(bindings), static_cast<std::uint32_t>(sizeof(Push)), local_size,
+                         std::move(constants)});
+}
+
+// An operation errs by half a unit in the last place only where the device promises to round to nearest.
+float float_unit(const Device& device) {
+    return device.adapter().rounds_to_nearest ? 0x1p-24f : 0x1p-23f;
+}
+
+Pass knn_search(Device& device, const PassSettings& settings, std::uint32_t tier) {
+    return make<KnnPush>(device, tier == 0 ? "knn_search" : "knn_search second tier", shaders::knn_search,
+                         {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_NODES,
+                          BINDING_TODO, BINDING_CHUNK_STATE, BINDING_LIST, BINDING_LIST_INFO},
+                         settings.local_size, {settings.tiers[tier].k, tier});
+}
+
+Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier) {
+    const TierLimits& limits = settings.tiers[tier];
+    const auto spirv =
+        limits.float64 ? shaders::clip_f64
+                       : (device.has_float64() && settings.measure ? shaders::clip_f32_measure_f64 : shaders::clip_f32);
+    return make<ClipPush>(device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv,
+                          {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE,
+                           BINDING_LIST, BINDING_LIST_INFO, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_PLACE,
+                           BINDING_ROWS, BINDING_GEOMETRY, BINDING_TODO, BINDING_CHUNK_STATE},
+                          settings.local_size,
+                          {limits.planes, limits.vertices, tier, settings.measure ? 1u : 0u,
+                           std::bit_cast<std::uint32_t>(float_unit(device))});
+}
+
+}  // namespace
+
+Passes::Passes(Device& device, const PassSettings& s)
+    : settings(s),
+      upload(make<UploadPush>(device, "upload", shaders::upload,
+                              {BINDING_RAW, BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_RUN_STATE},
+                              s.local_size)),
+      sort_key(make<KeyPush>(
+          device, "sort_key", shaders::sort_key,
+          {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_KEYS_OUT, BINDING_INDEX_OUT}, s.local_size)),
+      sort_count(
+          make<SortPush>(device, "sort_count", shaders::sort_count, {BINDING_KEYS_IN, BINDING_SCAN_DATA}, TILE_GROUP)),
+      sort_scatter(make<SortPush>(
+          device, "sort_scatter", shaders::sort_scatter,
+          {BINDING_KEYS_IN, BINDING_INDEX_IN, BINDING_KEYS_OUT, BINDING_INDEX_OUT, BINDING_SCAN_DATA}, TILE_GROUP)),
+      sort_gather(
+          make<KeyPush>(device, "sort_gather", shaders::sort_gather,
+                        {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_KEYS_IN, BINDING_INDEX_IN,
+                         BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE},
+                        s.local_size)),
+      scan_blocks(make<ScanPush>(device, "scan_blocks", shaders::scan_blocks, {BINDING_SCAN_DATA, BINDING_SCAN_SUMS},
+                                 TILE_GROUP)),
+      scan_add(
+          make<ScanPush>(device, "scan_add", shaders::scan_add, {BINDING_SCAN_DATA, BINDING_SCAN_SUMS}, s.local_size)),
+      knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes,
+                                {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_NODES}, s.local_size)),
+      knn_search{gpu::knn_search(device, s, 0), gpu::knn_search(device, s, 1)},
+      clip_cells{gpu::clip_cells(device, s, 0), gpu::clip_cells(device, s, 1)},
+      clip_todo(make<ClipPush>(device, "clip_todo", shaders::clip_todo, {BINDING_CHUNK_STATE}, 1, {s.local_size})),
+      download_rows(make<RowsPush>(device, "download_rows", shaders::download_rows,
+                                   {BINDING_ROW_LENGTH, BINDING_ROW_PLACE, BINDING_ROWS, BINDING_SECOND_ROWS,
+                                    BINDING_ROW_OFFSETS, BINDING_ROWS_OUT},
+                                   s.local_size)) {}
+
+}  // namespace votess::gpu

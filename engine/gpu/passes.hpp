@@ -1,0 +1,38 @@
+// The compute pipelines of the engine, made for one device and one set of options.
+#pragma once
+
+#include <cstdint>
+
+#include "gpu/vulkan/pass.hpp"
+
+namespace votess::gpu {
+
+// What one tier of knn and clip may use. A cell that needs more goes to the next tier, in the end to the CPU.
+struct TierLimits {
+    std::uint32_t k = 64;           // neighbors listed
+    std::uint32_t planes = 32;      // alive at once; a multiple of 32
+    std::uint32_t vertices = 64;    // alive at once; a multiple of 32
+    std::uint32_t most_visits = 0;  // boxes looked at
+    bool float64 = false;           // clips in float64
+    bool operator==(const TierLimits&) const = default;
+};
+
+struct PassSettings {
+    TierLimits tiers[2];
+    bool measure = true;            // volumes and centroids
+    std::uint32_t local_size = 64;  // of passes without shared memory
+    bool operator==(const PassSettings&) const = default;
+};
+
+struct Passes {
+    Passes(vulkan::Device& device, const PassSettings& settings);
+
+    PassSettings settings;
+    vulkan::Pass upload;
+    vulkan::Pass sort_key, sort_count, sort_scatter, sort_gather, scan_blocks, scan_add;
+    vulkan::Pass knn_boxes, knn_search[2];
+    vulkan::Pass clip_cells[2], clip_todo;
+    vulkan::Pass download_rows;
+};
+
+}  // namespace votess::gpu

@@ -1,0 +1,38 @@
+// Coordinates as whole numbers of units, see COORDINATE_BITS in shaders/shared/config.h.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "shared/config.h"
+#include "votess/votess.hpp"
+
+namespace votess::gpu {
+
+struct Units {
+    int shift = 0;  // coordinate * 2^shift is in units
+
+    // For the box's longest side. Doubles of any size: the side itself may overflow, its half does not.
+    static Units for_box(const Box& box) {
+        double half = 0;
+        for (int k = 0; k < 3; ++k) half = std::max(half, box.upper[k] * 0.5 - box.lower[k] * 0.5);
+        return {COORDINATE_BITS - 2 - std::ilogb(half)};
+    }
+
+    // Modulo 2^64, rounded down; `lossy` becomes true when it had to be.
+    [[nodiscard]] std::uint64_t of(double value, bool& lossy) const {
+        if (value == 0) return 0;
+        int exponent = 0;
+        const auto mantissa = static_cast<std::int64_t>(std::ldexp(std::frexp(value, &exponent), 53));
+        const int n = exponent - 53 + shift;
+        if (n >= 64) return 0;
+        if (n >= 0) return static_cast<std::uint64_t>(mantissa) << n;
+        const int right = std::min(-n, 63);
+        const std::int64_t rounded = mantissa >> right;
+        lossy = lossy || (-n >= 64 || (rounded << right) != mantissa);
+        return static_cast<std::uint64_t>(rounded);
+    }
+};
+
+}  // namespace votess::gpu

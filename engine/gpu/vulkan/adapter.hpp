@@ -1,0 +1,65 @@
+// What one physical device is and can do. Everything is asked for, nothing is assumed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "gpu/vulkan/api.hpp"
+
+namespace votess::gpu::vulkan {
+
+struct Adapter {
+    VkPhysicalDevice handle = VK_NULL_HANDLE;
+    std::string name;
+    std::string driver;  // name and version in the driver's own words; empty when it does not say
+    VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
+    std::uint32_t api_version = 0;
+    std::uint32_t driver_version = 0;
+    std::uint32_t vendor_id = 0;
+    std::uint32_t device_id = 0;
+    std::array<std::uint8_t, VK_UUID_SIZE> cache_uuid{};  // pipelineCacheUUID
+    VkPhysicalDeviceLimits limits{};
+
+    VkPhysicalDeviceMemoryProperties memory{};
+    VkDeviceSize device_memory = 0;   // bytes of the largest device-local heap
+    VkDeviceSize max_allocation = 0;  // of one VkDeviceMemory
+    VkDeviceSize max_buffer = 0;      // of one VkBuffer; never more than max_allocation or the device's memory
+
+    std::uint32_t subgroup_size = 0;  // what shaders get unless they ask for another
+    std::uint32_t min_subgroup_size = 0;
+    std::uint32_t max_subgroup_size = 0;
+    VkSubgroupFeatureFlags subgroup_operations = 0;
+    bool subgroup_in_compute = false;
+    bool subgroup_size_control = false;
+
+    bool float64 = false;
+    bool int64 = false;
+    bool storage8 = false;
+    bool storage16 = false;
+    // Whether shaders can ask for these (VK_KHR_shader_float_controls); false also when the device does not say.
+    bool rounds_to_nearest = false;
+    bool rounds_to_nearest64 = false;
+    bool keeps_denormals = false;
+    bool keeps_denormals64 = false;
+
+    std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;  // with compute, and with timestamps if there is one
+    std::uint32_t timestamp_bits = 0;                      // 0: no timestamps
+    bool portability_subset = false;                       // must be enabled where it exists
+
+    // Runs on the CPU (lavapipe).
+    [[nodiscard]] bool software() const { return type == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+    // Host and device share their memory.
+    [[nodiscard]] bool unified() const { return software() || type == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU; }
+    // Empty when votess can run here, else what the device lacks: "needs Vulkan 1.1, this device has 1.0".
+    [[nodiscard]] std::string missing() const;
+    // One line: type, version, memory and limits.
+    [[nodiscard]] std::string description() const;
+};
+
+// Asks the device, with the means of the lower of its version and the instance's. One that is older than Vulkan 1.1
+// gets only what 1.0 can tell, and says so in missing().
+[[nodiscard]] Adapter query_adapter(const InstanceCalls& calls, VkPhysicalDevice device,
+                                    std::uint32_t instance_version);
+
+}  // namespace votess::gpu::vulkan

@@ -1,0 +1,79 @@
+#include "gpu/vulkan/device.hpp"
+
+#include <utility>
+#include <vector>
+
+namespace votess::gpu::vulkan {
+
+std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const Adapter& adapter,
+                                       const DeviceOptions& options) {
+    if (const std::string lack = adapter.missing(); !lack.empty()) {
+        throw Error(ErrorCode::unsupported, "votess cannot use the device " + adapter.name + ": it " + lack);
+    }
+    return std::shared_ptr<Device>(new Device(std::move(instance), adapter, options));
+}
+
+Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options)
+    : instance_(std::move(instance)), adapter_(adapter), float64_(options.float64 && adapter.float64) {
+    const float priority = 1;
+    VkDeviceQueueCreateInfo queue{};
+    queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    queue.queueFamilyIndex = adapter_.queue_family;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+
+    VkPhysicalDeviceFeatures features{};
+    features.shaderFloat64 = float64_;
+    std::vector<const char*> extensions;
+    if (adapter_.portability_subset) extensions.push_back("VK_KHR_portability_subset");
+
+    VkDeviceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    info.pEnabledFeatures = &features;
+    info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    const InstanceCalls& calls = instance_->calls();
+    check(calls.vkCreateDevice(adapter_.handle, &info, nullptr, &handle_), "vkCreateDevice");
+    load_device_table(table_, handle_, calls.vkGetDeviceProcAddr);
+    try {
+        table_.vkGetDeviceQueue(handle_, adapter_.queue_family, 0, &queue_);
+        cache_.emplace(table_, handle_, adapter_);
+    } catch (...) {
+        table_.vkDestroyDevice(handle_, nullptr);
+        throw;
+    }
+}
+
+Device::~Device() {
+    cache_.reset();
+    table_.vkDestroyDevice(handle_, nullptr);
+}
+
+void Device::submit(VkCommandBuffer commands, VkFence fence) {
+    VkSubmitInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+    info.commandBufferCount = 1;
+    info.pCommandBuffers = &commands;
+    std::lock_guard lock(queue_mutex_);
+    check(table_.vkQueueSubmit(queue_, 1, &info, fence), "vkQueueSubmit");
+}
+
+void Device::drain() noexcept {
+    std::lock_guard lock(queue_mutex_);
+    table_.vkDeviceWaitIdle(handle_);
+}
+
+void Device::set_name(std::uint64_t object, VkObjectType type, const char* text) {
+    if (!instance_->debug_utils() || !text) return;
+    VkDebugUtilsObjectNameInfoEXT info{};
+    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT;
+    info.objectType = type;
+    info.objectHandle = object;
+    info.pObjectName = text;
+    // A name is a courtesy: its failure is none of ours.
+    instance_->calls().vkSetDebugUtilsObjectNameEXT(handle_, &info);
+}
+
+}  // namespace votess::gpu::vulkan

@@ -1,0 +1,61 @@
+// A logical device with one compute queue.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "gpu/vulkan/instance.hpp"
+#include "gpu/vulkan/pipeline_cache.hpp"
+
+namespace votess::gpu::vulkan {
+
+// Features to use where the device has them.
+struct DeviceOptions {
+    bool float64 = true;
+};
+
+// Outlives all that is made from it (Memory, Buffer, Pass, Commands), which keep a reference to it.
+class Device {
+public:
+    // Throws `unsupported` with Adapter::missing() when that is not empty.
+    [[nodiscard]] static std::shared_ptr<Device> create(std::shared_ptr<Instance> instance, const Adapter& adapter,
+                                                        const DeviceOptions& options = {});
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    [[nodiscard]] VkDevice handle() const { return handle_; }
+    // Read at every call, so that tests can replace an entry to make it fail.
+    [[nodiscard]] VolkDeviceTable& table() { return table_; }
+    [[nodiscard]] const Adapter& adapter() const { return adapter_; }
+    [[nodiscard]] Instance& instance() { return *instance_; }
+    [[nodiscard]] bool has_float64() const { return float64_; }
+    [[nodiscard]] const PipelineCache& pipeline_cache() const { return *cache_; }
+
+    // Thread-safe: Vulkan wants calls on a queue one at a time.
+    void submit(VkCommandBuffer commands, VkFence fence);
+    // Waits until the queue is empty, as well as a lost device can; for destructors.
+    void drain() noexcept;
+    // A name for tools and messages; does nothing without VK_EXT_debug_utils.
+    template <class Handle>
+    void name(Handle object, VkObjectType type, const char* text) {
+        set_name((std::uint64_t)object, type, text);  // a pointer or an integer, as the platform has it
+    }
+
+private:
+    Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options);
+    void set_name(std::uint64_t object, VkObjectType type, const char* text);
+
+    std::shared_ptr<Instance> instance_;
+    Adapter adapter_;
+    VkDevice handle_ = VK_NULL_HANDLE;
+    VolkDeviceTable table_{};
+    VkQueue queue_ = VK_NULL_HANDLE;
+    std::mutex queue_mutex_;
+    bool float64_ = false;
+    std::optional<PipelineCache> cache_;
+};
+
+}  // namespace votess::gpu::vulkan

@@ -1,0 +1,243 @@
+#include "gpu/vulkan/instance.hpp"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+namespace votess::gpu::vulkan {
+namespace {
+
+constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
+// The newest version whose rules this code was written for.
+constexpr std::uint32_t newest_version = VK_API_VERSION_1_3;
+// A program that repeats one mistake must not fill the memory with it.
+constexpr std::size_t max_messages = 1000;
+
+std::string_view validation_variable() {
+    const char* value = std::getenv("VOTESS_VULKAN_VALIDATION");
+    return value ? value : "";
+}
+
+template <class Function>
+void load(Function& function, PFN_vkGetInstanceProcAddr get, VkInstance instance, const char* name) {
+    function = reinterpret_cast<Function>(get(instance, name));
+}
+
+std::vector<VkExtensionProperties> extensions_of(const LoaderCalls& calls, const char* layer) {
+    std::vector<VkExtensionProperties> list;
+    for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
+        std::uint32_t count = 0;
+        check(calls.vkEnumerateInstanceExtensionProperties(layer, &count, nullptr),
+              "vkEnumerateInstanceExtensionProperties");
+        list.resize(count);
+        result = calls.vkEnumerateInstanceExtensionProperties(layer, &count, list.data());
+        check(result, "vkEnumerateInstanceExtensionProperties");
+        list.resize(count);
+    }
+    return list;
+}
+
+bool has(const std::vector<VkExtensionProperties>& list, std::string_view name) {
+    return std::any_of(list.begin(), list.end(), [&](const auto& e) { return e.extensionName == name; });
+}
+
+bool has_layer(const LoaderCalls& calls, std::string_view name) {
+    std::uint32_t count = 0;
+    check(calls.vkEnumerateInstanceLayerProperties(&count, nullptr), "vkEnumerateInstanceLayerProperties");
+    std::vector<VkLayerProperties> list(count);
+    check(calls.vkEnumerateInstanceLayerProperties(&count, list.data()), "vkEnumerateInstanceLayerProperties");
+    list.resize(count);
+    return std::any_of(list.begin(), list.end(), [&](const auto& l) { return l.layerName == name; });
+}
+
+}  // namespace
+
+bool validation_wanted() {
+    return validation_variable() == "1" || synchronization_validation_wanted();
+}
+
+bool synchronization_validation_wanted() {
+    return validation_variable() == "2";
+}
+
+Loader::Loader() {
+    // NODELETE: drivers leave threads and thread-local destructors behind, so that unmapping their code is not safe.
+    library_ = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    if (!library_) throw Error(ErrorCode::unsupported, "no Vulkan loader (libvulkan.so.1) on this machine");
+    const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library_, "vkGetInstanceProcAddr"));
+    if (!get) {
+        dlclose(library_);
+        throw Error(ErrorCode::unsupported, "libvulkan.so.1 is not a Vulkan loader: it lacks vkGetInstanceProcAddr");
+    }
+    calls_.vkGetInstanceProcAddr = get;
+    load(calls_.vkEnumerateInstanceVersion, get, nullptr, "vkEnumerateInstanceVersion");
+    load(calls_.vkEnumerateInstanceExtensionProperties, get, nullptr, "vkEnumerateInstanceExtensionProperties");
+    load(calls_.vkEnumerateInstanceLayerProperties, get, nullptr, "vkEnumerateInstanceLayerProperties");
+    load(calls_.vkCreateInstance, get, nullptr, "vkCreateInstance");
+}
+
+Loader::~Loader() {
+    dlclose(library_);
+}
+
+std::shared_ptr<Instance> Instance::create(const InstanceOptions& options) {
+    return std::shared_ptr<Instance>(new Instance(options));
+}
+
+Instance::Instance(const InstanceOptions& options) : validation_(options.validation) {
+    if (!loader_.calls().vkEnumerateInstanceVersion) {
+        throw Error(ErrorCode::unsupported, "votess needs Vulkan 1.1, the loader (libvulkan.so.1) has 1.0");
+    }
+    check(loader_.calls().vkEnumerateInstanceVersion(&version_), "vkEnumerateInstanceVersion");
+    version_ = std::min(version_, newest_version);
+    create_handle(options);
+    if (!handle_) return;
+    load_calls();
+    try {
+        if (validation_) create_messenger();
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+Instance::~Instance() {
+    destroy();
+}
+
+void Instance::destroy() noexcept {
+    if (messenger_) calls_.vkDestroyDebugUtilsMessengerEXT(handle_, messenger_, nullptr);
+    if (handle_) calls_.vkDestroyInstance(handle_, nullptr);
+}
+
+void Instance::create_handle(const InstanceOptions& options) {
+    const LoaderCalls& calls = loader_.calls();
+    std::vector<VkExtensionProperties> available = extensions_of(calls, nullptr);
+    std::vector<const char*> layers;
+    std::vector<const char*> extensions;
+    VkInstanceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+
+    const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    VkValidationFeaturesEXT features{};
+    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+    features.enabledValidationFeatureCount = 1;
+    features.pEnabledValidationFeatures = &synchronization;
+    if (validation_) {
+        if (!has_layer(calls, validation_layer)) {
+            throw Error(ErrorCode::unsupported, std::string("Vulkan validation is asked for, but the layer ") +
+                                                    validation_layer +
+                                                    " is not installed (Debian, Ubuntu: vulkan-validationlayers)");
+        }
+        layers.push_back(validation_layer);
+        const auto more = extensions_of(calls, validation_layer);
+        available.insert(available.end(), more.begin(), more.end());
+        if (options.synchronization && has(available, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME)) {
+            extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+            info.pNext = &features;
+        }
+    }
+    debug_utils_ = has(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    if (debug_utils_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    if (has(available, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
+        extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+        info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+    }
+
+    VkApplicationInfo application{};
+    application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+    application.pEngineName = "votess";
+    application.apiVersion = version_;
+    info.pApplicationInfo = &application;
+    info.enabledLayerCount = static_cast<std::uint32_t>(layers.size());
+    info.ppEnabledLayerNames = layers.data();
+    info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    const VkResult result = calls.vkCreateInstance(&info, nullptr, &handle_);
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {  // the loader found no driver at all
+        handle_ = VK_NULL_HANDLE;
+        return;
+    }
+    check(result, "vkCreateInstance");
+}
+
+void Instance::load_calls() {
+    const PFN_vkGetInstanceProcAddr get = loader_.calls().vkGetInstanceProcAddr;
+    load(calls_.vkDestroyInstance, get, handle_, "vkDestroyInstance");
+    load(calls_.vkEnumeratePhysicalDevices, get, handle_, "vkEnumeratePhysicalDevices");
+    load(calls_.vkGetPhysicalDeviceProperties, get, handle_, "vkGetPhysicalDeviceProperties");
+    load(calls_.vkGetPhysicalDeviceProperties2, get, handle_, "vkGetPhysicalDeviceProperties2");
+    load(calls_.vkGetPhysicalDeviceFeatures2, get, handle_, "vkGetPhysicalDeviceFeatures2");
+    load(calls_.vkGetPhysicalDeviceMemoryProperties, get, handle_, "vkGetPhysicalDeviceMemoryProperties");
+    load(calls_.vkGetPhysicalDeviceQueueFamilyProperties, get, handle_, "vkGetPhysicalDeviceQueueFamilyProperties");
+    load(calls_.vkEnumerateDeviceExtensionProperties, get, handle_, "vkEnumerateDeviceExtensionProperties");
+    load(calls_.vkCreateDevice, get, handle_, "vkCreateDevice");
+    load(calls_.vkGetDeviceProcAddr, get, handle_, "vkGetDeviceProcAddr");
+    if (!debug_utils_) return;
+    load(calls_.vkCreateDebugUtilsMessengerEXT, get, handle_, "vkCreateDebugUtilsMessengerEXT");
+    load(calls_.vkDestroyDebugUtilsMessengerEXT, get, handle_, "vkDestroyDebugUtilsMessengerEXT");
+    load(calls_.vkSetDebugUtilsObjectNameEXT, get, handle_, "vkSetDebugUtilsObjectNameEXT");
+    load(calls_.vkCmdBeginDebugUtilsLabelEXT, get, handle_, "vkCmdBeginDebugUtilsLabelEXT");
+    load(calls_.vkCmdEndDebugUtilsLabelEXT, get, handle_, "vkCmdEndDebugUtilsLabelEXT");
+}
+
+void Instance::create_messenger() {
+    if (!debug_utils_) {
+        throw Error(ErrorCode::unsupported, "Vulkan validation is asked for, but there is no VK_EXT_debug_utils");
+    }
+    VkDebugUtilsMessengerCreateInfoEXT info{};
+    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+    info.messageSeverity =
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                       VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+    info.pfnUserCallback = on_message;
+    info.pUserData = this;
+    check(calls_.vkCreateDebugUtilsMessengerEXT(handle_, &info, nullptr, &messenger_),
+          "vkCreateDebugUtilsMessengerEXT");
+}
+
+std::vector<Adapter> Instance::adapters() const {
+    std::vector<Adapter> adapters;
+    if (!handle_) return adapters;
+    std::vector<VkPhysicalDevice> devices;
+    for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
+        std::uint32_t count = 0;
+        result = calls_.vkEnumeratePhysicalDevices(handle_, &count, nullptr);
+        // Drivers that find no device of theirs.
+        if (result == VK_ERROR_INITIALIZATION_FAILED || result == VK_ERROR_INCOMPATIBLE_DRIVER) return adapters;
+        check(result, "vkEnumeratePhysicalDevices");
+        devices.resize(count);
+        result = calls_.vkEnumeratePhysicalDevices(handle_, &count, devices.data());
+        check(result, "vkEnumeratePhysicalDevices");
+        devices.resize(count);
+    }
+    for (VkPhysicalDevice device : devices) adapters.push_back(query_adapter(calls_, device, version_));
+    return adapters;
+}
+
+void Instance::add_message(std::string message) {
+    std::lock_guard lock(mutex_);
+    if (messages_.size() < max_messages) messages_.push_back(std::move(message));
+}
+
+std::vector<std::string> Instance::take_messages() {
+    std::lock_guard lock(mutex_);
+    return std::exchange(messages_, {});
+}
+
+VkBool32 Instance::on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
+                              const VkDebugUtilsMessengerCallbackDataEXT* data, void* self) {
+    try {
+        const bool error = severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+        static_cast<Instance*>(self)->add_message((error ? "error: " : "warning: ") +
+                                                  std::string(data->pMessage ? data->pMessage : ""));
+    } catch (...) {  // out of memory: the caller is C, and must not see an exception
+    }
+    return VK_FALSE;
+}
+
+}  // namespace votess::gpu::vulkan

@@ -1,0 +1,80 @@
+// The Vulkan loader and an instance of it.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gpu/vulkan/adapter.hpp"
+#include "gpu/vulkan/api.hpp"
+
+namespace votess::gpu::vulkan {
+
+// VOTESS_VULKAN_VALIDATION=1 in the environment; 2 also looks for missing barriers.
+[[nodiscard]] bool validation_wanted();
+[[nodiscard]] bool synchronization_validation_wanted();
+
+// libvulkan.so.1, opened at run time so that votess works on machines without it. Throws `unsupported` if absent.
+class Loader {
+public:
+    Loader();
+    ~Loader();
+    Loader(const Loader&) = delete;
+    Loader& operator=(const Loader&) = delete;
+
+    [[nodiscard]] const LoaderCalls& calls() const { return calls_; }
+
+private:
+    void* library_ = nullptr;
+    LoaderCalls calls_;
+};
+
+struct InstanceOptions {
+    bool validation = validation_wanted();
+    bool synchronization = synchronization_validation_wanted();  // only with validation
+};
+
+class Instance {
+public:
+    // Throws `unsupported` without a loader for Vulkan 1.1 and when validation is asked for but its layer is missing.
+    // A loader without any driver is no error: there are no adapters then.
+    [[nodiscard]] static std::shared_ptr<Instance> create(const InstanceOptions& options = {});
+    ~Instance();
+    Instance(const Instance&) = delete;
+    Instance& operator=(const Instance&) = delete;
+
+    // Null when no driver is installed.
+    [[nodiscard]] VkInstance handle() const { return handle_; }
+    [[nodiscard]] const InstanceCalls& calls() const { return calls_; }
+    [[nodiscard]] bool validation() const { return validation_; }
+    [[nodiscard]] bool debug_utils() const { return debug_utils_; }
+
+    // All physical devices in the loader's order, also those votess cannot use (Adapter::missing).
+    [[nodiscard]] std::vector<Adapter> adapters() const;
+    // What the validation layer has said since the last call, each "error: ..." or "warning: ...". From any thread.
+    [[nodiscard]] std::vector<std::string> take_messages();
+
+private:
+    explicit Instance(const InstanceOptions& options);
+    void create_handle(const InstanceOptions& options);
+    void load_calls();
+    void create_messenger();
+    void destroy() noexcept;
+    void add_message(std::string message);
+    static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                     VkDebugUtilsMessageTypeFlagsEXT types,
+                                                     const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
+
+    Loader loader_;
+    VkInstance handle_ = VK_NULL_HANDLE;
+    std::uint32_t version_ = 0;
+    InstanceCalls calls_;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    bool validation_ = false;
+    bool debug_utils_ = false;
+    std::mutex mutex_;
+    std::vector<std::string> messages_;
+};
+
+}  // namespace votess::gpu::vulkan

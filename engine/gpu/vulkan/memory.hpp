@@ -1,0 +1,106 @@
+// Buffers in sub-allocated device memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gpu/vulkan/device.hpp"
+
+namespace votess::gpu::vulkan {
+
+enum class MemoryKind {
+    device,    // fast for shaders; mapped only where host and device share their memory
+    upload,    // the host writes from front to back, the device reads
+    download,  // the device writes, the host reads; cached where there is such memory
+};
+
+class Memory;
+struct MemoryBlock;
+
+// A buffer for shaders, copies and indirect dispatch, with its memory. Its Memory must outlive it.
+class Buffer {
+public:
+    Buffer() = default;
+    Buffer(Buffer&& other) noexcept;
+    Buffer& operator=(Buffer&& other) noexcept;
+    ~Buffer();
+
+    [[nodiscard]] VkBuffer handle() const { return handle_; }
+    // As asked for; the VkBuffer is at least as large, and a multiple of 16 bytes.
+    [[nodiscard]] VkDeviceSize size() const { return size_; }
+    [[nodiscard]] explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
+
+    // The bytes as the host sees them, for as long as the buffer lives; empty when it cannot see them.
+    [[nodiscard]] std::span<std::byte> mapped() const { return mapped_; }
+    // The same as an array of T; a rest shorter than a T is left out.
+    template <class T>
+    [[nodiscard]] std::span<T> as() const {
+        return {reinterpret_cast<T*>(mapped_.data()), mapped_.size() / sizeof(T)};
+    }
+    // After the host has written and before submit; before the host reads and after the wait. Nothing to do, and cheap,
+    // where memory is coherent.
+    void flush() const;
+    void invalidate() const;
+
+private:
+    friend class Memory;
+    [[nodiscard]] VkMappedMemoryRange range() const;
+
+    Memory* memory_ = nullptr;
+    MemoryBlock* block_ = nullptr;
+    VkBuffer handle_ = VK_NULL_HANDLE;
+    VkDeviceSize size_ = 0;
+    VkDeviceSize offset_ = 0;    // in the block
+    VkDeviceSize reserved_ = 0;  // bytes taken in the block
+    std::span<std::byte> mapped_;
+};
+
+// Takes memory from the device in blocks and gives parts of them to buffers. Not thread-safe: one thread at a time
+// makes and destroys the buffers of a Memory (using them needs no care). The device must outlive it.
+class Memory {
+public:
+    static constexpr VkDeviceSize default_block_bytes = VkDeviceSize{64} << 20;
+
+    // A buffer above half of `block_bytes` gets a block of its own. Empty blocks are freed at once.
+    explicit Memory(Device& device, VkDeviceSize block_bytes = default_block_bytes);
+    ~Memory();
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+
+    // Throws `out_of_memory`: above the device's limits, or no memory left. 0 bytes make a valid buffer.
+    [[nodiscard]] Buffer buffer(VkDeviceSize bytes, MemoryKind kind, const char* name = nullptr);
+    // The largest buffer that buffer() would try to make.
+    [[nodiscard]] VkDeviceSize max_buffer_bytes() const;
+
+    // In buffers now, and the most there ever were; in blocks now.
+    [[nodiscard]] VkDeviceSize used_bytes() const { return used_; }
+    [[nodiscard]] VkDeviceSize peak_bytes() const { return peak_; }
+    [[nodiscard]] VkDeviceSize block_bytes() const { return reserved_; }
+    [[nodiscard]] std::size_t block_count() const { return blocks_.size(); }
+
+private:
+    friend class Buffer;
+    struct Place {
+        MemoryBlock* block;
+        VkDeviceSize offset;
+        VkDeviceSize bytes;
+    };
+    [[nodiscard]] Place allocate(const VkMemoryRequirements& needs, MemoryKind kind);
+    [[nodiscard]] MemoryBlock* new_block(std::uint32_t type, MemoryKind kind, VkDeviceSize bytes);  // null: none left
+    [[nodiscard]] std::vector<std::uint32_t> candidate_types(std::uint32_t allowed, MemoryKind kind) const;
+    void release(const Place& place) noexcept;
+    void destroy(Buffer& buffer) noexcept;
+
+    Device& device_;
+    VkDeviceSize preferred_block_;
+    std::vector<std::unique_ptr<MemoryBlock>> blocks_;
+    VkDeviceSize used_ = 0;
+    VkDeviceSize peak_ = 0;
+    VkDeviceSize reserved_ = 0;
+};
+
+}  // namespace votess::gpu::vulkan

@@ -1,0 +1,46 @@
+// Compiled pipelines kept on disk between runs. Nothing here ever fails: without a cache pipelines just compile again.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "gpu/vulkan/adapter.hpp"
+#include "gpu/vulkan/api.hpp"
+
+namespace votess::gpu::vulkan {
+
+// $VOTESS_CACHE_DIR, else $XDG_CACHE_HOME/votess, else $HOME/.cache/votess; empty = no cache, as when VOTESS_CACHE_DIR
+// is set but empty.
+[[nodiscard]] std::filesystem::path cache_directory();
+// The file for this device and driver; empty when there is no cache.
+[[nodiscard]] std::filesystem::path cache_file(const Adapter& adapter);
+
+// The data in a file that write_cache made for this device and driver; empty for any other file.
+[[nodiscard]] std::vector<std::byte> read_cache(const std::filesystem::path& file, const Adapter& adapter) noexcept;
+// Replaces the file as one step; false, and no trace, when that cannot be done.
+bool write_cache(const std::filesystem::path& file, std::span<const std::byte> data) noexcept;
+
+// A VkPipelineCache that begins with the data of the file, and on destruction writes it back when it has grown.
+class PipelineCache {
+public:
+    PipelineCache(const VolkDeviceTable& table, VkDevice device, const Adapter& adapter);
+    ~PipelineCache();
+    PipelineCache(const PipelineCache&) = delete;
+    PipelineCache& operator=(const PipelineCache&) = delete;
+
+    [[nodiscard]] VkPipelineCache handle() const { return handle_; }
+    [[nodiscard]] std::size_t loaded_bytes() const { return loaded_bytes_; }
+
+private:
+    void save() const noexcept;
+
+    const VolkDeviceTable& table_;
+    VkDevice device_;
+    std::filesystem::path file_;
+    VkPipelineCache handle_ = VK_NULL_HANDLE;
+    std::size_t loaded_bytes_ = 0;
+};
+
+}  // namespace votess::gpu::vulkan

@@ -1,0 +1,76 @@
+// The result while engines fill it: arrays in input order, and rows of neighbors that wait, block by block and in the
+// order of the engine, until all lengths are known. What is called from several threads says so.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "engine.hpp"
+#include "thread_pool.hpp"
+
+namespace votess {
+
+struct CellCounters {
+    std::uint64_t faces = 0;           // of the cells counted, walls included
+    std::uint64_t exact_cells = 0;     // where exact arithmetic decided a sign
+    std::uint64_t fallback_cells = 0;  // redone on the CPU after another device
+};
+
+class ResultBuilder {
+public:
+    // Sizes the arrays that the job wants; every cell certified, row empty, volume and counts 0, centroid NaN.
+    void begin(const Job& job);
+
+    // The arrays of N, centroids 3N; those not wanted are empty. Threads may write different cells at once. finish()
+    // takes a cell whose status is neither `certified` nor `duplicate` for a bug.
+    [[nodiscard]] std::span<CellStatus> status() { return result_.status; }
+    [[nodiscard]] std::span<double> volumes() { return result_.volumes; }
+    [[nodiscard]] std::span<double> centroids() { return result_.centroids; }
+    [[nodiscard]] std::span<std::uint32_t> face_counts() { return result_.face_counts; }
+    [[nodiscard]] std::span<std::uint32_t> edge_counts() { return result_.edge_counts; }
+    [[nodiscard]] std::span<std::uint32_t> vertex_counts() { return result_.vertex_counts; }
+
+    // From any thread. ids: rows of `cells` (input indices) one after the other, each ascending; lengths[k] of them
+    // belong to cells[k]. A cell of length 0 has no row here and may get one by another call. `cells` must stay as it
+    // is until finish(), see keep(). Large results finish faster in blocks of some thousand cells or less.
+    // Does nothing when neighbors are not wanted.
+    void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                  std::vector<std::int32_t> ids);
+    // From any thread. The same, copied and cut into blocks: all three arrays are the caller's again on return.
+    void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                   std::span<const std::int32_t> ids);
+    // From any thread. Holds an array of cells until finish() and returns its place.
+    std::span<const std::int32_t> keep(std::vector<std::int32_t> cells);
+    // From any thread.
+    void count(const CellCounters& counters);
+
+    // duplicate_of: N, or empty when there are none. Gives the duplicates their status.
+    void set_duplicates(std::vector<std::int32_t> duplicate_of);
+
+    // Puts the rows into place and fills everything of the result but stats.device and stats.seconds, which it leaves
+    // alone. The builder is empty afterwards.
+    void finish(detail::Result& result, ThreadPool& pool);
+
+private:
+    struct Block {
+        std::span<const std::int32_t> cells;
+        std::vector<std::int32_t> own_cells;  // what `cells` points to when it was not the caller's
+        std::vector<std::int32_t> ids;
+    };
+
+    void set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids);
+    void push(Block block);
+    void place_rows(ThreadPool& pool);
+    void finish_stats(Stats& stats, ThreadPool& pool) const;
+
+    bool want_neighbors_ = false;
+    detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()
+    std::mutex mutex_;       // of what follows
+    std::vector<Block> blocks_;
+    std::vector<std::vector<std::int32_t>> kept_;
+    CellCounters counters_;
+};
+
+}  // namespace votess

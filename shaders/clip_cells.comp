@@ -1,0 +1,204 @@
+// clip: the box around each seed is cut by the bisectors with its neighbors, nearest first, until the security radius
+// proves the cell complete. A cell that cannot be proven gets the status that says why.
+//
+// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in float32.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(constant_id = CONSTANT_MOST_PLANES) const int most_planes = 32;
+layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
+layout(constant_id = CONSTANT_CLIP_TIER) const uint tier = 0u;
+layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
+layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e-8;
+layout(push_constant) uniform Push { ClipPush push; };
+layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
+layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
+layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
+layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
+layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
+layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfo { uvec2 list_info[]; };
+layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
+layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
+layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
+layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
+layout(std430, binding = BINDING_TODO) buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
+
+#ifdef CLIP_FLOAT64
+#define real double
+const double unit = 1.1102230246251565e-16LF;
+#else
+#define real float
+const float unit = float_unit;
+#endif
+#ifdef GEOMETRY_FLOAT64
+#define geometry_real double
+const double geometry_unit = 1.1102230246251565e-16LF;
+#else
+#define geometry_real float
+const float geometry_unit = float_unit;
+#endif
+layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { geometry_real geometry[]; };
+
+#include "lib/int64.glsl"
+#include "lib/linear.glsl"
+#include "lib/cell.glsl"
+
+uvec2 px, py, pz;  // the seed
+float scale;       // 2^-k: units to units of the cell
+
+// q - p in units of the cell with one rounding.
+real difference(uvec2 q, uvec2 p) {
+    const uvec2 d = subtract64(q, p);
+    const bool negative = (d.y & 0x80000000u) != 0u;
+    const uvec2 m = negative ? negate64(d) : d;
+#ifdef CLIP_FLOAT64
+    const real magnitude = (real(m.y) * 4294967296.0LF + real(m.x)) * real(scale);
+#else
+    const real magnitude = round64(m) * scale;
+#endif
+    return negative ? -magnitude : magnitude;
+}
+
+geometry_real geometry_difference(uvec2 q, uvec2 p) {
+#if defined(GEOMETRY_FLOAT64) && !defined(CLIP_FLOAT64)
+    const uvec2 d = subtract64(q, p);
+    const bool negative = (d.y & 0x80000000u) != 0u;
+    const uvec2 m = negative ? negate64(d) : d;
+    const double magnitude = (double(m.y) * 4294967296.0LF + double(m.x)) * double(scale);
+    return negative ? -magnitude : magnitude;
+#else
+    return difference(q, p);
+#endif
+}
+
+// Distance of the seed to wall i.
+geometry_real wall_distance(int i) {
+    const uvec2 p = i / 2 == 0 ? px : (i / 2 == 1 ? py : pz);
+    return (i & 1) == 0 ? geometry_difference(p, uvec2(0)) : geometry_difference(push.extent[i / 2], p);
+}
+
+#include "lib/geometry.glsl"
+
+void test_next(uint q) {
+    new_x = difference(seeds_x[q], px);
+    new_y = difference(seeds_y[q], py);
+    new_z = difference(seeds_z[q], pz);
+    precise const real square = fma(new_x, new_x, fma(new_y, new_y, new_z * new_z));
+    new_h = real(0.5) * square;
+    new_norm = sqrt(square);
+}
+
+// Clips by the list's neighbors. The list is sorted to 1e-6, so what follows is no nearer than a neighbor by 1e-5.
+void clip(uint slot, uint count, float reach) {
+    uint next = 0u;
+    bool complete = false;
+    measure_radius();
+    real security = security_radius_squared();
+    for (;;) {
+        // Up to the next plane that cuts; then all invocations cut side by side.
+        bool cuts = false;
+        uint q = 0u;
+        while (next < count && !cuts && status == STATUS_CERTIFIED) {
+            q = list[next * push.list_stride + slot];
+            ++next;
+            test_next(q);
+            if (!(new_h > real(0))) {
+                status = STATUS_NEEDS_EXACT;
+                break;
+            }
+            if (real(2) * new_h * real(0.99999) >= security) {
+                complete = true;
+                break;
+            }
+            cuts = test_plane();
+            security = security_radius_squared();
+        }
+        if (!cuts || status != STATUS_CERTIFIED) break;
+        cut(int(q));
+        if (status != STATUS_CERTIFIED) break;
+    }
+    if (status != STATUS_CERTIFIED || complete || reach >= UNBOUNDED) return;
+    measure_radius();
+    if (!(security_radius_squared() <= real(reach * scale * scale) * real(0.99999))) status = STATUS_CANDIDATES_EXHAUSTED;
+}
+
+void finish(uint slot, uint cell, uint exponent) {
+    uint length = 0u, faces = 0u;
+    if (status == STATUS_CERTIFIED) {
+        note_planes_in_use();
+        for (int w = 0; w < plane_words; ++w) faces += uint(bitCount(planes_used[w]));
+        if (vertex_count != 2 * int(faces) - 4) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
+    }
+    if (want_geometry != 0u && status == STATUS_CERTIFIED) {
+        measure_cell();
+        if (!(volume_error <= geometry_real(push.volume_tolerance) * volume)) status = STATUS_NEEDS_EXACT;
+        geometry[4u * cell] = volume;
+        geometry[4u * cell + 1u] = centroid_x;
+        geometry[4u * cell + 2u] = centroid_y;
+        geometry[4u * cell + 3u] = centroid_z;
+    }
+    if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
+        for (int w = 0; w < plane_words; ++w)
+            for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {
+                const int id = plane_id[32 * w + findLSB(rest)];
+                if (id < 0 && push.walls == 0u) continue;
+                rows[length * push.row_stride + slot] = id < 0 ? id : int(seed_input[id]);
+                ++length;
+            }
+    }
+    const bool certified = status == STATUS_CERTIFIED;
+    info[cell] = status | (certified ? (faces << INFO_FACES_SHIFT) | (uint(vertex_count) << INFO_VERTICES_SHIFT) |
+                                           (exponent << INFO_EXPONENT_SHIFT)
+                                     : 0u);
+    row_length[cell] = length;
+    row_place[cell] = tier == 0u ? slot : slot | SECOND_TIER_BIT;
+    if (tier == 0u && !certified && status != STATUS_DUPLICATE && status != STATUS_OUTSIDE) {
+        const uint place = atomicAdd(chunk.todo_count, 1u);
+        if (place < push.todo_capacity) todo[place] = cell;
+    }
+}
+
+void main() {
+    const uint slot = linear_invocation();
+    uint cell = slot;
+    if (tier == 0u) {
+        if (slot >= push.cell_count) return;
+    } else {
+        if (slot >= min(chunk.todo_count, push.todo_capacity)) return;
+        cell = todo[slot];
+    }
+    const uint self = push.first_cell + cell;
+    px = seeds_x[self];
+    py = seeds_y[self];
+    pz = seeds_z[self];
+    const bool is_duplicate = px.y == NO_COORDINATE;
+    if (is_duplicate || seed_input[self] >= push.own_count) {
+        status = is_duplicate ? STATUS_DUPLICATE : STATUS_OUTSIDE;
+        finish(slot, cell, 0u);
+        return;
+    }
+
+    const uvec2 found = list_info[slot];
+    uint exponent = COORDINATE_BITS - 1;
+    if (found.x > 0u) {
+        const uint q = list[slot];
+        const float nearest = max(abs(rough_difference(seeds_x[q], px)),
+                                  max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz))));
+        exponent = nearest >= 1.0 ? (floatBitsToUint(nearest) >> 23) - 127u : 0u;
+    }
+    scale = uintBitsToFloat((127u - exponent) << 23);
+    quantum = state.lossy != 0u ? real(2.0 * scale) : real(0);
+    if (exponent < SMALLEST_CELL_EXPONENT) {
+        status = STATUS_NEEDS_EXACT;
+    } else {
+        start_cell(real[6](real(difference(px, uvec2(0))), difference(push.extent[0], px), difference(py, uvec2(0)),
+                           difference(push.extent[1], py), difference(pz, uvec2(0)), difference(push.extent[2], pz)));
+        if (status == STATUS_CERTIFIED) clip(slot, found.x, uintBitsToFloat(found.y));
+    }
+    finish(slot, cell, exponent);
+}

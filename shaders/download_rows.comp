@@ -1,0 +1,35 @@
+// download: the rows of a chunk one after the other, each in ascending order.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { RowsPush push; };
+layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
+layout(std430, binding = BINDING_ROW_PLACE) readonly buffer RowPlace { uint row_place[]; };
+layout(std430, binding = BINDING_ROWS) readonly buffer Rows { int rows[]; };
+layout(std430, binding = BINDING_SECOND_ROWS) readonly buffer SecondRows { int second_rows[]; };
+layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
+layout(std430, binding = BINDING_ROWS_OUT) writeonly buffer RowsOut { int rows_out[]; };
+
+#include "lib/linear.glsl"
+
+int entry(uint place, uint i) {
+    const uint column = place & ~SECOND_TIER_BIT;
+    return (place & SECOND_TIER_BIT) != 0u ? second_rows[i * push.second_row_stride + column]
+                                           : rows[i * push.row_stride + column];
+}
+
+void main() {
+    const uint cell = linear_invocation();
+    if (cell >= push.cell_count) return;
+    const uint length = row_length[cell], place = row_place[cell], offset = row_offsets[cell];
+    for (uint i = 0u; i < length; ++i) {
+        const int id = entry(place, i);
+        uint rank = 0u;
+        for (uint j = 0u; j < length; ++j)
+            if (entry(place, j) < id) ++rank;
+        rows_out[offset + rank] = id;
+    }
+}

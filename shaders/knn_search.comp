@@ -1,0 +1,186 @@
+// knn: the nearest seeds of each cell's seed, nearest first, and the distance up to which the list is complete.
+//
+// The search climbs from the seed's own group towards the root and descends into every box that is nearer than the
+// farthest neighbor kept; sorted along a Hilbert curve, what is near comes early. Neighbors are kept in a heap with the
+// farthest on top.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(constant_id = CONSTANT_K) const int k = 64;
+layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
+layout(push_constant) uniform Push { KnnPush push; };
+#include "lib/int64.glsl"
+#include "lib/linear.glsl"
+#include "lib/node.glsl"
+layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
+layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
+layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
+layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
+layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
+layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfo { uvec2 list_info[]; };
+
+// Squared distances are right to 8 roundings of float32, of 2^-23 each at most.
+const float box_slack = 1.0 - 1e-5;
+const float reach_slack = 1.0 - 3e-5;
+
+uint self;
+uvec2 px, py, pz;
+int size = 0;
+float distances[k];
+uint indices[k];
+float worst = UNBOUNDED;
+uint visits = 0u;
+
+void sift_down(int at, int end, float distance, uint index) {
+    for (;;) {
+        int child = 2 * at + 1;
+        if (child >= end) break;
+        if (child + 1 < end && distances[child + 1] > distances[child]) ++child;
+        if (distances[child] <= distance) break;
+        distances[at] = distances[child];
+        indices[at] = indices[child];
+        at = child;
+    }
+    distances[at] = distance;
+    indices[at] = index;
+}
+
+void make_heap() {
+    for (int i = size / 2 - 1; i >= 0; --i) sift_down(i, size, distances[i], indices[i]);
+}
+
+void visit_group(uint group) {
+    const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
+    for (uint seed = group * GROUP_SEEDS; seed < end; ++seed) {
+        const uvec2 qx = seeds_x[seed];
+        if (seed == self || qx.y == NO_COORDINATE) continue;
+        const float dx = rough_difference(qx, px);
+        const float dy = rough_difference(seeds_y[seed], py);
+        const float dz = rough_difference(seeds_z[seed], pz);
+        const float d = dx * dx + dy * dy + dz * dz;
+        if (!(d < worst)) continue;
+        if (size < k) {
+            distances[size] = d;
+            indices[size] = seed;
+            ++size;
+            if (size == k) {
+                make_heap();
+                worst = distances[0];
+            }
+        } else {
+            sift_down(0, k, d, seed);
+            worst = distances[0];
+        }
+    }
+}
+
+float gap(uvec2 p, uvec2 lower, uvec2 upper) {
+    if (less64(p, lower)) return rough_difference(lower, p);
+    if (less64(upper, p)) return rough_difference(p, upper);
+    return 0.0;
+}
+
+bool is_near(uint level, uint node) {
+    const Node box = nodes[push.level_first[level] + node];
+    if (box.lower[0].y == NO_COORDINATE) return false;
+    const float dx = gap(px, box.lower[0], box.upper[0]);
+    const float dy = gap(py, box.lower[1], box.upper[1]);
+    const float dz = gap(pz, box.lower[2], box.upper[2]);
+    return (dx * dx + dy * dy + dz * dz) * box_slack < worst;
+}
+
+uint nodes_of(uint level) {
+    uint count = (push.seed_count + GROUP_SEEDS - 1u) / GROUP_SEEDS;
+    for (uint l = 0u; l < level; ++l) count = (count + FAN - 1u) / FAN;
+    return count;
+}
+
+// Everything near below a node, without a stack: a node's number tells its parent and its siblings.
+void explore(uint root_level, uint root) {
+    uint level = root_level, node = root;
+    for (;;) {
+        if (++visits > push.most_visits) return;
+        if (is_near(level, node)) {
+            if (level > 0u) {
+                --level;
+                node *= FAN;
+                continue;
+            }
+            visit_group(node);
+        }
+        for (;;) {
+            if (level == root_level) return;
+            ++node;
+            if ((node & (FAN - 1u)) != 0u && node < nodes_of(level)) break;
+            node = (node - 1u) >> FAN_BITS;
+            ++level;
+        }
+    }
+}
+
+// Nothing is known about seeds beyond the bounds. A seed that lies outside has no reach.
+void bound_reach(inout float reach, int axis, uvec2 p) {
+    if ((push.bounded & (1u << axis)) != 0u) {
+        const float d = less64(p, push.lower[axis]) ? 0.0 : rough_difference(p, push.lower[axis]);
+        reach = min(reach, d * d * reach_slack);
+    }
+    if ((push.bounded & (8u << axis)) != 0u) {
+        const float d = less64(push.upper[axis], p) ? 0.0 : rough_difference(push.upper[axis], p);
+        reach = min(reach, d * d * reach_slack);
+    }
+}
+
+void main() {
+    const uint slot = linear_invocation();
+    uint cell = slot;
+    if (tier == 0u) {
+        if (slot >= push.cell_count) return;
+    } else {
+        if (slot >= chunk.todo_count || slot >= push.stride) return;
+        cell = todo[slot];
+    }
+    self = push.first_cell + cell;
+    px = seeds_x[self];
+    py = seeds_y[self];
+    pz = seeds_z[self];
+    if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
+        list_info[slot] = uvec2(0u, 0u);
+        return;
+    }
+
+    uint node = self / GROUP_SEEDS;
+    visit_group(node);
+    for (uint level = 0u; level + 1u < push.level_count; ++level) {
+        const uint first = node & ~(FAN - 1u), end = min(first + FAN, nodes_of(level));
+        for (uint sibling = first; sibling < end; ++sibling)
+            if (sibling != node) explore(level, sibling);
+        node >>= FAN_BITS;
+    }
+    const bool complete = visits <= push.most_visits;
+    float reach = complete ? UNBOUNDED : 0.0;
+    if (size == k) {
+        if (complete) reach = worst * reach_slack;
+    } else {
+        make_heap();
+    }
+    for (int end = size - 1; end > 0; --end) {
+        const float distance = distances[end];
+        const uint index = indices[end];
+        distances[end] = distances[0];
+        indices[end] = indices[0];
+        sift_down(0, end, distance, index);
+    }
+    if (push.bounded != 0u) {
+        bound_reach(reach, 0, px);
+        bound_reach(reach, 1, py);
+        bound_reach(reach, 2, pz);
+    }
+    for (int i = 0; i < size; ++i) list[uint(i) * push.stride + slot] = indices[i];
+    list_info[slot] = uvec2(uint(size), floatBitsToUint(reach));
+}

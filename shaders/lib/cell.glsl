@@ -1,0 +1,229 @@
+// One Voronoi cell in private memory: a simple polytope, every vertex on exactly three planes, relative to its seed and
+// in units of about the distance to its nearest neighbor.
+//
+// Filter. A plane (n, h) is n.x = h with |n| >= 1, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to 5u.
+// With P = |na||nb||nc|, d = h/|n| and condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
+//     |x - X| <= u (condition (13.9 (da + db + dc) + 9.3 |x|) + 6 |x|):
+// a numerator's terms are right to 12u, its products of absolute values at most 1.155 h_a |nb||nc|; the determinant is
+// right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division may err by 2.5 units in the last place. The
+// test of a plane is right to
+//     |n| (|x - X| + 6u |x|) + 10 u h .
+// A coordinate that was rounded to units moves each plane by at most `quantum` (|x| + 1). A test inside its bound makes
+// the cell uncertain: nothing is decided by rounding.
+//
+// Needs real, most_planes, most_vertices, unit.
+
+const int plane_words = most_planes / 32;
+const int vertex_words = most_vertices / 32;
+
+real plane_x[most_planes], plane_y[most_planes], plane_z[most_planes], plane_h[most_planes];
+real plane_norm[most_planes];
+int plane_id[most_planes];  // sorted seed, or wall id
+uint planes_used[plane_words];
+
+real vertex_x[most_vertices], vertex_y[most_vertices], vertex_z[most_vertices];
+real vertex_error[most_vertices];    // |x - X| + 6u |x|
+uint vertex_planes[most_vertices];   // three of 8 bits, in positive orientation: det(na,nb,nc) > 0
+int vertex_count;
+
+uint killed[vertex_words];                       // vertices outside the plane tested last
+uint edges_killed[most_planes * plane_words];    // bit b of row a: edge (a, b) of a killed vertex
+uint horizon[most_planes];                       // edges (a, b) with one vertex killed: a | b << 8
+uint status;
+real quantum;
+real radius_squared, largest_error;  // over all vertices, as of the last test
+
+// The plane tested last.
+real new_x, new_y, new_z, new_h, new_norm;
+
+uint plane_of(uint packed, int k) {
+    return (packed >> (8 * k)) & 0xffu;
+}
+
+void set_plane(uint slot, real x, real y, real z, real h, real norm, int id) {
+    plane_x[slot] = x;
+    plane_y[slot] = y;
+    plane_z[slot] = z;
+    plane_h[slot] = h;
+    plane_norm[slot] = norm;
+    plane_id[slot] = id;
+    planes_used[slot >> 5] |= 1u << (slot & 31u);
+}
+
+// Appends the vertex of planes a, b, c.
+void add_vertex(uint a, uint b, uint c) {
+    if (vertex_count == most_vertices) {
+        status = STATUS_VERTEX_OVERFLOW;
+        return;
+    }
+    precise const real ax = plane_x[a], ay = plane_y[a], az = plane_z[a];
+    precise const real bx = plane_x[b], by = plane_y[b], bz = plane_z[b];
+    precise const real cx = plane_x[c], cy = plane_y[c], cz = plane_z[c];
+    precise const real bcx = by * cz - bz * cy, bcy = bz * cx - bx * cz, bcz = bx * cy - by * cx;
+    precise const real cax = cy * az - cz * ay, cay = cz * ax - cx * az, caz = cx * ay - cy * ax;
+    precise const real abx = ay * bz - az * by, aby = az * bx - ax * bz, abz = ax * by - ay * bx;
+    precise const real det = ax * bcx + ay * bcy + az * bcz;
+    precise const real product = plane_norm[a] * plane_norm[b] * plane_norm[c];
+    if (!(det * real(0.0005) > product * unit)) {  // the bound above is of first order
+        status = STATUS_NEEDS_EXACT;
+        return;
+    }
+    const real ha = plane_h[a], hb = plane_h[b], hc = plane_h[c];
+    precise const real inverse = real(1) / det;
+    precise const real x = (ha * bcx + hb * cax + hc * abx) * inverse;
+    precise const real y = (ha * bcy + hb * cay + hc * aby) * inverse;
+    precise const real z = (ha * bcz + hb * caz + hc * abz) * inverse;
+    precise const real length = sqrt(x * x + y * y + z * z);
+    precise const real condition = product * inverse;
+    precise const real distances = ha / plane_norm[a] + hb / plane_norm[b] + hc / plane_norm[c];
+    precise const real rounding =
+        unit * (condition * (real(13.9) * distances + real(9.3) * length) + real(12) * length) * real(1.05);
+    vertex_x[vertex_count] = x;
+    vertex_y[vertex_count] = y;
+    vertex_z[vertex_count] = z;
+    vertex_error[vertex_count] = rounding + quantum * (real(4) * condition + real(1)) * (length + real(1));
+    vertex_planes[vertex_count] = a | (b << 8) | (c << 16);
+    ++vertex_count;
+}
+
+// The box: planes 0 .. 5 are the walls xmin, xmax, ymin, ymax, zmin, zmax at distances `wall`.
+void start_cell(real wall[6]) {
+    status = STATUS_CERTIFIED;
+    for (int w = 0; w < plane_words; ++w) planes_used[w] = 0u;
+    for (uint i = 0u; i < 6u; ++i) {
+        const real side = (i & 1u) != 0u ? real(1) : real(-1);
+        set_plane(i, i / 2u == 0u ? side : real(0), i / 2u == 1u ? side : real(0), i / 2u == 2u ? side : real(0), wall[i],
+                  real(1), -1 - int(i));
+    }
+    vertex_count = 0;
+    for (uint corner = 0u; corner < 8u; ++corner) {
+        const uint x = corner & 1u, y = 2u + ((corner >> 1) & 1u), z = 4u + (corner >> 2);
+        // det is the product of the three signs.
+        if ((bitCount(corner) & 1) != 0)
+            add_vertex(x, y, z);
+        else
+            add_vertex(y, x, z);
+    }
+}
+
+// Marks the vertices outside the new plane; true when there are any. Uncertain: status changes.
+bool test_plane() {
+    for (int w = 0; w < vertex_words; ++w) killed[w] = 0u;
+    bool cuts = false;
+    real farthest = real(0), error = real(0);
+    precise const real h_error = real(10.5) * unit * new_h;
+    for (int v = 0; v < vertex_count; ++v) {
+        const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v], e = vertex_error[v];
+        // A fused fma only leaves roundings out.
+        precise const real side = fma(new_x, x, fma(new_y, y, fma(new_z, z, -new_h)));
+        precise const real bound = fma(new_norm, e, h_error);
+        if (side > bound) {
+            killed[v >> 5] |= 1u << (v & 31);
+            cuts = true;
+        } else if (!(side < -bound)) {
+            status = STATUS_NEEDS_EXACT;
+        }
+        farthest = max(farthest, fma(x, x, fma(y, y, z * z)));
+        error = max(error, e);
+    }
+    radius_squared = farthest;
+    largest_error = error;
+    return cuts;
+}
+
+void measure_radius() {
+    radius_squared = real(0);
+    largest_error = real(0);
+    for (int v = 0; v < vertex_count; ++v) {
+        const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
+        radius_squared = max(radius_squared, fma(x, x, fma(y, y, z * z)));
+        largest_error = max(largest_error, vertex_error[v]);
+    }
+}
+
+// At least the squared security radius: no seed beyond it can cut the cell.
+real security_radius_squared() {
+    const real radius = real(2.00002) * (sqrt(radius_squared) + largest_error);
+    return radius * radius;
+}
+
+void note_planes_in_use() {
+    for (int w = 0; w < plane_words; ++w) planes_used[w] = 0u;
+    for (int v = 0; v < vertex_count; ++v)
+        for (int k = 0; k < 3; ++k) {
+            const uint p = plane_of(vertex_planes[v], k);
+            planes_used[p >> 5] |= 1u << (p & 31u);
+        }
+}
+
+// A plane slot that is not in use, most_planes when there is none.
+uint free_plane() {
+    for (int w = 0; w < plane_words; ++w)
+        if (planes_used[w] != 0xffffffffu) return uint(32 * w + findLSB(~planes_used[w]));
+    return uint(most_planes);
+}
+
+// Replaces the killed vertices by those of the new plane with the horizon: edge (a, b) of a killed vertex is on it iff
+// no killed vertex has (b, a).
+void cut(int id) {
+    for (int w = 0; w < vertex_words; ++w)
+        for (uint rest = killed[w]; rest != 0u; rest &= rest - 1u) {
+            const uint planes = vertex_planes[32 * w + findLSB(rest)];
+            for (int k = 0; k < 3; ++k)
+                for (int i = 0; i < plane_words; ++i) edges_killed[int(plane_of(planes, k)) * plane_words + i] = 0u;
+        }
+    for (int w = 0; w < vertex_words; ++w)
+        for (uint rest = killed[w]; rest != 0u; rest &= rest - 1u) {
+            const uint planes = vertex_planes[32 * w + findLSB(rest)];
+            for (int k = 0; k < 3; ++k) {
+                const uint a = plane_of(planes, k), b = plane_of(planes, k == 2 ? 0 : k + 1);
+                edges_killed[int(a) * plane_words + int(b >> 5)] |= 1u << (b & 31u);
+            }
+        }
+
+    // Each plane once as the first and once as the second of an edge: the horizon is a ring.
+    int horizon_count = 0;
+    uint first_seen[plane_words], second_seen[plane_words];
+    for (int w = 0; w < plane_words; ++w) first_seen[w] = second_seen[w] = 0u;
+    for (int w = 0; w < vertex_words; ++w)
+        for (uint rest = killed[w]; rest != 0u; rest &= rest - 1u) {
+            const uint planes = vertex_planes[32 * w + findLSB(rest)];
+            for (int k = 0; k < 3; ++k) {
+                const uint a = plane_of(planes, k), b = plane_of(planes, k == 2 ? 0 : k + 1);
+                if ((edges_killed[int(b) * plane_words + int(a >> 5)] & (1u << (a & 31u))) != 0u) continue;
+                const uint a_bit = 1u << (a & 31u), b_bit = 1u << (b & 31u);
+                if ((first_seen[a >> 5] & a_bit) != 0u || (second_seen[b >> 5] & b_bit) != 0u) {
+                    status = STATUS_NEEDS_EXACT;
+                    return;
+                }
+                first_seen[a >> 5] |= a_bit;
+                second_seen[b >> 5] |= b_bit;
+                horizon[horizon_count++] = a | (b << 8);
+            }
+        }
+
+    // From the last to the first, so that what moves into a hole is alive.
+    for (int w = vertex_words - 1; w >= 0; --w)
+        for (uint rest = killed[w]; rest != 0u;) {
+            const int bit = findMSB(rest), v = 32 * w + bit;
+            rest &= ~(1u << bit);
+            --vertex_count;
+            vertex_x[v] = vertex_x[vertex_count];
+            vertex_y[v] = vertex_y[vertex_count];
+            vertex_z[v] = vertex_z[vertex_count];
+            vertex_error[v] = vertex_error[vertex_count];
+            vertex_planes[v] = vertex_planes[vertex_count];
+        }
+
+    uint slot = free_plane();
+    if (slot == uint(most_planes)) {
+        note_planes_in_use();
+        slot = free_plane();
+        if (slot == uint(most_planes)) {
+            status = STATUS_PLANE_OVERFLOW;
+            return;
+        }
+    }
+    set_plane(slot, new_x, new_y, new_z, new_h, new_norm, id);
+    for (int i = 0; i < horizon_count; ++i) add_vertex(horizon[i] & 0xffu, horizon[i] >> 8, slot);
+}

@@ -1,0 +1,72 @@
+// Whole numbers of 64 bits as two words (x low, y high), modulo 2^64: not every device has them.
+
+uvec2 add64(uvec2 a, uvec2 b) {
+    uint carry;
+    const uint low = uaddCarry(a.x, b.x, carry);
+    return uvec2(low, a.y + b.y + carry);
+}
+
+uvec2 subtract64(uvec2 a, uvec2 b) {
+    uint borrow;
+    const uint low = usubBorrow(a.x, b.x, borrow);
+    return uvec2(low, a.y - b.y - borrow);
+}
+
+uvec2 negate64(uvec2 a) {
+    return subtract64(uvec2(0), a);
+}
+
+bool less64(uvec2 a, uvec2 b) {
+    return a.y < b.y || (a.y == b.y && a.x < b.x);
+}
+
+uvec2 min64(uvec2 a, uvec2 b) {
+    return less64(a, b) ? a : b;
+}
+
+uvec2 max64(uvec2 a, uvec2 b) {
+    return less64(a, b) ? b : a;
+}
+
+// 0 <= n; zero from 64 on.
+uvec2 shift_left64(uvec2 a, uint n) {
+    if (n >= 64u) return uvec2(0);
+    if (n >= 32u) return uvec2(0u, a.x << (n - 32u));
+    if (n == 0u) return a;
+    return uvec2(a.x << n, (a.y << n) | (a.x >> (32u - n)));
+}
+
+// Rounds a number in two's complement down; `lost` becomes true when bits fell off.
+uvec2 shift_right64(uvec2 a, uint n, inout bool lost) {
+    const uint sign = (a.y & 0x80000000u) != 0u ? 0xffffffffu : 0u;
+    if (n == 0u) return a;
+    if (n >= 64u) {
+        lost = lost || (a.x | a.y) != 0u;
+        return uvec2(sign);
+    }
+    if (n >= 32u) {
+        const uint m = n - 32u;
+        lost = lost || a.x != 0u || (m > 0u && (a.y << (32u - m)) != 0u);
+        return uvec2(m == 0u ? a.y : ((a.y >> m) | (sign << (32u - m))), sign);
+    }
+    lost = lost || (a.x << (32u - n)) != 0u;
+    return uvec2((a.x >> n) | (a.y << (32u - n)), (a.y >> n) | (sign << (32u - n)));
+}
+
+// q - p in two's complement, to a few roundings. For searches.
+float rough_difference(uvec2 q, uvec2 p) {
+    const uvec2 d = subtract64(q, p);
+    const bool negative = (d.y & 0x80000000u) != 0u;
+    const uvec2 m = negative ? negate64(d) : d;
+    const float magnitude = float(m.y) * 4294967296.0 + float(m.x);
+    return negative ? -magnitude : magnitude;
+}
+
+// A number below 2^64 with one rounding: its leading 32 bits, the last of them set when any bit behind is.
+float round64(uvec2 m) {
+    if (m.y == 0u) return float(m.x);
+    const uint drop = uint(findMSB(m.y)) + 1u;  // 1 .. 32
+    const uint kept = drop == 32u ? m.y : (m.y << (32u - drop)) | (m.x >> drop);
+    const uint rest = drop == 32u ? m.x : m.x << (32u - drop);
+    return ldexp(float(kept | (rest != 0u ? 1u : 0u)), int(drop));
+}

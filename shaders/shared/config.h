@@ -1,0 +1,66 @@
+// Constants that shaders and engine must agree on. Included by GLSL and by C++.
+#ifndef VOTESS_SHADERS_CONFIG_H
+#define VOTESS_SHADERS_CONFIG_H
+
+// Coordinates are whole numbers of 64 bits: the longest side of the box is in [2^61, 2^62) units, the box begins at 0.
+#define COORDINATE_BITS 62
+
+// RunState.lossy
+#define LOSSY_POINTS 1u
+#define LOSSY_BOX 2u
+
+// sort: a stable radix sort, 4 bits at a time, of keys that hold a Hilbert index of 20 bits per axis in two words.
+#define KEY_BITS_PER_AXIS 20
+#define KEY_WORD_BITS 30
+#define DIGIT_BITS 4
+#define DIGITS 16
+#define TILE_GROUP 128       // invocations per tile, in sort and scan; every Vulkan device has 128
+#define TILE_ITEMS_EACH 8    // items of one invocation, at most 15: four bits count them
+#define TILE_ITEMS 1024      // TILE_GROUP * TILE_ITEMS_EACH
+#define MOST_LOOK_BACK 64    // seeds of equal key compared in search of a duplicate
+
+// knn: boxes over groups of consecutive sorted seeds, each level above covers FAN nodes of the level below.
+#define GROUP_SEEDS 8
+#define FAN 8
+#define FAN_BITS 3
+#define MOST_LEVELS 12
+#define UNBOUNDED 3.0e38  // beyond all squared distances, which are below 2^126 units
+
+// A seed that another one equals: no coordinate is this large.
+#define NO_COORDINATE 0xffffffffu
+#define DUPLICATE_BIT 0x80000000u  // in the input index of a sorted seed
+#define INDEX_MASK 0x7fffffffu
+
+// clip: a cell's unit of length is 2^k units, its nearest neighbor at least that far and less than four times; smaller
+// ones leave the range of float32 beside the box.
+#define SMALLEST_CELL_EXPONENT 20
+
+// clip: where a row is; rows of the second tier have the bit set.
+#define SECOND_TIER_BIT 0x80000000u
+
+// Statuses, equal to votess::CellStatus.
+#define STATUS_CERTIFIED 0u
+#define STATUS_NEEDS_EXACT 1u
+#define STATUS_PLANE_OVERFLOW 2u
+#define STATUS_VERTEX_OVERFLOW 3u
+#define STATUS_CANDIDATES_EXHAUSTED 4u
+#define STATUS_DUPLICATE 5u
+#define STATUS_OUTSIDE 7u
+
+// Cell info word: status, faces, vertices, binary exponent of the cell's unit of length.
+#define INFO_FACES_SHIFT 8
+#define INFO_VERTICES_SHIFT 16
+#define INFO_EXPONENT_SHIFT 24
+
+// Specialization constants. 0 is the local size of every pass.
+#define CONSTANT_LOCAL_SIZE 0
+#define CONSTANT_K 1                // knn: most neighbors listed
+#define CONSTANT_MOST_PLANES 1      // clip: a multiple of 32
+#define CONSTANT_MOST_VERTICES 2    // clip: a multiple of 32
+#define CONSTANT_TIER 2             // knn: 0 or 1
+#define CONSTANT_CLIP_TIER 3        // clip: 0 or 1
+#define CONSTANT_GEOMETRY 4         // clip: 1 computes volume and centroid
+#define CONSTANT_UNIT_ROUNDOFF 5    // clip: float32's, as float bits
+#define CONSTANT_TODO_GROUP 1         // todo: local size of the second tier
+
+#endif

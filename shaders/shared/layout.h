@@ -1,0 +1,100 @@
+// Structures that shaders and engine share: push constants and small state buffers, laid out alike by std430 and by
+// C++ (no member needs padding; tests/stages/gpu_layout.cpp proves it). Included by GLSL and by C++.
+#ifndef VOTESS_SHADERS_LAYOUT_H
+#define VOTESS_SHADERS_LAYOUT_H
+
+#include "config.h"
+
+#ifdef __cplusplus
+#include <cstdint>
+#include <glm/vec2.hpp>
+namespace votess::gpu {
+using uint = std::uint32_t;
+using uvec2 = glm::uvec2;  // a number of 64 bits: x is its low word
+#endif
+
+struct UploadPush {
+    uvec2 origin[3];  // the box's lower corner in units, modulo 2^64
+    uint first;       // point that the raw buffer begins with
+    uint count;
+    int shift;      // a point's coordinate times 2^shift is in units
+    uint is_float;  // 1: the raw buffer holds float32, else float64
+};
+
+struct SortPush {
+    uint count;
+    uint tiles;
+    uint shift;      // of the digit in its key word
+    uint high_word;  // 1: the digit is in the second key word
+};
+
+struct KeyPush {
+    uint count;
+    uint bits;  // per axis, 1 .. KEY_BITS_PER_AXIS
+};
+
+struct ScanPush {
+    uint count;
+};
+
+struct BoxesPush {
+    uint seed_count;
+    uint level;  // to make
+    uint first;  // node of the level in the node buffer
+    uint count;
+    uint below_first;
+    uint below_count;
+};
+
+struct KnnPush {
+    uvec2 lower[3];  // lists are complete within these bounds at most, where a bit of `bounded` says so
+    uvec2 upper[3];
+    uint bounded;     // bit a: lower[a] counts; bit 3 + a: upper[a]
+    uint first_cell;  // sorted seed that the chunk begins with
+    uint cell_count;  // of the chunk
+    uint seed_count;
+    uint own_count;  // input indices from here on are seeds beside the part, which get no cell
+    uint level_count;
+    uint most_visits;  // boxes looked at before the search gives up
+    uint stride;       // of the list from neighbor to neighbor
+    uint level_first[MOST_LEVELS];
+};
+
+struct ClipPush {
+    uvec2 extent[3];  // of the box in units
+    uint first_cell;
+    uint cell_count;
+    uint list_stride;
+    uint row_stride;
+    uint todo_capacity;  // cells that the second tier takes
+    uint own_count;      // as in KnnPush
+    uint walls;          // 1: wall ids are in the rows
+    uint neighbors;      // 1: rows are wanted
+    float volume_tolerance;  // relative
+};
+
+struct RowsPush {
+    uint cell_count;
+    uint row_stride;         // of the first tier
+    uint second_row_stride;  // of the second tier
+};
+
+// What the sort found out about the points.
+struct RunState {
+    uint lossy;       // LOSSY_ bits: coordinates that are no whole number of units
+    uint suspects;    // 1: there may be duplicates that were not marked
+    uint duplicates;  // marked
+    uint reserved;
+};
+
+// Work left by the first tier, and the arguments of the indirect dispatch that takes it up.
+struct ChunkState {
+    uint todo_count;  // may exceed the capacity
+    uint groups_x, groups_y, groups_z;
+};
+
+#ifdef __cplusplus
+}  // namespace votess::gpu
+#endif
+
+#endif

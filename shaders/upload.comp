@@ -1,0 +1,49 @@
+// upload: the coordinates as given become whole numbers of units, exactly or rounded down with a note that they were.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { UploadPush push; };
+layout(std430, binding = BINDING_RAW) readonly buffer Raw { uint raw[]; };
+layout(std430, binding = BINDING_POINTS_X) writeonly buffer PointsX { uvec2 points_x[]; };
+layout(std430, binding = BINDING_POINTS_Y) writeonly buffer PointsY { uvec2 points_y[]; };
+layout(std430, binding = BINDING_POINTS_Z) writeonly buffer PointsZ { uvec2 points_z[]; };
+layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
+
+#include "lib/int64.glsl"
+#include "lib/linear.glsl"
+
+// (-1)^negative mantissa 2^exponent in units.
+uvec2 in_units(bool negative, uvec2 mantissa, int exponent, inout bool lost) {
+    const uvec2 value = negative ? negate64(mantissa) : mantissa;
+    return exponent >= 0 ? shift_left64(value, uint(exponent)) : shift_right64(value, uint(-exponent), lost);
+}
+
+uvec2 coordinate(uint point, uint axis, inout bool lost) {
+    const uint at = 3u * point + axis;
+    uvec2 value;
+    if (push.is_float != 0u) {
+        const uint bits = raw[at];
+        const uint exponent = (bits >> 23) & 0xffu;
+        const uint mantissa = (bits & 0x7fffffu) | (exponent > 0u ? 0x800000u : 0u);
+        value = in_units((bits >> 31) != 0u, uvec2(mantissa, 0u), int(max(exponent, 1u)) - 150 + push.shift, lost);
+    } else {
+        const uvec2 bits = uvec2(raw[2u * at], raw[2u * at + 1u]);
+        const uint exponent = (bits.y >> 20) & 0x7ffu;
+        const uvec2 mantissa = uvec2(bits.x, (bits.y & 0xfffffu) | (exponent > 0u ? 0x100000u : 0u));
+        value = in_units((bits.y >> 31) != 0u, mantissa, int(max(exponent, 1u)) - 1075 + push.shift, lost);
+    }
+    return subtract64(value, push.origin[axis]);
+}
+
+void main() {
+    const uint point = linear_invocation();
+    if (point >= push.count) return;
+    bool lost = false;
+    points_x[push.first + point] = coordinate(point, 0u, lost);
+    points_y[push.first + point] = coordinate(point, 1u, lost);
+    points_z[push.first + point] = coordinate(point, 2u, lost);
+    if (lost) atomicOr(state.lossy, LOSSY_POINTS);
+}
