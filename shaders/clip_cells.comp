@@ -46,6 +46,7 @@ layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { geometry_
 
 #include "lib/int64.glsl"
 #include "lib/linear.glsl"
+#include "lib/loop_guard.glsl"
 #include "lib/cell.glsl"
 
 uvec2 px, py, pz;  // the seed
@@ -93,10 +94,10 @@ void test_next(uint q) {
     new_norm = sqrt(square);
 }
 
-// Clips by the list's neighbors. The list is sorted to 1e-6, so what follows is no nearer than a neighbor by 1e-5.
-void clip(uint slot, uint count, float reach) {
+// Clips by the list's neighbors. What follows a neighbor lies in its bucket of squared distances or beyond; the first
+// ones are without order. The proof is that the list is complete up to the security radius.
+void clip(uint slot, uint count, uint unsorted, float reach) {
     uint next = 0u;
-    bool complete = false;
     measure_radius();
     real security = security_radius_squared();
     for (;;) {
@@ -111,8 +112,8 @@ void clip(uint slot, uint count, float reach) {
                 status = STATUS_NEEDS_EXACT;
                 break;
             }
-            if (real(2) * new_h * real(0.99999) >= security) {
-                complete = true;
+            if (next > unsorted && real(2) * new_h * real(BUCKET_SLACK) >= security) {
+                next = count;
                 break;
             }
             cuts = test_plane();
@@ -122,7 +123,7 @@ void clip(uint slot, uint count, float reach) {
         cut(int(q));
         if (status != STATUS_CERTIFIED) break;
     }
-    if (status != STATUS_CERTIFIED || complete || reach >= UNBOUNDED) return;
+    if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return;
     measure_radius();
     if (!(security_radius_squared() <= real(reach * scale * scale) * real(0.99999))) status = STATUS_CANDIDATES_EXHAUSTED;
 }
@@ -150,6 +151,10 @@ void finish(uint slot, uint cell, uint exponent) {
                 rows[length * push.row_stride + slot] = id < 0 ? id : int(seed_input[id]);
                 ++length;
             }
+    }
+    if (loops_were_cut_short(2u + (push.cell_count >> 31))) {
+        status = STATUS_NEEDS_EXACT;
+        length = 0u;
     }
     const bool certified = status == STATUS_CERTIFIED;
     info[cell] = status | (certified ? (faces << INFO_FACES_SHIFT) | (uint(vertex_count) << INFO_VERTICES_SHIFT) |
@@ -184,11 +189,15 @@ void main() {
     }
 
     const uvec2 found = list_info[slot];
+    const uint count = found.x & 0xffffu, unsorted = found.x >> 16;
     uint exponent = COORDINATE_BITS - 1;
-    if (found.x > 0u) {
-        const uint q = list[slot];
-        const float nearest = max(abs(rough_difference(seeds_x[q], px)),
-                                  max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz))));
+    if (count > 0u) {
+        float nearest = UNBOUNDED;  // but for the width of a bucket
+        for (uint i = 0u; i < max(unsorted, 1u); ++i) {
+            const uint q = list[i * push.list_stride + slot];
+            nearest = min(nearest, max(abs(rough_difference(seeds_x[q], px)),
+                                       max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz)))));
+        }
         exponent = nearest >= 1.0 ? (floatBitsToUint(nearest) >> 23) - 127u : 0u;
     }
     scale = uintBitsToFloat((127u - exponent) << 23);
@@ -198,7 +207,7 @@ void main() {
     } else {
         start_cell(real[6](real(difference(px, uvec2(0))), difference(push.extent[0], px), difference(py, uvec2(0)),
                            difference(push.extent[1], py), difference(pz, uvec2(0)), difference(push.extent[2], pz)));
-        if (status == STATUS_CERTIFIED) clip(slot, found.x, uintBitsToFloat(found.y));
+        if (status == STATUS_CERTIFIED) clip(slot, count, unsorted, uintBitsToFloat(found.y));
     }
     finish(slot, cell, exponent);
 }

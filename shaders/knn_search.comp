@@ -1,8 +1,9 @@
 // knn: the nearest seeds of each cell's seed, nearest first, and the distance up to which the list is complete.
 //
 // The search climbs from the seed's own group towards the root and descends into every box that is nearer than the
-// farthest neighbor kept; sorted along a Hilbert curve, what is near comes early. Neighbors are kept in a heap with the
-// farthest on top.
+// farthest neighbor of interest; sorted along a Hilbert curve, what is near comes early. Neighbors are collected as
+// they come. When the store is full, the farther half is forgotten. In the end they are sorted by distance into
+// buckets a sixteenth of an octave wide; within a bucket the order is free. The first bucket takes whatever is nearer.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/bindings.h"
@@ -14,6 +15,7 @@ layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
 layout(push_constant) uniform Push { KnnPush push; };
 #include "lib/int64.glsl"
 #include "lib/linear.glsl"
+#include "lib/loop_guard.glsl"
 #include "lib/node.glsl"
 layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
 layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
@@ -29,30 +31,56 @@ layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfo { uvec2 li
 const float box_slack = 1.0 - 1e-5;
 const float reach_slack = 1.0 - 3e-5;
 
+#define BUCKET_OF(d) (max(int((floatBitsToUint(d) >> BUCKET_SHIFT) - lowest_bucket), 0))
+
+const int store = 2 * k;
+const int buckets = 64;
+
 uint self;
 uvec2 px, py, pz;
 int size = 0;
-float distances[k];
-uint indices[k];
-float worst = UNBOUNDED;
+float distances[store];
+uint indices[store];
+float worst = UNBOUNDED;  // all seeds nearer than this, of those visited, are in the store
+bool truncated = false;
 uint visits = 0u;
 
-void sift_down(int at, int end, float distance, uint index) {
-    for (;;) {
-        int child = 2 * at + 1;
-        if (child >= end) break;
-        if (child + 1 < end && distances[child + 1] > distances[child]) ++child;
-        if (distances[child] <= distance) break;
-        distances[at] = distances[child];
-        indices[at] = indices[child];
-        at = child;
-    }
-    distances[at] = distance;
-    indices[at] = index;
+int counts[buckets], places[buckets];
+uint lowest_bucket;
+
+// Neighbors by bucket, up to the farthest.
+void count_by_bucket() {
+    float farthest = 0.0;
+    for (int i = 0; i < size; ++i) farthest = max(farthest, distances[i]);
+    lowest_bucket = (max(floatBitsToUint(farthest), 64u << BUCKET_SHIFT) >> BUCKET_SHIFT) - uint(buckets - 1);
+    for (int b = 0; b < buckets; ++b) counts[b] = 0;
+    for (int i = 0; i < size; ++i) ++counts[BUCKET_OF(distances[i])];
 }
 
-void make_heap() {
-    for (int i = size / 2 - 1; i >= 0; --i) sift_down(i, size, distances[i], indices[i]);
+// The squared distance at which the bucket after b begins.
+float bucket_end(int b) {
+    return uintBitsToFloat((lowest_bucket + uint(b) + 1u) << BUCKET_SHIFT);
+}
+
+// Keeps the nearest k, and those in the same bucket.
+void forget_far_ones() {
+    count_by_bucket();
+    int kept = 0, b = 0;
+    for (; b < buckets && kept < k; ++b) kept += counts[b];
+    worst = bucket_end(b - 1);
+    kept = 0;
+    for (int i = 0; i < size; ++i) {
+        const float d = distances[i];
+        if (d < worst) {
+            indices[kept] = indices[i];
+            distances[kept++] = d;
+        }
+    }
+    size = kept;
+    if (size == store) {  // all alike
+        truncated = true;
+        worst = 0.0;
+    }
 }
 
 void visit_group(uint group) {
@@ -65,18 +93,9 @@ void visit_group(uint group) {
         const float dz = rough_difference(seeds_z[seed], pz);
         const float d = dx * dx + dy * dy + dz * dz;
         if (!(d < worst)) continue;
-        if (size < k) {
-            distances[size] = d;
-            indices[size] = seed;
-            ++size;
-            if (size == k) {
-                make_heap();
-                worst = distances[0];
-            }
-        } else {
-            sift_down(0, k, d, seed);
-            worst = distances[0];
-        }
+        distances[size] = d;
+        indices[size++] = seed;
+        if (size == store) forget_far_ones();
     }
 }
 
@@ -162,25 +181,34 @@ void main() {
             if (sibling != node) explore(level, sibling);
         node >>= FAN_BITS;
     }
-    const bool complete = visits <= push.most_visits;
-    float reach = complete ? UNBOUNDED : 0.0;
-    if (size == k) {
-        if (complete) reach = worst * reach_slack;
-    } else {
-        make_heap();
+    truncated = truncated || visits > push.most_visits;
+
+    // Places in the list: buckets that fit into it whole.
+    count_by_bucket();
+    const int in_first_bucket = counts[0];
+    int listed = 0, fitting = 0;
+    for (; fitting < buckets; ++fitting) {
+        places[fitting] = listed;
+        listed += counts[fitting];
+        if (listed > k) {
+            listed = places[fitting];
+            break;
+        }
     }
-    for (int end = size - 1; end > 0; --end) {
-        const float distance = distances[end];
-        const uint index = indices[end];
-        distances[end] = distances[0];
-        indices[end] = indices[0];
-        sift_down(0, end, distance, index);
+    float reach = (fitting == buckets ? worst : (fitting == 0 ? 0.0 : bucket_end(fitting - 1))) * reach_slack;
+    if (worst >= UNBOUNDED && fitting == buckets) reach = UNBOUNDED;
+    for (int i = 0; i < size; ++i) {
+        const int b = BUCKET_OF(distances[i]);
+        if (b >= fitting) continue;
+        const int place = places[b];
+        list[uint(place) * push.stride + slot] = indices[i];
+        places[b] = place + 1;
     }
     if (push.bounded != 0u) {
         bound_reach(reach, 0, px);
         bound_reach(reach, 1, py);
         bound_reach(reach, 2, pz);
     }
-    for (int i = 0; i < size; ++i) list[uint(i) * push.stride + slot] = indices[i];
-    list_info[slot] = uvec2(uint(size), floatBitsToUint(reach));
+    if (truncated || loops_were_cut_short(2u + (push.seed_count >> 31))) reach = 0.0;
+    list_info[slot] = uvec2(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), floatBitsToUint(reach));
 }

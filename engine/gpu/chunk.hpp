@@ -55,13 +55,9 @@ public:
 
     // For tests of single passes.
     [[nodiscard]] const Buffer& list() const { return list_; }
+    [[nodiscard]] const Buffer& list_info() const { return list_info_; }
 
 private:
-    struct Tier {
-        Buffer list, list_info, rows;
-        std::uint32_t cells = 0;
-    };
-
     std::uint32_t cells_;
     std::uint32_t todo_capacity_;
     bool float64_geometry_;

@@ -1,7 +1,7 @@
 // One Voronoi cell in private memory: a simple polytope, every vertex on exactly three planes, relative to its seed and
 // in units of about the distance to its nearest neighbor.
 //
-// Filter. A plane (n, h) is n.x = h with |n| >= 1, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to 5u.
+// Filter. A plane (n, h) is n.x = h with |n| >= 0.9, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to 5u.
 // With P = |na||nb||nc|, d = h/|n| and condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
 //     |x - X| <= u (condition (13.9 (da + db + dc) + 9.3 |x|) + 6 |x|):
 // a numerator's terms are right to 12u, its products of absolute values at most 1.155 h_a |nb||nc|; the determinant is

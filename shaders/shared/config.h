@@ -31,6 +31,9 @@
 #define DUPLICATE_BIT 0x80000000u  // in the input index of a sorted seed
 #define INDEX_MASK 0x7fffffffu
 
+#define BUCKET_SHIFT 19       // of a float's bits: lists are sorted by squared distance to 16 buckets an octave
+#define BUCKET_SLACK 0.9411   // neighbors in a bucket differ by at most this factor, 16/17, in squared distance
+
 // clip: a cell's unit of length is 2^k units, its nearest neighbor at least that far and less than four times; smaller
 // ones leave the range of float32 beside the box.
 #define SMALLEST_CELL_EXPONENT 20
