@@ -98,7 +98,7 @@ void test_next(uint q) {
 // ones are without order. The proof is that the list is complete up to the security radius.
 void clip(uint slot, uint count, uint unsorted, float reach) {
     uint next = 0u;
-    measure_radius();
+    measure_radius_and_error();
     real security = security_radius_squared();
     for (;;) {
         // Up to the next plane that cuts; then all invocations cut side by side.
@@ -107,6 +107,7 @@ void clip(uint slot, uint count, uint unsorted, float reach) {
         while (next < count && !cuts && status == STATUS_CERTIFIED) {
             q = list[next * push.list_stride + slot];
             ++next;
+            if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
             test_next(q);
             if (!(new_h > real(0))) {
                 status = STATUS_NEEDS_EXACT;
@@ -124,7 +125,7 @@ void clip(uint slot, uint count, uint unsorted, float reach) {
         if (status != STATUS_CERTIFIED) break;
     }
     if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return;
-    measure_radius();
+    measure_radius_and_error();
     if (!(security_radius_squared() <= real(reach * scale * scale) * real(0.99999))) status = STATUS_CANDIDATES_EXHAUSTED;
 }
 

@@ -33,6 +33,10 @@ const float reach_slack = 1.0 - 3e-5;
 
 #define BUCKET_OF(d) (max(int((floatBitsToUint(d) >> BUCKET_SHIFT) - lowest_bucket), 0))
 
+// High words err by 2^32 units an axis, by 2e-6 of a radius from 2^52 units on. Seeds nearer than a quarter of it, where
+// that is more, lie in the first bucket.
+const float coarse_from = 2.03e31;  // squared, 2^104
+
 const int store = 2 * k;
 const int buckets = 64;
 
@@ -43,6 +47,7 @@ float distances[store];
 uint indices[store];
 float worst = UNBOUNDED;  // all seeds nearer than this, of those visited, are in the store
 bool truncated = false;
+bool coarse;  // high words are enough
 uint visits = 0u;
 
 int counts[buckets], places[buckets];
@@ -83,14 +88,25 @@ void forget_far_ones() {
     }
 }
 
+float coarse_offset(uint q, uint p) {
+    return float(int(q - p)) * 4294967296.0;
+}
+
 void visit_group(uint group) {
     const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
     for (uint seed = group * GROUP_SEEDS; seed < end; ++seed) {
-        const uvec2 qx = seeds_x[seed];
-        if (seed == self || qx.y == NO_COORDINATE) continue;
-        const float dx = rough_difference(qx, px);
-        const float dy = rough_difference(seeds_y[seed], py);
-        const float dz = rough_difference(seeds_z[seed], pz);
+        const uint high = seeds_x[seed].y;
+        if (seed == self || high == NO_COORDINATE) continue;
+        float dx, dy, dz;
+        if (coarse) {
+            dx = coarse_offset(high, px.y);
+            dy = coarse_offset(seeds_y[seed].y, py.y);
+            dz = coarse_offset(seeds_z[seed].y, pz.y);
+        } else {
+            dx = rough_difference(seeds_x[seed], px);
+            dy = rough_difference(seeds_y[seed], py);
+            dz = rough_difference(seeds_z[seed], pz);
+        }
         const float d = dx * dx + dy * dy + dz * dz;
         if (!(d < worst)) continue;
         distances[size] = d;
@@ -105,19 +121,29 @@ float gap(uvec2 p, uvec2 lower, uvec2 upper) {
     return 0.0;
 }
 
+float coarse_gap(uint p, uint lower, uint upper) {
+    return 4294967296.0 * (p < lower ? float(lower - p) : (upper < p ? float(p - upper) : 0.0));
+}
+
 bool is_near(uint level, uint node) {
-    const Node box = nodes[push.level_first[level] + node];
-    if (box.lower[0].y == NO_COORDINATE) return false;
-    const float dx = gap(px, box.lower[0], box.upper[0]);
-    const float dy = gap(py, box.lower[1], box.upper[1]);
-    const float dz = gap(pz, box.lower[2], box.upper[2]);
+    const uint n = push.level_first[level] + node;
+    if (nodes[n].lower[0].y == NO_COORDINATE) return false;
+    float dx, dy, dz;
+    if (coarse) {
+        dx = coarse_gap(px.y, nodes[n].lower[0].y, nodes[n].upper[0].y);
+        dy = coarse_gap(py.y, nodes[n].lower[1].y, nodes[n].upper[1].y);
+        dz = coarse_gap(pz.y, nodes[n].lower[2].y, nodes[n].upper[2].y);
+    } else {
+        dx = gap(px, nodes[n].lower[0], nodes[n].upper[0]);
+        dy = gap(py, nodes[n].lower[1], nodes[n].upper[1]);
+        dz = gap(pz, nodes[n].lower[2], nodes[n].upper[2]);
+    }
     return (dx * dx + dy * dy + dz * dz) * box_slack < worst;
 }
 
+// Nodes of a level below the root.
 uint nodes_of(uint level) {
-    uint count = (push.seed_count + GROUP_SEEDS - 1u) / GROUP_SEEDS;
-    for (uint l = 0u; l < level; ++l) count = (count + FAN - 1u) / FAN;
-    return count;
+    return push.level_first[level + 1u] - push.level_first[level];
 }
 
 // Everything near below a node, without a stack: a node's number tells its parent and its siblings.
@@ -155,6 +181,30 @@ void bound_reach(inout float reach, int axis, uvec2 p) {
     }
 }
 
+void search() {
+    uint node = self / GROUP_SEEDS;
+    visit_group(node);
+    for (uint level = 0u; level + 1u < push.level_count; ++level) {
+        const uint first = node & ~(FAN - 1u), end = min(first + FAN, nodes_of(level));
+        for (uint sibling = first; sibling < end; ++sibling)
+            if (sibling != node) explore(level, sibling);
+        node >>= FAN_BITS;
+    }
+}
+
+// Squared radius of a ball with about `k` seeds, from the density of the 64 seeds around this one in memory. Their box
+// is about twice as large as their share of space.
+float expected_reach() {
+    if (push.level_count < 3u) return UNBOUNDED;
+    const uint n = push.level_first[1] + self / (GROUP_SEEDS * FAN);
+    float volume = 1.0;
+    for (int axis = 0; axis < 3; ++axis)
+        volume *= rough_difference(nodes[n].upper[axis], nodes[n].lower[axis]) * exp2(-COORDINATE_BITS);
+    const float ample = tier == 0u ? EXPECTED_REACH : 2.0 * EXPECTED_REACH;
+    const float radius = pow(volume * float(k) * ample, 1.0 / 3.0);
+    return max(radius * radius * exp2(2.0 * COORDINATE_BITS), 1.0);
+}
+
 void main() {
     const uint slot = linear_invocation();
     uint cell = slot;
@@ -173,13 +223,14 @@ void main() {
         return;
     }
 
-    uint node = self / GROUP_SEEDS;
-    visit_group(node);
-    for (uint level = 0u; level + 1u < push.level_count; ++level) {
-        const uint first = node & ~(FAN - 1u), end = min(first + FAN, nodes_of(level));
-        for (uint sibling = first; sibling < end; ++sibling)
-            if (sibling != node) explore(level, sibling);
-        node >>= FAN_BITS;
+    worst = expected_reach();
+    for (int attempt = 0; attempt < 4; ++attempt) {
+        if (attempt == 3) worst = UNBOUNDED;
+        coarse = worst >= coarse_from;
+        size = 0;
+        search();
+        if (2 * size >= k || truncated) break;
+        worst *= 4.0;
     }
     truncated = truncated || visits > push.most_visits;
 

@@ -1,4 +1,5 @@
-// sort: place of each point along a Hilbert curve through a grid of 2^bits blocks per axis.
+// sort: place of each point along a Hilbert curve through a grid of 2^bits blocks along the box's
+// longest side. Rounding moves the blocks' borders, but equal points have equal keys.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/bindings.h"
@@ -50,9 +51,8 @@ uvec3 hilbert_transposed(uvec3 axes, uint bits) {
 void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
-    // The high word has COORDINATE_BITS - 32 bits; the far wall itself would have one more.
-    const uvec3 high = uvec3(points_x[point].y, points_y[point].y, points_z[point].y);
-    const uvec3 block = min(high >> (COORDINATE_BITS - 32 - push.bits), uvec3((1u << push.bits) - 1u));
+    const vec3 high = vec3(points_x[point].y, points_y[point].y, points_z[point].y);
+    const uvec3 block = min(uvec3(high * push.blocks_per_unit), uvec3((1u << push.bits) - 1u));
     const uvec3 h = hilbert_transposed(block, push.bits);
     keys[point] = uvec2(interleave(h), interleave(h >> 10));
     index[point] = point;

@@ -9,7 +9,7 @@
 namespace votess::gpu {
 namespace {
 
-constexpr std::uint32_t usual_k = 64, least_second_k = 192;
+constexpr std::uint32_t usual_k = 112, least_second_k = 224;
 constexpr std::uint32_t software_chunk = 1u << 14, usual_chunk = 1u << 20;
 constexpr std::size_t block_cells = 4096;  // per task of the host
 constexpr double hopeless = 0.9;           // share of a chunk left to the CPU

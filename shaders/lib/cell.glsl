@@ -31,7 +31,8 @@ uint edges_killed[most_planes * plane_words];    // bit b of row a: edge (a, b) 
 uint horizon[most_planes];                       // edges (a, b) with one vertex killed: a | b << 8
 uint status;
 real quantum;
-real radius_squared, largest_error;  // over all vertices, as of the last test
+real radius_squared;  // over all vertices, as of the last test
+real largest_error;   // at least that of any vertex
 
 // The plane tested last.
 real new_x, new_y, new_z, new_h, new_norm;
@@ -81,7 +82,9 @@ void add_vertex(uint a, uint b, uint c) {
     vertex_x[vertex_count] = x;
     vertex_y[vertex_count] = y;
     vertex_z[vertex_count] = z;
-    vertex_error[vertex_count] = rounding + quantum * (real(4) * condition + real(1)) * (length + real(1));
+    const real error = rounding + quantum * (real(4) * condition + real(1)) * (length + real(1));
+    vertex_error[vertex_count] = error;
+    largest_error = max(largest_error, error);
     vertex_planes[vertex_count] = a | (b << 8) | (c << 16);
     ++vertex_count;
 }
@@ -96,6 +99,7 @@ void start_cell(real wall[6]) {
                   real(1), -1 - int(i));
     }
     vertex_count = 0;
+    largest_error = real(0);
     for (uint corner = 0u; corner < 8u; ++corner) {
         const uint x = corner & 1u, y = 2u + ((corner >> 1) & 1u), z = 4u + (corner >> 2);
         // det is the product of the three signs.
@@ -110,28 +114,29 @@ void start_cell(real wall[6]) {
 bool test_plane() {
     for (int w = 0; w < vertex_words; ++w) killed[w] = 0u;
     bool cuts = false;
-    real farthest = real(0), error = real(0);
+    real farthest = real(0);
     precise const real h_error = real(10.5) * unit * new_h;
+    precise const real most = fma(new_norm, largest_error, h_error);
     for (int v = 0; v < vertex_count; ++v) {
-        const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v], e = vertex_error[v];
+        const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
         // A fused fma only leaves roundings out.
         precise const real side = fma(new_x, x, fma(new_y, y, fma(new_z, z, -new_h)));
-        precise const real bound = fma(new_norm, e, h_error);
-        if (side > bound) {
-            killed[v >> 5] |= 1u << (v & 31);
-            cuts = true;
-        } else if (!(side < -bound)) {
-            status = STATUS_NEEDS_EXACT;
+        if (!(side < -most)) {
+            precise const real bound = fma(new_norm, vertex_error[v], h_error);
+            if (side > bound) {
+                killed[v >> 5] |= 1u << (v & 31);
+                cuts = true;
+            } else if (!(side < -bound)) {
+                status = STATUS_NEEDS_EXACT;
+            }
         }
         farthest = max(farthest, fma(x, x, fma(y, y, z * z)));
-        error = max(error, e);
     }
     radius_squared = farthest;
-    largest_error = error;
     return cuts;
 }
 
-void measure_radius() {
+void measure_radius_and_error() {
     radius_squared = real(0);
     largest_error = real(0);
     for (int v = 0; v < vertex_count; ++v) {

@@ -31,6 +31,7 @@
 #define DUPLICATE_BIT 0x80000000u  // in the input index of a sorted seed
 #define INDEX_MASK 0x7fffffffu
 
+#define EXPECTED_REACH 0.002  // cubed radius of the first search over volume of 64 seeds' box and k
 #define BUCKET_SHIFT 19       // of a float's bits: lists are sorted by squared distance to 16 buckets an octave
 #define BUCKET_SLACK 0.9411   // neighbors in a bucket differ by at most this factor, 16/17, in squared distance
 

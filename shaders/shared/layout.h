@@ -30,7 +30,8 @@ struct SortPush {
 
 struct KeyPush {
     uint count;
-    uint bits;  // per axis, 1 .. KEY_BITS_PER_AXIS
+    uint bits;              // per axis, 1 .. KEY_BITS_PER_AXIS
+    float blocks_per_unit;  // of the high words: 2^bits over the box's longest side
 };
 
 struct ScanPush {

@@ -16,7 +16,7 @@ namespace votess::gpu::vulkan {
 struct BufferBinding {
     std::uint32_t binding = 0;
     const Buffer* buffer = nullptr;
-    VkDeviceSize offset = 0;  // a multiple of minStorageBufferOffsetAlignment
+    VkDeviceSize offset = 0;             // a multiple of minStorageBufferOffsetAlignment
     VkDeviceSize bytes = VK_WHOLE_SIZE;  // to the end; shaders see whole 32-bit words
 };
 
