@@ -1,6 +1,4 @@
 #include "engines.hpp"
-#include "options.hpp"
-#include "pipeline.hpp"
 #include "result.hpp"
 #include "votess/votess.hpp"
 
@@ -81,21 +79,6 @@ namespace {
 
 void log(const Options& options, const std::string& line) {
     if (options.log) options.log(line);
-}
-
-detail::Result run_on(Engines& engines, const Points& points, const Options& options) {
-    check_options(options);
-    Engine& engine = engines.choose(options.device);
-    try {
-        return run_pipeline(points, options, engine);
-    } catch (const Error& error) {
-        const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
-        // After a failure the engine's device may be unusable.
-        if (device_failed) engines.forget_gpu();
-        if (!device_failed || options.device != "auto" || &engine == &engines.cpu()) throw;
-        log(options, std::string("the CPU takes over: ") + error.what());
-    }
-    return run_pipeline(points, options, engines.cpu());
 }
 
 Tessellation run(Engines& engines, const Points& points, const Options& options) {

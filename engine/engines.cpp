@@ -1,11 +1,12 @@
 #include "engines.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <thread>
 
 #include "cpu/cpu_engine.hpp"
 #include "cpu/kernels.hpp"
+#include "options.hpp"
+#include "pipeline.hpp"
 #if VOTESS_HAVE_VULKAN
 #include "gpu/device_choice.hpp"
 #include "gpu/gpu_engine.hpp"
@@ -16,10 +17,9 @@ namespace votess {
 struct Engines::State {
     cpu::CpuClipper clipper;  // and its threads, for both engines
     cpu::CpuEngine cpu{clipper};
-#if VOTESS_HAVE_VULKAN
-    std::optional<gpu::GpuEngine> gpu;
-    std::string gpu_name;  // the device name that chose it
-#endif
+    std::unique_ptr<Engine> gpu;
+    std::string gpu_name;      // the device name that chose it
+    bool auto_is_cpu = false;  // no GPU was found: looking again would cost more than many a run
 };
 
 Engines::Engines() : state_(std::make_unique<State>()) {}
@@ -29,20 +29,29 @@ Engine& Engines::cpu() {
     return state_->cpu;
 }
 
+void Engines::forget_gpu() {
+    state_->gpu.reset();
+}
+
+void Engines::put(const std::string& device, std::unique_ptr<Engine> engine) {
+    state_->gpu = std::move(engine);
+    state_->gpu_name = device;
+    state_->auto_is_cpu = false;
+}
+
 #if VOTESS_HAVE_VULKAN
 
 Engine& Engines::choose(const std::string& device) {
-    if (device == "cpu") return state_->cpu;
+    if (device == "cpu" || (device == "auto" && state_->auto_is_cpu)) return state_->cpu;
     if (state_->gpu && state_->gpu_name == device) return *state_->gpu;
     auto chosen = gpu::choose_device(device);
-    if (!chosen) return state_->cpu;
-    state_->gpu.emplace(std::move(chosen), state_->clipper);
-    state_->gpu_name = device;
+    if (!chosen) {
+        state_->auto_is_cpu = true;
+        return state_->cpu;
+    }
+    state_->gpu.reset();  // before another one takes its memory
+    put(device, std::make_unique<gpu::GpuEngine>(std::move(chosen), state_->clipper));
     return *state_->gpu;
-}
-
-void Engines::forget_gpu() {
-    state_->gpu.reset();
 }
 
 #else
@@ -52,8 +61,6 @@ Engine& Engines::choose(const std::string& device) {
         throw Error(ErrorCode::unsupported, "device '" + device + "': this votess was built without Vulkan, use cpu");
     return state_->cpu;
 }
-
-void Engines::forget_gpu() {}
 
 #endif
 
@@ -67,6 +74,22 @@ std::vector<DeviceInfo> Engines::devices() {
     all.insert(all.end(), vulkan.begin(), vulkan.end());
 #endif
     return all;
+}
+
+detail::Result run_on(Engines& engines, const Points& points, const Options& options) {
+    check_options(options);
+    Engine& engine = engines.choose(options.device);
+    try {
+        return run_pipeline(points, options, engine);
+    } catch (const Error& error) {
+        const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
+        const bool on_cpu = &engine == &engines.cpu();
+        // After a failure the engine's device may be unusable.
+        if (device_failed) engines.forget_gpu();
+        if (!device_failed || options.device != "auto" || on_cpu) throw;
+        if (options.log) options.log(std::string("the CPU takes over: ") + error.what());
+    }
+    return run_pipeline(points, options, engines.cpu());
 }
 
 }  // namespace votess

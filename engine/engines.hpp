@@ -21,6 +21,8 @@ public:
     Engine& cpu();
     // The next choice of a GPU opens it anew.
     void forget_gpu();
+    // For tests: the engine that a device name stands for, until it is forgotten.
+    void put(const std::string& device, std::unique_ptr<Engine> engine);
 
     static std::vector<DeviceInfo> devices();
 
@@ -28,5 +30,8 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
+
+// The pipeline on the engine that the options name; with "auto" the CPU takes over when that one fails.
+detail::Result run_on(Engines& engines, const Points& points, const Options& options);
 
 }  // namespace votess

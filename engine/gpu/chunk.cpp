@@ -13,10 +13,16 @@ using vulkan::push_bytes;
 
 constexpr std::uint32_t geometry_components = 4;
 
-// Small first tiers leave nearly all cells to the second.
-std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& settings) {
+// Cells of the second tier per four of the first: small first tiers leave nearly all cells to the second.
+std::uint32_t second_quarters(const PassSettings& settings) {
     constexpr std::uint32_t ordinary_k = 48;
-    return settings.tiers[0].k < ordinary_k ? cells : std::max(cells / 4, std::min(cells, 1024u));
+    return settings.tiers[0].k < ordinary_k ? 4 : 1;
+}
+
+std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& settings) {
+    constexpr std::uint32_t least = 1024;
+    return std::max(static_cast<std::uint32_t>(std::uint64_t{cells} * second_quarters(settings) / 4),
+                    std::min(cells, least));
 }
 
 uvec2 words(std::uint64_t value) {
@@ -26,9 +32,10 @@ uvec2 words(std::uint64_t value) {
 }  // namespace
 
 VkDeviceSize Chunk::bytes_per_cell(const PassSettings& s) {
-    const VkDeviceSize share = s.tiers[0].k < 48 ? 4 : 1;  // of the second tier, in quarters
-    return 4 * (VkDeviceSize{s.tiers[0].k} + 2 * s.tiers[0].planes + 20) +
-           (s.tiers[1].k + 2 * s.tiers[1].planes) * share;
+    // List, rows and rows out; then the words of the constructor below, geometry as float64 twice.
+    const VkDeviceSize first = VkDeviceSize{s.tiers[0].k} + 2 * s.tiers[0].planes + 8 + 2 * 2 * geometry_components;
+    const VkDeviceSize second = VkDeviceSize{s.tiers[1].k} + 2 * s.tiers[1].planes + 3;
+    return 4 * first + second * second_quarters(s);
 }
 
 VkDeviceSize Chunk::largest_bytes_per_cell(const PassSettings& s) {

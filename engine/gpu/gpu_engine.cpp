@@ -14,6 +14,7 @@ constexpr std::uint32_t software_chunk = 1u << 14, usual_chunk = 1u << 20;
 constexpr std::size_t block_cells = 4096;  // per task of the host
 constexpr double hopeless = 0.9;           // share of a chunk left to the CPU
 constexpr std::uint32_t most_skipped = 31;
+constexpr std::uint32_t trial_cells = 2048;
 constexpr double clip_begins = 0.05, clip_ends = 0.95;  // as fractions of the run, for the progress callback
 
 class Stopwatch {
@@ -157,8 +158,10 @@ void GpuEngine::clip_part(std::size_t index) {
     std::size_t slot = 0;
     for (std::uint32_t first = 0; first < seeds_.count() || running != nullptr;) {
         Chunk* started = nullptr;
+        // After a hopeless chunk, and at first, a small one tells whether the device is of use.
+        const bool trial = first == 0 || (skip_ > 0 && skipped == skip_);
         if (first < seeds_.count()) {
-            const std::uint32_t count = std::min(cells, seeds_.count() - first);
+            const std::uint32_t count = std::min(trial ? std::min(cells, trial_cells) : cells, seeds_.count() - first);
             if (skipped < skip_) {
                 ++skipped;
                 leave_to_cpu(first, count);
@@ -180,6 +183,11 @@ void GpuEngine::clip_part(std::size_t index) {
             collect(*running);
         }
         running = started;
+        if (trial && running != nullptr) {  // what it tells is worth the wait
+            running->wait();
+            collect(*running);
+            running = nullptr;
+        }
     }
 }
 

@@ -223,7 +223,9 @@ void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
     constexpr std::uint32_t radix_passes = 2 * ((KEY_WORD_BITS + DIGIT_BITS - 1) / DIGIT_BITS);
     static_assert(radix_passes % 2 == 0);  // the result is where the keys were made
     const std::uint64_t longest = std::max({extent_[0], extent_[1], extent_[2]});
-    const KeyPush push{count_, key_bits, static_cast<float>(std::ldexp(1.0, 32 + static_cast<int>(key_bits)) / static_cast<double>(longest))};
+    const KeyPush push{
+        count_, key_bits,
+        static_cast<float>(std::ldexp(1.0, 32 + static_cast<int>(key_bits)) / static_cast<double>(longest))};
     Bindings bindings = bindings_;
     bindings.set(BINDING_KEYS_OUT, keys_[0]);
     bindings.set(BINDING_INDEX_OUT, index_[0]);

@@ -71,6 +71,10 @@ public:
     };
     [[nodiscard]] const Seconds& seconds() const { return seconds_; }
 
+    // For tests: keys and input indices, sorted.
+    [[nodiscard]] const Buffer& sorted_keys() const { return keys_[0]; }
+    [[nodiscard]] const Buffer& sorted_index() const { return index_[0]; }
+
 private:
     void reserve(std::uint32_t count);
     void record_radix_pass(std::uint32_t pass, const Passes& passes);

@@ -117,20 +117,34 @@ bool test_plane() {
     real farthest = real(0);
     precise const real h_error = real(10.5) * unit * new_h;
     precise const real most = fma(new_norm, largest_error, h_error);
-    for (int v = 0; v < vertex_count; ++v) {
-        const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
-        // A fused fma only leaves roundings out.
-        precise const real side = fma(new_x, x, fma(new_y, y, fma(new_z, z, -new_h)));
-        if (!(side < -most)) {
+    // Several at a time, for the loads to overlap; beyond the last one there is room to read.
+    const int side_by_side = 4;
+    for (int first = 0; first < vertex_count; first += side_by_side) {
+        real sides[side_by_side];
+        bool near = false;
+        for (int i = 0; i < side_by_side; ++i) {
+            const int v = first + i;
+            const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
+            // A fused fma only leaves roundings out.
+            precise const real side = fma(new_x, x, fma(new_y, y, fma(new_z, z, -new_h)));
+            sides[i] = side;
+            if (v < vertex_count) {
+                farthest = max(farthest, fma(x, x, fma(y, y, z * z)));
+                near = near || !(side < -most);
+            }
+        }
+        if (!near) continue;
+        for (int i = 0; i < side_by_side; ++i) {
+            const int v = first + i;
+            if (v >= vertex_count || sides[i] < -most) continue;
             precise const real bound = fma(new_norm, vertex_error[v], h_error);
-            if (side > bound) {
+            if (sides[i] > bound) {
                 killed[v >> 5] |= 1u << (v & 31);
                 cuts = true;
-            } else if (!(side < -bound)) {
+            } else if (!(sides[i] < -bound)) {
                 status = STATUS_NEEDS_EXACT;
             }
         }
-        farthest = max(farthest, fma(x, x, fma(y, y, z * z)));
     }
     radius_squared = farthest;
     return cuts;

@@ -35,9 +35,9 @@
 #define BUCKET_SHIFT 19       // of a float's bits: lists are sorted by squared distance to 16 buckets an octave
 #define BUCKET_SLACK 0.9411   // neighbors in a bucket differ by at most this factor, 16/17, in squared distance
 
-// clip: a cell's unit of length is 2^k units, its nearest neighbor at least that far and less than four times; smaller
-// ones leave the range of float32 beside the box.
-#define SMALLEST_CELL_EXPONENT 20
+// clip: a cell's unit of length is 2^k units, its nearest neighbor 0.9 to 4 of them away. Beside a box of 2^25 such
+// lengths no product of a vertex (five lengths) leaves the range of float32.
+#define SMALLEST_CELL_EXPONENT 37
 
 // clip: where a row is; rows of the second tier have the bit set.
 #define SECOND_TIER_BIT 0x80000000u

@@ -67,10 +67,10 @@ struct ClipPush {
     uint cell_count;
     uint list_stride;
     uint row_stride;
-    uint todo_capacity;  // cells that the second tier takes
-    uint own_count;      // as in KnnPush
-    uint walls;          // 1: wall ids are in the rows
-    uint neighbors;      // 1: rows are wanted
+    uint todo_capacity;      // cells that the second tier takes
+    uint own_count;          // as in KnnPush
+    uint walls;              // 1: wall ids are in the rows
+    uint neighbors;          // 1: rows are wanted
     float volume_tolerance;  // relative
 };
 

@@ -1,4 +1,5 @@
-// votess_bench: votess and its peers on the same points in the same run, taking turns; medians over the repeats.
+// votess_bench: votess and its peers on the same points in the same run, taking turns; medians over the repeats. With
+// --gpu-table votess on one device, on many inputs.
 #include "bench.hpp"
 
 #include <CLI/CLI.hpp>
@@ -8,6 +9,8 @@
 #include <exception>
 #include <map>
 #include <thread>
+
+#include "gpu_table.hpp"
 
 namespace bench {
 
@@ -39,17 +42,19 @@ Rows rows_from_pairs(std::size_t n, const std::vector<std::pair<std::int32_t, st
 namespace {
 
 struct Settings {
-    std::vector<std::size_t> sizes{10'000, 100'000};
-    std::vector<std::string> inputs{"uniform", "clustered"};
+    std::vector<std::size_t> sizes;
+    std::vector<std::string> inputs;
     std::vector<unsigned> threads{1, 0};
-    std::vector<std::string> wants{"neighbors"};
+    std::vector<std::string> wants;
     std::vector<std::string> peers;
+    std::vector<std::string> devices;
     int repeats = 5;
     double limit = 120;
     std::uint64_t rng_seed = 1;
     std::string json;
     bool quick = false;
     bool check = false;
+    bool gpu_table = false;
 };
 
 std::vector<std::unique_ptr<Peer>> all_peers() {
@@ -84,7 +89,7 @@ std::vector<Measurement> measure(const Peers& peers, const Input& input, Want wa
         if (!peer->can(want)) {
             continue;
         }
-        for (const unsigned threads : peer->threaded() ? settings.threads : std::vector<unsigned>{1}) {
+        for (const unsigned threads : peer->threads(settings.threads)) {
             Entry entry{peer.get(), {}, {}};
             Measurement& m = entry.measurement;
             m.input = input.name;
@@ -93,6 +98,7 @@ std::vector<Measurement> measure(const Peers& peers, const Input& input, Want wa
             m.peer = peer->name();
             m.bounded = peer->bounded();
             m.threads = threads;
+            m.volume_error = peer->volume_error();
             m.box_volume = 1;
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 m.box_volume *= input.box.upper[axis] - input.box.lower[axis];
@@ -116,8 +122,14 @@ std::vector<Measurement> measure(const Peers& peers, const Input& input, Want wa
                 continue;
             }
             try {
+                if (repeat == 0) {
+                    entry.peer->prepare(input, want, m.threads);
+                }
                 m.answer = entry.peer->run(input, want, m.threads);
                 m.seconds.push_back(m.answer.seconds);
+                if (m.answer.stats) {
+                    m.stages.push_back(m.answer.stats->seconds);
+                }
                 double& pace = paces[entry.key];
                 pace = std::max(pace, m.answer.seconds / static_cast<double>(std::max<std::size_t>(1, input.size())));
             } catch (const std::exception& error) {
@@ -146,19 +158,20 @@ int check(const std::vector<Measurement>& group) {
     };
     const Measurement& votess = group.front();
     for (const Measurement& m : group) {
+        const bool mine = m.peer.starts_with("votess");
         if (m.seconds.empty()) {
-            if (m.peer == "votess") {
+            if (mine) {
                 complain(m, m.note);
             }
             continue;
         }
-        if (m.peer == "votess" && m.answer.links != votess.answer.links) {
-            complain(m, "another number of neighbors with other threads");
+        if (mine && m.answer.links != votess.answer.links) {
+            complain(m, "another number of neighbors with other threads or on another device");
         }
-        if (m.bounded && m.want == Want::full && !close(m.answer.volume, m.box_volume, 1e-9)) {
+        if (m.bounded && m.want == Want::full && !close(m.answer.volume, m.box_volume, m.volume_error)) {
             complain(m, "the volumes do not fill the box");
         }
-        if (m.input == "lattice" && m.peer == "votess") {
+        if (m.input == "lattice" && mine) {
             const auto side = static_cast<std::uint64_t>(std::lround(std::cbrt(static_cast<double>(m.n))));
             if (m.answer.links != 6 * (m.n - side * side)) {
                 complain(m, "a cubic lattice has 6 neighbors a cell, fewer at the walls");
@@ -166,8 +179,8 @@ int check(const std::vector<Measurement>& group) {
         }
         // Rounding costs Voro++ a face in millions; ties and the sphere's center cost every inexact peer more.
         if (m.input == "uniform" || m.input == "clustered") {
-            const auto mine = static_cast<double>(votess.answer.links), theirs = static_cast<double>(m.answer.links);
-            if (m.bounded ? !close(mine, theirs, 1e-4) : theirs < mine * (1 - 1e-4)) {
+            const auto ours = static_cast<double>(votess.answer.links), theirs = static_cast<double>(m.answer.links);
+            if (m.bounded ? !close(ours, theirs, 1e-4) : theirs < ours * (1 - 1e-4)) {
                 complain(m,
                          std::to_string(m.answer.links) + " neighbors, votess " + std::to_string(votess.answer.links));
             }
@@ -184,6 +197,12 @@ int run(const Settings& settings) {
         if (names.empty() || peer->name() == "votess" || std::count(names.begin(), names.end(), peer->name()) > 0) {
             versions.push_back({peer->name(), peer->version()});
             peers.push_back(std::move(peer));
+        }
+        if (peers.size() == 1) {  // votess is the first
+            for (const std::string& device : settings.devices) {
+                peers.push_back(make_votess_on(device));
+                versions.push_back({peers.back()->name(), peers.back()->version()});
+            }
         }
     }
     print_machine();
@@ -218,30 +237,41 @@ int run(const Settings& settings) {
 
 int main(int argc, char** argv) try {
     bench::Settings s;
+    bench::GpuTable table;
+    std::vector<double> sizes;
+    double check_limit = 1e5;
     std::vector<std::string> peer_names;
     for (const auto& peer : bench::all_peers()) {
         peer_names.push_back(peer->name());
     }
-    CLI::App app{"Compares votess with Voro++, Qhull and CGAL on the same points."};
-    app.add_option("--n", s.sizes, "numbers of seeds")->delimiter(',')->check(CLI::Range(1, 1 << 30));
+    CLI::App app{"Compares votess with Voro++, Qhull and CGAL on the same points; or measures it on a GPU."};
+    app.add_option("--n,--sizes", sizes, "numbers of seeds, such as 100000 or 1e5")
+        ->delimiter(',')
+        ->check(CLI::Range(1.0, 1073741824.0));
     app.add_option("--input", s.inputs, "inputs")->delimiter(',')->check(CLI::IsMember(bench::input_names()));
-    app.add_option("--threads", s.threads, "threads of votess, 0 = all; the peers use one")->delimiter(',');
+    app.add_option("--threads", s.threads,
+                   "threads of votess on the CPU, 0 = all; beside a device the largest number; the peers use one")
+        ->delimiter(',');
     app.add_option("--want", s.wants, "what to compute")->delimiter(',')->check(CLI::IsMember({"neighbors", "full"}));
     app.add_option("--repeats", s.repeats, "runs of each")->check(CLI::Range(1, 1000));
-    app.add_option("--peers", s.peers, "besides votess; default: all found")
-        ->delimiter(',')
-        ->check(CLI::IsMember(peer_names));
-    app.add_option("--limit", s.limit, "leave out a peer that would need longer for one run, in seconds");
+    app.add_option("-x,--device", s.devices, "votess on these Vulkan devices too: gpu, lavapipe or an index")
+        ->delimiter(',');
+    auto* peers = app.add_option("--peers", s.peers, "besides votess; default: all found")
+                      ->delimiter(',')
+                      ->check(CLI::IsMember(peer_names));
+    app.add_option("--limit", s.limit, "leave out what would need longer for one run, in seconds");
     app.add_option("--rng-seed", s.rng_seed, "seed of the inputs");
     app.add_option("--json", s.json, "write every measurement and the machine to this file");
-    app.add_flag("--quick", s.quick, "50,000 seeds, uniform and clustered, 3 repeats: under a minute");
-    app.add_flag("--check", s.check, "exit 1 when the peers disagree where they must not");
+    auto* quick = app.add_flag("--quick", s.quick, "50,000 seeds, uniform and clustered, 3 repeats: under a minute");
+    auto* check = app.add_flag("--check", s.check, "exit 1 when the peers disagree where they must not");
+    auto* gpu_table = app.add_flag("--gpu-table", s.gpu_table,
+                                   "votess alone on one device, default gpu: 1e4 to 1e7 seeds, uniform, clustered and "
+                                   "lattice; without --json into gpu-DEVICE-DATE.json in the current folder; exit 1 "
+                                   "when a result is wrong")
+                          ->excludes(peers, quick, check);
+    app.add_option("--check-limit", check_limit, "--gpu-table: compare with the CPU up to so many seeds; default 1e5")
+        ->needs(gpu_table);
     CLI11_PARSE(app, argc, argv);
-    if (s.quick) {
-        s.sizes = {50'000};
-        s.inputs = {"uniform", "clustered"};
-        s.repeats = 3;
-    }
 
     const unsigned all = std::max(1U, std::thread::hardware_concurrency());
     for (unsigned& threads : s.threads) {
@@ -249,6 +279,48 @@ int main(int argc, char** argv) try {
     }
     std::sort(s.threads.begin(), s.threads.end());
     s.threads.erase(std::unique(s.threads.begin(), s.threads.end()), s.threads.end());
+    for (const double n : sizes) {
+        s.sizes.push_back(static_cast<std::size_t>(n));
+    }
+
+    if (s.gpu_table) {
+        if (s.devices.size() > 1) {
+            throw std::invalid_argument("--gpu-table takes one device");
+        }
+        if (!s.devices.empty()) {
+            table.device = s.devices.front();
+        }
+        if (!s.sizes.empty()) {
+            table.sizes = s.sizes;
+        }
+        if (!s.inputs.empty()) {
+            table.inputs = s.inputs;
+        }
+        if (!s.wants.empty()) {
+            table.wants = s.wants;
+        }
+        table.threads = s.threads.back();
+        table.repeats = s.repeats;
+        table.limit = s.limit;
+        table.rng_seed = s.rng_seed;
+        table.json = s.json;
+        table.check_limit = check_limit;
+        return bench::run_gpu_table(table);
+    }
+    if (s.quick) {
+        s.sizes = {50'000};
+        s.inputs = {"uniform", "clustered"};
+        s.repeats = 3;
+    }
+    if (s.sizes.empty()) {
+        s.sizes = {10'000, 100'000};
+    }
+    if (s.inputs.empty()) {
+        s.inputs = {"uniform", "clustered"};
+    }
+    if (s.wants.empty()) {
+        s.wants = {"neighbors"};
+    }
     return bench::run(s);
 } catch (const std::exception& error) {
     std::fprintf(stderr, "votess_bench: %s\n", error.what());

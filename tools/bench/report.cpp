@@ -59,7 +59,64 @@ Machine machine() {
     return m;
 }
 
-std::string quoted(std::string_view text) {
+void write_measurement(std::ostream& out, const Measurement& m, const std::vector<Measurement>& all) {
+    out << "{\"input\": " << in_quotes(m.input) << ", \"n\": " << m.n << ", \"want\": " << in_quotes(name_of(m.want))
+        << ", \"peer\": " << in_quotes(m.peer) << ", \"threads\": " << m.threads << ", \"seconds\": [";
+    for (std::size_t i = 0; i < m.seconds.size(); ++i) {
+        out << (i > 0 ? ", " : "") << m.seconds[i];
+    }
+    out << ']';
+    if (m.seconds.empty()) {
+        out << ", \"note\": " << in_quotes(m.note) << '}';
+        return;
+    }
+    const double middle = median(m.seconds);
+    out << ", \"median\": " << middle << ", \"kcells_per_second\": " << static_cast<double>(m.n) / middle / 1000
+        << ", \"mean_neighbors\": " << static_cast<double>(m.answer.links) / static_cast<double>(m.n)
+        << ", \"volume_sum\": " << m.answer.volume << ", \"times_votess\": {";
+    bool first = true;
+    for (const Measurement& v : all) {
+        if (v.peer == "votess" && v.input == m.input && v.n == m.n && v.want == m.want && !v.seconds.empty()) {
+            out << (first ? "" : ", ") << '"' << v.threads << "\": " << middle / median(v.seconds);
+            first = false;
+        }
+    }
+    out << '}';
+    for (const Measurement& v : all) {
+        if (m.peer.starts_with("votess") && v.peer == "voro++" && v.input == m.input && v.n == m.n &&
+            v.want == m.want && !v.seconds.empty()) {
+            out << ", \"rate_to_voropp\": " << median(v.seconds) / middle;
+        }
+    }
+    if (m.answer.stats) {
+        const votess::Stats& stats = *m.answer.stats;
+        out << ", \"device\": " << in_quotes(stats.device) << ", \"stage_seconds\": " << stages_json(m.stages)
+            << ", \"fallback_cells\": " << stats.fallback_cells << ", \"exact_cells\": " << stats.exact_cells;
+    }
+    out << '}';
+}
+
+// What a run on a device is made of, and how it compares. The seconds are the medians of the stages.
+void print_device(const Measurement& m, const std::vector<Measurement>& group) {
+    std::printf("%s, %s, after a warm-up run that compiles its pipelines:\n ", m.peer.c_str(),
+                m.answer.stats->device.c_str());
+    for (const Stage& stage : stages) {
+        std::printf(" %s %.4f", stage.name, median_of(stage, m.stages));
+    }
+    std::printf(" seconds; %llu cells left to the CPU\n",
+                static_cast<unsigned long long>(m.answer.stats->fallback_cells));
+    for (const Measurement& v : group) {
+        if ((v.peer == "votess" || v.peer == "voro++") && !v.seconds.empty()) {
+            const double ratio = median(v.seconds) / median(m.seconds);
+            std::printf("  rate of %s : %s, %u thread%s = %.3f (1 : %.2f)\n", m.peer.c_str(), v.peer.c_str(), v.threads,
+                        v.threads == 1 ? "" : "s", ratio, 1 / ratio);
+        }
+    }
+}
+
+}  // namespace
+
+std::string in_quotes(std::string_view text) {
     std::ostringstream out;
     out << '"';
     for (const char c : text) {
@@ -75,32 +132,34 @@ std::string quoted(std::string_view text) {
     return out.str();
 }
 
-void write_measurement(std::ostream& out, const Measurement& m, const std::vector<Measurement>& all) {
-    out << "{\"input\": " << quoted(m.input) << ", \"n\": " << m.n << ", \"want\": " << quoted(name_of(m.want))
-        << ", \"peer\": " << quoted(m.peer) << ", \"threads\": " << m.threads << ", \"seconds\": [";
-    for (std::size_t i = 0; i < m.seconds.size(); ++i) {
-        out << (i > 0 ? ", " : "") << m.seconds[i];
-    }
-    out << ']';
-    if (m.seconds.empty()) {
-        out << ", \"note\": " << quoted(m.note) << '}';
-        return;
-    }
-    const double middle = median(m.seconds);
-    out << ", \"median\": " << middle << ", \"kcells_per_second\": " << static_cast<double>(m.n) / middle / 1000
-        << ", \"mean_neighbors\": " << static_cast<double>(m.answer.links) / static_cast<double>(m.n)
-        << ", \"volume_sum\": " << m.answer.volume << ", \"times_votess\": {";
-    bool first = true;
-    for (const Measurement& v : all) {
-        if (v.peer == "votess" && v.input == m.input && v.n == m.n && v.want == m.want && !v.seconds.empty()) {
-            out << (first ? "" : ", ") << '"' << v.threads << "\": " << middle / median(v.seconds);
-            first = false;
-        }
-    }
-    out << "}}";
+std::string machine_json() {
+    const Machine m = machine();
+    return "{\"cpu\": " + in_quotes(m.cpu) + ", \"logical_cores\": " + std::to_string(m.logical_cores) +
+           ", \"system\": " + in_quotes(m.system) + ", \"compiler\": " + in_quotes(m.compiler) +
+           ", \"flags\": " + in_quotes(m.flags) + '}';
 }
 
-}  // namespace
+double median_of(const Stage& stage, const std::vector<votess::StageSeconds>& runs) {
+    std::vector<double> seconds;
+    for (const votess::StageSeconds& run : runs) {
+        seconds.push_back(run.*stage.seconds);
+    }
+    return median(std::move(seconds));
+}
+
+std::string stages_json(const std::vector<votess::StageSeconds>& runs) {
+    std::ostringstream out;
+    out << std::setprecision(6) << '{';
+    for (const Stage& stage : stages) {
+        out << (&stage == stages ? "\"" : ", \"") << stage.name << "\": [";
+        for (std::size_t i = 0; i < runs.size(); ++i) {
+            out << (i > 0 ? ", " : "") << runs[i].*stage.seconds;
+        }
+        out << ']';
+    }
+    out << '}';
+    return out.str();
+}
 
 std::string_view name_of(Want want) {
     return want == Want::full ? "full" : "neighbors";
@@ -117,8 +176,13 @@ void print_table(const std::vector<Measurement>& group) {
         return;
     }
     const Measurement& head = group.front();
-    std::printf("\n%s, n = %zu, %s\n%-8s %7s %11s %10s %15s", head.input.c_str(), head.n,
-                std::string(name_of(head.want)).c_str(), "", "threads", "seconds", "kcells/s", "neighbors/cell");
+    int name_width = 8;
+    for (const Measurement& m : group) {
+        name_width = std::max(name_width, static_cast<int>(m.peer.size()));
+    }
+    std::printf("\n%s, n = %zu, %s\n%-*s %7s %11s %10s %15s", head.input.c_str(), head.n,
+                std::string(name_of(head.want)).c_str(), name_width, "", "threads", "seconds", "kcells/s",
+                "neighbors/cell");
     for (const Measurement& v : group) {
         if (v.peer == "votess") {
             const std::string title = "votess(" + std::to_string(v.threads) + ")";
@@ -127,7 +191,7 @@ void print_table(const std::vector<Measurement>& group) {
     }
     std::printf("\n");
     for (const Measurement& m : group) {
-        std::printf("%-8s %7u ", m.peer.c_str(), m.threads);
+        std::printf("%-*s %7u ", name_width, m.peer.c_str(), m.threads);
         if (m.seconds.empty()) {
             std::printf(" %s\n", m.note.c_str());
             continue;
@@ -146,18 +210,20 @@ void print_table(const std::vector<Measurement>& group) {
     if (std::any_of(group.begin(), group.end(), [](const Measurement& m) { return !m.bounded; })) {
         std::printf("* of the unbounded diagram, without the box\n");
     }
+    for (const Measurement& m : group) {
+        if (m.peer.starts_with("votess:") && !m.seconds.empty()) {
+            print_device(m, group);
+        }
+    }
 }
 
 void write_json(const std::string& file, const std::vector<PeerVersion>& peers,
                 const std::vector<Measurement>& measurements) {
-    const Machine m = machine();
     std::ostringstream out;
     out << std::setprecision(std::numeric_limits<double>::max_digits10);
-    out << "{\n  \"machine\": {\"cpu\": " << quoted(m.cpu) << ", \"logical_cores\": " << m.logical_cores
-        << ", \"system\": " << quoted(m.system) << ", \"compiler\": " << quoted(m.compiler)
-        << ", \"flags\": " << quoted(m.flags) << "},\n  \"versions\": {";
+    out << "{\n  \"machine\": " << machine_json() << ",\n  \"versions\": {";
     for (std::size_t i = 0; i < peers.size(); ++i) {
-        out << (i > 0 ? ", " : "") << quoted(peers[i].name) << ": " << quoted(peers[i].version);
+        out << (i > 0 ? ", " : "") << in_quotes(peers[i].name) << ": " << in_quotes(peers[i].version);
     }
     out << "},\n  \"measurements\": [";
     for (std::size_t i = 0; i < measurements.size(); ++i) {
@@ -165,10 +231,13 @@ void write_json(const std::string& file, const std::vector<PeerVersion>& peers,
         write_measurement(out, measurements[i], measurements);
     }
     out << "\n  ]\n}\n";
+    write_whole(file, out.str());
+}
 
+void write_whole(const std::string& file, const std::string& text) {
     const std::string temporary = file + ".part";
     std::ofstream stream(temporary);
-    stream << out.str();
+    stream << text;
     stream.close();
     std::error_code error;
     if (stream.fail() || (std::filesystem::rename(temporary, file, error), error)) {

@@ -1,0 +1,182 @@
+// Stages clip and download of the GPU engine: what it certifies equals the CPU's cells, and the rest says why.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "gpu/chunk.hpp"
+#include "support/check.hpp"
+#include "support/gpu_stages.hpp"
+
+using test::GpuStages;
+using test::PointSet;
+using votess::gpu::Chunk;
+using votess::gpu::ChunkJob;
+using votess::gpu::PassSettings;
+
+namespace {
+
+// Cells by status.
+using Counts = std::array<std::size_t, 8>;
+
+double fraction(const Counts& counts, std::uint32_t status) {
+    double all = 0;
+    for (const std::size_t c : counts) all += static_cast<double>(c);
+    return static_cast<double>(counts[status]) / all;
+}
+
+struct Wanted {
+    bool walls = true, neighbors = true, second_tier = true;
+    std::uint32_t chunk = 0;  // cells; 0 = all
+};
+
+// Clips all cells of a set and checks the certified ones.
+Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {}) {
+    CAPTURE(set.name);
+    CAPTURE(set.size());
+    auto options = test::all_options();
+    options.walls = wanted.walls;
+    const auto cpu = test::run(set, options);
+    gpu.upload_and_sort(set);
+    const auto order = gpu.seeds.order();
+    const auto n = static_cast<std::uint32_t>(set.size());
+    const std::uint32_t size = wanted.chunk == 0 ? n : wanted.chunk;
+    ChunkJob job;
+    job.walls = wanted.walls;
+    job.neighbors = wanted.neighbors;
+    job.own_count = n;
+    job.volume_tolerance = 0.5e-5;
+    Chunk chunk(*gpu.gpu.device, gpu.memory, size, gpu.passes->settings);
+    Counts counts{};
+    for (std::uint32_t first = 0; first < n; first += size) {
+        const std::uint32_t count = std::min(size, n - first);
+        chunk.start(gpu.seeds, *gpu.passes, job, first, count, wanted.second_tier);
+        chunk.wait();
+        REQUIRE(chunk.info().size() == count);
+        std::size_t total = 0, left = 0;
+        for (const std::uint32_t length : chunk.row_lengths()) total += length;
+        const auto rows = chunk.rows(wanted.neighbors ? total : 0);
+        std::size_t at = 0;
+        for (std::uint32_t c = 0; c < count; ++c) {
+            const std::uint32_t info = chunk.info()[c], status = info & 0xff;
+            const std::uint32_t input = order[first + c] & INDEX_MASK;
+            const std::size_t length = chunk.row_lengths()[c];
+            REQUIRE(status < counts.size());
+            ++counts[status];
+            REQUIRE(((order[first + c] & DUPLICATE_BIT) != 0) == (status == STATUS_DUPLICATE));
+            left += status != STATUS_CERTIFIED && status != STATUS_DUPLICATE;
+            if (status != STATUS_CERTIFIED || !wanted.neighbors) REQUIRE(length == 0);
+            if (status != STATUS_CERTIFIED) continue;
+            CAPTURE(input);
+            REQUIRE((info >> INFO_FACES_SHIFT & 0xff) == cpu.face_counts()[input]);
+            REQUIRE((info >> INFO_VERTICES_SHIFT & 0xff) == cpu.vertex_counts()[input]);
+            if (wanted.neighbors) REQUIRE(std::ranges::equal(rows.subspan(at, length), cpu.neighbors(input)));
+            at += length;
+            if (!gpu.passes->settings.measure) continue;
+            const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - gpu.seeds.units().shift;
+            const double volume = std::ldexp(chunk.geometry(c, 0), 3 * exponent), exact = cpu.volumes()[input];
+            REQUIRE(std::abs(volume - exact) <= 1e-5 * exact);
+            for (std::uint32_t a = 0; a < 3; ++a) {
+                const double centroid = set.points[3 * input + a] + std::ldexp(chunk.geometry(c, 1 + a), exponent);
+                // Certified cells are no needles: their volume tells their size.
+                REQUIRE(std::abs(centroid - cpu.centroids()[3 * input + a]) <=
+                        1e-4 * std::cbrt(exact) + 1e-15 * std::abs(centroid));
+            }
+        }
+        if (wanted.second_tier)
+            CHECK(chunk.todo_count() >= left);
+        else
+            CHECK(chunk.todo_count() == left);
+    }
+    return counts;
+}
+
+PassSettings with(auto&& change) {
+    PassSettings settings = test::pass_settings();
+    change(settings);
+    return settings;
+}
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("gpu clip: every family") {
+        GpuStages gpu;
+        for (const PointSet& set : test::families(test::by_size(500, 150), 21)) check_cells(gpu, set);
+    }
+
+    TEST_CASE("gpu clip: every size, whole and in chunks") {
+        GpuStages gpu;
+        for (const std::size_t n : test::sizes_across_groups) {
+            if (n > test::by_size(1025, 260)) continue;
+            const Counts counts = check_cells(gpu, test::uniform(n, n));
+            CHECK(counts[STATUS_CERTIFIED] + n / 100 + 1 >= n);
+        }
+        for (const std::uint32_t chunk : {1u, 63u, 64u, 65u, 100u})
+            check_cells(gpu, test::with_duplicates(test::by_size(300, 130), 30, 22), {.chunk = chunk});
+    }
+
+    TEST_CASE("gpu clip: nearly all random cells are certified, no tie ever is") {
+        GpuStages gpu;
+        const std::size_t n = test::by_size(8000, 800);
+        const Counts both = check_cells(gpu, test::uniform(n, 23));
+        CHECK(fraction(both, STATUS_CERTIFIED) > 0.995);
+        const Counts first = check_cells(gpu, test::uniform(n, 23), {.second_tier = false});
+        CHECK(fraction(first, STATUS_CERTIFIED) > 0.9);
+        CHECK(first[STATUS_CERTIFIED] <= both[STATUS_CERTIFIED]);
+        const Counts lattice = check_cells(gpu, test::fcc(test::by_size(12, 6)));
+        CHECK(fraction(lattice, STATUS_NEEDS_EXACT) > 0.9);
+        const Counts duplicates = check_cells(gpu, test::with_duplicates(n / 4, n / 40, 24));
+        CHECK(duplicates[STATUS_DUPLICATE] == n / 40);
+        CHECK(duplicates[7] == 0);
+        CHECK(duplicates[6] == 0);
+    }
+
+    TEST_CASE("gpu clip: what is not wanted is not there") {
+        GpuStages gpu;
+        const PointSet set = test::uniform(test::by_size(700, 200), 25);
+        check_cells(gpu, set, {.walls = false});
+        check_cells(gpu, set, {.neighbors = false});
+        gpu.use(with([](PassSettings& s) { s.measure = false; }));
+        check_cells(gpu, set);
+    }
+
+    TEST_CASE("gpu clip: short lists, few planes and few vertices overflow with the right status") {
+        GpuStages gpu(with([](PassSettings& s) { s.tiers[0].k = 8; }));
+        const PointSet set = test::uniform(test::by_size(1500, 300), 26);
+        const Counts short_lists = check_cells(gpu, set, {.second_tier = false});
+        CHECK(fraction(short_lists, STATUS_CANDIDATES_EXHAUSTED) > 0.9);
+        CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
+
+        gpu.use(with([](PassSettings& s) { s.tiers[0].vertices = 32; }));
+        CHECK(check_cells(gpu, set, {.second_tier = false})[STATUS_VERTEX_OVERFLOW] > set.size() / 20);
+        CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
+
+        // A prism has more planes than vertices fit into; its cells are few.
+        gpu.use(with([](PassSettings& s) {
+            s.tiers[0].k = 200;
+            s.tiers[0].vertices = 128;
+        }));
+        PointSet star{"star", {}, test::cube(-2, 2)};
+        for (int i = 0; i < 60; ++i) {
+            const double angle = i * 0.104;
+            star.points.insert(star.points.end(), {std::cos(angle), std::sin(angle), 0.001 * i});
+        }
+        star.points.insert(star.points.end(), {0, 0, 0.03});
+        CHECK(check_cells(gpu, star, {.second_tier = false})[STATUS_PLANE_OVERFLOW] > 0);
+        check_cells(gpu, star);
+        check_cells(gpu, test::on_sphere_and_center(150, 27), {.second_tier = false});
+        check_cells(gpu, test::on_sphere_and_center(150, 27));
+    }
+
+    TEST_CASE("gpu clip: in float64 far more is certain") {
+        GpuStages gpu(with([](PassSettings& s) { s.tiers[0].float64 = true; }));
+        if (!gpu.gpu.device->has_float64()) return;
+        const Counts counts = check_cells(gpu, test::jittered(test::by_size(9, 5), 1e-6, 28), {.second_tier = false});
+        CHECK(fraction(counts, STATUS_CERTIFIED) > 0.9);
+        gpu.use(test::pass_settings());
+        const Counts single = check_cells(gpu, test::jittered(test::by_size(9, 5), 1e-6, 28), {.second_tier = false});
+        CHECK(fraction(single, STATUS_CERTIFIED) < 0.5);
+    }
+}

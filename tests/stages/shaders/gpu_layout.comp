@@ -1,0 +1,111 @@
+// What tests/stages/gpu_layout.cpp runs: writes each field of a struct of shaders/shared/layout.h, by name, into a word
+// each. The variants are named like the structs.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/layout.h"
+#include "lib/node.glsl"
+
+layout(local_size_x_id = 0) in;
+layout(std430, binding = 1) writeonly buffer Words { uint words[]; };
+
+#if defined(STATE)
+layout(push_constant) uniform Push { uint unused; };
+layout(std430, binding = 0) readonly buffer Source { STATE state; };
+#elif defined(NODE)
+layout(push_constant) uniform Push { uint unused; };
+layout(std430, binding = 0) readonly buffer Source { Node nodes[]; };
+#else
+layout(push_constant) uniform Push { PUSH push; };
+layout(std430, binding = 0) readonly buffer Source { uint unused[]; };
+#endif
+
+uint written = 0u;
+
+void put(uint value) {
+    words[1u + written++] = value;
+}
+void put(int value) {
+    put(uint(value));
+}
+void put(float value) {
+    put(floatBitsToUint(value));
+}
+void put(uvec2 value) {
+    put(value.x);
+    put(value.y);
+}
+void put(uvec2 values[3]) {
+    for (int i = 0; i < 3; ++i) put(values[i]);
+}
+
+void main() {
+    if (gl_GlobalInvocationID.x != 0u) return;
+#if defined(UPLOAD)
+    put(push.origin);
+    put(push.first);
+    put(push.count);
+    put(push.shift);
+    put(push.is_float);
+#elif defined(SORT)
+    put(push.count);
+    put(push.tiles);
+    put(push.shift);
+    put(push.high_word);
+#elif defined(KEY)
+    put(push.count);
+    put(push.bits);
+    put(push.blocks_per_unit);
+#elif defined(SCAN)
+    put(push.count);
+#elif defined(BOXES)
+    put(push.seed_count);
+    put(push.level);
+    put(push.first);
+    put(push.count);
+    put(push.below_first);
+    put(push.below_count);
+#elif defined(KNN)
+    put(push.lower);
+    put(push.upper);
+    put(push.bounded);
+    put(push.first_cell);
+    put(push.cell_count);
+    put(push.seed_count);
+    put(push.own_count);
+    put(push.level_count);
+    put(push.most_visits);
+    put(push.stride);
+    for (int i = 0; i < MOST_LEVELS; ++i) put(push.level_first[i]);
+#elif defined(CLIP)
+    put(push.extent);
+    put(push.first_cell);
+    put(push.cell_count);
+    put(push.list_stride);
+    put(push.row_stride);
+    put(push.todo_capacity);
+    put(push.own_count);
+    put(push.walls);
+    put(push.neighbors);
+    put(push.volume_tolerance);
+#elif defined(ROWS)
+    put(push.cell_count);
+    put(push.row_stride);
+    put(push.second_row_stride);
+#elif defined(RUN)
+    put(state.lossy);
+    put(state.suspects);
+    put(state.duplicates);
+    put(state.reserved);
+#elif defined(CHUNK)
+    put(state.todo_count);
+    put(state.groups_x);
+    put(state.groups_y);
+    put(state.groups_z);
+#elif defined(NODE)
+    for (int i = 0; i < 3; ++i) {
+        put(nodes[i].lower);
+        put(nodes[i].upper);
+    }
+#endif
+    words[0] = written;
+}

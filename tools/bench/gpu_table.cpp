@@ -1,0 +1,279 @@
+#include "gpu_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <iomanip>
+#include <map>
+#include <sstream>
+
+#include "bench.hpp"
+
+namespace bench {
+namespace {
+
+constexpr double promised_volume_error = 1e-5;  // of Precision::single
+
+struct Row {
+    std::string input;
+    std::size_t n = 0;
+    Want want = Want::neighbors;
+    double first_seconds = 0;     // of the warm-up, which opens the device and compiles the pipelines
+    std::vector<double> seconds;  // each repeat
+    std::vector<votess::StageSeconds> stages;
+    votess::Stats stats;  // of the last repeat
+    std::uint64_t peak_memory = 0;
+    std::string check;  // "= CPU", "not compared" or what is wrong
+    double volume_error = 0;
+    bool wrong = false;
+    std::string note;  // why there is no time
+
+    [[nodiscard]] double best() const { return *std::min_element(seconds.begin(), seconds.end()); }
+    [[nodiscard]] double rate(double s) const { return static_cast<double>(n) / s / 1e6; }
+};
+
+// Linux then counts the peak of resident memory anew; elsewhere it stays that of the whole process.
+void forget_peak_memory() {
+    std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+votess::Options options_for(const GpuTable& table, const Input& input, Want want, const std::string& device) {
+    votess::Options options;
+    options.box = input.box;
+    options.device = device;
+    options.threads = table.threads;
+    options.want.neighbors = true;
+    options.want.volumes = options.want.centroids = want == Want::full;
+    return options;
+}
+
+// What a row says about its result.
+void compare(Row& row, const votess::Tessellation& mine, const votess::Tessellation& cpu) {
+    const auto fail = [&row](const std::string& what) {
+        row.check = "WRONG: " + what;
+        row.wrong = true;
+    };
+    row.check = "= CPU";
+    for (std::size_t i = 0; i < cpu.size(); ++i) {
+        const auto a = mine.neighbors(i), b = cpu.neighbors(i);
+        if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) {
+            return fail("neighbors of seed " + std::to_string(i));
+        }
+    }
+    if (!std::equal(mine.status().begin(), mine.status().end(), cpu.status().begin(), cpu.status().end())) {
+        return fail("status bytes");
+    }
+    for (std::size_t i = 0; i < cpu.volumes().size(); ++i) {
+        const double error = std::abs(mine.volumes()[i] - cpu.volumes()[i]);
+        if (!(error <= promised_volume_error * cpu.volumes()[i])) {
+            return fail("volume of seed " + std::to_string(i));
+        }
+        row.volume_error = std::max(row.volume_error, error > 0 ? error / cpu.volumes()[i] : 0.0);
+    }
+}
+
+void check(Row& row, const GpuTable& table, const Input& input, bool to_compare, const votess::Tessellation& mine) {
+    const votess::Stats& stats = mine.stats();
+    row.check = "not compared";
+    if (to_compare) {
+        compare(row, mine, votess::tessellate(input.points, options_for(table, input, row.want, "cpu")));
+    } else if (row.want == Want::full &&
+               !(std::abs(stats.volume_sum - stats.box_volume) <= promised_volume_error * stats.box_volume)) {
+        row.check = "WRONG: the volumes do not fill the box";
+        row.wrong = true;
+    }
+}
+
+// A Tessellator of its own, so that the memory is that of this row.
+void measure(Row& row, const GpuTable& table, const Input& input, bool to_compare) {
+    const votess::Options options = options_for(table, input, row.want, table.device);
+    votess::Tessellation t;
+    {
+        forget_peak_memory();
+        votess::Tessellator tessellator;
+        const Stopwatch first;
+        t = tessellator.tessellate(input.points, options);
+        row.first_seconds = first.seconds();
+        for (int repeat = 0; repeat < table.repeats; ++repeat) {
+            t = {};  // not timed, and not in memory beside the next
+            const Stopwatch stopwatch;
+            t = tessellator.tessellate(input.points, options);
+            row.seconds.push_back(stopwatch.seconds());
+            row.stages.push_back(t.stats().seconds);
+        }
+        row.stats = t.stats();
+        row.peak_memory = row.stats.peak_memory_bytes;
+    }
+    check(row, table, input, to_compare, t);
+}
+
+// Three digits, and a dash for a stage that took no time to speak of.
+std::string rate_text(const Row& row, double seconds) {
+    if (seconds < 1e-4 * median(row.seconds)) {
+        return "-";
+    }
+    const double rate = row.rate(seconds);
+    char text[32];
+    std::snprintf(text, sizeof text, "%.*f",
+                  rate >= 100   ? 0
+                  : rate >= 10  ? 1
+                  : rate >= 1   ? 2
+                  : rate >= 0.1 ? 3
+                                : 4,
+                  rate);
+    return text;
+}
+
+void print_head(const GpuTable& table) {
+    std::printf(
+        "\nMillion cells per second after a warm-up run (device, pipelines, buffers): best and median of %d runs; "
+        "then\n"
+        "all cells by the median seconds of a stage. Left: cells left to the CPU. MiB: peak of resident memory on the\n"
+        "host. full: neighbors, volumes and centroids. Lists are compared with the CPU's up to %.0f seeds.\n\n",
+        table.repeats, table.check_limit);
+    std::printf("%-10s %9s %-9s %8s %8s ", "input", "n", "want", "best", "median");
+    for (const Stage& stage : stages) {
+        std::printf(" %8s", stage.name);
+    }
+    std::printf(" %9s %7s  %s\n", "left", "MiB", "check");
+    std::fflush(stdout);
+}
+
+void print(const Row& row) {
+    std::printf("%-10s %9zu %-9s", row.input.c_str(), row.n, std::string(name_of(row.want)).c_str());
+    if (!row.note.empty()) {
+        std::printf("  %s\n", row.note.c_str());
+    } else {
+        std::printf(" %8s %8s ", rate_text(row, row.best()).c_str(), rate_text(row, median(row.seconds)).c_str());
+        for (const Stage& stage : stages) {
+            std::printf(" %8s", rate_text(row, median_of(stage, row.stages)).c_str());
+        }
+        std::printf(" %9llu %7.0f  %s\n", static_cast<unsigned long long>(row.stats.fallback_cells),
+                    static_cast<double>(row.peak_memory) / (1024.0 * 1024.0), row.check.c_str());
+    }
+    std::fflush(stdout);
+}
+
+void write(std::ostream& out, const Row& row) {
+    out << "{\"input\": " << in_quotes(row.input) << ", \"n\": " << row.n
+        << ", \"want\": " << in_quotes(name_of(row.want));
+    if (!row.note.empty()) {
+        out << ", \"note\": " << in_quotes(row.note) << '}';
+        return;
+    }
+    const double middle = median(row.seconds);
+    out << ", \"check\": " << in_quotes(row.check) << ", \"first_seconds\": " << row.first_seconds
+        << ", \"seconds\": [";
+    for (std::size_t i = 0; i < row.seconds.size(); ++i) {
+        out << (i > 0 ? ", " : "") << row.seconds[i];
+    }
+    out << "], \"stage_seconds\": " << stages_json(row.stages)
+        << ", \"million_cells_per_second\": {\"best\": " << row.rate(row.best())
+        << ", \"median\": " << row.rate(middle);
+    for (const Stage& stage : stages) {
+        const double seconds = median_of(stage, row.stages);
+        out << ", \"" << stage.name << "\": ";
+        seconds > 0 ? out << row.rate(seconds) : out << "null";
+    }
+    out << "}, \"fallback_cells\": " << row.stats.fallback_cells << ", \"exact_cells\": " << row.stats.exact_cells
+        << ", \"mean_faces\": " << row.stats.mean_faces << ", \"max_volume_error\": ";
+    row.want == Want::full&& row.check == "= CPU" ? out << row.volume_error : out << "null";
+    out << ", \"peak_memory_bytes\": " << row.peak_memory << '}';
+}
+
+// 20250131-1605, local time.
+std::string date() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    localtime_r(&now, &parts);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y%m%d-%H%M", &parts);
+    return text;
+}
+
+std::string file_name(const std::string& device) {
+    std::string name;
+    for (const char c : device) {
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+            name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        } else if (!name.empty() && name.back() != '-') {
+            name += '-';
+        }
+    }
+    name.erase(name.find_last_not_of('-') + 1);
+    return "gpu-" + name + '-' + date() + ".json";
+}
+
+void write(const std::string& file, const votess::DeviceInfo& device, unsigned threads, const std::vector<Row>& rows) {
+    std::ostringstream out;
+    out << std::setprecision(6) << "{\n  \"device\": {\"id\": " << in_quotes(device.id)
+        << ", \"name\": " << in_quotes(device.name) << ", \"description\": " << in_quotes(device.description)
+        << "},\n  \"machine\": " << machine_json() << ",\n  \"votess\": " << in_quotes(VOTESS_VERSION_STRING)
+        << ",\n  \"threads\": " << threads << ",\n  \"rows\": [";
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        out << (i > 0 ? ",\n    " : "\n    ");
+        write(out, rows[i]);
+    }
+    out << "\n  ]\n}\n";
+    write_whole(file, out.str());
+}
+
+// Opens the device, or throws with what is there instead.
+votess::DeviceInfo open(const std::string& device) {
+    votess::Options options;
+    options.device = device;
+    options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+    const std::array<double, 3> seed{0.5, 0.5, 0.5};
+    const votess::Tessellation t = votess::tessellate(std::span<const double>(seed), options);
+    return describe(device, t.stats().device);
+}
+
+}  // namespace
+
+int run_gpu_table(const GpuTable& table) {
+    const votess::DeviceInfo device = open(table.device);
+    std::printf("device %s: %s\n%s\n", device.id.c_str(), device.name.c_str(), device.description.c_str());
+    print_machine();
+    const std::string json = table.json.empty() ? file_name(device.name) : table.json;
+    write(json, device, table.threads, {});  // fails now rather than after an hour
+    print_head(table);
+
+    std::vector<Row> rows;
+    bool good = true;
+    for (const std::string& name : table.inputs) {
+        std::map<std::string, double> paces;  // seconds per seed, by want
+        for (const std::size_t n : table.sizes) {
+            const Input input = make_input(name, n, table.rng_seed);
+            for (const std::string& want : table.wants) {
+                Row row;
+                row.input = input.name;
+                row.n = input.size();
+                row.want = want == "full" ? Want::full : Want::neighbors;
+                double& pace = paces[want];
+                if (pace * static_cast<double>(row.n) > table.limit) {
+                    row.note = "left out: over --limit";
+                } else {
+                    try {
+                        measure(row, table, input, static_cast<double>(n) <= table.check_limit);
+                        pace = std::max(pace, median(row.seconds) / static_cast<double>(row.n));
+                    } catch (const std::exception& error) {
+                        row.note = std::string("failed: ") + error.what();
+                        row.wrong = true;
+                    }
+                }
+                good = good && !row.wrong;
+                print(row);
+                rows.push_back(std::move(row));
+                write(json, device, table.threads, rows);
+            }
+        }
+    }
+    std::printf("\nwritten to %s\n", json.c_str());
+    return good ? 0 : 1;
+}
+
+}  // namespace bench

@@ -1,0 +1,28 @@
+// votess on one device: rates per stage on many inputs, each checked against the CPU.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+struct GpuTable {
+    std::string device = "gpu";  // as in votess::Options
+    std::vector<std::size_t> sizes{10'000, 100'000, 1'000'000, 10'000'000};
+    std::vector<std::string> inputs{"uniform", "clustered", "lattice"};
+    std::vector<std::string> wants{"neighbors", "full"};
+    unsigned threads = 0;
+    int repeats = 5;
+    double limit = 120;
+    double check_limit = 1e5;  // seeds
+    std::uint64_t rng_seed = 1;
+    std::string json;  // empty: gpu-<device>-<date>.json
+};
+
+// Prints the table; the JSON file is written anew after every row, so that a run cut short leaves what it has.
+// Returns 0, or 1 when a result was wrong or a run failed. Throws votess::Error when the device cannot be had.
+int run_gpu_table(const GpuTable& table);
+
+}  // namespace bench
