@@ -19,9 +19,9 @@ Pass make(Device& device, const char* name, std::span<const std::uint32_t> spirv
                          std::move(constants)});
 }
 
-// An operation errs by half a unit in the last place only where the device promises to round to nearest.
+// An operation errs by half a unit in the last place where the device rounds to nearest, else by one.
 float float_unit(const Device& device) {
-    return device.adapter().rounds_to_nearest ? 0x1p-24f : 0x1p-23f;
+    return device.rounds_to_nearest() ? 0x1p-24f : 0x1p-23f;
 }
 
 Pass knn_search(Device& device, const PassSettings& settings, std::uint32_t tier) {

@@ -221,7 +221,7 @@ void SeedStore::record_radix_pass(std::uint32_t pass, const Passes& passes) {
 
 void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
     constexpr std::uint32_t radix_passes = 2 * ((KEY_WORD_BITS + DIGIT_BITS - 1) / DIGIT_BITS);
-    static_assert(radix_passes % 2 == 0);  // the result is where the keys were made
+    static_assert(radix_passes % 4 == 0);  // the result is where the keys were made, after half of them too
     const std::uint64_t longest = std::max({extent_[0], extent_[1], extent_[2]});
     const KeyPush push{
         count_, key_bits,
@@ -237,9 +237,9 @@ void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
     const auto begin = commands_.timestamp();
     commands_.dispatch(passes.sort_key, bindings.list(), push_bytes(push), count_);
     commands_.barrier();
-    // With up to ten bits per axis the low word is 0 in every key.
-    const std::uint32_t first = key_bits <= KEY_WORD_BITS / 3 ? radix_passes / 2 : 0;
-    for (std::uint32_t pass = first; pass < radix_passes; ++pass) record_radix_pass(pass, passes);
+    // With up to ten bits per axis the high word is 0 in every key.
+    const std::uint32_t needed = key_bits <= KEY_WORD_BITS / 3 ? radix_passes / 2 : radix_passes;
+    for (std::uint32_t pass = 0; pass < needed; ++pass) record_radix_pass(pass, passes);
     commands_.dispatch(passes.sort_gather, bindings.list(), push_bytes(push), count_);
     const auto end = commands_.timestamp();
     commands_.barrier();

@@ -8,7 +8,7 @@
 // neighbors when their cells share a polygon of positive area. Each cell is a convex polytope clipped by bisectors
 // until the security radius proves it complete (Ray, Sokolov, Lefebvre, Lévy: Meshless Voronoi on the GPU, ACM TOG
 // 37(6), 2018). Every sign that decides the topology is exact for the float64 coordinates as given, so the lists
-// are the same for any thread count, any tuning option and any order of the seeds.
+// are the same on any device, for any thread count, any tuning option and any order of the seeds.
 //
 // The library never prints, never exits and keeps no global state. Errors are thrown as votess::Error.
 #pragma once
@@ -117,7 +117,9 @@ struct Options {
 };
 
 // Seconds of wall clock per stage of the pipeline. On the CPU `knn` builds the search structure, and `clip` pulls the
-// candidates and decides uncertain signs exactly on the spot, so that nothing is left for `fallback`.
+// candidates and decides uncertain signs exactly on the spot, so that nothing is left for `fallback`. On a GPU, where chunks of
+// cells pass through knn, clip and download while the CPU does its share of the chunk before (`fallback`), that stretch
+// is divided by what each took.
 struct StageSeconds {
     double upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
     double total = 0;

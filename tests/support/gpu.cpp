@@ -11,7 +11,7 @@ namespace test {
 
 namespace {
 
-// At most the diameter of a cell: what its volume, its neighbors and the walls around it tell.
+// At most the diameter of a cell: what its volume, its neighbors and the walls around it tell, each where there is one.
 double size_of(const votess::Tessellation& t, std::span<const double> points, std::size_t i) {
     double size = t.volumes().empty() ? 0 : std::cbrt(t.volumes()[i]);
     double to_wall[3][2]{};

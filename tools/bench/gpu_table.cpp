@@ -111,9 +111,14 @@ void measure(Row& row, const GpuTable& table, const Input& input, bool to_compar
     check(row, table, input, to_compare, t);
 }
 
-// Three digits, and a dash for a stage that took no time to speak of.
+// No time to speak of: then there is no rate.
+bool negligible(const Row& row, double seconds) {
+    return seconds < 1e-4 * median(row.seconds);
+}
+
+// Three digits, or a dash.
 std::string rate_text(const Row& row, double seconds) {
-    if (seconds < 1e-4 * median(row.seconds)) {
+    if (negligible(row, seconds)) {
         return "-";
     }
     const double rate = row.rate(seconds);
@@ -177,7 +182,7 @@ void write(std::ostream& out, const Row& row) {
     for (const Stage& stage : stages) {
         const double seconds = median_of(stage, row.stages);
         out << ", \"" << stage.name << "\": ";
-        seconds > 0 ? out << row.rate(seconds) : out << "null";
+        negligible(row, seconds) ? out << "null" : out << row.rate(seconds);
     }
     out << "}, \"fallback_cells\": " << row.stats.fallback_cells << ", \"exact_cells\": " << row.stats.exact_cells
         << ", \"mean_faces\": " << row.stats.mean_faces << ", \"max_volume_error\": ";

@@ -10,7 +10,9 @@ std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const
     if (const std::string lack = adapter.missing(); !lack.empty()) {
         throw Error(ErrorCode::unsupported, "votess cannot use the device " + adapter.name + ": it " + lack);
     }
-    return std::shared_ptr<Device>(new Device(std::move(instance), adapter, options));
+    std::shared_ptr<Device> device(new Device(std::move(instance), adapter, options));
+    device->rounding_ = probe_rounding(*device, device->float64_);
+    return device;
 }
 
 Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options)

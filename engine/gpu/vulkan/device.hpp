@@ -8,6 +8,7 @@
 
 #include "gpu/vulkan/instance.hpp"
 #include "gpu/vulkan/pipeline_cache.hpp"
+#include "gpu/vulkan/rounding.hpp"
 
 namespace votess::gpu::vulkan {
 
@@ -31,7 +32,9 @@ public:
     [[nodiscard]] VolkDeviceTable& table() { return table_; }
     [[nodiscard]] const Adapter& adapter() const { return adapter_; }
     [[nodiscard]] Instance& instance() { return *instance_; }
-    [[nodiscard]] bool has_float64() const { return float64_; }
+    // Only where it is rounded to nearest: bounds of float64 arithmetic rely on it.
+    [[nodiscard]] bool has_float64() const { return float64_ && rounding_.nearest64; }
+    [[nodiscard]] bool rounds_to_nearest() const { return rounding_.nearest32; }
     [[nodiscard]] const PipelineCache& pipeline_cache() const { return *cache_; }
 
     // Thread-safe: Vulkan wants calls on a queue one at a time.
@@ -54,7 +57,8 @@ private:
     VolkDeviceTable table_{};
     VkQueue queue_ = VK_NULL_HANDLE;
     std::mutex queue_mutex_;
-    bool float64_ = false;
+    bool float64_ = false;  // enabled
+    Rounding rounding_;
     std::optional<PipelineCache> cache_;
 };
 

@@ -1,0 +1,66 @@
+#include "gpu/vulkan/rounding.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "gpu/vulkan/commands.hpp"
+#include "shaders.hpp"
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+namespace votess::gpu::vulkan {
+namespace {
+
+// Pairs whose sums and products need rounding, in both directions and of both signs.
+template <class Real>
+std::vector<Real> operand_pairs(std::uint32_t count) {
+    std::vector<Real> pairs;
+    std::uint64_t state = 1;
+    for (std::uint32_t i = 0; i < 2 * count; ++i) {
+        state = state * 6364136223846793005u + 1442695040888963407u;  // Knuth's MMIX
+        const Real fraction = static_cast<Real>(state >> 11) * static_cast<Real>(0x1p-53);
+        const Real value = std::ldexp(1 + fraction, static_cast<int>(state >> 9 & 7) - 4);
+        pairs.push_back((state >> 10 & 1) != 0 ? -value : value);
+    }
+    return pairs;
+}
+
+template <class Real>
+bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
+    constexpr std::uint32_t count = 256;
+    Memory memory(device, 1 << 16);
+    const Pass pass(device, {"probe_rounding", spirv, {BINDING_RAW, BINDING_GEOMETRY}, sizeof(ScanPush), 32, {}});
+    const Buffer operands = memory.buffer(2 * count * sizeof(Real), MemoryKind::upload, "operands");
+    const Buffer results = memory.buffer(3 * count * sizeof(Real), MemoryKind::download, "results");
+    const auto pairs = operand_pairs<Real>(count);
+    std::memcpy(operands.mapped().data(), pairs.data(), 2 * count * sizeof(Real));
+    operands.flush();
+    Commands commands(device);
+    commands.begin();
+    const BufferBinding bindings[] = {{BINDING_RAW, &operands}, {BINDING_GEOMETRY, &results}};
+    commands.dispatch(pass, bindings, push_bytes(ScanPush{count}), count);
+    commands.barrier_to_host();
+    commands.end();
+    commands.submit();
+    commands.wait();
+    results.invalidate();
+    const auto found = results.as<Real>();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Real a = pairs[2 * i], b = pairs[2 * i + 1];
+        if (found[3 * i] != a + b || found[3 * i + 1] != a * b ||
+            found[3 * i + 2] != static_cast<Real>(0x01000001u + 2 * i))
+            return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+Rounding probe_rounding(Device& device, bool float64) {
+    return {rounds_to_nearest<float>(device, shaders::probe_rounding_f32),
+            float64 && rounds_to_nearest<double>(device, shaders::probe_rounding_f64)};
+}
+
+}  // namespace votess::gpu::vulkan

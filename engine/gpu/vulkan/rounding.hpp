@@ -1,0 +1,16 @@
+// Vulkan lets a device round sums and products to nearest or toward zero, and does not tell which. So it is tried out.
+#pragma once
+
+namespace votess::gpu::vulkan {
+
+class Device;
+
+struct Rounding {
+    bool nearest32 = false;  // float32 sums, products and conversions are rounded to nearest even
+    bool nearest64 = false;  // the same in float64
+};
+
+// float64: whether the device has it, and it is enabled.
+Rounding probe_rounding(Device& device, bool float64);
+
+}  // namespace votess::gpu::vulkan
