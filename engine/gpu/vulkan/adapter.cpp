@@ -7,9 +7,9 @@
 namespace votess::gpu::vulkan {
 namespace {
 
-constexpr std::uint32_t least_storage_buffers = 10;
+constexpr std::uint32_t least_storage_buffers = 14;  // of clip_cells
 constexpr std::uint32_t least_push_bytes = 128;
-constexpr std::uint32_t least_invocations = 64;
+constexpr std::uint32_t least_invocations = 128;  // TILE_GROUP of the shaders
 
 std::string version_text(std::uint32_t version) {
     return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
@@ -111,8 +111,6 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
         structure<VkPhysicalDeviceMaintenance3Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES);
     auto buffers =
         structure<VkPhysicalDeviceMaintenance4Properties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES);
-    auto floats =
-        structure<VkPhysicalDeviceFloatControlsProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES);
     auto driver = structure<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
     auto sizes = structure<VkPhysicalDeviceSubgroupSizeControlProperties>(
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES);
@@ -121,7 +119,6 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
     chain.add(subgroup);
     chain.add(limits);
     if (support.has(VK_API_VERSION_1_3, VK_KHR_MAINTENANCE_4_EXTENSION_NAME)) chain.add(buffers);
-    if (support.has(VK_API_VERSION_1_2, VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME)) chain.add(floats);
     if (support.has(VK_API_VERSION_1_2, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME)) chain.add(driver);
     if (support.has(VK_API_VERSION_1_3, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME)) chain.add(sizes);
     calls.vkGetPhysicalDeviceProperties2(a.handle, &all);
@@ -134,10 +131,6 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
     a.max_allocation = limits.maxMemoryAllocationSize;
     a.max_buffer = buffers.maxBufferSize ? buffers.maxBufferSize : a.max_allocation;
     a.max_buffer = std::min({a.max_buffer, a.max_allocation, a.device_memory});
-    a.rounds_to_nearest = floats.shaderRoundingModeRTEFloat32;
-    a.rounds_to_nearest64 = floats.shaderRoundingModeRTEFloat64;
-    a.keeps_denormals = floats.shaderDenormPreserveFloat32;
-    a.keeps_denormals64 = floats.shaderDenormPreserveFloat64;
     a.driver = driver.driverName;
     if (driver.driverInfo[0]) a.driver += std::string(" ") + driver.driverInfo;
 }
@@ -200,13 +193,16 @@ std::string Adapter::missing() const {
     if (queue_family == VK_QUEUE_FAMILY_IGNORED) return needs("a compute queue", "none");
     const std::uint32_t buffers =
         std::min(limits.maxPerStageDescriptorStorageBuffers, limits.maxDescriptorSetStorageBuffers);
-    if (buffers < least_storage_buffers) return needs("10 storage buffers per stage", std::to_string(buffers));
+    if (buffers < least_storage_buffers)
+        return needs(std::to_string(least_storage_buffers) + " storage buffers per stage", std::to_string(buffers));
     if (limits.maxPushConstantsSize < least_push_bytes) {
         return needs("128 bytes of push constants", std::to_string(limits.maxPushConstantsSize));
     }
     const std::uint32_t invocations =
         std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
-    if (invocations < least_invocations) return needs("work-groups of 64 invocations", std::to_string(invocations));
+    if (invocations < least_invocations)
+        return needs("work-groups of " + std::to_string(least_invocations) + " invocations",
+                     std::to_string(invocations));
     return {};
 }
 

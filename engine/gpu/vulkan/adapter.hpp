@@ -37,11 +37,6 @@ struct Adapter {
     bool int64 = false;
     bool storage8 = false;
     bool storage16 = false;
-    // Whether shaders can ask for these (VK_KHR_shader_float_controls); false also when the device does not say.
-    bool rounds_to_nearest = false;
-    bool rounds_to_nearest64 = false;
-    bool keeps_denormals = false;
-    bool keeps_denormals64 = false;
 
     std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;  // with compute, and with timestamps if there is one
     std::uint32_t timestamp_bits = 0;                      // 0: no timestamps
