@@ -224,13 +224,21 @@ void main() {
     }
 
     worst = expected_reach();
-    for (int attempt = 0; attempt < 4; ++attempt) {
-        if (attempt == 3) worst = UNBOUNDED;
-        coarse = worst >= coarse_from;
+    bool fine = false;
+    for (int attempt = 0; attempt < 4;) {
+        coarse = !fine && worst >= coarse_from;
         size = 0;
         search();
+        if (coarse && worst < coarse_from) {  // the radius shrank to where high words are too rough
+            fine = true;
+            truncated = false;
+            worst = coarse_from;
+            attempt = 0;
+            continue;
+        }
         if (2 * size >= k || truncated) break;
-        worst *= 4.0;
+        ++attempt;
+        worst = attempt == 3 ? UNBOUNDED : 4.0 * worst;
     }
     truncated = truncated || visits > push.most_visits;
 

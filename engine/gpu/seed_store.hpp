@@ -81,8 +81,6 @@ private:
 
     vulkan::Device& device_;
     vulkan::Memory& memory_;
-    Commands commands_;
-    Commands uploads_[2];
     Buffer staging_[2];
     std::uint32_t count_ = 0, capacity_ = 0;
     Units units_;
@@ -96,6 +94,9 @@ private:
     Scan scan_;
     std::vector<std::uint32_t> level_first_, level_size_;
     Bindings bindings_;
+    // Destroyed first, which waits for work on the buffers.
+    Commands commands_;
+    Commands uploads_[2];
 };
 
 }  // namespace votess::gpu

@@ -64,6 +64,27 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(gpu, set.points).failure == "");
     }
 
+    TEST_CASE("gpu: clusters of the size of the coarse coordinates' steps among spread seeds") {
+        // Coordinates take some 2^62 units; searches for far neighbors look at the upper 32 bits alone.
+        votess::Tessellator tessellator;
+        for (const int exponent : {-24, -26, -27, -28, -29, -30, -32})
+            for (const unsigned k : {32u, 48u, 64u}) {
+                test::Random random(static_cast<std::uint64_t>(k - exponent));
+                PointSet set{"clusters", {}, test::unit_box()};
+                const double size = std::ldexp(1.0, exponent);
+                for (std::size_t cluster = 0; cluster < test::by_size(20, 4); ++cluster) {
+                    const double center[3] = {random.uniform(0, 0.9), random.uniform(0, 0.9), random.uniform(0, 0.9)};
+                    for (int i = 0; i < 90; ++i)
+                        for (const double c : center) set.points.push_back(c + size * random.uniform());
+                }
+                Options options = test::all_options();
+                options.k_init = k;
+                CAPTURE(exponent);
+                CAPTURE(k);
+                CHECK(compare(tessellator, set, options) == "");
+            }
+    }
+
     TEST_CASE("gpu: tuning options change nothing") {
         std::vector<std::pair<std::string, Options>> variants;
         const auto vary = [&](std::string name, auto&& change) {

@@ -11,7 +11,7 @@ namespace test {
 
 namespace {
 
-// At most the diameter of a cell: what its volume, its neighbors and the walls around it tell, each where there is one.
+// At most the diameter of a cell: what its volume, its neighbors and the walls around it tell.
 double size_of(const votess::Tessellation& t, std::span<const double> points, std::size_t i) {
     double size = t.volumes().empty() ? 0 : std::cbrt(t.volumes()[i]);
     double to_wall[3][2]{};
@@ -27,7 +27,8 @@ double size_of(const votess::Tessellation& t, std::span<const double> points, st
         size = std::max(size, std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]) / 2);
     }
     for (const auto& w : to_wall) size = std::max(size, w[0] + w[1]);
-    return size;
+    // With neither volumes nor rows: that of the mean cell.
+    return size > 0 ? size : std::cbrt(t.stats().box_volume / static_cast<double>(t.size()));
 }
 
 template <class T>

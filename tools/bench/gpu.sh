@@ -134,5 +134,6 @@ if [[ -n $to_pack ]]; then
     exit 0
 fi
 complete_machine
-[[ $("$bench" --help) == *--gpu-table* ]] || die "$bench is older than this script; --build makes it anew"
+help=$("$bench" --help) || die "$bench does not run here"
+[[ $help == *--gpu-table* ]] || die "$bench is older than this script; --build makes it anew"
 exec "$bench" --gpu-table "${arguments[@]}"

@@ -135,11 +135,11 @@ std::string rate_text(const Row& row, double seconds) {
 
 void print_head(const GpuTable& table) {
     std::printf(
-        "\nMillion cells per second after a warm-up run (device, pipelines, buffers): best and median of %d runs; "
-        "then\n"
-        "all cells by the median seconds of a stage. Left: cells left to the CPU. MiB: peak of resident memory on the\n"
-        "host. full: neighbors, volumes and centroids. Lists are compared with the CPU's up to %.0f seeds.\n\n",
-        table.repeats, table.check_limit);
+        "\nMillion cells per second after a warm-up run (device, pipelines, buffers): best and median of %d run%s,\n"
+        "then all cells by the median seconds of a stage. Left: cells left to the CPU. MiB: peak of resident memory "
+        "on\n"
+        "the host. full: neighbors, volumes and centroids. Lists are compared with the CPU's up to %.0f seeds.\n\n",
+        table.repeats, table.repeats == 1 ? "" : "s", table.check_limit);
     std::printf("%-10s %9s %-9s %8s %8s ", "input", "n", "want", "best", "median");
     for (const Stage& stage : stages) {
         std::printf(" %8s", stage.name);
