@@ -81,6 +81,9 @@ void GpuEngine::upload(const Job& job) {
     done_cells_ = 0;
     part_ = {};
     parts_.reset();
+    // A run that was stopped may have left the device at work.
+    for (auto& chunk : chunks_)
+        if (chunk) chunk->wait();
     clipper_.begin(job_);
     result_.begin(job_);
     if (job_.points.count() == 0) return;
@@ -91,7 +94,13 @@ void GpuEngine::upload(const Job& job) {
         passes_.emplace(*device_, settings);
     }
     const std::uint32_t most = limits_.most_seeds != 0 ? limits_.most_seeds : SeedStore::most_seeds(*device_, memory_);
-    parts_.emplace(job_, Units::for_box(job_.box), most);
+    std::span<const std::int32_t> duplicate_of;
+    if (job_.points.count() > most) {
+        // Copies of a seed would otherwise lie in several parts.
+        duplicate_of = clipper_.duplicate_of();
+        duplicates_ = !duplicate_of.empty();
+    }
+    parts_.emplace(job_, duplicate_of, Units::for_box(job_.box), most);
     if (parts_->size() == 1) begin_part(0);
 }
 
@@ -206,17 +215,20 @@ void GpuEngine::collect(const Chunk& chunk) {
     const auto rows = chunk.rows(job_.options.want.neighbors ? row_begin[blocks] : 0);
 
     std::mutex mutex;
-    std::size_t left = 0;
+    std::size_t left = 0, beside = 0;
     clipper_.pool().run(blocks, [&](std::size_t block, unsigned) {
         const std::size_t begin = block * block_cells, end = std::min<std::size_t>(chunk.count(), begin + block_cells);
         CellCounters counters;
         std::vector<std::int32_t> pending;
+        std::size_t outside = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t info = infos[i], status = info & 0xff;
             if (status == STATUS_CERTIFIED) {
                 counters.faces += (info >> INFO_FACES_SHIFT) & 0xff;
                 collect_cell(chunk, static_cast<std::uint32_t>(i), cells[i]);
-            } else if (status != STATUS_DUPLICATE && status != STATUS_OUTSIDE) {
+            } else if (status == STATUS_OUTSIDE) {
+                ++outside;
+            } else if (status != STATUS_DUPLICATE) {
                 pending.push_back(cells[i]);
             }
         }
@@ -237,9 +249,10 @@ void GpuEngine::collect(const Chunk& chunk) {
         }
         const std::lock_guard lock(mutex);
         left += pending.size();
+        beside += outside;
         pending_.insert(pending_.end(), pending.begin(), pending.end());
     });
-    done_cells_ += chunk.count();
+    done_cells_ += chunk.count() - beside;
 
     const auto seconds = chunk.seconds();
     spent_.device.knn += seconds.knn;
@@ -272,9 +285,10 @@ void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_
 
 void GpuEngine::leave_to_cpu(std::uint32_t first, std::uint32_t count) {
     for (const std::uint32_t member : seeds_.order().subspan(first, count)) {
-        if ((member & DUPLICATE_BIT) == 0 && member < part_.own_count) pending_.push_back(input_of(member));
+        if ((member & INDEX_MASK) >= part_.own_count) continue;
+        ++done_cells_;
+        if ((member & DUPLICATE_BIT) == 0) pending_.push_back(input_of(member));
     }
-    done_cells_ += count;
 }
 
 void GpuEngine::clip_pending(double progress) {

@@ -12,7 +12,7 @@ constexpr double margin_spacings = 5;
 
 }  // namespace
 
-Parts::Parts(const Job& job, const Units& units, std::uint32_t most_seeds)
+Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Units& units, std::uint32_t most_seeds)
     : job_(job), units_(units), most_seeds_(std::max(most_seeds, 2u)) {
     const std::size_t count = job.points.count();
     if (count <= most_seeds_) {
@@ -21,7 +21,9 @@ Parts::Parts(const Job& job, const Units& units, std::uint32_t most_seeds)
     }
     order_.resize(count);
     std::iota(order_.begin(), order_.end(), 0);
-    split(0, count, most_seeds_ / 2);
+    if (!duplicate_of.empty())
+        std::erase_if(order_, [&](std::int32_t i) { return duplicate_of[static_cast<std::size_t>(i)] >= 0; });
+    split(0, order_.size(), most_seeds_ / 2);
 }
 
 Box Parts::bounds(std::size_t begin, std::size_t end) const {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine.hpp"
@@ -21,8 +22,8 @@ struct Part {
 
 class Parts {
 public:
-    // At most `most_seeds` members a part. One part when all points fit.
-    Parts(const Job& job, const Units& units, std::uint32_t most_seeds);
+    // At most `most_seeds` members a part. One part when all points fit; else duplicates are in none.
+    Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Units& units, std::uint32_t most_seeds);
 
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
     [[nodiscard]] Part get(std::size_t index) const;

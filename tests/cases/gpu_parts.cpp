@@ -21,23 +21,33 @@ std::string compare(test::GpuRunner& runner, const PointSet& set, Options option
 TEST_SUITE("cases") {
     TEST_CASE("gpu: seeds in parts, every family") {
         test::Gpu gpu;
-        for (const std::uint32_t most : {300u, 1000u}) {
-            test::GpuRunner runner(gpu, {.most_seeds = most});
-            for (const PointSet& set : test::families(test::by_size(1500, 400), 91)) {
-                CAPTURE(set.name);
-                CAPTURE(most);
-                CHECK(compare(runner, set) == "");
-            }
+        test::GpuRunner small(gpu, {.most_seeds = 300});
+        for (const PointSet& set : test::families(test::by_size(800, 350), 91)) {
+            CAPTURE(set.name);
+            CHECK(compare(small, set) == "");
         }
+        test::GpuRunner large(gpu, {.most_seeds = 1000});
+        const std::size_t n = test::by_size(2500, 1100);
+        for (const PointSet& set : {test::clustered(n, 88), test::with_duplicates(n, n / 5, 89), test::on_walls(n, 90)})
+            CHECK(compare(large, set) == "");
     }
 
     TEST_CASE("gpu: parts spare the CPU most cells") {
         test::Gpu gpu;
-        test::GpuRunner runner(gpu, {.most_seeds = test::reduced() ? 2000u : 8000u});
-        const PointSet set = test::uniform(test::by_size(20000, 4000), 92);
+        test::GpuRunner runner(gpu, {.most_seeds = test::reduced() ? 2000u : 5000u});
+        const PointSet set = test::uniform(test::by_size(12000, 4000), 92);
         Options options = test::all_options();
         options.threads = 0;
+        options.chunk_size = 500;
+        std::vector<double> fractions;
+        options.progress = [&](double fraction) {
+            fractions.push_back(fraction);
+            return true;
+        };
         const auto t = runner.run(set, options);
+        CHECK(std::is_sorted(fractions.begin(), fractions.end()));
+        CHECK(fractions.back() == 1);
+        options.progress = nullptr;
         CHECK(t.stats().fallback_cells < set.size() / 3);
         CHECK(test::check_same(t, test::run(set, options), set.points, 1e-5) == "");
     }
@@ -46,8 +56,8 @@ TEST_SUITE("cases") {
         test::Gpu gpu;
         for (const std::uint32_t most : {2u, 10u, 77u}) {
             test::GpuRunner runner(gpu, {.most_seeds = most});
-            for (const PointSet& set : {test::uniform(150, 93), test::with_duplicates(150, 30, 94),
-                                        test::on_walls(150, 95), test::on_axis_plane(100, 96), test::cubic(4)}) {
+            for (const PointSet& set : {test::uniform(90, 93), test::with_duplicates(90, 20, 94),
+                                        test::on_walls(90, 95), test::on_axis_plane(60, 96), test::cubic(4)}) {
                 Options options = test::all_options();
                 CAPTURE(set.name);
                 CAPTURE(most);
@@ -60,7 +70,7 @@ TEST_SUITE("cases") {
             }
         }
         test::GpuRunner runner(gpu, {.most_seeds = 400});
-        for (const std::size_t n : {1000, 300, 0, 401, 400, 800}) {
+        for (const std::size_t n : {900, 300, 0, 401, 400}) {
             CAPTURE(n);
             CHECK(compare(runner, test::clustered(n, n + 1)) == "");
             CHECK(compare(runner, test::far_from_origin(n, n + 2)) == "");
@@ -105,7 +115,7 @@ TEST_SUITE("cases") {
         test::Gpu gpu({.float64 = false});
         CHECK_FALSE(gpu.device->has_float64());
         test::GpuRunner runner(gpu);
-        for (const PointSet& set : test::families(test::by_size(700, 150), 106)) {
+        for (const PointSet& set : test::families(test::by_size(300, 100), 106)) {
             CAPTURE(set.name);
             CHECK(compare(runner, set) == "");
         }

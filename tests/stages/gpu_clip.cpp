@@ -103,7 +103,7 @@ PassSettings with(auto&& change) {
 TEST_SUITE("stages") {
     TEST_CASE("gpu clip: every family") {
         GpuStages gpu;
-        for (const PointSet& set : test::families(test::by_size(500, 150), 21)) check_cells(gpu, set);
+        for (const PointSet& set : test::families(test::by_size(300, 100), 21)) check_cells(gpu, set);
     }
 
     TEST_CASE("gpu clip: every size, whole and in chunks") {
@@ -119,7 +119,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("gpu clip: nearly all random cells are certified, no tie ever is") {
         GpuStages gpu;
-        const std::size_t n = test::by_size(8000, 800);
+        const std::size_t n = test::by_size(4000, 800);
         const Counts both = check_cells(gpu, test::uniform(n, 23));
         CHECK(fraction(both, STATUS_CERTIFIED) > 0.995);
         const Counts first = check_cells(gpu, test::uniform(n, 23), {.second_tier = false});
@@ -144,7 +144,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("gpu clip: short lists, few planes and few vertices overflow with the right status") {
         GpuStages gpu(with([](PassSettings& s) { s.tiers[0].k = 8; }));
-        const PointSet set = test::uniform(test::by_size(1500, 300), 26);
+        const PointSet set = test::uniform(test::by_size(700, 300), 26);
         const Counts short_lists = check_cells(gpu, set, {.second_tier = false});
         CHECK(fraction(short_lists, STATUS_CANDIDATES_EXHAUSTED) > 0.9);
         CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
