@@ -1,5 +1,6 @@
 // clip: the box around each seed is cut by the bisectors with its neighbors, nearest first, until the security radius
-// proves the cell complete. A cell that cannot be proven gets the status that says why.
+// proves the cell complete. A cell that cannot be proven gets the status that says why. The second tier has larger
+// arrays, and goes on where the list ends.
 //
 // Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in float32.
 #version 450
@@ -10,17 +11,19 @@
 layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(constant_id = CONSTANT_MOST_PLANES) const int most_planes = 32;
 layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
-layout(constant_id = CONSTANT_CLIP_TIER) const uint tier = 0u;
+layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
 layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
 layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e-8;
 layout(push_constant) uniform Push { ClipPush push; };
+#include "lib/node.glsl"
 layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
 layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
 layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
 layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
-layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfo { uvec2 list_info[]; };
+layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo list_info[]; };
 layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
 layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
@@ -44,6 +47,7 @@ const float geometry_unit = float_unit;
 #endif
 layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { geometry_real geometry[]; };
 
+#include "lib/hierarchy.glsl"
 #include "lib/int64.glsl"
 #include "lib/linear.glsl"
 #include "lib/loop_guard.glsl"
@@ -94,9 +98,14 @@ void test_next(uint q) {
     new_norm = sqrt(square);
 }
 
+// Equal in units, or nearer than the neighbor that the cell's unit of length was taken from.
+bool is_too_near() {
+    return !(new_h > real(0.4));
+}
+
 // Clips by the list's neighbors. What follows a neighbor lies in its bucket of squared distances or beyond; the first
-// ones are without order. The proof is that the list is complete up to the security radius.
-void clip(uint slot, uint count, uint unsorted, float reach) {
+// ones are without order. True when the list is complete up to the security radius.
+bool clip_by_list(uint cell, uint count, uint unsorted, float reach) {
     uint next = 0u;
     measure_radius_and_error();
     real security = security_radius_squared();
@@ -105,11 +114,11 @@ void clip(uint slot, uint count, uint unsorted, float reach) {
         bool cuts = false;
         uint q = 0u;
         while (next < count && !cuts && status == STATUS_CERTIFIED) {
-            q = list[next * push.list_stride + slot];
+            q = list[next * push.list_stride + cell];
             ++next;
             if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
             test_next(q);
-            if (!(new_h > real(0))) {
+            if (is_too_near()) {
                 status = STATUS_NEEDS_EXACT;
                 break;
             }
@@ -124,9 +133,99 @@ void clip(uint slot, uint count, uint unsorted, float reach) {
         cut(int(q));
         if (status != STATUS_CERTIFIED) break;
     }
-    if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return;
+    if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return true;
     measure_radius_and_error();
-    if (!(security_radius_squared() <= real(reach * scale * scale) * real(0.99999))) status = STATUS_CANDIDATES_EXHAUSTED;
+    return security_radius_squared() <= real(reach * scale * scale) * real(0.99999);
+}
+
+real gap(uvec2 p, uvec2 lower, uvec2 upper) {
+    return less64(p, lower) ? difference(lower, p) : (less64(upper, p) ? difference(upper, p) : real(0));
+}
+
+// False only when no seed in the node's box can cut the cell: a seed cuts a vertex off when it is nearer to it than
+// the cell's own seed.
+bool in_reach(uint level, uint node, real security) {
+    const Node box = nodes[push.level_first[level] + node];
+    if (box.lower[0].y == NO_COORDINATE) return false;
+    const real gx = gap(px, box.lower[0], box.upper[0]), gy = gap(py, box.lower[1], box.upper[1]),
+               gz = gap(pz, box.lower[2], box.upper[2]);
+    if ((gx * gx + gy * gy + gz * gz) * real(0.99999) >= security) return false;
+    const real lower_x = difference(box.lower[0], px), upper_x = difference(box.upper[0], px);
+    const real lower_y = difference(box.lower[1], py), upper_y = difference(box.upper[1], py);
+    const real lower_z = difference(box.lower[2], pz), upper_z = difference(box.upper[2], pz);
+    for (int first = 0; first < vertex_count; first += side_by_side) {
+        bool reached = false;
+        for (int i = 0; i < side_by_side; ++i) {
+            const int v = first + i;
+            const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
+            const real dx = max(max(lower_x - x, x - upper_x), real(0)), dy = max(max(lower_y - y, y - upper_y), real(0)),
+                       dz = max(max(lower_z - z, z - upper_z), real(0));
+            // The radius of the ball, with all that the vertex and the box may be off.
+            const real radius = (sqrt(fma(x, x, fma(y, y, z * z))) + real(2) * vertex_error[v]) * real(1.00001);
+            reached = reached || (v < vertex_count && dx * dx + dy * dy + dz * dz <= radius * radius);
+        }
+        if (reached) return true;
+    }
+    return false;
+}
+
+bool is_plane_of_cell(int id) {
+    for (int w = 0; w < plane_words; ++w)
+        for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u)
+            if (plane_id[32 * w + findLSB(rest)] == id) return true;
+    return false;
+}
+
+// Clips by the seeds of a group that are not nearer than those of the list.
+void clip_by_group(uint group, uint self, real listed) {
+    const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
+    bool changed = false;
+    for (uint q = group * GROUP_SEEDS; q < end && status == STATUS_CERTIFIED; ++q) {
+        if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
+        test_next(q);
+        // What is surely in the list is done; what may be in it is a face, or tested twice.
+        if (real(2) * new_h < listed || is_plane_of_cell(int(q))) continue;
+        if (is_too_near()) {
+            status = STATUS_NEEDS_EXACT;
+        } else if (test_plane() && status == STATUS_CERTIFIED) {
+            cut(int(q));
+            changed = true;
+        }
+    }
+    if (changed) measure_radius_and_error();
+}
+
+// Goes on where the list ended: through all boxes that can hold a seed that cuts the cell, near ones first.
+void clip_by_walk(uint self, float reach, float bound) {
+    const real listed = real(reach * scale * scale) * real(0.9999);
+    uint visits = 0u, node = self / GROUP_SEEDS;
+    clip_by_group(node, self, listed);
+    for (uint level = 0u; level + 1u < push.level_count; ++level) {
+        const uint first = node & ~(FAN - 1u), end = min(first + FAN, nodes_of(level));
+        for (uint sibling = first; sibling < end; ++sibling) {
+            if (sibling == node) continue;
+            Walk walk = Walk(level, sibling, level, sibling);
+            do {
+                if (++visits > push.most_visits) {
+                    status = STATUS_CANDIDATES_EXHAUSTED;
+                    return;
+                }
+                while (status == STATUS_CERTIFIED && in_reach(walk.level, walk.node, security_radius_squared())) {
+                    if (walk.level == 0u) {
+                        clip_by_group(walk.node, self, listed);
+                        break;
+                    }
+                    descend(walk);
+                    ++visits;
+                }
+                if (status != STATUS_CERTIFIED) return;
+            } while (advance(walk));
+        }
+        node >>= FAN_BITS;
+    }
+    measure_radius_and_error();
+    if (bound < UNBOUNDED && !(security_radius_squared() <= real(bound * scale * scale) * real(0.99999)))
+        status = STATUS_CANDIDATES_EXHAUSTED;
 }
 
 void finish(uint slot, uint cell, uint exponent) {
@@ -189,13 +288,13 @@ void main() {
         return;
     }
 
-    const uvec2 found = list_info[slot];
-    const uint count = found.x & 0xffffu, unsorted = found.x >> 16;
+    const ListInfo found = list_info[cell];
+    const uint count = found.lengths & 0xffffu, unsorted = found.lengths >> 16;
     uint exponent = COORDINATE_BITS - 1;
     if (count > 0u) {
         float nearest = UNBOUNDED;  // but for the width of a bucket
         for (uint i = 0u; i < max(unsorted, 1u); ++i) {
-            const uint q = list[i * push.list_stride + slot];
+            const uint q = list[i * push.list_stride + cell];
             nearest = min(nearest, max(abs(rough_difference(seeds_x[q], px)),
                                        max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz)))));
         }
@@ -208,7 +307,12 @@ void main() {
     } else {
         start_cell(real[6](real(difference(px, uvec2(0))), difference(push.extent[0], px), difference(py, uvec2(0)),
                            difference(push.extent[1], py), difference(pz, uvec2(0)), difference(push.extent[2], pz)));
-        if (status == STATUS_CERTIFIED) clip(slot, count, unsorted, uintBitsToFloat(found.y));
+        if (status == STATUS_CERTIFIED && !clip_by_list(cell, count, unsorted, found.reach)) {
+            if (tier == 0u)
+                status = STATUS_CANDIDATES_EXHAUSTED;
+            else
+                clip_by_walk(self, found.reach, found.bound);
+        }
     }
     finish(slot, cell, exponent);
 }

@@ -11,8 +11,8 @@
 
 layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(constant_id = CONSTANT_K) const int k = 64;
-layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
 layout(push_constant) uniform Push { KnnPush push; };
+#include "lib/hierarchy.glsl"
 #include "lib/int64.glsl"
 #include "lib/linear.glsl"
 #include "lib/loop_guard.glsl"
@@ -22,10 +22,8 @@ layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y
 layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
-layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
-layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfo { uvec2 list_info[]; };
+layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInfo list_info[]; };
 
 // Squared distances are right to 8 roundings of float32, of 2^-23 each at most.
 const float box_slack = 1.0 - 1e-5;
@@ -141,44 +139,34 @@ bool is_near(uint level, uint node) {
     return (dx * dx + dy * dy + dz * dz) * box_slack < worst;
 }
 
-// Nodes of a level below the root.
-uint nodes_of(uint level) {
-    return push.level_first[level + 1u] - push.level_first[level];
-}
-
-// Everything near below a node, without a stack: a node's number tells its parent and its siblings.
+// Everything near below a node.
 void explore(uint root_level, uint root) {
-    uint level = root_level, node = root;
-    for (;;) {
+    Walk walk = Walk(root_level, root, root_level, root);
+    do {
         if (++visits > push.most_visits) return;
-        if (is_near(level, node)) {
-            if (level > 0u) {
-                --level;
-                node *= FAN;
-                continue;
+        while (is_near(walk.level, walk.node)) {
+            if (walk.level == 0u) {
+                visit_group(walk.node);
+                break;
             }
-            visit_group(node);
+            descend(walk);
+            ++visits;
         }
-        for (;;) {
-            if (level == root_level) return;
-            ++node;
-            if ((node & (FAN - 1u)) != 0u && node < nodes_of(level)) break;
-            node = (node - 1u) >> FAN_BITS;
-            ++level;
-        }
-    }
+    } while (advance(walk));
 }
 
 // Nothing is known about seeds beyond the bounds. A seed that lies outside has no reach.
-void bound_reach(inout float reach, int axis, uvec2 p) {
+float distance_to_bounds(int axis, uvec2 p) {
+    float nearest = UNBOUNDED;
     if ((push.bounded & (1u << axis)) != 0u) {
         const float d = less64(p, push.lower[axis]) ? 0.0 : rough_difference(p, push.lower[axis]);
-        reach = min(reach, d * d * reach_slack);
+        nearest = min(nearest, d * d * reach_slack);
     }
     if ((push.bounded & (8u << axis)) != 0u) {
         const float d = less64(push.upper[axis], p) ? 0.0 : rough_difference(push.upper[axis], p);
-        reach = min(reach, d * d * reach_slack);
+        nearest = min(nearest, d * d * reach_slack);
     }
+    return nearest;
 }
 
 void search() {
@@ -200,26 +188,19 @@ float expected_reach() {
     float volume = 1.0;
     for (int axis = 0; axis < 3; ++axis)
         volume *= rough_difference(nodes[n].upper[axis], nodes[n].lower[axis]) * exp2(-COORDINATE_BITS);
-    const float ample = tier == 0u ? EXPECTED_REACH : 2.0 * EXPECTED_REACH;
-    const float radius = pow(volume * float(k) * ample, 1.0 / 3.0);
+    const float radius = pow(volume * float(k) * EXPECTED_REACH, 1.0 / 3.0);
     return max(radius * radius * exp2(2.0 * COORDINATE_BITS), 1.0);
 }
 
 void main() {
-    const uint slot = linear_invocation();
-    uint cell = slot;
-    if (tier == 0u) {
-        if (slot >= push.cell_count) return;
-    } else {
-        if (slot >= chunk.todo_count || slot >= push.stride) return;
-        cell = todo[slot];
-    }
+    const uint cell = linear_invocation();
+    if (cell >= push.cell_count) return;
     self = push.first_cell + cell;
     px = seeds_x[self];
     py = seeds_y[self];
     pz = seeds_z[self];
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
-        list_info[slot] = uvec2(0u, 0u);
+        list_info[cell] = ListInfo(0u, 0.0, 0.0);
         return;
     }
 
@@ -260,14 +241,11 @@ void main() {
         const int b = BUCKET_OF(distances[i]);
         if (b >= fitting) continue;
         const int place = places[b];
-        list[uint(place) * push.stride + slot] = indices[i];
+        list[uint(place) * push.stride + cell] = indices[i];
         places[b] = place + 1;
     }
-    if (push.bounded != 0u) {
-        bound_reach(reach, 0, px);
-        bound_reach(reach, 1, py);
-        bound_reach(reach, 2, pz);
-    }
+    const float bound =
+        min(distance_to_bounds(0, px), min(distance_to_bounds(1, py), distance_to_bounds(2, pz)));
     if (truncated || loops_were_cut_short(2u + (push.seed_count >> 31))) reach = 0.0;
-    list_info[slot] = uvec2(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), floatBitsToUint(reach));
+    list_info[cell] = ListInfo(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), min(reach, bound), bound);
 }

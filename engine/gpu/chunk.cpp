@@ -13,16 +13,10 @@ using vulkan::push_bytes;
 
 constexpr std::uint32_t geometry_components = 4;
 
-// Cells of the second tier per four of the first: small first tiers leave nearly all cells to the second.
-std::uint32_t second_quarters(const PassSettings& settings) {
-    constexpr std::uint32_t ordinary_k = 48;
-    return settings.tiers[0].k < ordinary_k ? 4 : 1;
-}
-
+// Small lists leave nearly all cells to the second tier.
 std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& settings) {
-    constexpr std::uint32_t least = 1024;
-    return std::max(static_cast<std::uint32_t>(std::uint64_t{cells} * second_quarters(settings) / 4),
-                    std::min(cells, least));
+    constexpr std::uint32_t ordinary_k = 64, least = 1024;
+    return settings.k < ordinary_k ? cells : std::max(cells / 2, std::min(cells, least));
 }
 
 uvec2 words(std::uint64_t value) {
@@ -32,14 +26,12 @@ uvec2 words(std::uint64_t value) {
 }  // namespace
 
 VkDeviceSize Chunk::bytes_per_cell(const PassSettings& s) {
-    // List, rows and rows out; then the words of the constructor below, geometry as float64 twice.
-    const VkDeviceSize first = VkDeviceSize{s.tiers[0].k} + 2 * s.tiers[0].planes + 8 + 2 * 2 * geometry_components;
-    const VkDeviceSize second = VkDeviceSize{s.tiers[1].k} + 2 * s.tiers[1].planes + 3;
-    return 4 * first + second * second_quarters(s);
+    // List, rows and rows out, of both tiers; then the words of the constructor below, geometry as float64 twice.
+    return 4 * (VkDeviceSize{s.k} + 2 * s.tiers[0].planes + 2 * s.tiers[1].planes + 10 + 2 * 2 * geometry_components);
 }
 
 VkDeviceSize Chunk::largest_bytes_per_cell(const PassSettings& s) {
-    return 4 * VkDeviceSize{std::max({s.tiers[0].k, s.tiers[0].planes + s.tiers[1].planes, s.tiers[1].k})};
+    return 4 * VkDeviceSize{std::max({s.k, s.tiers[0].planes + s.tiers[1].planes})};
 }
 
 Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells, const PassSettings& settings)
@@ -47,7 +39,7 @@ Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells
       todo_capacity_(second_tier_cells(cells, settings)),
       float64_geometry_(device.has_float64()),
       measure_(settings.measure),
-      commands_(device, 6) {
+      commands_(device, 4) {
     const VkDeviceSize n = cells, t = todo_capacity_;
     const auto words_on = [&](VkDeviceSize count, MemoryKind kind, const char* name) {
         return memory.buffer(count * 4, kind, name);
@@ -58,11 +50,9 @@ Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells
     const auto on_host = [&](VkDeviceSize count, const char* name) {
         return words_on(count, MemoryKind::download, name);
     };
-    list_ = on_device(n * settings.tiers[0].k, "list");
-    list_info_ = on_device(n * 2, "list info");
+    list_ = on_device(n * settings.k, "list");
+    list_info_ = memory.buffer(n * sizeof(ListInfo), MemoryKind::device, "list info");
     rows_ = on_device(n * settings.tiers[0].planes, "rows");
-    second_list_ = on_device(t * settings.tiers[1].k, "second list");
-    second_list_info_ = on_device(t * 2, "second list info");
     second_rows_ = on_device(t * settings.tiers[1].planes, "second rows");
     info_ = on_device(n, "info");
     row_length_ = on_device(n, "row length");
@@ -97,10 +87,13 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     knn.bounded = job.bounded;
     knn.first_cell = clip.first_cell = first;
     knn.cell_count = clip.cell_count = count;
-    knn.seed_count = seeds.count();
+    knn.seed_count = clip.seed_count = seeds.count();
     knn.own_count = clip.own_count = job.own_count;
-    knn.level_count = seeds.level_count();
+    knn.level_count = clip.level_count = seeds.level_count();
     std::ranges::copy(seeds.level_first(), knn.level_first);
+    std::ranges::copy(seeds.level_first(), clip.level_first);
+    knn.most_visits = passes.settings.most_visits;
+    clip.most_visits = passes.settings.most_walk_visits;
     clip.todo_capacity = todo_capacity_;
     clip.walls = job.walls ? 1 : 0;
     clip.neighbors = job.neighbors ? 1 : 0;
@@ -126,35 +119,23 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     commands_.barrier();
     stamps_[0] = commands_.timestamp();
     knn.stride = clip.list_stride = clip.row_stride = cells_;
-    knn.most_visits = passes.settings.tiers[0].most_visits;
-    commands_.dispatch(passes.knn_search[0], bindings.list(), push_bytes(knn), count);
+    commands_.dispatch(passes.knn_search, bindings.list(), push_bytes(knn), count);
     commands_.barrier();
     stamps_[1] = commands_.timestamp();
     label.emplace(commands_, "clip");
     commands_.dispatch(passes.clip_cells[0], bindings.list(), push_bytes(clip), count);
     commands_.barrier();
-    stamps_[2] = commands_.timestamp();
     if (second_tier) {
         commands_.dispatch(passes.clip_todo, bindings.list(), push_bytes(clip), 1);
         commands_.barrier();
         Bindings second = bindings;
-        second.set(BINDING_LIST, second_list_);
-        second.set(BINDING_LIST_INFO, second_list_info_);
         second.set(BINDING_ROWS, second_rows_);
-        knn.stride = clip.list_stride = clip.row_stride = todo_capacity_;
-        knn.most_visits = passes.settings.tiers[1].most_visits;
-        label.emplace(commands_, "knn");
-        const VkDeviceSize args = offsetof(ChunkState, groups_x);
-        commands_.dispatch_indirect(passes.knn_search[1], second.list(), push_bytes(knn), state_, args);
+        clip.row_stride = todo_capacity_;
+        commands_.dispatch_indirect(passes.clip_cells[1], second.list(), push_bytes(clip), state_,
+                                    offsetof(ChunkState, groups_x));
         commands_.barrier();
-        stamps_[3] = commands_.timestamp();
-        label.emplace(commands_, "clip");
-        commands_.dispatch_indirect(passes.clip_cells[1], second.list(), push_bytes(clip), state_, args);
-        commands_.barrier();
-    } else {
-        stamps_[3] = commands_.timestamp();
     }
-    stamps_[4] = commands_.timestamp();
+    stamps_[2] = commands_.timestamp();
 
     label.emplace(commands_, "download");
     if (job.neighbors) {
@@ -168,7 +149,7 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     commands_.copy(row_length_, 0, length_host_, 0, VkDeviceSize{count} * 4);
     if (measure_) commands_.copy(geometry_, 0, geometry_host_, 0, geometry_.size() / cells_ * count);
     commands_.copy(state_, 0, state_host_, 0, sizeof(ChunkState));
-    stamps_[5] = commands_.timestamp();
+    stamps_[3] = commands_.timestamp();
     commands_.barrier_to_host();
     label.reset();
     commands_.end();
@@ -188,7 +169,7 @@ double Chunk::geometry(std::uint32_t cell, std::uint32_t component) const {
 
 Chunk::Seconds Chunk::seconds() const {
     const auto between = [&](int from, int to) { return commands_.seconds(stamps_[from], stamps_[to]); };
-    return {between(0, 1) + between(2, 3), between(1, 2) + between(3, 4), between(4, 5)};
+    return {between(0, 1), between(1, 2), between(2, 3)};
 }
 
 }  // namespace votess::gpu

@@ -62,12 +62,12 @@ private:
     std::uint32_t todo_capacity_;
     bool float64_geometry_;
     bool measure_;
-    Buffer list_, list_info_, rows_, second_list_, second_list_info_, second_rows_;
+    Buffer list_, list_info_, rows_, second_rows_;
     Buffer info_, row_length_, row_place_, row_offsets_, geometry_, todo_, state_;
     Buffer info_host_, length_host_, geometry_host_, state_host_, rows_out_;
     Scan scan_;
     Commands commands_;
-    std::uint32_t stamps_[6]{};
+    std::uint32_t stamps_[4]{};
     std::uint32_t first_ = 0, count_ = 0;
 };
 

@@ -9,7 +9,8 @@
 namespace votess::gpu {
 namespace {
 
-constexpr std::uint32_t usual_k = 112, least_second_k = 224;
+constexpr std::uint32_t usual_k = 112;
+constexpr std::uint32_t software_walk = 512, usual_walk = 20000;  // boxes looked at for one cell
 constexpr std::uint32_t software_chunk = 1u << 14, usual_chunk = 1u << 20;
 constexpr std::size_t block_cells = 4096;  // per task of the host
 constexpr double hopeless = 0.9;           // share of a chunk left to the CPU
@@ -40,17 +41,17 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
         throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name +
                                                 "' has no float64 arithmetic: use precision single, or the CPU");
     PassSettings s;
+    s.k = options.k_init == 0 ? usual_k : options.k_init;
+    // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
+    s.most_walk_visits = device_->adapter().software() ? software_walk : usual_walk;
+    if (limits_.most_walk_visits != 0) s.most_walk_visits = limits_.most_walk_visits;
     TierLimits& first = s.tiers[0];
     TierLimits& second = s.tiers[1];
-    first.k = options.k_init == 0 ? usual_k : options.k_init;
     first.planes = 32;
     first.vertices = 64;
-    first.most_visits = 4000;
     first.float64 = options.precision == Precision::double_;
-    second.k = std::max(least_second_k, 2 * first.k);
     second.planes = 64;
     second.vertices = 128;
-    second.most_visits = 40000;
     second.float64 = float64;
     s.measure = options.want.volumes || options.want.centroids;
     if (limits_.local_size != 0) s.local_size = limits_.local_size;

@@ -22,6 +22,7 @@ namespace votess::gpu {
 struct EngineLimits {
     std::uint32_t most_seeds = 0;  // on the device at once
     std::uint32_t local_size = 0;
+    std::uint32_t most_walk_visits = 0;
 };
 
 class GpuEngine : public Engine {

@@ -24,13 +24,6 @@ float float_unit(const Device& device) {
     return device.rounds_to_nearest() ? 0x1p-24f : 0x1p-23f;
 }
 
-Pass knn_search(Device& device, const PassSettings& settings, std::uint32_t tier) {
-    return make<KnnPush>(device, tier == 0 ? "knn_search" : "knn_search second tier", shaders::knn_search,
-                         {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_NODES,
-                          BINDING_TODO, BINDING_CHUNK_STATE, BINDING_LIST, BINDING_LIST_INFO},
-                         settings.local_size, {settings.tiers[tier].k, tier});
-}
-
 Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier) {
     const TierLimits& limits = settings.tiers[tier];
     const auto spirv =
@@ -38,8 +31,8 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
                        : (device.has_float64() && settings.measure ? shaders::clip_f32_measure_f64 : shaders::clip_f32);
     return make<ClipPush>(device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv,
                           {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE,
-                           BINDING_LIST, BINDING_LIST_INFO, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_PLACE,
-                           BINDING_ROWS, BINDING_GEOMETRY, BINDING_TODO, BINDING_CHUNK_STATE},
+                           BINDING_NODES, BINDING_LIST, BINDING_LIST_INFO, BINDING_INFO, BINDING_ROW_LENGTH,
+                           BINDING_ROW_PLACE, BINDING_ROWS, BINDING_GEOMETRY, BINDING_TODO, BINDING_CHUNK_STATE},
                           settings.local_size,
                           {limits.planes, limits.vertices, tier, settings.measure ? 1u : 0u,
                            std::bit_cast<std::uint32_t>(float_unit(device))});
@@ -71,7 +64,10 @@ Passes::Passes(Device& device, const PassSettings& s)
           make<ScanPush>(device, "scan_add", shaders::scan_add, {BINDING_SCAN_DATA, BINDING_SCAN_SUMS}, s.local_size)),
       knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes,
                                 {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_NODES}, s.local_size)),
-      knn_search{gpu::knn_search(device, s, 0), gpu::knn_search(device, s, 1)},
+      knn_search(make<KnnPush>(device, "knn_search", shaders::knn_search,
+                               {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_NODES,
+                                BINDING_LIST, BINDING_LIST_INFO},
+                               s.local_size, {s.k})),
       clip_cells{gpu::clip_cells(device, s, 0), gpu::clip_cells(device, s, 1)},
       clip_todo(make<ClipPush>(device, "clip_todo", shaders::clip_todo, {BINDING_CHUNK_STATE}, 1, {s.local_size})),
       download_rows(make<RowsPush>(device, "download_rows", shaders::download_rows,

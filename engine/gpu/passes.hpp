@@ -7,20 +7,21 @@
 
 namespace votess::gpu {
 
-// What one tier of knn and clip may use. A cell that needs more goes to the next tier, in the end to the CPU.
+// What one tier of clip may use. A cell that needs more goes to the next tier, in the end to the CPU.
 struct TierLimits {
-    std::uint32_t k = 64;           // neighbors listed
-    std::uint32_t planes = 32;      // alive at once; a multiple of 32
-    std::uint32_t vertices = 64;    // alive at once; a multiple of 32
-    std::uint32_t most_visits = 0;  // boxes looked at
-    bool float64 = false;           // clips in float64
+    std::uint32_t planes = 32;    // alive at once; a multiple of 32
+    std::uint32_t vertices = 64;  // alive at once; a multiple of 32
+    bool float64 = false;         // clips in float64
     bool operator==(const TierLimits&) const = default;
 };
 
 struct PassSettings {
+    std::uint32_t k = 112;  // neighbors listed
     TierLimits tiers[2];
-    bool measure = true;            // volumes and centroids
-    std::uint32_t local_size = 64;  // of passes without shared memory
+    std::uint32_t most_visits = 4000;        // boxes looked at in a search
+    std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
+    bool measure = true;                     // volumes and centroids
+    std::uint32_t local_size = 64;           // of passes without shared memory
     bool operator==(const PassSettings&) const = default;
 };
 
@@ -30,7 +31,7 @@ struct Passes {
     PassSettings settings;
     vulkan::Pass upload;
     vulkan::Pass sort_key, sort_count, sort_scatter, sort_gather, scan_blocks, scan_add;
-    vulkan::Pass knn_boxes, knn_search[2];
+    vulkan::Pass knn_boxes, knn_search;
     vulkan::Pass clip_cells[2], clip_todo;
     vulkan::Pass download_rows;
 };

@@ -13,6 +13,8 @@
 //
 // Needs real, most_planes, most_vertices, unit.
 
+// Vertices in a step of a loop, for the loads to overlap; beyond the last one there is room to read.
+const int side_by_side = 4;
 const int plane_words = most_planes / 32;
 const int vertex_words = most_vertices / 32;
 
@@ -117,8 +119,6 @@ bool test_plane() {
     real farthest = real(0);
     precise const real h_error = real(10.5) * unit * new_h;
     precise const real most = fma(new_norm, largest_error, h_error);
-    // Several at a time, for the loads to overlap; beyond the last one there is room to read.
-    const int side_by_side = 4;
     for (int first = 0; first < vertex_count; first += side_by_side) {
         real sides[side_by_side];
         bool near = false;

@@ -20,8 +20,7 @@
 #define BINDING_RUN_STATE 14
 #define BINDING_NODES 15         // boxes of the hierarchy, all levels
 #define BINDING_LIST 16          // k x C uint, neighbor-major: sorted seeds, nearest first
-#define BINDING_LIST_INFO 17     // C uvec2: length, and in the high half how many of it lie in the first
-                                 // bucket, unsorted; squared distance (units, float bits) the list is complete to
+#define BINDING_LIST_INFO 17     // C ListInfo
 #define BINDING_INFO 18          // C uint, see INFO_ in config.h
 #define BINDING_ROW_LENGTH 19    // C uint
 #define BINDING_ROW_PLACE 20     // C uint: column in the rows, with SECOND_TIER_BIT

@@ -65,13 +65,17 @@ struct ClipPush {
     uvec2 extent[3];  // of the box in units
     uint first_cell;
     uint cell_count;
+    uint seed_count;
+    uint own_count;  // as in KnnPush
     uint list_stride;
     uint row_stride;
     uint todo_capacity;      // cells that the second tier takes
-    uint own_count;          // as in KnnPush
     uint walls;              // 1: wall ids are in the rows
     uint neighbors;          // 1: rows are wanted
     float volume_tolerance;  // relative
+    uint most_visits;        // boxes looked at in a walk before it gives up
+    uint level_count;
+    uint level_first[MOST_LEVELS];
 };
 
 struct RowsPush {
@@ -86,6 +90,13 @@ struct RunState {
     uint suspects;    // 1: there may be duplicates that were not marked
     uint duplicates;  // marked
     uint reserved;
+};
+
+// What knn tells about a cell's list.
+struct ListInfo {
+    uint lengths;  // of the list; in the high half, of its first bucket, which is not sorted
+    float reach;   // squared distance in units up to which the list is complete
+    float bound;   // squared distance to where nothing is known about seeds
 };
 
 // Work left by the first tier, and the arguments of the indirect dispatch that takes it up.
