@@ -246,6 +246,10 @@ void main() {
     }
     const float bound =
         min(distance_to_bounds(0, px), min(distance_to_bounds(1, py), distance_to_bounds(2, pz)));
-    if (truncated || loops_were_cut_short(2u + (push.seed_count >> 31))) reach = 0.0;
+    if (truncated) reach = 0.0;
+    if (loops_were_cut_short(2u + (push.seed_count >> 31))) {
+        reach = 0.0;
+        listed = 0;
+    }
     list_info[cell] = ListInfo(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), min(reach, bound), bound);
 }

@@ -143,7 +143,7 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("gpu clip: short lists, few planes and few vertices overflow with the right status") {
-        GpuStages gpu(with([](PassSettings& s) { s.tiers[0].k = 8; }));
+        GpuStages gpu(with([](PassSettings& s) { s.k = 8; }));
         const PointSet set = test::uniform(test::by_size(700, 300), 26);
         const Counts short_lists = check_cells(gpu, set, {.second_tier = false});
         CHECK(fraction(short_lists, STATUS_CANDIDATES_EXHAUSTED) > 0.9);
@@ -155,7 +155,7 @@ TEST_SUITE("stages") {
 
         // A prism has more planes than vertices fit into; its cells are few.
         gpu.use(with([](PassSettings& s) {
-            s.tiers[0].k = 200;
+            s.k = 200;
             s.tiers[0].vertices = 128;
         }));
         PointSet star{"star", {}, test::cube(-2, 2)};

@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "gpu/chunk.hpp"
@@ -59,14 +58,12 @@ Squared square(std::uint64_t a, std::uint64_t b) {
 struct Lists {
     std::uint32_t k, cells;
     std::vector<std::uint32_t> list;
-    std::vector<std::uint64_t> info;
+    std::vector<votess::gpu::ListInfo> info;
     std::vector<Integers> seeds;
 
-    [[nodiscard]] std::uint32_t length(std::size_t cell) const { return info[cell] & 0xffff; }
-    [[nodiscard]] std::uint32_t unsorted(std::size_t cell) const { return info[cell] >> 16 & 0xffff; }
-    [[nodiscard]] float reach(std::size_t cell) const {
-        return std::bit_cast<float>(static_cast<std::uint32_t>(info[cell] >> 32));
-    }
+    [[nodiscard]] std::uint32_t length(std::size_t cell) const { return info[cell].lengths & 0xffff; }
+    [[nodiscard]] std::uint32_t unsorted(std::size_t cell) const { return info[cell].lengths >> 16; }
+    [[nodiscard]] float reach(std::size_t cell) const { return info[cell].reach; }
     [[nodiscard]] std::uint32_t neighbor(std::size_t cell, std::size_t i) const { return list[i * cells + cell]; }
     [[nodiscard]] Squared distance(std::size_t s, std::size_t q) const {
         return square(seeds[0][s], seeds[0][q]) + square(seeds[1][s], seeds[1][q]) + square(seeds[2][s], seeds[2][q]);
@@ -120,7 +117,7 @@ Lists search(GpuStages& gpu, std::uint32_t k, const ChunkJob& job, std::uint32_t
     chunk.start(gpu.seeds, *gpu.passes, job, first, count, false);
     chunk.wait();
     return {k, count, gpu.read<std::uint32_t>(chunk.list(), std::size_t{k} * count),
-            gpu.read<std::uint64_t>(chunk.list_info(), count), gpu.coordinates(BINDING_SEEDS_X)};
+            gpu.read<votess::gpu::ListInfo>(chunk.list_info(), count), gpu.coordinates(BINDING_SEEDS_X)};
 }
 
 struct Reached {
@@ -250,7 +247,8 @@ TEST_SUITE("stages") {
         for (const auto& [first, count] : {std::pair{0u, 1u}, {999u, 1u}, {17u, 63u}, {64u, 64u}, {500u, 500u}}) {
             const Lists some = search(gpu, 64, whole_job(1000), first, count);
             for (std::uint32_t c = 0; c < count; ++c) {
-                REQUIRE(some.info[c] == all.info[first + c]);
+                REQUIRE(some.length(c) == all.length(first + c));
+                REQUIRE(some.reach(c) == all.reach(first + c));
                 for (std::uint32_t i = 0; i < some.length(c); ++i)
                     REQUIRE(some.neighbor(c, i) == all.neighbor(first + c, i));
             }
@@ -273,7 +271,7 @@ TEST_SUITE("stages") {
                 const Lists lists = search(gpu, 64, job, 0, 1500);
                 for (std::size_t s = 0; s < 1500; ++s) {
                     if (input[s] >= job.own_count) {
-                        REQUIRE(lists.info[s] == 0);
+                        REQUIRE(lists.length(s) == 0);
                         continue;
                     }
                     for (std::size_t a = 0; a < 3; ++a) {
@@ -293,7 +291,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("gpu knn: a search that looks at too many boxes says so") {
         votess::gpu::PassSettings settings = test::pass_settings(64);
-        settings.tiers[0].most_visits = 5;
+        settings.most_visits = 5;
         GpuStages gpu(settings);
         const Reached reached = check_lists(gpu, test::uniform(3000, 16), 64, 50);
         CHECK(reached.none == reached.cells);

@@ -118,8 +118,9 @@ TEST_SUITE("stages") {
                        knn.level_count, knn.most_visits, knn.stride, knn.level_first));
         const auto clip = filled<ClipPush>();
         check("ClipPush", shaders::test_layout_clip, clip,
-              words_of(clip.extent, clip.first_cell, clip.cell_count, clip.list_stride, clip.row_stride,
-                       clip.todo_capacity, clip.own_count, clip.walls, clip.neighbors, clip.volume_tolerance));
+              words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.list_stride,
+                       clip.row_stride, clip.todo_capacity, clip.walls, clip.neighbors, clip.volume_tolerance,
+                       clip.most_visits, clip.level_count, clip.level_first));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
               words_of(rows.cell_count, rows.row_stride, rows.second_row_stride));
@@ -135,6 +136,10 @@ TEST_SUITE("stages") {
         const Words chunk_words = words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z);
         CHECK(sizeof chunk == 4 * chunk_words.size());
         CHECK(reader.buffer(shaders::test_layout_chunk, push_bytes(chunk)) == chunk_words);
+        const auto list = filled<ListInfo>();
+        const Words list_words = words_of(list.lengths, list.reach, list.bound);
+        CHECK(sizeof list == 4 * list_words.size());
+        CHECK(reader.buffer(shaders::test_layout_list, push_bytes(list)) == list_words);
         // What an indirect dispatch reads.
         static_assert(offsetof(ChunkState, groups_y) == offsetof(ChunkState, groups_x) + 4);
         static_assert(offsetof(ChunkState, groups_z) == offsetof(ChunkState, groups_x) + 8);

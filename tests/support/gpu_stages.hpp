@@ -22,8 +22,9 @@ inline const std::vector<std::size_t> sizes_across_groups{1,    2,    7,    8,  
 
 inline votess::gpu::PassSettings pass_settings(std::uint32_t k = 112) {
     votess::gpu::PassSettings s;
-    s.tiers[0] = {.k = k, .planes = 32, .vertices = 64, .most_visits = 4000, .float64 = false};
-    s.tiers[1] = {.k = 2 * k, .planes = 64, .vertices = 128, .most_visits = 40000, .float64 = true};
+    s.k = k;
+    s.tiers[0] = {.planes = 32, .vertices = 64, .float64 = false};
+    s.tiers[1] = {.planes = 64, .vertices = 128, .float64 = true};
     return s;
 }
 

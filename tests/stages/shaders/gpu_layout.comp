@@ -80,13 +80,17 @@ void main() {
     put(push.extent);
     put(push.first_cell);
     put(push.cell_count);
+    put(push.seed_count);
+    put(push.own_count);
     put(push.list_stride);
     put(push.row_stride);
     put(push.todo_capacity);
-    put(push.own_count);
     put(push.walls);
     put(push.neighbors);
     put(push.volume_tolerance);
+    put(push.most_visits);
+    put(push.level_count);
+    for (int i = 0; i < MOST_LEVELS; ++i) put(push.level_first[i]);
 #elif defined(ROWS)
     put(push.cell_count);
     put(push.row_stride);
@@ -101,6 +105,10 @@ void main() {
     put(state.groups_x);
     put(state.groups_y);
     put(state.groups_z);
+#elif defined(LIST)
+    put(state.lengths);
+    put(state.reach);
+    put(state.bound);
 #elif defined(NODE)
     for (int i = 0; i < 3; ++i) {
         put(nodes[i].lower);
