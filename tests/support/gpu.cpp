@@ -46,7 +46,7 @@ std::string text(const Parts&... parts) {
 
 std::string text_row(std::span<const std::int32_t> row) {
     std::string all;
-    for (const auto j : row) all += (all.empty() ? "[" : " ") + std::to_string(j);
+    for (const auto j : row) all.append(all.empty() ? "[" : " ").append(std::to_string(j));
     return all + "]";
 }
 
