@@ -150,7 +150,7 @@ TEST_SUITE("cases") {
             CAPTURE(room);
             CHECK(compare(tessellator, set) == "");
         }
-        for (const double thickness : {1e-3, 1e-9, 1e-15, 1e-40, 0x1p-500})
+        for (const double thickness : {1e-3, 1e-15, 0x1p-500})
             for (const std::size_t axis : {0, 1, 2})
                 for (const bool two : {false, true}) {
                     PointSet set = test::uniform(n, 75);

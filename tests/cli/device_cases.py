@@ -75,7 +75,7 @@ class Devices(CliTest):
         self.assertLess(abs(stages - seconds["total"]), 0.2 * seconds["total"] + 0.1)
 
     def test_same_files(self):
-        scale = 600 if SANITIZED else 4000
+        scale = 600 if SANITIZED else 2500
         options = [[], ["-k", 8], ["-k", 200], ["--chunk-size", 1000], ["--precision", "double"], ["--walls"], ["-t", 1]]
         for name, points in inputs(scale).items():
             self.put("in.npy", points)
