@@ -3,33 +3,33 @@
 #define VOTESS_SHADERS_BINDINGS_H
 
 // N: points; M: items being sorted or scanned; C: cells of a chunk; T: cells of the second tier.
-#define BINDING_RAW 0            // upload: 3 float64 or float32 a point
-#define BINDING_POINTS_X 1       // N uvec2, units, input order
+#define BINDING_RAW 0       // upload: 3 float64 or float32 a point
+#define BINDING_POINTS_X 1  // N uvec2, units, input order
 #define BINDING_POINTS_Y 2
 #define BINDING_POINTS_Z 3
-#define BINDING_KEYS_IN 4        // N uvec2
+#define BINDING_KEYS_IN 4  // N uvec2
 #define BINDING_KEYS_OUT 5
-#define BINDING_INDEX_IN 6       // N uint, input index
+#define BINDING_INDEX_IN 6  // N uint, input index
 #define BINDING_INDEX_OUT 7
-#define BINDING_SCAN_DATA 8      // M uint; sort: items of each digit in each tile, digit-major
-#define BINDING_SCAN_SUMS 9      // totals of blocks of TILE_ITEMS
-#define BINDING_SEEDS_X 10       // N uvec2, units, sorted order
+#define BINDING_SCAN_DATA 8  // M uint; sort: items of each digit in each tile, digit-major
+#define BINDING_SCAN_SUMS 9  // totals of blocks of TILE_ITEMS
+#define BINDING_SEEDS_X 10   // N uvec2, units, sorted order
 #define BINDING_SEEDS_Y 11
 #define BINDING_SEEDS_Z 12
-#define BINDING_SEED_INPUT 13    // N uint, input index, with DUPLICATE_BIT
+#define BINDING_SEED_INPUT 13  // N uint, input index, with DUPLICATE_BIT
 #define BINDING_RUN_STATE 14
-#define BINDING_NODES 15         // boxes of the hierarchy, all levels
-#define BINDING_LIST 16          // k x C uint, neighbor-major: sorted seeds, nearest first
-#define BINDING_LIST_INFO 17     // C ListInfo
-#define BINDING_INFO 18          // C uint, see INFO_ in config.h
-#define BINDING_ROW_LENGTH 19    // C uint
-#define BINDING_ROW_PLACE 20     // C uint: column in the rows, with SECOND_TIER_BIT
-#define BINDING_ROWS 21          // face x C int, face-major: neighbor's input index or wall id
-#define BINDING_GEOMETRY 22      // C x 4: volume and centroid, units of the cell, relative to the seed
-#define BINDING_TODO 23          // T uint: cells (in the chunk) left by the first tier
+#define BINDING_NODES 15       // boxes of the hierarchy, all levels
+#define BINDING_LIST 16        // k x C uint, neighbor-major: sorted seeds, nearest first
+#define BINDING_LIST_INFO 17   // C ListInfo
+#define BINDING_INFO 18        // C uint, see INFO_ in config.h
+#define BINDING_ROW_LENGTH 19  // C uint
+#define BINDING_ROW_PLACE 20   // C uint: column in the rows, with SECOND_TIER_BIT
+#define BINDING_ROWS 21        // face x C int, face-major: neighbor's input index or wall id
+#define BINDING_GEOMETRY 22    // C x 4: volume and centroid, units of the cell, relative to the seed
+#define BINDING_TODO 23        // T uint: cells (in the chunk) left by the first tier
 #define BINDING_CHUNK_STATE 24
-#define BINDING_SECOND_ROWS 25   // as ROWS, of the second tier
-#define BINDING_ROW_OFFSETS 26   // C uint
-#define BINDING_ROWS_OUT 27      // int: the chunk's rows one after the other, each ascending
+#define BINDING_SECOND_ROWS 25  // as ROWS, of the second tier
+#define BINDING_ROW_OFFSETS 26  // C uint
+#define BINDING_ROWS_OUT 27     // int: the chunk's rows one after the other, each ascending
 
 #endif

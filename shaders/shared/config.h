@@ -14,10 +14,10 @@
 #define KEY_WORD_BITS 30
 #define DIGIT_BITS 4
 #define DIGITS 16
-#define TILE_GROUP 128       // invocations per tile, in sort and scan; every Vulkan device has 128
-#define TILE_ITEMS_EACH 8    // items of one invocation, at most 15: four bits count them
-#define TILE_ITEMS 1024      // TILE_GROUP * TILE_ITEMS_EACH
-#define MOST_LOOK_BACK 64    // seeds of equal key compared in search of a duplicate
+#define TILE_GROUP 128     // invocations per tile, in sort and scan; every Vulkan device has 128
+#define TILE_ITEMS_EACH 8  // items of one invocation, at most 15: four bits count them
+#define TILE_ITEMS 1024    // TILE_GROUP * TILE_ITEMS_EACH
+#define MOST_LOOK_BACK 64  // seeds of equal key compared in search of a duplicate
 
 // knn: boxes over groups of consecutive sorted seeds, each level above covers FAN nodes of the level below.
 #define GROUP_SEEDS 8
@@ -58,12 +58,12 @@
 
 // Specialization constants. 0 is the local size of every pass.
 #define CONSTANT_LOCAL_SIZE 0
-#define CONSTANT_K 1                // knn: most neighbors listed
-#define CONSTANT_MOST_PLANES 1      // clip: a multiple of 32
-#define CONSTANT_MOST_VERTICES 2    // clip: a multiple of 32
-#define CONSTANT_TIER 3             // clip: 0 or 1
-#define CONSTANT_GEOMETRY 4         // clip: 1 computes volume and centroid
-#define CONSTANT_UNIT_ROUNDOFF 5    // clip: float32's, as float bits
-#define CONSTANT_TODO_GROUP 1         // todo: local size of the second tier
+#define CONSTANT_K 1              // knn: most neighbors listed
+#define CONSTANT_MOST_PLANES 1    // clip: a multiple of 32
+#define CONSTANT_MOST_VERTICES 2  // clip: a multiple of 32
+#define CONSTANT_TIER 3           // clip: 0 or 1
+#define CONSTANT_GEOMETRY 4       // clip: 1 computes volume and centroid
+#define CONSTANT_UNIT_ROUNDOFF 5  // clip: float32's, as float bits
+#define CONSTANT_TODO_GROUP 1     // todo: local size of the second tier
 
 #endif
