@@ -48,7 +48,8 @@ bool truncated = false;
 bool coarse;  // high words are enough
 uint visits = 0u;
 
-int counts[buckets], places[buckets];
+int counts[buckets];
+int places[buckets];  // apart from counts: llvmpipe (Mesa 22.3) mixed up reads and writes of one element in one step
 uint lowest_bucket;
 
 // Neighbors by bucket, up to the farthest.
