@@ -75,8 +75,8 @@ class Devices(CliTest):
         self.assertLess(abs(stages - seconds["total"]), 0.2 * seconds["total"] + 0.1)
 
     def test_same_files(self):
-        scale = 600 if SANITIZED else 2500
-        options = [[], ["-k", 8], ["-k", 200], ["--chunk-size", 1000], ["--precision", "double"], ["--walls"], ["-t", 1]]
+        scale = 600 if SANITIZED else 1500
+        options = [[], ["-k", 8], ["-k", 200], ["--chunk-size", 1000], ["--walls", "--precision", "double"]]
         for name, points in inputs(scale).items():
             self.put("in.npy", points)
             for chosen in options[:: 3 if SANITIZED else 1]:
