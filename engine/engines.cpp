@@ -18,8 +18,7 @@ struct Engines::State {
     cpu::CpuClipper clipper;  // and its threads, for both engines
     cpu::CpuEngine cpu{clipper};
     std::unique_ptr<Engine> gpu;
-    std::string gpu_name;      // the device name that chose it
-    bool auto_is_cpu = false;  // no GPU was found: looking again would cost more than many a run
+    std::string gpu_name;  // the device name that chose it
 };
 
 Engines::Engines() : state_(std::make_unique<State>()) {}
@@ -36,19 +35,15 @@ void Engines::forget_gpu() {
 void Engines::put(const std::string& device, std::unique_ptr<Engine> engine) {
     state_->gpu = std::move(engine);
     state_->gpu_name = device;
-    state_->auto_is_cpu = false;
 }
 
 #if VOTESS_HAVE_VULKAN
 
 Engine& Engines::choose(const std::string& device) {
-    if (device == "cpu" || (device == "auto" && state_->auto_is_cpu)) return state_->cpu;
+    if (device == "cpu") return state_->cpu;
     if (state_->gpu && state_->gpu_name == device) return *state_->gpu;
     auto chosen = gpu::choose_device(device);
-    if (!chosen) {
-        state_->auto_is_cpu = true;
-        return state_->cpu;
-    }
+    if (!chosen) return state_->cpu;
     state_->gpu.reset();  // before another one takes its memory
     put(device, std::make_unique<gpu::GpuEngine>(std::move(chosen), state_->clipper));
     return *state_->gpu;

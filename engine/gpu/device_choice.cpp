@@ -1,6 +1,7 @@
 #include "gpu/device_choice.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 namespace votess::gpu {
 namespace {
@@ -76,17 +77,25 @@ std::vector<DeviceInfo> list_devices() {
 }
 
 std::shared_ptr<vulkan::Device> choose_device(const std::string& device) {
+    // That a machine has no GPU is found out once: to open Vulkan takes longer than to tessellate ten thousand seeds.
+    static std::atomic<bool> no_gpu = false;
+    if (device == "auto" && no_gpu) return nullptr;
     std::shared_ptr<vulkan::Instance> instance;
     try {
         instance = vulkan::Instance::create();
     } catch (const Error& error) {
         if (error.code() != ErrorCode::unsupported) throw;
-        if (device == "auto") return nullptr;
-        refuse(device, error.what());
+        if (device != "auto") refuse(device, error.what());
+        no_gpu = true;
+        return nullptr;
     }
     const auto adapters = instance->adapters();
     const Adapter* adapter = choose(device, adapters);
-    return adapter == nullptr ? nullptr : vulkan::Device::create(instance, *adapter);
+    if (adapter == nullptr) {
+        no_gpu = true;
+        return nullptr;
+    }
+    return vulkan::Device::create(instance, *adapter);
 }
 
 }  // namespace votess::gpu

@@ -10,7 +10,8 @@
 // 37(6), 2018). Every sign that decides the topology is exact for the float64 coordinates as given, so the lists
 // are the same on any device, for any thread count, any tuning option and any order of the seeds.
 //
-// The library never prints, never exits and keeps no global state. Errors are thrown as votess::Error.
+// The library never prints, never exits and keeps no global state, but for the memory that a machine has no GPU. Errors
+// are thrown as votess::Error.
 #pragma once
 
 #include <array>

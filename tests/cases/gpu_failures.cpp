@@ -166,6 +166,7 @@ TEST_SUITE("cases") {
         engines.put("auto", std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
         const auto& set = usual_set();
         Options options = usual_options();
+        options.device = "auto";
         const auto run = [&] { (void)votess::run_on(engines, {set.points, {}}, options); };
         options.progress = stop_at(0);
         CHECK(test::error_of(run) == ErrorCode::cancelled);

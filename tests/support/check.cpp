@@ -120,6 +120,7 @@ std::uint64_t environment(const char* name, std::uint64_t otherwise) {
 
 votess::Options all_options(const std::optional<votess::Box>& box) {
     votess::Options options;
+    options.device = "cpu";
     options.box = box;
     options.walls = true;
     options.want = {true, true, true, true};

@@ -20,7 +20,7 @@ bool reduced();
 std::size_t by_size(std::size_t full, std::size_t when_reduced);
 std::uint64_t environment(const char* name, std::uint64_t otherwise);
 
-// Everything wanted, walls listed, one thread.
+// Everything wanted, walls listed, the CPU, one thread.
 votess::Options all_options(const std::optional<votess::Box>& box = std::nullopt);
 votess::Tessellation run(const PointSet& set);
 votess::Tessellation run(const PointSet& set, votess::Options options);
