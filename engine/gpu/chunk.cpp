@@ -19,10 +19,6 @@ std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& setting
     return settings.k < ordinary_k ? cells : std::max(cells / 2, std::min(cells, least));
 }
 
-uvec2 words(std::uint64_t value) {
-    return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32)};
-}
-
 }  // namespace
 
 VkDeviceSize Chunk::bytes_per_cell(const PassSettings& s) {

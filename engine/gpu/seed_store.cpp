@@ -29,10 +29,6 @@ void plan_levels(std::uint32_t seeds, std::vector<std::uint32_t>& first, std::ve
     }
 }
 
-uvec2 words(std::uint64_t value) {
-    return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32)};
-}
-
 }  // namespace
 
 void Bindings::set(std::uint32_t binding, const Buffer& buffer) {

@@ -5,10 +5,15 @@
 #include <cmath>
 #include <cstdint>
 
-#include "shared/config.h"
+#include "shared/layout.h"
 #include "votess/votess.hpp"
 
 namespace votess::gpu {
+
+// As shaders have numbers of 64 bits.
+inline uvec2 words(std::uint64_t value) {
+    return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32)};
+}
 
 struct Units {
     int shift = 0;  // coordinate * 2^shift is in units
