@@ -8,7 +8,7 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t block_seeds = 512;       // per task: neighbors in space, so the caches serve them
+constexpr std::size_t block_seeds = 2048;      // per task: neighbors in space, which share what they find
 constexpr std::size_t least_block_seeds = 16;  // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
 constexpr std::size_t index_task = 65536;  // entries of the inverse order per parallel task
@@ -123,24 +123,77 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
     if (workers_.empty()) workers_ = std::vector<Worker>(pool_->size());
     for (Worker& worker : workers_) worker.counters = {};
     const std::size_t blocks = blocks_for(cells.size(), block_cells);
+    const bool measure = job_.options.want.volumes || job_.options.want.centroids;
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t done) { return progress_.going_on(stretch.at(done, blocks)); };
     const bool finished = pool_->run(
         blocks,
         [&](std::size_t block, unsigned index) {
             Worker& worker = workers_[index];
-            if (!worker.builder) worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
+            if (!worker.builder) {
+                worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
+                worker.star.emplace(seeds_, hierarchy_, job_.scaled_box, star_kernels(best_kernels().name));
+            }
             worker.rows.clear();
             worker.lengths.clear();
             const std::size_t begin = block * block_cells;
             const std::size_t end = std::min(cells.size(), begin + block_cells);
-            for (std::size_t k = begin; k < end; ++k) clip_seed(seed_at(k), worker, out);
+            const std::size_t last = seed_at(end - 1) + 1;
+            std::size_t stretch_end = 0;
+            for (std::size_t k = begin; k < end; ++k) {
+                const std::size_t seed = seed_at(k);
+                if (seed >= stretch_end) {
+                    const std::size_t first = seed / group_size * group_size;
+                    stretch_end = std::min(last, first + Neighborhood::most_seeds);
+                    worker.star->begin(first, stretch_end, measure);
+                }
+                if (!build_star(seed, worker, out)) clip_seed(seed, worker, out);
+            }
             out.add_rows(cells.subspan(begin, end - begin), worker.lengths, {worker.rows.begin(), worker.rows.end()});
         },
         watch);
     Progress::require(finished);
     for (const Worker& worker : workers_) out.count(worker.counters);
     if (fallback) out.count({.fallback_cells = cells.size()});
+}
+
+bool CpuClipper::build_star(std::size_t seed, Worker& worker, ResultBuilder& out) const {
+    const Want& want = job_.options.want;
+    Star& star = *worker.star;
+    if (!star.build(seed)) return false;
+    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+    if (want.volumes || want.centroids) {
+        Star::Geometry geometry;
+        if (!star.measure(geometry)) return false;
+        const double unscale = 1 / job_.scale;
+        if (want.volumes) out.volumes()[input] = geometry.volume * unscale * unscale * unscale;
+        if (want.centroids) {
+            const double p[3] = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+            for (int k = 0; k < 3; ++k) out.centroids()[3 * input + k] = (geometry.centroid[k] + p[k]) * unscale;
+        }
+    }
+    const auto faces = star.faces();
+    worker.counters.faces += faces.size();
+    worker.counters.exact_cells += star.used_exact() ? 1 : 0;
+    if (want.neighbors) {
+        auto& row = worker.row;
+        row.clear();
+        for (const std::int32_t id : faces) {
+            if (id >= 0)
+                row.push_back(seeds_.input[id]);
+            else if (job_.options.walls)
+                row.push_back(id);
+        }
+        std::sort(row.begin(), row.end());
+        worker.rows.insert(worker.rows.end(), row.begin(), row.end());
+        worker.lengths.push_back(static_cast<std::uint32_t>(row.size()));
+    }
+    if (want.counts) {
+        out.face_counts()[input] = static_cast<std::uint32_t>(faces.size());
+        out.edge_counts()[input] = static_cast<std::uint32_t>(star.edge_count());
+        out.vertex_counts()[input] = static_cast<std::uint32_t>(star.vertex_count());
+    }
+    return true;
 }
 
 void CpuClipper::clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out) const {

@@ -6,6 +6,7 @@
 
 #include "cpu/search.hpp"
 #include "cpu/sort.hpp"
+#include "cpu/star.hpp"
 #include "exact_clipper.hpp"
 
 namespace votess::cpu {
@@ -28,6 +29,7 @@ public:
 private:
     struct Worker {  // scratch of one thread
         std::optional<CellBuilder> builder;
+        std::optional<Star> star;
         std::vector<std::int32_t> planes, row, rows;
         std::vector<std::uint32_t> lengths;
         CellFaces faces;
@@ -39,6 +41,7 @@ private:
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
                      ResultBuilder& out, const Stretch& stretch);
+    [[nodiscard]] bool build_star(std::size_t seed, Worker& worker, ResultBuilder& out) const;
     void clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out) const;
 
     std::optional<ThreadPool> pool_;

@@ -33,16 +33,6 @@ double box_distance(const BoundingBox& a, const BoundingBox& b) {
     return sum * (1 - 1e-14);
 }
 
-BoundingBox unite(const BoundingBox* boxes, std::size_t count) {
-    BoundingBox all = boxes[0];
-    for (std::size_t i = 1; i < count; ++i)
-        for (int k = 0; k < 3; ++k) {
-            all.lower[k] = std::min(all.lower[k], boxes[i].lower[k]);
-            all.upper[k] = std::max(all.upper[k], boxes[i].upper[k]);
-        }
-    return all;
-}
-
 // Opens the children of a node, or the root when level is above the top.
 template <class Visit>
 void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit visit) {
@@ -53,33 +43,6 @@ void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit v
 }
 
 }  // namespace
-
-void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
-    constexpr std::size_t per_task = 4096;
-    levels_.clear();
-    const std::size_t groups = (seeds.size() + group_size - 1) / group_size;
-    levels_.emplace_back(groups);
-    pool.run((groups + per_task - 1) / per_task, [&](std::size_t task, unsigned) {
-        for (std::size_t g = task * per_task; g < std::min(groups, (task + 1) * per_task); ++g) {
-            BoundingBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-            for (std::size_t i = g * group_size; i < std::min(seeds.size(), (g + 1) * group_size); ++i) {
-                const double p[3] = {seeds.x[i], seeds.y[i], seeds.z[i]};
-                for (int k = 0; k < 3; ++k) {
-                    box.lower[k] = std::min(box.lower[k], p[k]);
-                    box.upper[k] = std::max(box.upper[k], p[k]);
-                }
-            }
-            levels_[0][g] = box;
-        }
-    });
-    while (levels_.back().size() > 1) {
-        const auto& below = levels_.back();
-        std::vector<BoundingBox> level((below.size() + fan - 1) / fan);
-        for (std::size_t n = 0; n < level.size(); ++n)
-            level[n] = unite(&below[n * fan], std::min(fan, below.size() - n * fan));
-        levels_.push_back(std::move(level));
-    }
-}
 
 CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& scaled_box)
     : kernels_(best_kernels()), seeds_(seeds), hierarchy_(hierarchy), box_(scaled_box) {}

@@ -7,25 +7,10 @@
 #include <vector>
 
 #include "cpu/cell.hpp"
+#include "cpu/hierarchy.hpp"
 #include "cpu/sort.hpp"
-#include "thread_pool.hpp"
 
 namespace votess::cpu {
-
-// An implicit tree: level 0 holds the boxes of groups, each box of level k+1 covers eight of level k.
-class Hierarchy {
-public:
-    static constexpr std::size_t fan = 8;
-
-    void build(const SortedSeeds& seeds, ThreadPool& pool);
-
-    [[nodiscard]] int top_level() const { return static_cast<int>(levels_.size()) - 1; }
-    [[nodiscard]] std::size_t count(int level) const { return levels_[level].size(); }
-    [[nodiscard]] const BoundingBox& box(int level, std::size_t node) const { return levels_[level][node]; }
-
-private:
-    std::vector<std::vector<BoundingBox>> levels_;
-};
 
 // Entry of the best-first queues.
 struct QueueEntry {

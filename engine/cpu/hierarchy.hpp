@@ -1,0 +1,35 @@
+// An implicit tree of bounding boxes over the sorted seeds: level 0 holds the boxes of groups of consecutive seeds, each
+// box of level k+1 covers eight of level k. Seeds follow a Hilbert curve, so boxes are compact at any density.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cpu/sort.hpp"
+#include "cpu/star_kernels.hpp"
+#include "thread_pool.hpp"
+
+namespace votess::cpu {
+
+class Hierarchy {
+public:
+    static constexpr std::size_t fan = box_fan;
+
+    void build(const SortedSeeds& seeds, ThreadPool& pool);
+
+    [[nodiscard]] int top_level() const { return static_cast<int>(levels_.size()) - 1; }
+    [[nodiscard]] std::size_t count(int level) const { return counts_[level]; }
+    // Boxes 8 index .. 8 index + 7 of a level: the children of box `index` one level up.
+    [[nodiscard]] const BoxBlock& block(int level, std::size_t index) const { return levels_[level][index]; }
+    [[nodiscard]] BoundingBox box(int level, std::size_t node) const {
+        const BoxBlock& b = levels_[level][node / fan];
+        const std::size_t i = node % fan;
+        return {{b.lower[0][i], b.lower[1][i], b.lower[2][i]}, {b.upper[0][i], b.upper[1][i], b.upper[2][i]}};
+    }
+
+private:
+    std::vector<std::vector<BoxBlock>> levels_;
+    std::vector<std::size_t> counts_;
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,55 @@
+// Volume, centroid and areas of a star as sums over its edges. With V, W the ends of an edge in counterclockwise order
+// around a face of normal n (the difference of seeds, so that n.x = |n|^2/2 on it), V x W sums to twice the face's area
+// vector, and n.(V x W)/12 to the volume of the pyramid between seed and face.
+#include <algorithm>
+#include <cmath>
+
+#include "cpu/star.hpp"
+
+namespace votess::cpu {
+namespace {
+
+// The promise is 1e-10.
+constexpr double accepted_error = 5e-11;
+constexpr double smallest_volume = 1e-140;
+constexpr double unit = 0x1p-53;
+
+}  // namespace
+
+bool Star::measure(Geometry& out) {
+    double volume = 0, error = 0;
+    Vector moment{};
+    std::array<Vector, most_planes> area{};
+    for (int p = 0; p < planes_; ++p) need_plane(p);
+    for (int e = 0; e < edges_; ++e) {
+        const Edge& edge = edge_[e];
+        const Vector &v = position_[edge.vertex], &w = position_[edge.other];
+        const Vector &left = n_[edge.left], &right = n_[edge.right];
+        const Vector c{v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]};
+        double in_left = 0, in_right = 0;
+        for (int k = 0; k < 3; ++k) {
+            area[edge.left][k] += c[k];
+            area[edge.right][k] -= c[k];
+            in_left += left[k] * c[k];
+            in_right -= right[k] * c[k];
+        }
+        const double both = in_left + in_right;
+        volume += both;
+        // The pyramid over the triangle of V, W and the foot n/2 of the plane.
+        for (int k = 0; k < 3; ++k)
+            moment[k] += both * (v[k] + w[k]) + 0.5 * (in_left * left[k] + in_right * right[k]);
+        const double long_v = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
+        const double long_w = std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]);
+        error += (norm_[edge.left] + norm_[edge.right]) *
+                 (error_[edge.vertex] * long_w + error_[edge.other] * long_v + 8 * unit * long_v * long_w);
+    }
+    volume /= 12;
+    if (!(volume > smallest_volume && error / 12 <= accepted_error * volume)) return false;
+    out.volume = volume;
+    for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (48 * volume);
+    for (int p = 0; p < planes_; ++p)
+        out.areas[p] = 0.5 * std::sqrt(area[p][0] * area[p][0] + area[p][1] * area[p][1] + area[p][2] * area[p][2]);
+    return true;
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,340 @@
+#include "cpu/star_kernels.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace votess::cpu {
+namespace {
+
+#define VOTESS_INLINE inline __attribute__((always_inline))
+
+template <class T, int L>
+using Vector __attribute__((vector_size(L * sizeof(T)))) = T;
+
+VOTESS_INLINE void pad(CandidatePlanes& c) {
+    for (int i = c.count; i < (c.count + 15) / 16 * 16; ++i) {
+        c.nx[i] = c.ny[i] = c.nz[i] = 0;
+        c.h[i] = CandidatePlanes::never;
+    }
+}
+
+VOTESS_INLINE unsigned near_boxes_body(const BoxBlock& b, const BoundingBox& home, double distance_squared) {
+    double sum[box_fan] = {};
+    for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < box_fan; ++i) {
+            const double below = b.lower[k][i] - home.upper[k], above = home.lower[k] - b.upper[k][i];
+            double gap = below > above ? below : above;
+            gap = gap > 0 ? gap : 0;
+            sum[i] += gap * gap;
+        }
+    unsigned mask = 0;
+    for (int i = 0; i < box_fan; ++i) mask |= static_cast<unsigned>(sum[i] < distance_squared) << i;
+    return mask;
+}
+
+VOTESS_INLINE void to_window_body(const double* seeds, double origin, double scale, std::int32_t* out) {
+    constexpr double range = window_range;
+    for (int i = 0; i < box_fan; ++i) {
+        double v = (seeds[i] - origin) * scale;
+        v = v > -range ? v : -range;
+        v = v < range ? v : range;
+        out[i] = static_cast<std::int32_t>(v);
+    }
+}
+
+template <int L>
+VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, float distance_squared,
+                               CandidatePlanes& c) {
+    int count = 0;
+    for (int i = 0; i < w.count; i += L) {
+        float nx[L], ny[L], nz[L], d[L];
+        for (int k = 0; k < L; ++k) {
+            nx[k] = static_cast<float>(w.x[i + k] - p[0]);
+            ny[k] = static_cast<float>(w.y[i + k] - p[1]);
+            nz[k] = static_cast<float>(w.z[i + k] - p[2]);
+            d[k] = nx[k] * nx[k] + ny[k] * ny[k] + nz[k] * nz[k];
+        }
+        unsigned inside = 0;
+        for (int k = 0; k < L; ++k) inside |= static_cast<unsigned>(d[k] < distance_squared) << k;
+        for (; inside != 0; inside &= inside - 1) {
+            const int k = std::countr_zero(inside);
+            if (count == CandidatePlanes::capacity) return false;
+            c.nx[count] = nx[k];
+            c.ny[count] = ny[k];
+            c.nz[count] = nz[k];
+            c.h[count] = 0.5f * d[k];
+            c.id[count] = w.id[i + k];
+            ++count;
+        }
+    }
+    c.count = count;
+    pad(c);
+    return true;
+}
+
+template <int L>
+VOTESS_INLINE int first_hit_body(const CandidatePlanes& c, const float* o, const float* d, float least) {
+    using Real = Vector<float, L>;
+    using Index = Vector<std::int32_t, L>;
+    const float infinity = std::numeric_limits<float>::infinity();
+    Real best = Real{} + infinity;
+    Index at = Index{} - 1;
+    Index index;
+    for (int k = 0; k < L; ++k) index[k] = k;
+    for (int i = 0; i < c.count; i += L, index += L) {
+        Real nx, ny, nz, h;
+        std::memcpy(&nx, c.nx + i, sizeof nx);
+        std::memcpy(&ny, c.ny + i, sizeof ny);
+        std::memcpy(&nz, c.nz + i, sizeof nz);
+        std::memcpy(&h, c.h + i, sizeof h);
+        const Real leaving = nx * d[0] + ny * d[1] + nz * d[2];
+        const Real t = (h - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
+        const Index better = (leaving > least) & (t < best);
+        best = better ? t : best;
+        at = better ? index : at;
+    }
+    int hit = -1;
+    float nearest = infinity;
+    for (int k = 0; k < L; ++k)
+        if (best[k] < nearest) nearest = best[k], hit = at[k];
+    return hit;
+}
+
+template <int L>
+VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, float bound, std::uint64_t* masks) {
+    const int words = (c.count + 63) / 64;
+    for (int w = 0; w < words; ++w) masks[w] = 0;
+    for (int i = 0; i < c.count; i += L) {
+        unsigned mask = 0;
+        for (int k = 0; k < L; ++k) {
+            const float gap = c.h[i + k] - c.nx[i + k] * v[0] - c.ny[i + k] * v[1] - c.nz[i + k] * v[2];
+            mask |= static_cast<unsigned>(gap <= bound) << k;
+        }
+        masks[i / 64] |= static_cast<std::uint64_t>(mask) << (i % 64);
+    }
+    return words;
+}
+
+#if defined(__x86_64__)
+#define VOTESS_AVX2 __attribute__((target("avx2,fma,popcnt,bmi")))
+#define VOTESS_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi,prefer-vector-width=512")))
+
+VOTESS_AVX2 unsigned near_boxes_avx2(const BoxBlock& b, const BoundingBox& home, double distance_squared) {
+    unsigned mask = 0;
+    const __m256d limit = _mm256_set1_pd(distance_squared);
+    for (int i = 0; i < box_fan; i += 4) {
+        __m256d sum = _mm256_setzero_pd();
+        for (int k = 0; k < 3; ++k) {
+            __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_load_pd(b.lower[k] + i), _mm256_set1_pd(home.upper[k])),
+                                        _mm256_sub_pd(_mm256_set1_pd(home.lower[k]), _mm256_load_pd(b.upper[k] + i)));
+            gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+            sum = _mm256_add_pd(sum, _mm256_mul_pd(gap, gap));
+        }
+        mask |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ))) << i;
+    }
+    return mask;
+}
+
+VOTESS_AVX2 void to_window_avx2(const double* seeds, double origin, double scale, std::int32_t* out) {
+    const __m256d range = _mm256_set1_pd(window_range), least = _mm256_set1_pd(-window_range);
+    for (int i = 0; i < box_fan; i += 4) {
+        __m256d v = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(seeds + i), _mm256_set1_pd(origin)),
+                                  _mm256_set1_pd(scale));
+        v = _mm256_min_pd(_mm256_max_pd(v, least), range);
+        _mm_storeu_si128(reinterpret_cast<__m128i*>(out + i), _mm256_cvtpd_epi32(v));
+    }
+}
+
+VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float distance_squared, CandidatePlanes& c) {
+    const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
+    const __m256 limit = _mm256_set1_ps(distance_squared);
+    int count = 0;
+    for (int i = 0; i < w.count; i += 8) {
+        auto difference = [i](const std::int32_t* at, __m256i from) VOTESS_AVX2 {
+            return _mm256_cvtepi32_ps(
+                _mm256_sub_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + i)), from));
+        };
+        const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
+        const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
+        auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, limit, _CMP_LT_OQ)));
+        if (inside == 0) continue;
+        if (count > CandidatePlanes::capacity - 8) return false;
+        alignas(32) float n[4][8];
+        _mm256_store_ps(n[0], nx);
+        _mm256_store_ps(n[1], ny);
+        _mm256_store_ps(n[2], nz);
+        _mm256_store_ps(n[3], _mm256_mul_ps(d, _mm256_set1_ps(0.5f)));
+        for (; inside != 0; inside &= inside - 1, ++count) {
+            const int k = std::countr_zero(inside);
+            c.nx[count] = n[0][k];
+            c.ny[count] = n[1][k];
+            c.nz[count] = n[2][k];
+            c.h[count] = n[3][k];
+            c.id[count] = w.id[i + k];
+        }
+    }
+    c.count = count;
+    pad(c);
+    return true;
+}
+
+VOTESS_AVX2 int first_hit_avx2(const CandidatePlanes& c, const float* o, const float* d, float least) {
+    const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
+    const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
+    const __m256 limit = _mm256_set1_ps(least), infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
+    __m256 best = infinity;
+    __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    for (int i = 0; i < c.count; i += 8) {
+        const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i), nz = _mm256_load_ps(c.nz + i);
+        const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
+        const __m256 gap = _mm256_fnmadd_ps(
+            nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, _mm256_load_ps(c.h + i))));
+        const __m256 t = _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving),
+                                          _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
+        const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
+        best = _mm256_blendv_ps(best, t, better);
+        at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
+        index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
+    }
+    __m256 least_of = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
+    least_of = _mm256_min_ps(least_of, _mm256_shuffle_ps(least_of, least_of, 0x4e));
+    least_of = _mm256_min_ps(least_of, _mm256_shuffle_ps(least_of, least_of, 0xb1));
+    const auto where = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(best, least_of, _CMP_EQ_OQ)));
+    alignas(32) std::int32_t found[8];
+    _mm256_store_si256(reinterpret_cast<__m256i*>(found), at);
+    return where == 0 ? -1 : found[std::countr_zero(where)];
+}
+
+VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, float bound, std::uint64_t* masks) {
+    const int words = (c.count + 63) / 64;
+    for (int w = 0; w < words; ++w) masks[w] = 0;
+    const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
+    const __m256 limit = _mm256_set1_ps(bound);
+    for (int i = 0; i < c.count; i += 8) {
+        const __m256 gap = _mm256_fnmadd_ps(
+            _mm256_load_ps(c.nx + i), vx,
+            _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
+                             _mm256_fnmadd_ps(_mm256_load_ps(c.nz + i), vz, _mm256_load_ps(c.h + i))));
+        const auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(gap, limit, _CMP_LE_OQ)));
+        masks[i / 64] |= static_cast<std::uint64_t>(mask) << (i % 64);
+    }
+    return words;
+}
+
+VOTESS_AVX512 unsigned near_boxes_avx512(const BoxBlock& b, const BoundingBox& home, double distance_squared) {
+    __m512d sum = _mm512_setzero_pd();
+    for (int k = 0; k < 3; ++k) {
+        __m512d gap = _mm512_max_pd(_mm512_sub_pd(_mm512_load_pd(b.lower[k]), _mm512_set1_pd(home.upper[k])),
+                                    _mm512_sub_pd(_mm512_set1_pd(home.lower[k]), _mm512_load_pd(b.upper[k])));
+        gap = _mm512_max_pd(gap, _mm512_setzero_pd());
+        sum = _mm512_add_pd(sum, _mm512_mul_pd(gap, gap));
+    }
+    return _mm512_cmp_pd_mask(sum, _mm512_set1_pd(distance_squared), _CMP_LT_OQ);
+}
+
+VOTESS_AVX512 void to_window_avx512(const double* seeds, double origin, double scale, std::int32_t* out) {
+    __m512d v = _mm512_mul_pd(_mm512_sub_pd(_mm512_loadu_pd(seeds), _mm512_set1_pd(origin)), _mm512_set1_pd(scale));
+    v = _mm512_min_pd(_mm512_max_pd(v, _mm512_set1_pd(-window_range)), _mm512_set1_pd(window_range));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm512_cvtpd_epi32(v));
+}
+
+VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float distance_squared,
+                                 CandidatePlanes& c) {
+    const __m512i px = _mm512_set1_epi32(p[0]), py = _mm512_set1_epi32(p[1]), pz = _mm512_set1_epi32(p[2]);
+    const __m512 limit = _mm512_set1_ps(distance_squared), half = _mm512_set1_ps(0.5f);
+    int count = 0;
+    for (int i = 0; i < w.count; i += 16) {
+        const __m512 nx = _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(w.x + i), px));
+        const __m512 ny = _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(w.y + i), py));
+        const __m512 nz = _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(w.z + i), pz));
+        const __m512 d = _mm512_fmadd_ps(nx, nx, _mm512_fmadd_ps(ny, ny, _mm512_mul_ps(nz, nz)));
+        const __mmask16 inside = _mm512_cmp_ps_mask(d, limit, _CMP_LT_OQ);
+        if (count > CandidatePlanes::capacity) return false;
+        _mm512_storeu_ps(c.nx + count, _mm512_maskz_compress_ps(inside, nx));
+        _mm512_storeu_ps(c.ny + count, _mm512_maskz_compress_ps(inside, ny));
+        _mm512_storeu_ps(c.nz + count, _mm512_maskz_compress_ps(inside, nz));
+        _mm512_storeu_ps(c.h + count, _mm512_maskz_compress_ps(inside, _mm512_mul_ps(d, half)));
+        _mm512_storeu_si512(c.id + count, _mm512_maskz_compress_epi32(inside, _mm512_loadu_si512(w.id + i)));
+        count += std::popcount(static_cast<unsigned>(inside));
+    }
+    if (count > CandidatePlanes::capacity) return false;
+    c.count = count;
+    pad(c);
+    return true;
+}
+
+VOTESS_AVX512 int first_hit_avx512(const CandidatePlanes& c, const float* o, const float* d, float least) {
+    const __m512 ox = _mm512_set1_ps(o[0]), oy = _mm512_set1_ps(o[1]), oz = _mm512_set1_ps(o[2]);
+    const __m512 dx = _mm512_set1_ps(d[0]), dy = _mm512_set1_ps(d[1]), dz = _mm512_set1_ps(d[2]);
+    const __m512 limit = _mm512_set1_ps(least);
+    __m512 best = _mm512_set1_ps(std::numeric_limits<float>::infinity());
+    __m512i at = _mm512_set1_epi32(-1);
+    __m512i index = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    for (int i = 0; i < c.count; i += 16) {
+        const __m512 nx = _mm512_load_ps(c.nx + i), ny = _mm512_load_ps(c.ny + i), nz = _mm512_load_ps(c.nz + i);
+        const __m512 leaving = _mm512_fmadd_ps(nx, dx, _mm512_fmadd_ps(ny, dy, _mm512_mul_ps(nz, dz)));
+        const __m512 gap = _mm512_fnmadd_ps(
+            nx, ox, _mm512_fnmadd_ps(ny, oy, _mm512_fnmadd_ps(nz, oz, _mm512_load_ps(c.h + i))));
+        // 14 bits decide which plane to try; the vertex itself is solved in double and checked.
+        const __m512 inverse = _mm512_rcp14_ps(leaving);
+        __m512 t = _mm512_mul_ps(gap, inverse);
+        t = _mm512_fmadd_ps(_mm512_fnmadd_ps(t, leaving, gap), inverse, t);
+        const __mmask16 better =
+            _mm512_mask_cmp_ps_mask(_mm512_cmp_ps_mask(leaving, limit, _CMP_GT_OQ), t, best, _CMP_LT_OQ);
+        best = _mm512_mask_mov_ps(best, better, t);
+        at = _mm512_mask_mov_epi32(at, better, index);
+        index = _mm512_add_epi32(index, _mm512_set1_epi32(16));
+    }
+    alignas(64) std::int32_t found[16];
+    _mm512_store_si512(found, at);
+    const float nearest = _mm512_reduce_min_ps(best);
+    const unsigned where = _mm512_cmp_ps_mask(best, _mm512_set1_ps(nearest), _CMP_EQ_OQ);
+    return found[std::countr_zero(where | 0x10000u) & 15];
+}
+
+VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, float bound, std::uint64_t* masks) {
+    const int words = (c.count + 63) / 64;
+    const __m512 vx = _mm512_set1_ps(v[0]), vy = _mm512_set1_ps(v[1]), vz = _mm512_set1_ps(v[2]);
+    const __m512 limit = _mm512_set1_ps(bound);
+    std::uint64_t word = 0;
+    for (int i = 0; i < c.count; i += 16) {
+        const __m512 gap = _mm512_fnmadd_ps(
+            _mm512_load_ps(c.nx + i), vx,
+            _mm512_fnmadd_ps(_mm512_load_ps(c.ny + i), vy,
+                             _mm512_fnmadd_ps(_mm512_load_ps(c.nz + i), vz, _mm512_load_ps(c.h + i))));
+        word |= static_cast<std::uint64_t>(_mm512_cmp_ps_mask(gap, limit, _CMP_LE_OQ)) << (i % 64);
+        if (i % 64 == 48) {
+            masks[i / 64] = word;
+            word = 0;
+        }
+    }
+    if (c.count <= words * 64 - 16) masks[words - 1] = word;
+    return words;
+}
+
+constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, to_window_avx2, select_avx2, first_hit_avx2, touching_avx2};
+constexpr StarKernels kernels_avx512{"avx512",      near_boxes_avx512, to_window_avx512,
+                                     select_avx512, first_hit_avx512,  touching_avx512};
+#endif
+
+constexpr StarKernels kernels_baseline{"baseline",     near_boxes_body,   to_window_body,
+                                       select_body<4>, first_hit_body<4>, touching_body<4>};
+
+}  // namespace
+
+const StarKernels& star_kernels(std::string_view name) {
+#if defined(__x86_64__)
+    if (name == kernels_avx512.name) return kernels_avx512;
+    if (name == kernels_avx2.name) return kernels_avx2;
+#endif
+    return kernels_baseline;
+}
+
+}  // namespace votess::cpu

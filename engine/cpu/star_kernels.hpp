@@ -1,0 +1,62 @@
+// The vector loops over the candidates of a star, compiled for several instruction sets and chosen at run time. What
+// they return is checked or exact, so the answer does not depend on the choice.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "cpu/kernels.hpp"
+
+namespace votess::cpu {
+
+inline constexpr int box_fan = 8;
+
+// Boxes of eight siblings in the tree; those that do not exist are infinitely far away.
+struct alignas(64) BoxBlock {
+    double lower[3][box_fan];
+    double upper[3][box_fan];
+};
+
+// Seeds near a home group as integers: (coordinate - origin) * scale, rounded, within +-window_range; `far_away` for
+// seeds that are no candidates.
+inline constexpr std::int32_t window_range = 1 << 29;
+inline constexpr std::int32_t far_away = (1 << 30) - 1;
+struct WindowSeeds {
+    const std::int32_t* x;
+    const std::int32_t* y;
+    const std::int32_t* z;
+    const std::int32_t* id;
+    int count;  // a multiple of 8; readable up to the next multiple of 16
+};
+
+// Candidate planes n.x = h of a cell, h = |n|^2 / 2, in window units; a wall is the bisector with the seed's mirror
+// image. Beyond `count` and up to the next multiple of 16 stand planes that nothing touches.
+struct CandidatePlanes {
+    static constexpr int capacity = 256;
+    static constexpr float never = 1e30f;  // h of a plane that nothing touches
+    alignas(64) float nx[capacity + 16];
+    alignas(64) float ny[capacity + 16];
+    alignas(64) float nz[capacity + 16];
+    alignas(64) float h[capacity + 16];
+    alignas(64) std::int32_t id[capacity + 16];
+    int count = 0;
+};
+
+struct StarKernels {
+    const char* name;
+    // Bit k: box k comes nearer than sqrt(distance_squared) to the box home; for a point, lower = upper.
+    unsigned (*near_boxes)(const BoxBlock&, const BoundingBox& home, double distance_squared);
+    // out[0..8) = seeds[0..8) as window integers.
+    void (*to_window)(const double* seeds, double origin, double scale, std::int32_t* out);
+    // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.
+    bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
+    // The plane that the ray o + t d meets first among those that it leaves (n.d > least), -1 if none.
+    int (*first_hit)(const CandidatePlanes&, const float* o, const float* d, float least);
+    // Bits of the planes with h - n.v <= bound, in words of 64; returns the number of words.
+    int (*touching)(const CandidatePlanes&, const float* v, float bound, std::uint64_t* masks);
+};
+
+// The one of that name, see supported_kernels().
+const StarKernels& star_kernels(std::string_view name);
+
+}  // namespace votess::cpu
