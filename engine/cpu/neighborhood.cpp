@@ -57,7 +57,7 @@ void Neighborhood::grow_table() {
     }
 }
 
-void Neighborhood::hand_over(std::size_t seed, std::uint32_t vertex) {
+void Neighborhood::hand_over(std::size_t seed, KnownVertex vertex) {
     const std::size_t s = seed - first_;
     const int count = known_count_[s]++;
     if (count < primary) {
@@ -76,7 +76,7 @@ std::uint32_t Neighborhood::add(const SharedVertex& vertex, const VertexPosition
         const std::int32_t cell = vertex.cells[k];
         if (!own(cell)) continue;
         const std::size_t seed = first_ + static_cast<std::size_t>(cell - walls);
-        hand_over(seed, index);
+        hand_over(seed, {index << 2 | static_cast<std::uint32_t>(k)});
     }
     return index;
 }

@@ -22,6 +22,13 @@ struct VertexPosition {
     double error;    // bound on the distance from the exact vertex
 };
 
+// A vertex of a cell, and which of the vertex's cells that is.
+struct KnownVertex {
+    std::uint32_t packed;
+    [[nodiscard]] std::uint32_t vertex() const { return packed >> 2; }
+    [[nodiscard]] unsigned corner() const { return packed & 3; }
+};
+
 class Neighborhood {
 public:
     static constexpr int walls = 6;
@@ -60,7 +67,7 @@ public:
     std::uint32_t add(const SharedVertex& vertex, const VertexPosition& position);
     [[nodiscard]] const SharedVertex& vertex(std::uint32_t index) const { return vertices_[index]; }
     [[nodiscard]] const VertexPosition& position(std::uint32_t index) const { return positions_[index]; }
-    // Calls visit(index) for every vertex that was handed to a seed of the stretch.
+    // Calls visit(KnownVertex) for every vertex that was handed to a seed of the stretch.
     template <class Visit>
     void for_each_known(std::size_t seed, Visit visit) const {
         const std::size_t s = seed - first_;
@@ -73,13 +80,13 @@ public:
 private:
     static constexpr int primary = 32;  // vertices of a cell before they spill into a linked list
     struct Spill {
-        std::uint32_t vertex;
+        KnownVertex vertex;
         std::int32_t next;
     };
 
     std::int32_t foreign(std::int32_t id);
     void grow_table();
-    void hand_over(std::size_t seed, std::uint32_t vertex);
+    void hand_over(std::size_t seed, KnownVertex vertex);
 
     std::size_t first_ = 0, last_ = 0;
     std::int32_t own_end_ = walls;
@@ -88,7 +95,7 @@ private:
     std::vector<std::int32_t> table_;  // open addressing: index into foreign_ids_, or -1
     std::vector<SharedVertex> vertices_;
     std::vector<VertexPosition> positions_;
-    std::vector<std::uint32_t> known_;
+    std::vector<KnownVertex> known_;
     std::vector<std::uint16_t> known_count_;
     std::vector<std::int32_t> spilled_;
     std::vector<Spill> spill_;

@@ -10,14 +10,18 @@ namespace {
 using Vector = std::array<double, 3>;
 
 constexpr double unit = 0x1p-53;
-constexpr float float_unit = 0x1p-24f;
+constexpr double float_unit = 0x1p-24;
 constexpr float quantum = 2;            // of window integers: more than q in star.hpp
-constexpr double worst_condition = 1e6;  // |na||nb||nc| / |det|
+constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
 constexpr double margin = 2e-8;  // more than the relative error of a vertex that is accepted
 constexpr double solved_factor = 64 * unit;
-constexpr double smallest_normal = 1e-100, largest_normal = 1e100;  // no square of a product leaves the range
-constexpr double reach_margin = 1.25;  // of the squared security radius that is typical
+constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
+constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
+constexpr double reach_margin = 1.8;  // of the squared security radius that is typical
 constexpr int most_picks = 64;         // planes tried for one vertex
+constexpr int again = -2;              // a hit that is still to be looked for
+constexpr int tie = -2;
+constexpr float parallel = 0x1p-18f;   // rays nearly along a plane do not leave it
 constexpr int most_new = 24;           // seeds taken at once from beyond the window
 
 double dot(const Vector& a, const Vector& b) {
@@ -54,7 +58,9 @@ bool Star::build(std::size_t seed) {
     ++epoch_;
     planes_ = vertices_ = edges_ = 0;
     planes_known_ = active_ = 0;
+    scale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
+    sound_ = true;
     const bool complete = this->complete(seed);
     if (have_candidates_ && !complete) window_.show(seed, own_x_);
     if (complete) {
@@ -65,68 +71,77 @@ bool Star::build(std::size_t seed) {
 }
 
 bool Star::complete(std::size_t seed) {
-    bool sound = true;
-    cells_.for_each_known(seed, [&](std::uint32_t index) {
-        if (!sound || vertices_ == most_vertices) {
-            sound = false;
+    if (!take_known(seed)) return false;
+    if (vertices_ == 0 && !begin_anywhere()) return false;
+    if (active_ != 0 && !have_candidates_ && !gather_candidates(seed)) return false;
+    reached_ = 0;
+    while (active_ != 0) {
+        // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
+        // been closed by the vertex of the first.
+        const int a = std::countr_zero(active_), b = std::countr_zero(open_[a]);
+        const int c = 63 - std::countl_zero(active_), d = 63 - std::countl_zero(open_[c]);
+        OpenEdge edges[2];
+        Ray rays[2];
+        if (!aim(a, b, edges[0], rays[0]) || !aim(c, d, edges[1], rays[1])) return false;
+        int hits[2];
+        kernels_.first_hits(candidates_, rays, hits);
+        if (!close(edges[0], rays[0], hits[0])) return false;
+        if (((open_[c] >> d) & 1) != 0 && !close(edges[1], rays[1], hits[1])) return false;
+    }
+    const double unscale = 1 / scale_;
+    const double needed = reached_ * unscale * unscale;
+    if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
+    for (int p = 0; p < planes_; ++p) id_[p] = cells_.id(local_[p]);
+    return sound_;
+}
+
+// Without branches but the loop's: what is known of a cell follows no pattern.
+bool Star::take_known(std::size_t seed) {
+    // Even permutations of the four cells keep the orientation: the other three as seen from cell 1, 2, 3.
+    static constexpr std::uint8_t others[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+    const auto locals = static_cast<std::size_t>(cells_.locals());
+    if (slot_.size() < locals + most_planes) slot_.resize(2 * locals + most_planes);
+    bool fits = true;
+    cells_.for_each_known(seed, [&](KnownVertex known) {
+        if (planes_ > most_planes - 4 || vertices_ > most_vertices - 4) {
+            fits = false;
             return;
         }
-        const SharedVertex& v = cells_.vertex(index);
-        const std::int32_t own = cells_.local(static_cast<std::int32_t>(seed));
-        const auto& c = v.cells;
-        // Even permutations of the four cells keep the orientation.
-        const int k = c[1] == own ? 1 : (c[2] == own ? 2 : 3);
-        const std::array<std::int32_t, 3> others = k == 1   ? std::array{c[0], c[3], c[2]}
-                                                   : k == 2 ? std::array{c[0], c[1], c[3]}
-                                                            : std::array{c[0], c[2], c[1]};
-        const int a = slot_of(others[0]), b = slot_of(others[1]), d = slot_of(others[2]);
-        if (a < 0 || b < 0 || d < 0) {
-            sound = false;
-            return;
-        }
+        const SharedVertex& v = cells_.vertex(known.vertex());
+        const std::uint8_t* order = others[known.corner()];
+        const int a = slot_of(v.cells[order[0]]), b = slot_of(v.cells[order[1]]), c = slot_of(v.cells[order[2]]);
         if (measure_) {
-            const VertexPosition& position = cells_.position(index);
-            const auto from = static_cast<std::size_t>(cells_.id(c[0]));
+            const VertexPosition& position = cells_.position(known.vertex());
+            const auto from = static_cast<std::size_t>(cells_.id(v.cells[0]));
             position_[vertices_] = {position.x + (seeds_.x[from] - p_[0]), position.y + (seeds_.y[from] - p_[1]),
                                     position.z + (seeds_.z[from] - p_[2])};
             error_[vertices_] = position.error;
         }
-        sound = add_face_corner(a, b, d);
+        add_corner(a, b, c);
     });
-    if (!sound) return false;
-    if (vertices_ == 0 && !begin_anywhere()) return false;
-    double needed = 0;
-    while (active_ != 0) {
-        const int a = std::countr_zero(active_);
-        const int b = std::countr_zero(open_[a]);
-        if (!have_candidates_ && !gather_candidates(seed)) return false;
-        if (!close_edge(a, b)) return false;
-        needed = std::max(needed, last_reach_);
-    }
-    if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
-    return true;
+    for (int p = 0; p < planes_; ++p) active_ |= static_cast<std::uint64_t>(open_[p] != 0) << p;
+    return fits;
 }
 
 int Star::slot_of(std::int32_t local) {
-    if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(std::max<std::size_t>(2 * slot_.size(), local + 1024));
     std::uint32_t& entry = slot_[local];
-    if (entry / most_planes == epoch_) return static_cast<int>(entry % most_planes);
-    if (planes_ == most_planes) return -1;
-    entry = epoch_ * most_planes + static_cast<std::uint32_t>(planes_);
-    local_[planes_] = local;
-    id_[planes_] = cells_.id(local);
+    const bool is_new = entry / most_planes != epoch_;
+    const auto slot = is_new ? static_cast<std::uint32_t>(planes_) : entry % most_planes;
+    entry = epoch_ * most_planes + slot;
+    local_[planes_] = local;  // beyond the last one it does no harm
     open_[planes_] = 0;
-    return planes_++;
+    planes_ += is_new ? 1 : 0;
+    return static_cast<int>(slot);
 }
 
 void Star::plane_through(std::int32_t id, Vector& n, double& h) const {
     if (id >= 0) {
-        n = {seeds_.x[id] - p_[0], seeds_.y[id] - p_[1], seeds_.z[id] - p_[2]};
+        n = {(seeds_.x[id] - p_[0]) * scale_, (seeds_.y[id] - p_[1]) * scale_, (seeds_.z[id] - p_[2]) * scale_};
         h = 0.5 * dot(n, n);
         return;
     }
     const int axis = (-1 - id) / 2;
-    const double distance = (-1 - id) % 2 == 0 ? box_.lower[axis] - p_[axis] : box_.upper[axis] - p_[axis];
+    const double distance = ((-1 - id) % 2 == 0 ? box_.lower[axis] - p_[axis] : box_.upper[axis] - p_[axis]) * scale_;
     n = {};
     n[axis] = 2 * distance;
     h = 2 * distance * distance;
@@ -142,32 +157,29 @@ exact::Plane Star::exact_plane(std::int32_t id) const {
 void Star::need_plane(int slot) {
     if ((planes_known_ >> slot) & 1) return;
     planes_known_ |= 1ull << slot;
+    id_[slot] = cells_.id(local_[slot]);
     plane_through(id_[slot], n_[slot], h_[slot]);
-    norm_[slot] = std::sqrt(2 * h_[slot]);
 }
 
-bool Star::toggle(int from, int to) {
-    if ((open_[to] >> from) & 1) {
-        open_[to] &= ~(1ull << from);
-        if (open_[to] == 0) active_ &= ~(1ull << to);
-        if (measure_)
-            edge_[edges_] = {from_vertex_[to][from], static_cast<std::uint8_t>(vertices_),
-                             static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(to)};
-        ++edges_;
-        return true;
+// The edge from -> to of the face corner that is added: closes the edge to -> from or waits for it.
+void Star::toggle(int from, int to) {
+    const std::uint64_t closes = (open_[to] >> from) & 1;
+    sound_ &= ((open_[from] >> to) & 1) == 0;
+    open_[to] &= ~(1ull << from);
+    open_[from] |= (closes ^ 1) << to;
+    if (measure_) {
+        edge_[edges_] = {from_vertex_[to][from], static_cast<std::uint8_t>(vertices_),
+                         static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(to)};
+        from_vertex_[from][to] = static_cast<std::uint8_t>(vertices_);
     }
-    if ((open_[from] >> to) & 1) return false;
-    open_[from] |= 1ull << to;
-    active_ |= 1ull << from;
-    if (measure_) from_vertex_[from][to] = static_cast<std::uint8_t>(vertices_);
-    return true;
+    edges_ += static_cast<int>(closes);
 }
 
-bool Star::add_face_corner(int a, int b, int c) {
-    if (vertices_ == most_vertices - 4) return false;
-    const bool sound = toggle(a, b) && toggle(b, c) && toggle(c, a);
+void Star::add_corner(int a, int b, int c) {
+    toggle(a, b);
+    toggle(b, c);
+    toggle(c, a);
     ++vertices_;
-    return sound;
 }
 
 bool Star::gather_candidates(std::size_t seed) {
@@ -195,16 +207,18 @@ bool Star::gather_candidates(std::size_t seed) {
     }
     have_candidates_ = true;
     own_x_ = p[0];
-    const double reach = std::sqrt(reach2);
-    const double covered = reach * (1 - 0x1p-20) - quantum / scale;
+    scale_ = scale;
+    const double reach = std::sqrt(reach2) * scale;
+    const double covered = reach * (1 - 0x1p-20) - quantum;
     covered_ = covered > 0 ? covered * covered : 0;
-    longest_ = reach * scale * (1 + 0x1p-20) + quantum;
+    longest_ = reach * (1 + 0x1p-20) + quantum;
+    inverse_longest_ = 1 / longest_;
     extras_ = candidates_.count;
     for (int wall = -1; wall >= -6; --wall) {
         Vector n;
         double h;
         plane_through(wall, n, h);
-        if (2 * h < reach2 * (1 + 0x1p-20)) add_candidate(wall);
+        if (2 * h < longest_ * longest_) add_candidate(wall);
     }
     return true;
 }
@@ -215,15 +229,15 @@ bool Star::add_candidate(std::int32_t id) {
     Vector n;
     double h;
     plane_through(id, n, h);
-    const double scale = window_.scale();
-    const double length = std::sqrt(2 * h) * scale;
-    if (!(length < 1e12)) return false;  // its square times another must stay a float
+    const double length = std::sqrt(2 * h);
+    if (!(length < longest_normal)) return false;
     longest_ = std::max(longest_, length * (1 + 0x1p-20));
+    inverse_longest_ = 1 / longest_;
     const int i = c.count++;
-    c.nx[i] = static_cast<float>(n[0] * scale);
-    c.ny[i] = static_cast<float>(n[1] * scale);
-    c.nz[i] = static_cast<float>(n[2] * scale);
-    c.h[i] = static_cast<float>(h * scale * scale);
+    c.nx[i] = static_cast<float>(n[0]);
+    c.ny[i] = static_cast<float>(n[1]);
+    c.nz[i] = static_cast<float>(n[2]);
+    c.h[i] = static_cast<float>(h);
     c.id[i] = id;
     if (c.count % 16 == 1)
         for (int k = c.count; k < c.count + 15; ++k) {
@@ -253,51 +267,74 @@ bool Star::begin_anywhere() {
     if (candidates_.count == extras_ && !add_walls()) return false;
     const CandidatePlanes& c = candidates_;
     const auto nearest = static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h);
-    const int a = slot_of(cells_.local(c.id[nearest]));
+    auto slot = [this](std::int32_t id) {
+        const std::int32_t local = cells_.local(id);
+        if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes);
+        return slot_of(local);
+    };
+    const int a = slot(c.id[nearest]);
     need_plane(a);
     const Vector& n = n_[a];
-    const Vector along = cross(n, {0.61803398875 * n[1], 0.7548776662 * n[2], 0.5698402910 * n[0] + norm_[a]});
-    const double scale = window_.scale();
-    float o[3], d[3];
+    const Vector along =
+        cross(n, {0.61803398875 * n[1], 0.7548776662 * n[2], 0.5698402910 * n[0] + std::sqrt(h_[a])});
+    Ray ray;
+    float size = 0;
     for (int k = 0; k < 3; ++k) {
-        o[k] = static_cast<float>(0.5 * n[k] * scale);
-        d[k] = static_cast<float>(along[k] * scale * scale);
+        ray.o[k] = static_cast<float>(0.5 * n[k]);
+        ray.d[k] = static_cast<float>(along[k]);
+        size += std::abs(ray.d[k]);
     }
-    const float least = 0x1p-18f * (std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2])) * static_cast<float>(longest_);
-    int hit = kernels_.first_hit(c, o, d, least);
+    ray.least = parallel * size * static_cast<float>(longest_);
+    int hit = first_hit(ray);
     if (hit < 0 && !have_walls_) {
         if (!add_walls()) return false;
-        hit = kernels_.first_hit(c, o, d, least);
+        hit = first_hit(ray);
     }
     if (hit < 0) return false;
-    return close_edge(a, slot_of(cells_.local(c.id[hit])));
+    OpenEdge edge;
+    return aim(a, slot(c.id[hit]), edge, ray) && close(edge, ray, again);
 }
 
-bool Star::close_edge(int a, int b) {
+bool Star::aim(int a, int b, OpenEdge& edge, Ray& ray) {
     need_plane(a);
     need_plane(b);
     const Vector &na = n_[a], &nb = n_[b];
-    const Vector ab = cross(na, nb);
-    const double square = dot(ab, ab);
-    const double norms = norm_[a] * norm_[b];
-    if (!(norm_[a] > smallest_normal && norm_[b] > smallest_normal && norms < largest_normal) ||
-        !(square * (worst_condition * worst_condition) > norms * norms))
+    const double ha = h_[a], hb = h_[b];
+    edge.a = a;
+    edge.b = b;
+    edge.ab = cross(na, nb);
+    const double square = dot(edge.ab, edge.ab);
+    edge.norms2 = 4 * ha * hb;
+    if (!(ha > smallest_h && hb > smallest_h && edge.norms2 < largest_h && square * worst_condition2 > edge.norms2))
         return false;
-    const double scale = window_.scale();
-    const Vector nb_ab = cross(nb, ab), ab_na = cross(ab, na);
-    const double inverse = scale / square;
-    const double scale2 = scale * scale;
-    float o[3], d[3];
+    const Vector nb_ab = cross(nb, edge.ab), ab_na = cross(edge.ab, na);
+    const double inverse = 1 / square;
+    float size = 0;
     for (int k = 0; k < 3; ++k) {
-        o[k] = static_cast<float>((h_[a] * nb_ab[k] + h_[b] * ab_na[k]) * inverse);
-        d[k] = static_cast<float>(-ab[k] * scale2);
+        ray.o[k] = static_cast<float>((ha * nb_ab[k] + hb * ab_na[k]) * inverse);
+        ray.d[k] = static_cast<float>(-edge.ab[k]);
+        size += std::abs(ray.d[k]);
     }
-    const float slope = 0x1p-18f * (std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]));
-    int lane = -1;
+    ray.least = parallel * size * static_cast<float>(longest_);
+    return true;
+}
+
+int Star::first_hit(const Ray& ray) const {
+    const Ray rays[2] = {ray, ray};
+    int hits[2];
+    kernels_.first_hits(candidates_, rays, hits);
+    return hits[0];
+}
+
+bool Star::close(const OpenEdge& edge, const Ray& ray, int lane) {
+    const auto& [a, b, ab, norms2] = edge;
+    const Vector &na = n_[a], &nb = n_[b];
+    const double ha = h_[a], hb = h_[b];
     for (int pick = 0; pick < most_picks; ++pick) {
-        if (lane < 0) lane = kernels_.first_hit(candidates_, o, d, slope * static_cast<float>(longest_));
+        if (lane == again) lane = first_hit(ray);
         if (lane < 0) {
             if (have_walls_ || !add_walls()) return false;
+            lane = again;
             continue;
         }
         const std::int32_t id = candidates_.id[lane];
@@ -306,102 +343,131 @@ bool Star::close_edge(int a, int b) {
         plane_through(id, nc, hc);
         const Vector bc = cross(nb, nc), ca = cross(nc, na);
         const double determinant = dot(nc, ab);
-        const double norm_c = std::sqrt(2 * hc);
-        const double condition = norms * norm_c / -determinant;
-        if (!(determinant < 0 && condition < worst_condition && norm_c > smallest_normal)) return false;
+        const double norms_abc2 = norms2 * (2 * hc), determinant2 = determinant * determinant;
+        if (!(determinant < 0 && norms_abc2 < worst_condition2 * determinant2 && hc > smallest_h)) return false;
         const double over = 1 / determinant;
         Vector x;
         float v[3];
         double x2 = 0;
         for (int k = 0; k < 3; ++k) {
-            x[k] = (h_[a] * bc[k] + h_[b] * ca[k] + hc * ab[k]) * over;
-            v[k] = static_cast<float>(x[k] * scale);
+            x[k] = (ha * bc[k] + hb * ca[k] + hc * ab[k]) * over;
+            v[k] = static_cast<float>(x[k]);
             x2 += x[k] * x[k];
         }
-        const auto length = static_cast<float>(std::sqrt(x2) * scale);
-        if (!(length < 1e12f)) {
+        if (!(x2 < longest_normal * longest_normal)) {
             if (have_walls_ || !add_walls()) return false;
-            lane = -1;
+            lane = again;
             continue;
         }
-        const auto longest = static_cast<float>(longest_);
-        const float bound = 1.01f * (float_unit * (6.5f * longest * length + 4.6f * longest * longest) +
-                                     quantum * (length + longest));
-        std::uint64_t touching[CandidatePlanes::capacity / 64];
-        const int words = kernels_.touching(candidates_, v, bound, touching);
-        int next = -1;
-        for (int w = 0; w < words && next < 0; ++w)
-            for (std::uint64_t m = touching[w]; m != 0; m &= m - 1) {
-                const int other = 64 * w + std::countr_zero(m);
-                const std::int32_t q = candidates_.id[other];
-                if (q == id || q == id_[a] || q == id_[b]) continue;
-                const int side = side_of(x, condition, a, b, id, q);
-                if (side == 0) return false;
-                if (side > 0) {
-                    next = other;
-                    break;
-                }
+        const std::int32_t three[3] = {id_[a], id_[b], id};
+        const float rounding = rounding_of(x2);
+        int touching = kernels_.touching(candidates_, v, rounding, three, 0);
+        if (touching >= 0) {
+            touching = cutting_plane({x, std::sqrt(norms_abc2 / determinant2)}, v, rounding, three, touching);
+            if (touching == tie) return false;
+            if (touching >= 0) {
+                lane = touching;
+                continue;
             }
-        if (next >= 0) {
-            lane = next;
-            continue;
         }
-        last_reach_ = 4 * x2;
         if (4 * x2 * (1 + margin) > covered_) {
             if (!have_walls_) {
                 if (!add_walls()) return false;
-                lane = -1;
+                lane = again;
                 continue;
             }
             int added = 0;
-            if (!add_inside(x, std::sqrt(x2), id_[a], id_[b], id, added)) return false;
+            if (!add_inside(x, std::sqrt(x2), three, added)) return false;
             if (added > 0) {
-                lane = -1;
+                lane = again;
                 continue;
             }
         }
-        const std::int32_t local = cells_.local(id);
-        const int c = slot_of(local);
-        if (c < 0) return false;
-        if (!((planes_known_ >> c) & 1)) {
-            planes_known_ |= 1ull << c;
-            n_[c] = nc;
-            h_[c] = hc;
-            norm_[c] = norm_c;
-        }
-        const double error = solved_factor * condition * std::sqrt(x2);
-        if (measure_) {
-            position_[vertices_] = x;
-            error_[vertices_] = error;
-        }
-        cells_.add({{cells_.local(static_cast<std::int32_t>(seed_)), local_[b], local_[a], local}},
-                   {x[0], x[1], x[2], error + 8 * unit * std::sqrt(x2)});
-        return add_face_corner(b, a, c);
+        reached_ = std::max(reached_, 4 * x2);
+        return add_vertex(a, b, id, nc, hc, x, norms_abc2, determinant2);
     }
     return false;
 }
 
-int Star::side_of(const Vector& x, double condition, int a, int b, std::int32_t c, std::int32_t d) {
+bool Star::add_vertex(int a, int b, std::int32_t id, const Vector& nc, double hc, const Vector& x, double norms2,
+                      double determinant2) {
+    if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
+    const std::int32_t local = cells_.local(id);
+    if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes);
+    const int c = slot_of(local);
+    planes_known_ |= 1ull << c;
+    id_[c] = id;
+    n_[c] = nc;
+    h_[c] = hc;
+    VertexPosition position{};
+    if (measure_) {
+        const double unscale = 1 / scale_;
+        const double length = std::sqrt(dot(x, x)) * unscale;
+        const double error = solved_factor * std::sqrt(norms2 / determinant2) * length;
+        position_[vertices_] = {x[0] * unscale, x[1] * unscale, x[2] * unscale};
+        error_[vertices_] = error;
+        position = {x[0] * unscale, x[1] * unscale, x[2] * unscale, error + 8 * unit * length};
+    }
+    cells_.add({{cells_.local(static_cast<std::int32_t>(seed_)), local_[b], local_[a], local}}, position);
+    add_corner(b, a, c);
+    for (const int p : {a, b, c})
+        active_ = (active_ & ~(1ull << p)) | static_cast<std::uint64_t>(open_[p] != 0) << p;
+    return sound_;
+}
+
+// Of the planes that come too near to a vertex, from `lane` on, the first that cuts it off; -1 if none does, `tie` if
+// one goes through it.
+int Star::cutting_plane(const Solved& vertex, const float* v, float rounding, const std::int32_t* three, int lane) {
+    while (lane >= 0) {
+        const int side = side_of(vertex, three, candidates_.id[lane]);
+        if (side > 0) return lane;
+        if (side == 0) return tie;
+        // The kernel goes by blocks; those of this block that are left are done one by one.
+        int next = lane + 1;
+        for (; next % 16 != 0 && next < candidates_.count; ++next) {
+            const float gap = candidates_.h[next] - candidates_.nx[next] * v[0] - candidates_.ny[next] * v[1] -
+                              candidates_.nz[next] * v[2];
+            const std::int32_t id = candidates_.id[next];
+            if (gap <= 1.1f * rounding && id != three[0] && id != three[1] && id != three[2]) break;
+        }
+        lane = next >= candidates_.count ? -1
+               : next % 16 != 0          ? next
+                                         : kernels_.touching(candidates_, v, rounding, three, next);
+    }
+    return -1;
+}
+
+// The margin derived in star.hpp, for a vertex of squared length x2: |X| <= X^2 / L + L / 4.
+float Star::rounding_of(double x2) const {
+    const double square = longest_ * longest_;
+    return static_cast<float>(1.01 * (float_unit * (6.5 * (x2 + 0.25 * square) + 4.6 * square) +
+                                      quantum * (x2 * inverse_longest_ + 1.25 * longest_)));
+}
+
+int Star::side_of(const Solved& vertex, const std::int32_t* three, std::int32_t id) {
     Vector n;
     double h;
-    plane_through(d, n, h);
-    const double excess = dot(n, x) - h;
-    const double bound = std::sqrt(2 * h) * std::sqrt(dot(x, x)) * unit * (64 * condition + 8) + 12 * unit * h;
+    plane_through(id, n, h);
+    const double excess = dot(n, vertex.x) - h;
+    const double length2 = 2 * h * dot(vertex.x, vertex.x);
+    const double bound = std::sqrt(length2) * unit * (64 * vertex.condition + 8) + 12 * unit * h;
     if (excess > bound) return 1;
     if (excess < -bound) return -1;
     used_exact_ = true;
-    return exact::side_of_vertex(p_, exact_plane(id_[a]), exact_plane(id_[b]), exact_plane(c), exact_plane(d));
+    return exact::side_of_vertex(p_, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]),
+                                 exact_plane(id));
 }
 
 // Seeds beyond the candidates that the sphere around the vertex may hold; some of them if they are many.
-bool Star::add_inside(const Vector& x, double radius, std::int32_t a, std::int32_t b, std::int32_t c, int& added) {
+bool Star::add_inside(const Vector& x, double radius, const std::int32_t* three, int& added) {
     BoundingBox at;
     double size = 0;
     for (int k = 0; k < 3; ++k) {
-        at.lower[k] = at.upper[k] = p_[k] + x[k];
-        size = std::max(size, std::abs(p_[k]) + std::abs(x[k]));
+        const double offset = x[k] / scale_;
+        at.lower[k] = at.upper[k] = p_[k] + offset;
+        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
     }
-    const double reach = radius * (1 + margin) + 8 * unit * size;
+    const double reach = radius / scale_ * (1 + margin) + 8 * unit * size;
     nodes_.assign(1, {hierarchy_.top_level(), 0});
     while (!nodes_.empty()) {
         const Node node = nodes_.back();
@@ -416,12 +482,12 @@ bool Star::add_inside(const Vector& x, double radius, std::int32_t a, std::int32
             if (cells_.group_done(child)) continue;
             const std::size_t begin = std::size_t{child} * group_size;
             for (std::size_t s = begin; s < std::min(begin + group_size, seeds_.size()); ++s) {
-                const Vector n{seeds_.x[s] - p_[0], seeds_.y[s] - p_[1], seeds_.z[s] - p_[2]};
-                const double square = dot(n, n);
-                if (square < covered_ || dot(n, x) - 0.5 * square < -margin * (square + radius * std::sqrt(square)))
-                    continue;
                 const auto id = static_cast<std::int32_t>(s);
-                if (s == seed_ || id == a || id == b || id == c) continue;
+                Vector n;
+                double h;
+                plane_through(id, n, h);
+                if (2 * h < covered_ || dot(n, x) - h < -margin * (h + radius * std::sqrt(h))) continue;
+                if (s == seed_ || id == three[0] || id == three[1] || id == three[2]) continue;
                 if (is_extra(id)) continue;
                 if (!add_candidate(id)) return false;
                 if (++added == most_new) return true;

@@ -59,29 +59,46 @@ public:
 
 private:
     using Vector = std::array<double, 3>;
+    struct OpenEdge {
+        int a, b;       // slots of its planes
+        Vector ab;      // n_a x n_b
+        double norms2;  // |n_a|^2 |n_b|^2
+    };
+    struct Solved {
+        Vector x;
+        double condition;  // |na||nb||nc| / |det|
+    };
     struct Edge {
         std::uint8_t vertex, other;  // from, to
         std::uint8_t left, right;    // planes, seen from outside along from -> to
     };
 
     bool complete(std::size_t seed);
+    bool take_known(std::size_t seed);
     bool gather_candidates(std::size_t seed);
     bool begin_anywhere();
-    // Finds the vertex at the other end of an open edge.
-    bool close_edge(int a, int b);
-    // As exact::side_of_vertex, of the plane with d; x solves a, b, c.
-    int side_of(const Vector& x, double condition, int a, int b, std::int32_t c, std::int32_t d);
+    // The way along an open edge, out of the face corners known.
+    bool aim(int a, int b, OpenEdge& edge, Ray& ray);
+    [[nodiscard]] int first_hit(const Ray& ray) const;
+    // Finds the vertex at the other end; `hit` is where to begin.
+    bool close(const OpenEdge& edge, const Ray& ray, int hit);
+    bool add_vertex(int a, int b, std::int32_t id, const Vector& nc, double hc, const Vector& x, double norms2,
+                    double determinant2);
+    int cutting_plane(const Solved& vertex, const float* v, float rounding, const std::int32_t* three, int lane);
+    // As exact::side_of_vertex, of the plane with seed or wall id; the vertex solves those of `three`.
+    int side_of(const Solved& vertex, const std::int32_t* three, std::int32_t id);
     bool add_candidate(std::int32_t id);
     [[nodiscard]] bool is_extra(std::int32_t id) const;
     bool add_walls();
-    bool add_inside(const Vector& x, double radius, std::int32_t a, std::int32_t b, std::int32_t c, int& added);
+    bool add_inside(const Vector& x, double radius, const std::int32_t* three, int& added);
 
     int slot_of(std::int32_t local);
     void need_plane(int slot);
     void plane_through(std::int32_t id, Vector& n, double& h) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
-    bool add_face_corner(int a, int b, int c);
-    bool toggle(int from, int to);
+    void add_corner(int a, int b, int c);
+    void toggle(int from, int to);
+    [[nodiscard]] float rounding_of(double x2) const;
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
@@ -102,15 +119,18 @@ private:
     CandidatePlanes candidates_;
     double covered_ = 0;  // squared distance within which all seeds not done are candidates
     int extras_ = 0;      // candidates from here on are no seeds of the window
-    double last_reach_ = 0;
+    double reached_ = 0;  // largest squared security radius of the vertices found
+    double scale_ = 1;    // planes and vertices times this: window units, or 1 without a window
     double longest_ = 0;  // at least the length of the longest candidate normal, in window units
+    double inverse_longest_ = 0;
     bool used_exact_ = false;
+    bool sound_ = true;  // no edge was found twice in the same direction
 
     int planes_ = 0, vertices_ = 0, edges_ = 0;
-    std::uint64_t planes_known_ = 0;  // bit: n_, h_, norm_ are set
+    std::uint64_t planes_known_ = 0;  // bit: id_, n_, h_ are set
     std::array<std::int32_t, most_planes> local_{}, id_{};
     std::array<Vector, most_planes> n_{};
-    std::array<double, most_planes> h_{}, norm_{};
+    std::array<double, most_planes> h_{};
     std::array<std::uint64_t, most_planes> open_{};  // open_[a] bit b: the edge a -> b waits for b -> a
     std::uint64_t active_ = 0;                        // planes with open edges
     std::vector<std::uint32_t> slot_;                 // by local id: epoch * most_planes + slot
@@ -124,7 +144,7 @@ private:
     // For measure().
     std::array<Vector, most_vertices> position_{};
     std::array<double, most_vertices> error_{};
-    std::array<Edge, 3 * most_planes> edge_{};
+    std::array<Edge, 3 * most_planes + 8> edge_{};
     std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // of the open edge a -> b
 };
 

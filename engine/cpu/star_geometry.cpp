@@ -20,11 +20,18 @@ bool Star::measure(Geometry& out) {
     double volume = 0, error = 0;
     Vector moment{};
     std::array<Vector, most_planes> area{};
-    for (int p = 0; p < planes_; ++p) need_plane(p);
+    std::array<double, most_planes> norm{};
+    std::array<Vector, most_planes> n;
+    const double unscale = 1 / scale_;
+    for (int p = 0; p < planes_; ++p) {
+        need_plane(p);
+        norm[p] = std::sqrt(2 * h_[p]) * unscale;
+        for (int k = 0; k < 3; ++k) n[p][k] = n_[p][k] * unscale;
+    }
     for (int e = 0; e < edges_; ++e) {
         const Edge& edge = edge_[e];
         const Vector &v = position_[edge.vertex], &w = position_[edge.other];
-        const Vector &left = n_[edge.left], &right = n_[edge.right];
+        const Vector &left = n[edge.left], &right = n[edge.right];
         const Vector c{v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]};
         double in_left = 0, in_right = 0;
         for (int k = 0; k < 3; ++k) {
@@ -40,7 +47,7 @@ bool Star::measure(Geometry& out) {
             moment[k] += both * (v[k] + w[k]) + 0.5 * (in_left * left[k] + in_right * right[k]);
         const double long_v = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
         const double long_w = std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]);
-        error += (norm_[edge.left] + norm_[edge.right]) *
+        error += (norm[edge.left] + norm[edge.right]) *
                  (error_[edge.vertex] * long_w + error_[edge.other] * long_v + 8 * unit * long_v * long_w);
     }
     volume /= 12;

@@ -80,46 +80,49 @@ VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, floa
 }
 
 template <int L>
-VOTESS_INLINE int first_hit_body(const CandidatePlanes& c, const float* o, const float* d, float least) {
+VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, int* hits) {
     using Real = Vector<float, L>;
     using Index = Vector<std::int32_t, L>;
     const float infinity = std::numeric_limits<float>::infinity();
-    Real best = Real{} + infinity;
-    Index at = Index{} - 1;
-    Index index;
-    for (int k = 0; k < L; ++k) index[k] = k;
-    for (int i = 0; i < c.count; i += L, index += L) {
-        Real nx, ny, nz, h;
-        std::memcpy(&nx, c.nx + i, sizeof nx);
-        std::memcpy(&ny, c.ny + i, sizeof ny);
-        std::memcpy(&nz, c.nz + i, sizeof nz);
-        std::memcpy(&h, c.h + i, sizeof h);
-        const Real leaving = nx * d[0] + ny * d[1] + nz * d[2];
-        const Real t = (h - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
-        const Index better = (leaving > least) & (t < best);
-        best = better ? t : best;
-        at = better ? index : at;
+    for (int r = 0; r < 2; ++r) {
+        const auto& [o, d, least] = rays[r];
+        Real best = Real{} + infinity;
+        Index at = Index{} - 1;
+        Index index;
+        for (int k = 0; k < L; ++k) index[k] = k;
+        for (int i = 0; i < c.count; i += L, index += L) {
+            Real nx, ny, nz, h;
+            std::memcpy(&nx, c.nx + i, sizeof nx);
+            std::memcpy(&ny, c.ny + i, sizeof ny);
+            std::memcpy(&nz, c.nz + i, sizeof nz);
+            std::memcpy(&h, c.h + i, sizeof h);
+            const Real leaving = nx * d[0] + ny * d[1] + nz * d[2];
+            const Real t = (h - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
+            const Index better = (leaving > least) & (t < best);
+            best = better ? t : best;
+            at = better ? index : at;
+        }
+        hits[r] = -1;
+        float nearest = infinity;
+        for (int k = 0; k < L; ++k)
+            if (best[k] < nearest) nearest = best[k], hits[r] = at[k];
     }
-    int hit = -1;
-    float nearest = infinity;
-    for (int k = 0; k < L; ++k)
-        if (best[k] < nearest) nearest = best[k], hit = at[k];
-    return hit;
 }
 
 template <int L>
-VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, float bound, std::uint64_t* masks) {
-    const int words = (c.count + 63) / 64;
-    for (int w = 0; w < words; ++w) masks[w] = 0;
-    for (int i = 0; i < c.count; i += L) {
+VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
+                                int begin) {
+    for (int i = begin; i < c.count; i += L) {
         unsigned mask = 0;
         for (int k = 0; k < L; ++k) {
             const float gap = c.h[i + k] - c.nx[i + k] * v[0] - c.ny[i + k] * v[1] - c.nz[i + k] * v[2];
-            mask |= static_cast<unsigned>(gap <= bound) << k;
+            const std::int32_t id = c.id[i + k];
+            const bool other = (id != three[0]) & (id != three[1]) & (id != three[2]);
+            mask |= static_cast<unsigned>((gap <= bound) & other) << k;
         }
-        masks[i / 64] |= static_cast<std::uint64_t>(mask) << (i % 64);
+        if (mask != 0) return i + std::countr_zero(mask);
     }
-    return words;
+    return -1;
 }
 
 #if defined(__x86_64__)
@@ -185,47 +188,59 @@ VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float 
     return true;
 }
 
-VOTESS_AVX2 int first_hit_avx2(const CandidatePlanes& c, const float* o, const float* d, float least) {
-    const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
-    const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
-    const __m256 limit = _mm256_set1_ps(least), infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
-    __m256 best = infinity;
-    __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    for (int i = 0; i < c.count; i += 8) {
-        const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i), nz = _mm256_load_ps(c.nz + i);
-        const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
-        const __m256 gap = _mm256_fnmadd_ps(
-            nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, _mm256_load_ps(c.h + i))));
-        const __m256 t = _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving),
-                                          _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
-        const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
-        best = _mm256_blendv_ps(best, t, better);
-        at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
-        index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
-    }
-    __m256 least_of = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
-    least_of = _mm256_min_ps(least_of, _mm256_shuffle_ps(least_of, least_of, 0x4e));
-    least_of = _mm256_min_ps(least_of, _mm256_shuffle_ps(least_of, least_of, 0xb1));
-    const auto where = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(best, least_of, _CMP_EQ_OQ)));
+VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {
+    __m256 least = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
+    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0x4e));
+    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0xb1));
+    const auto where = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(best, least, _CMP_EQ_OQ)));
     alignas(32) std::int32_t found[8];
     _mm256_store_si256(reinterpret_cast<__m256i*>(found), at);
-    return where == 0 ? -1 : found[std::countr_zero(where)];
+    return found[std::countr_zero(where) & 7];
 }
 
-VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, float bound, std::uint64_t* masks) {
-    const int words = (c.count + 63) / 64;
-    for (int w = 0; w < words; ++w) masks[w] = 0;
+VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int* hits) {
+    const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
+    for (int r = 0; r < 2; ++r) {
+        const auto& [o, d, least] = rays[r];
+        const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
+        const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
+        const __m256 limit = _mm256_set1_ps(least);
+        __m256 best = infinity;
+        __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        for (int i = 0; i < c.count; i += 8) {
+            const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i), nz = _mm256_load_ps(c.nz + i);
+            const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
+            const __m256 gap = _mm256_fnmadd_ps(
+                nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, _mm256_load_ps(c.h + i))));
+            const __m256 t = _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving),
+                                              _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
+            const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
+            best = _mm256_blendv_ps(best, t, better);
+            at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
+            index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
+        }
+        hits[r] = hit_of(best, at);
+    }
+}
+
+VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
+                              int begin) {
     const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
     const __m256 limit = _mm256_set1_ps(bound);
-    for (int i = 0; i < c.count; i += 8) {
+    const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]), i2 = _mm256_set1_epi32(three[2]);
+    for (int i = begin; i < c.count; i += 8) {
         const __m256 gap = _mm256_fnmadd_ps(
             _mm256_load_ps(c.nx + i), vx,
             _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
                              _mm256_fnmadd_ps(_mm256_load_ps(c.nz + i), vz, _mm256_load_ps(c.h + i))));
-        const auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(gap, limit, _CMP_LE_OQ)));
-        masks[i / 64] |= static_cast<std::uint64_t>(mask) << (i % 64);
+        const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + i));
+        const __m256i same = _mm256_or_si256(_mm256_cmpeq_epi32(id, i0),
+                                             _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
+        const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
+            _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ))));
+        if (mask != 0) return i + std::countr_zero(mask);
     }
-    return words;
+    return -1;
 }
 
 VOTESS_AVX512 unsigned near_boxes_avx512(const BoxBlock& b, const BoundingBox& home, double distance_squared) {
@@ -270,62 +285,80 @@ VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, fl
     return true;
 }
 
-VOTESS_AVX512 int first_hit_avx512(const CandidatePlanes& c, const float* o, const float* d, float least) {
-    const __m512 ox = _mm512_set1_ps(o[0]), oy = _mm512_set1_ps(o[1]), oz = _mm512_set1_ps(o[2]);
-    const __m512 dx = _mm512_set1_ps(d[0]), dy = _mm512_set1_ps(d[1]), dz = _mm512_set1_ps(d[2]);
-    const __m512 limit = _mm512_set1_ps(least);
-    __m512 best = _mm512_set1_ps(std::numeric_limits<float>::infinity());
-    __m512i at = _mm512_set1_epi32(-1);
+// The best planes of one ray so far.
+struct Best {
+    __m512 ox, oy, oz, dx, dy, dz, limit, t;
+    __m512i at;
+};
+
+VOTESS_AVX512 VOTESS_INLINE Best start(const Ray& ray) {
+    return {_mm512_set1_ps(ray.o[0]), _mm512_set1_ps(ray.o[1]), _mm512_set1_ps(ray.o[2]),
+            _mm512_set1_ps(ray.d[0]), _mm512_set1_ps(ray.d[1]), _mm512_set1_ps(ray.d[2]),
+            _mm512_set1_ps(ray.least), _mm512_set1_ps(std::numeric_limits<float>::infinity()),
+            _mm512_set1_epi32(-1)};
+}
+
+VOTESS_AVX512 VOTESS_INLINE void update(Best& b, __m512 nx, __m512 ny, __m512 nz, __m512 h, __m512i index) {
+    const __m512 leaving = _mm512_fmadd_ps(nx, b.dx, _mm512_fmadd_ps(ny, b.dy, _mm512_mul_ps(nz, b.dz)));
+    const __m512 gap = _mm512_fnmadd_ps(nx, b.ox, _mm512_fnmadd_ps(ny, b.oy, _mm512_fnmadd_ps(nz, b.oz, h)));
+    // 14 bits, improved once: which plane is tried needs no more, the vertex is solved in double and checked.
+    const __m512 inverse = _mm512_rcp14_ps(leaving);
+    __m512 t = _mm512_mul_ps(gap, inverse);
+    t = _mm512_fmadd_ps(_mm512_fnmadd_ps(t, leaving, gap), inverse, t);
+    const __mmask16 better =
+        _mm512_mask_cmp_ps_mask(_mm512_cmp_ps_mask(leaving, b.limit, _CMP_GT_OQ), t, b.t, _CMP_LT_OQ);
+    b.t = _mm512_mask_mov_ps(b.t, better, t);
+    b.at = _mm512_mask_mov_epi32(b.at, better, index);
+}
+
+VOTESS_AVX512 VOTESS_INLINE int hit_of(const Best& b) {
+    alignas(64) std::int32_t found[16];
+    _mm512_store_si512(found, b.at);
+    const __m512 nearest = _mm512_set1_ps(_mm512_reduce_min_ps(b.t));
+    return found[std::countr_zero(static_cast<unsigned>(_mm512_cmp_ps_mask(b.t, nearest, _CMP_EQ_OQ))) & 15];
+}
+
+VOTESS_AVX512 void first_hits_avx512(const CandidatePlanes& c, const Ray* rays, int* hits) {
+    Best first = start(rays[0]), second = start(rays[1]);
     __m512i index = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     for (int i = 0; i < c.count; i += 16) {
         const __m512 nx = _mm512_load_ps(c.nx + i), ny = _mm512_load_ps(c.ny + i), nz = _mm512_load_ps(c.nz + i);
-        const __m512 leaving = _mm512_fmadd_ps(nx, dx, _mm512_fmadd_ps(ny, dy, _mm512_mul_ps(nz, dz)));
-        const __m512 gap = _mm512_fnmadd_ps(
-            nx, ox, _mm512_fnmadd_ps(ny, oy, _mm512_fnmadd_ps(nz, oz, _mm512_load_ps(c.h + i))));
-        // 14 bits decide which plane to try; the vertex itself is solved in double and checked.
-        const __m512 inverse = _mm512_rcp14_ps(leaving);
-        __m512 t = _mm512_mul_ps(gap, inverse);
-        t = _mm512_fmadd_ps(_mm512_fnmadd_ps(t, leaving, gap), inverse, t);
-        const __mmask16 better =
-            _mm512_mask_cmp_ps_mask(_mm512_cmp_ps_mask(leaving, limit, _CMP_GT_OQ), t, best, _CMP_LT_OQ);
-        best = _mm512_mask_mov_ps(best, better, t);
-        at = _mm512_mask_mov_epi32(at, better, index);
+        const __m512 h = _mm512_load_ps(c.h + i);
+        update(first, nx, ny, nz, h, index);
+        update(second, nx, ny, nz, h, index);
         index = _mm512_add_epi32(index, _mm512_set1_epi32(16));
     }
-    alignas(64) std::int32_t found[16];
-    _mm512_store_si512(found, at);
-    const float nearest = _mm512_reduce_min_ps(best);
-    const unsigned where = _mm512_cmp_ps_mask(best, _mm512_set1_ps(nearest), _CMP_EQ_OQ);
-    return found[std::countr_zero(where | 0x10000u) & 15];
+    hits[0] = hit_of(first);
+    hits[1] = hit_of(second);
 }
 
-VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, float bound, std::uint64_t* masks) {
-    const int words = (c.count + 63) / 64;
+VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
+                                  int begin) {
     const __m512 vx = _mm512_set1_ps(v[0]), vy = _mm512_set1_ps(v[1]), vz = _mm512_set1_ps(v[2]);
     const __m512 limit = _mm512_set1_ps(bound);
-    std::uint64_t word = 0;
-    for (int i = 0; i < c.count; i += 16) {
+    const __m512i i0 = _mm512_set1_epi32(three[0]), i1 = _mm512_set1_epi32(three[1]), i2 = _mm512_set1_epi32(three[2]);
+    for (int i = begin; i < c.count; i += 16) {
         const __m512 gap = _mm512_fnmadd_ps(
             _mm512_load_ps(c.nx + i), vx,
             _mm512_fnmadd_ps(_mm512_load_ps(c.ny + i), vy,
                              _mm512_fnmadd_ps(_mm512_load_ps(c.nz + i), vz, _mm512_load_ps(c.h + i))));
-        word |= static_cast<std::uint64_t>(_mm512_cmp_ps_mask(gap, limit, _CMP_LE_OQ)) << (i % 64);
-        if (i % 64 == 48) {
-            masks[i / 64] = word;
-            word = 0;
-        }
+        const __m512i id = _mm512_load_si512(c.id + i);
+        __mmask16 mask = _mm512_cmp_ps_mask(gap, limit, _CMP_LE_OQ);
+        mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i0);
+        mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i1);
+        mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i2);
+        if (mask != 0) return i + std::countr_zero(static_cast<unsigned>(mask));
     }
-    if (c.count <= words * 64 - 16) masks[words - 1] = word;
-    return words;
+    return -1;
 }
 
-constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, to_window_avx2, select_avx2, first_hit_avx2, touching_avx2};
+constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, to_window_avx2, select_avx2, first_hits_avx2, touching_avx2};
 constexpr StarKernels kernels_avx512{"avx512",      near_boxes_avx512, to_window_avx512,
-                                     select_avx512, first_hit_avx512,  touching_avx512};
+                                     select_avx512, first_hits_avx512, touching_avx512};
 #endif
 
 constexpr StarKernels kernels_baseline{"baseline",     near_boxes_body,   to_window_body,
-                                       select_body<4>, first_hit_body<4>, touching_body<4>};
+                                       select_body<4>, first_hits_body<4>, touching_body<4>};
 
 }  // namespace
 

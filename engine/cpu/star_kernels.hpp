@@ -42,6 +42,11 @@ struct CandidatePlanes {
     int count = 0;
 };
 
+struct Ray {  // o + t d
+    float o[3], d[3];
+    float least;
+};
+
 struct StarKernels {
     const char* name;
     // Bit k: box k comes nearer than sqrt(distance_squared) to the box home; for a point, lower = upper.
@@ -50,10 +55,11 @@ struct StarKernels {
     void (*to_window)(const double* seeds, double origin, double scale, std::int32_t* out);
     // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
-    // The plane that the ray o + t d meets first among those that it leaves (n.d > least), -1 if none.
-    int (*first_hit)(const CandidatePlanes&, const float* o, const float* d, float least);
-    // Bits of the planes with h - n.v <= bound, in words of 64; returns the number of words.
-    int (*touching)(const CandidatePlanes&, const float* v, float bound, std::uint64_t* masks);
+    // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none.
+    void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
+    // The first plane with h - n.v <= bound that is none of the three, from plane `begin` (a multiple of 16) on; -1 if
+    // there is none.
+    int (*touching)(const CandidatePlanes&, const float* v, float bound, const std::int32_t* three, int begin);
 };
 
 // The one of that name, see supported_kernels().
