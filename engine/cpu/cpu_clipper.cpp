@@ -132,7 +132,8 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             Worker& worker = workers_[index];
             if (!worker.builder) {
                 worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
-                worker.star.emplace(seeds_, hierarchy_, job_.scaled_box, star_kernels(best_kernels().name));
+                worker.kernels = &star_kernels(best_kernels().name);
+                worker.star.emplace(seeds_, hierarchy_, job_.scaled_box, *worker.kernels);
             }
             worker.rows.clear();
             worker.lengths.clear();
@@ -176,17 +177,17 @@ bool CpuClipper::build_star(std::size_t seed, Worker& worker, ResultBuilder& out
     worker.counters.faces += faces.size();
     worker.counters.exact_cells += star.used_exact() ? 1 : 0;
     if (want.neighbors) {
-        auto& row = worker.row;
-        row.clear();
+        std::array<std::int32_t, most_row> ids;
+        int count = 0;
         for (const std::int32_t id : faces) {
-            if (id >= 0)
-                row.push_back(seeds_.input[id]);
-            else if (job_.options.walls)
-                row.push_back(id);
+            ids[count] = id < 0 ? id : seeds_.input[id];
+            count += (id >= 0 || job_.options.walls) ? 1 : 0;
         }
-        std::sort(row.begin(), row.end());
-        worker.rows.insert(worker.rows.end(), row.begin(), row.end());
-        worker.lengths.push_back(static_cast<std::uint32_t>(row.size()));
+        const std::size_t at = worker.rows.size();
+        worker.rows.resize(at + most_row);
+        worker.kernels->sort_row(ids.data(), count, worker.rows.data() + at);
+        worker.rows.resize(at + static_cast<std::size_t>(count));
+        worker.lengths.push_back(static_cast<std::uint32_t>(count));
     }
     if (want.counts) {
         out.face_counts()[input] = static_cast<std::uint32_t>(faces.size());

@@ -20,11 +20,12 @@ void Neighborhood::begin(std::size_t first, std::size_t last, bool positions) {
     foreign_ids_.clear();
     if (table_.empty()) table_.resize(4 * most_seeds);
     std::fill(table_.begin(), table_.end(), -1);
-    vertices_.clear();
-    positions_.clear();
-    known_.resize(std::max(known_.size(), count * primary));
-    known_count_.assign(count, 0);
-    spilled_.assign(count, -1);
+    vertex_count_ = 0;
+    if (positions) positions_.resize(vertices_.size());
+    // One more for cells of other stretches, which get nothing.
+    known_.resize(std::max(known_.size(), (count + 1) * primary));
+    known_count_.assign(count + 1, 0);
+    spilled_.assign(count + 1, -1);
     spill_.clear();
     done_.assign(count, 0);
     group_done_.assign(count / group_size + 1, 0);
@@ -57,28 +58,9 @@ void Neighborhood::grow_table() {
     }
 }
 
-void Neighborhood::hand_over(std::size_t seed, KnownVertex vertex) {
-    const std::size_t s = seed - first_;
-    const int count = known_count_[s]++;
-    if (count < primary) {
-        known_[s * primary + count] = vertex;
-    } else {
-        spill_.push_back({vertex, spilled_[s]});
-        spilled_[s] = static_cast<std::int32_t>(spill_.size() - 1);
-    }
-}
-
-std::uint32_t Neighborhood::add(const SharedVertex& vertex, const VertexPosition& position) {
-    const auto index = static_cast<std::uint32_t>(vertices_.size());
-    vertices_.push_back(vertex);
-    if (keep_positions_) positions_.push_back(position);
-    for (int k = 1; k < 4; ++k) {
-        const std::int32_t cell = vertex.cells[k];
-        if (!own(cell)) continue;
-        const std::size_t seed = first_ + static_cast<std::size_t>(cell - walls);
-        hand_over(seed, {index << 2 | static_cast<std::uint32_t>(k)});
-    }
-    return index;
+void Neighborhood::spill(std::size_t s, KnownVertex vertex) {
+    spill_.push_back({vertex, spilled_[s]});
+    spilled_[s] = static_cast<std::int32_t>(spill_.size() - 1);
 }
 
 }  // namespace votess::cpu

@@ -64,21 +64,38 @@ public:
     }
 
     // Stores a vertex found by cells[0] and hands it to the other cells of the stretch.
-    std::uint32_t add(const SharedVertex& vertex, const VertexPosition& position);
+    void add(const SharedVertex& vertex, const VertexPosition& position) {
+        const std::uint32_t index = vertex_count_++;
+        if (index == vertices_.size()) {
+            vertices_.resize(2 * vertices_.size() + 16 * group_size);
+            if (keep_positions_) positions_.resize(vertices_.size());
+        }
+        vertices_[index] = vertex;
+        if (keep_positions_) positions_[index] = position;
+        for (std::uint32_t k = 1; k < 4; ++k) {
+            const std::int32_t cell = vertex.cells[k];
+            const auto s = static_cast<std::size_t>((own(cell) ? cell : own_end_) - walls);
+            const KnownVertex known{index << 2 | k};
+            const unsigned count = known_count_[s]++;
+            known_[s * primary + count % primary] = count < primary ? known : known_[s * primary + count % primary];
+            if (count >= primary && own(cell)) spill(s, known);
+        }
+        known_count_[own_end_ - walls] = 0;
+    }
     [[nodiscard]] const SharedVertex& vertex(std::uint32_t index) const { return vertices_[index]; }
     [[nodiscard]] const VertexPosition& position(std::uint32_t index) const { return positions_[index]; }
     // Calls visit(KnownVertex) for every vertex that was handed to a seed of the stretch.
     template <class Visit>
     void for_each_known(std::size_t seed, Visit visit) const {
         const std::size_t s = seed - first_;
-        const int count = known_count_[s];
-        for (int k = 0; k < std::min(count, primary); ++k) visit(known_[s * primary + k]);
+        const unsigned count = known_count_[s];
+        for (unsigned k = 0; k < std::min(count, primary); ++k) visit(known_[s * primary + k]);
         if (count > primary)
             for (std::int32_t node = spilled_[s]; node >= 0; node = spill_[node].next) visit(spill_[node].vertex);
     }
 
 private:
-    static constexpr int primary = 32;  // vertices of a cell before they spill into a linked list
+    static constexpr unsigned primary = 32;  // vertices of a cell before they spill into a linked list
     struct Spill {
         KnownVertex vertex;
         std::int32_t next;
@@ -86,13 +103,14 @@ private:
 
     std::int32_t foreign(std::int32_t id);
     void grow_table();
-    void hand_over(std::size_t seed, KnownVertex vertex);
+    void spill(std::size_t s, KnownVertex vertex);
 
     std::size_t first_ = 0, last_ = 0;
     std::int32_t own_end_ = walls;
     bool keep_positions_ = false;
     std::vector<std::int32_t> foreign_ids_;
     std::vector<std::int32_t> table_;  // open addressing: index into foreign_ids_, or -1
+    std::uint32_t vertex_count_ = 0;
     std::vector<SharedVertex> vertices_;
     std::vector<VertexPosition> positions_;
     std::vector<KnownVertex> known_;

@@ -33,6 +33,54 @@ Vector cross(const Vector& a, const Vector& b) {
 
 }  // namespace
 
+// `planes` is planes_, in a register when it can be.
+int Star::slot_of(std::int32_t local, int& planes) {
+    std::uint32_t& entry = slot_[local];
+    const bool is_new = entry / most_planes != epoch_;
+    const auto slot = is_new ? static_cast<std::uint32_t>(planes) : entry % most_planes;
+    entry = epoch_ * most_planes + slot;
+    local_[planes] = local;  // beyond the last one it does no harm
+    links_[planes] = {0, 0};
+    planes += is_new ? 1 : 0;
+    return static_cast<int>(slot);
+}
+
+void Star::plane_through(std::int32_t id, Vector& n, double& h) const {
+    if (id >= 0) {
+        n = {(seeds_.x[id] - p_[0]) * scale_, (seeds_.y[id] - p_[1]) * scale_, (seeds_.z[id] - p_[2]) * scale_};
+        h = 0.5 * dot(n, n);
+        return;
+    }
+    const int axis = (-1 - id) / 2;
+    const double distance = ((-1 - id) % 2 == 0 ? box_.lower[axis] - p_[axis] : box_.upper[axis] - p_[axis]) * scale_;
+    n = {};
+    n[axis] = 2 * distance;
+    h = 2 * distance * distance;
+}
+
+void Star::need_plane(int slot) {
+    if ((planes_known_ >> slot) & 1) return;
+    planes_known_ |= 1ull << slot;
+    id_[slot] = cells_.id(local_[slot]);
+    plane_through(id_[slot], n_[slot], h_[slot]);
+}
+
+void Star::need_all_planes() {
+    for (int p = 0; p < planes_; ++p) need_plane(p);
+}
+
+// The corner's edges a -> b, b -> c, c -> a.
+void Star::link_corner(int a, int b, int c, int vertex) {
+    auto link = [this](int p, int to, int from) {
+        links_[p].out |= 1ull << to;
+        links_[p].in |= 1ull << from;
+    };
+    link(a, b, c);
+    link(b, c, a);
+    link(c, a, b);
+    if (measure_) from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
+}
+
 Star::Star(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box, const StarKernels& kernels)
     : seeds_(seeds), hierarchy_(hierarchy), box_(box), kernels_(kernels), window_(seeds, hierarchy, kernels) {}
 
@@ -56,11 +104,10 @@ bool Star::build(std::size_t seed) {
     seed_ = seed;
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     ++epoch_;
-    planes_ = vertices_ = edges_ = 0;
+    planes_ = vertices_ = 0;
     planes_known_ = active_ = 0;
     scale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
-    sound_ = true;
     const bool complete = this->complete(seed);
     if (have_candidates_ && !complete) window_.show(seed, own_x_);
     if (complete) {
@@ -78,21 +125,25 @@ bool Star::complete(std::size_t seed) {
     while (active_ != 0) {
         // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
         // been closed by the vertex of the first.
-        const int a = std::countr_zero(active_), b = std::countr_zero(open_[a]);
-        const int c = 63 - std::countl_zero(active_), d = 63 - std::countl_zero(open_[c]);
+        const int a = std::countr_zero(active_), b = std::countr_zero(open(a));
+        const int c = 63 - std::countl_zero(active_), d = 63 - std::countl_zero(open(c));
         OpenEdge edges[2];
         Ray rays[2];
         if (!aim(a, b, edges[0], rays[0]) || !aim(c, d, edges[1], rays[1])) return false;
         int hits[2];
         kernels_.first_hits(candidates_, rays, hits);
         if (!close(edges[0], rays[0], hits[0])) return false;
-        if (((open_[c] >> d) & 1) != 0 && !close(edges[1], rays[1], hits[1])) return false;
+        if (((open(c) >> d) & 1) != 0 && !close(edges[1], rays[1], hits[1])) return false;
     }
     const double unscale = 1 / scale_;
     const double needed = reached_ * unscale * unscale;
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
-    for (int p = 0; p < planes_; ++p) id_[p] = cells_.id(local_[p]);
-    return sound_;
+    int edges = 0;
+    for (int p = 0; p < planes_; ++p) {
+        id_[p] = cells_.id(local_[p]);
+        edges += std::popcount(links_[p].out);
+    }
+    return edges == 3 * vertices_;  // no edge was found twice in the same direction
 }
 
 // Without branches but the loop's: what is known of a cell follows no pattern.
@@ -102,49 +153,30 @@ bool Star::take_known(std::size_t seed) {
     const auto locals = static_cast<std::size_t>(cells_.locals());
     if (slot_.size() < locals + most_planes) slot_.resize(2 * locals + most_planes);
     bool fits = true;
+    int planes = 0, vertices = 0;
     cells_.for_each_known(seed, [&](KnownVertex known) {
-        if (planes_ > most_planes - 4 || vertices_ > most_vertices - 4) {
+        if (planes > most_planes - 4 || vertices > most_vertices - 4) {
             fits = false;
             return;
         }
         const SharedVertex& v = cells_.vertex(known.vertex());
         const std::uint8_t* order = others[known.corner()];
-        const int a = slot_of(v.cells[order[0]]), b = slot_of(v.cells[order[1]]), c = slot_of(v.cells[order[2]]);
+        const int a = slot_of(v.cells[order[0]], planes), b = slot_of(v.cells[order[1]], planes),
+                  c = slot_of(v.cells[order[2]], planes);
         if (measure_) {
             const VertexPosition& position = cells_.position(known.vertex());
             const auto from = static_cast<std::size_t>(cells_.id(v.cells[0]));
-            position_[vertices_] = {position.x + (seeds_.x[from] - p_[0]), position.y + (seeds_.y[from] - p_[1]),
-                                    position.z + (seeds_.z[from] - p_[2])};
-            error_[vertices_] = position.error;
+            position_[vertices] = {position.x + (seeds_.x[from] - p_[0]), position.y + (seeds_.y[from] - p_[1]),
+                                   position.z + (seeds_.z[from] - p_[2])};
+            error_[vertices] = position.error;
         }
-        add_corner(a, b, c);
+        link_corner(a, b, c, vertices);
+        ++vertices;
     });
-    for (int p = 0; p < planes_; ++p) active_ |= static_cast<std::uint64_t>(open_[p] != 0) << p;
+    planes_ = planes;
+    vertices_ = vertices;
+    for (int p = 0; p < planes_; ++p) active_ |= static_cast<std::uint64_t>(open(p) != 0) << p;
     return fits;
-}
-
-int Star::slot_of(std::int32_t local) {
-    std::uint32_t& entry = slot_[local];
-    const bool is_new = entry / most_planes != epoch_;
-    const auto slot = is_new ? static_cast<std::uint32_t>(planes_) : entry % most_planes;
-    entry = epoch_ * most_planes + slot;
-    local_[planes_] = local;  // beyond the last one it does no harm
-    open_[planes_] = 0;
-    planes_ += is_new ? 1 : 0;
-    return static_cast<int>(slot);
-}
-
-void Star::plane_through(std::int32_t id, Vector& n, double& h) const {
-    if (id >= 0) {
-        n = {(seeds_.x[id] - p_[0]) * scale_, (seeds_.y[id] - p_[1]) * scale_, (seeds_.z[id] - p_[2]) * scale_};
-        h = 0.5 * dot(n, n);
-        return;
-    }
-    const int axis = (-1 - id) / 2;
-    const double distance = ((-1 - id) % 2 == 0 ? box_.lower[axis] - p_[axis] : box_.upper[axis] - p_[axis]) * scale_;
-    n = {};
-    n[axis] = 2 * distance;
-    h = 2 * distance * distance;
 }
 
 exact::Plane Star::exact_plane(std::int32_t id) const {
@@ -152,34 +184,6 @@ exact::Plane Star::exact_plane(std::int32_t id) const {
     const int axis = (-1 - id) / 2;
     return (-1 - id) % 2 == 0 ? exact::Plane::lower(axis, box_.lower[axis])
                               : exact::Plane::upper(axis, box_.upper[axis]);
-}
-
-void Star::need_plane(int slot) {
-    if ((planes_known_ >> slot) & 1) return;
-    planes_known_ |= 1ull << slot;
-    id_[slot] = cells_.id(local_[slot]);
-    plane_through(id_[slot], n_[slot], h_[slot]);
-}
-
-// The edge from -> to of the face corner that is added: closes the edge to -> from or waits for it.
-void Star::toggle(int from, int to) {
-    const std::uint64_t closes = (open_[to] >> from) & 1;
-    sound_ &= ((open_[from] >> to) & 1) == 0;
-    open_[to] &= ~(1ull << from);
-    open_[from] |= (closes ^ 1) << to;
-    if (measure_) {
-        edge_[edges_] = {from_vertex_[to][from], static_cast<std::uint8_t>(vertices_),
-                         static_cast<std::uint8_t>(from), static_cast<std::uint8_t>(to)};
-        from_vertex_[from][to] = static_cast<std::uint8_t>(vertices_);
-    }
-    edges_ += static_cast<int>(closes);
-}
-
-void Star::add_corner(int a, int b, int c) {
-    toggle(a, b);
-    toggle(b, c);
-    toggle(c, a);
-    ++vertices_;
 }
 
 bool Star::gather_candidates(std::size_t seed) {
@@ -270,7 +274,7 @@ bool Star::begin_anywhere() {
     auto slot = [this](std::int32_t id) {
         const std::int32_t local = cells_.local(id);
         if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes);
-        return slot_of(local);
+        return slot_of(local, planes_);
     };
     const int a = slot(c.id[nearest]);
     need_plane(a);
@@ -394,7 +398,7 @@ bool Star::add_vertex(int a, int b, std::int32_t id, const Vector& nc, double hc
     if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
     const std::int32_t local = cells_.local(id);
     if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes);
-    const int c = slot_of(local);
+    const int c = slot_of(local, planes_);
     planes_known_ |= 1ull << c;
     id_[c] = id;
     n_[c] = nc;
@@ -409,10 +413,10 @@ bool Star::add_vertex(int a, int b, std::int32_t id, const Vector& nc, double hc
         position = {x[0] * unscale, x[1] * unscale, x[2] * unscale, error + 8 * unit * length};
     }
     cells_.add({{cells_.local(static_cast<std::int32_t>(seed_)), local_[b], local_[a], local}}, position);
-    add_corner(b, a, c);
+    link_corner(b, a, c, vertices_++);
     for (const int p : {a, b, c})
-        active_ = (active_ & ~(1ull << p)) | static_cast<std::uint64_t>(open_[p] != 0) << p;
-    return sound_;
+        active_ = (active_ & ~(1ull << p)) | static_cast<std::uint64_t>(open(p) != 0) << p;
+    return true;
 }
 
 // Of the planes that come too near to a vertex, from `lane` on, the first that cuts it off; -1 if none does, `tie` if

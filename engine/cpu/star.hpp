@@ -46,7 +46,7 @@ public:
         return {id_.data(), static_cast<std::size_t>(planes_)};
     }
     [[nodiscard]] int vertex_count() const { return vertices_; }
-    [[nodiscard]] int edge_count() const { return edges_; }
+    [[nodiscard]] int edge_count() const { return vertices_ / 2 * 3; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
 
     struct Geometry {
@@ -68,9 +68,10 @@ private:
         Vector x;
         double condition;  // |na||nb||nc| / |det|
     };
-    struct Edge {
-        std::uint8_t vertex, other;  // from, to
-        std::uint8_t left, right;    // planes, seen from outside along from -> to
+    // Bit b of links[a].out: a corner of face a has the edge a -> b; the corner at its other end has b -> a and sets
+    // bit b of links[a].in.
+    struct Links {
+        std::uint64_t out, in;
     };
 
     bool complete(std::size_t seed);
@@ -92,12 +93,13 @@ private:
     bool add_walls();
     bool add_inside(const Vector& x, double radius, const std::int32_t* three, int& added);
 
-    int slot_of(std::int32_t local);
-    void need_plane(int slot);
-    void plane_through(std::int32_t id, Vector& n, double& h) const;
+    [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
+    [[gnu::always_inline]] inline void need_plane(int slot);
+    void need_all_planes();
+    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Vector& n, double& h) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
-    void add_corner(int a, int b, int c);
-    void toggle(int from, int to);
+    [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
+    [[nodiscard]] std::uint64_t open(int a) const { return links_[a].out & ~links_[a].in; }
     [[nodiscard]] float rounding_of(double x2) const;
 
     const SortedSeeds& seeds_;
@@ -124,14 +126,13 @@ private:
     double longest_ = 0;  // at least the length of the longest candidate normal, in window units
     double inverse_longest_ = 0;
     bool used_exact_ = false;
-    bool sound_ = true;  // no edge was found twice in the same direction
 
-    int planes_ = 0, vertices_ = 0, edges_ = 0;
+    int planes_ = 0, vertices_ = 0;
     std::uint64_t planes_known_ = 0;  // bit: id_, n_, h_ are set
     std::array<std::int32_t, most_planes> local_{}, id_{};
     std::array<Vector, most_planes> n_{};
     std::array<double, most_planes> h_{};
-    std::array<std::uint64_t, most_planes> open_{};  // open_[a] bit b: the edge a -> b waits for b -> a
+    std::array<Links, most_planes> links_{};
     std::uint64_t active_ = 0;                        // planes with open edges
     std::vector<std::uint32_t> slot_;                 // by local id: epoch * most_planes + slot
     std::uint32_t epoch_ = 0;
@@ -144,8 +145,7 @@ private:
     // For measure().
     std::array<Vector, most_vertices> position_{};
     std::array<double, most_vertices> error_{};
-    std::array<Edge, 3 * most_planes + 8> edge_{};
-    std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // of the open edge a -> b
+    std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // corner with edge a -> b
 };
 
 }  // namespace votess::cpu

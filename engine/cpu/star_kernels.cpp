@@ -125,6 +125,11 @@ VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, float 
     return -1;
 }
 
+void sort_row_plain(const std::int32_t* ids, int count, std::int32_t* sorted) {
+    std::copy_n(ids, count, sorted);
+    std::sort(sorted, sorted + count);
+}
+
 #if defined(__x86_64__)
 #define VOTESS_AVX2 __attribute__((target("avx2,fma,popcnt,bmi")))
 #define VOTESS_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi,prefer-vector-width=512")))
@@ -352,13 +357,28 @@ VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, floa
     return -1;
 }
 
-constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, to_window_avx2, select_avx2, first_hits_avx2, touching_avx2};
+// The place of an id is the number of smaller ones.
+VOTESS_AVX512 void sort_row_avx512(const std::int32_t* ids, int count, std::int32_t* sorted) {
+    if (count > 32) return sort_row_plain(ids, count, sorted);
+    const auto first = static_cast<__mmask16>(count >= 16 ? 0xffff : (1 << count) - 1);
+    const auto second = static_cast<__mmask16>(count >= 32 ? 0xffff : (count > 16 ? (1 << (count - 16)) - 1 : 0));
+    const __m512i largest = _mm512_set1_epi32(std::numeric_limits<std::int32_t>::max());
+    const __m512i a = _mm512_mask_loadu_epi32(largest, first, ids);
+    const __m512i b = _mm512_mask_loadu_epi32(largest, second, ids + 16);
+    for (int i = 0; i < count; ++i) {
+        const __m512i id = _mm512_set1_epi32(ids[i]);
+        const unsigned smaller = _mm512_cmplt_epi32_mask(a, id) | static_cast<unsigned>(_mm512_cmplt_epi32_mask(b, id)) << 16;
+        sorted[std::popcount(smaller)] = ids[i];
+    }
+}
+
+constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, to_window_avx2, select_avx2, first_hits_avx2, touching_avx2, sort_row_plain};
 constexpr StarKernels kernels_avx512{"avx512",      near_boxes_avx512, to_window_avx512,
-                                     select_avx512, first_hits_avx512, touching_avx512};
+                                     select_avx512, first_hits_avx512, touching_avx512, sort_row_avx512};
 #endif
 
 constexpr StarKernels kernels_baseline{"baseline",     near_boxes_body,   to_window_body,
-                                       select_body<4>, first_hits_body<4>, touching_body<4>};
+                                       select_body<4>, first_hits_body<4>, touching_body<4>, sort_row_plain};
 
 }  // namespace
 

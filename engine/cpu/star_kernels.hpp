@@ -42,6 +42,8 @@ struct CandidatePlanes {
     int count = 0;
 };
 
+inline constexpr int most_row = 64;
+
 struct Ray {  // o + t d
     float o[3], d[3];
     float least;
@@ -60,6 +62,8 @@ struct StarKernels {
     // The first plane with h - n.v <= bound that is none of the three, from plane `begin` (a multiple of 16) on; -1 if
     // there is none.
     int (*touching)(const CandidatePlanes&, const float* v, float bound, const std::int32_t* three, int begin);
+    // Sorts different ids: count of them, at most most_row; both arrays have room for most_row.
+    void (*sort_row)(const std::int32_t* ids, int count, std::int32_t* sorted);
 };
 
 // The one of that name, see supported_kernels().
