@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace votess::cpu {
 namespace {
@@ -18,8 +19,8 @@ constexpr double solved_factor = 64 * unit;
 constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
 constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
 constexpr double reach_margin = 1.8;  // of the squared security radius that is typical
+constexpr int most_candidates = 160;    // at first; room for others is left
 constexpr int most_picks = 64;         // planes tried for one vertex
-constexpr int again = -2;              // a hit that is still to be looked for
 constexpr int tie = -2;
 constexpr float parallel = 0x1p-18f;   // rays nearly along a plane do not leave it
 constexpr int most_new = 24;           // seeds taken at once from beyond the window
@@ -202,7 +203,9 @@ bool Star::gather_candidates(std::size_t seed) {
     const auto p = window_.position(seed);
     window_.hide(seed);
     for (int tries = 0;; ++tries) {
-        if (kernels_.select(window_.seeds(), p.data(), static_cast<float>(reach2 * scale * scale), candidates_)) break;
+        if (kernels_.select(window_.seeds(), p.data(), static_cast<float>(reach2 * scale * scale), candidates_) &&
+            candidates_.count <= most_candidates)
+            break;
         if (tries == 8) {
             window_.show(seed, p[0]);
             return false;
@@ -296,7 +299,7 @@ bool Star::begin_anywhere() {
     }
     if (hit < 0) return false;
     OpenEdge edge;
-    return aim(a, slot(c.id[hit]), edge, ray) && close(edge, ray, again);
+    return aim(a, slot(c.id[hit]), edge, ray) && close(edge, ray, -1);
 }
 
 bool Star::aim(int a, int b, OpenEdge& edge, Ray& ray) {
@@ -323,6 +326,20 @@ bool Star::aim(int a, int b, OpenEdge& edge, Ray& ray) {
     return true;
 }
 
+// Cramer's rule. False when the planes are too near to parallel, or meet behind where the edge begins.
+bool Star::solve(const OpenEdge& edge, Third& c, Vector& x) const {
+    const Vector &na = n_[edge.a], &nb = n_[edge.b];
+    const double ha = h_[edge.a], hb = h_[edge.b];
+    const Vector bc = cross(nb, c.n), ca = cross(c.n, na);
+    const double determinant = dot(c.n, edge.ab);
+    c.norms2 = edge.norms2 * (2 * c.h);
+    c.determinant2 = determinant * determinant;
+    if (!(determinant < 0 && c.norms2 < worst_condition2 * c.determinant2 && c.h > smallest_h)) return false;
+    const double over = 1 / determinant;
+    for (int k = 0; k < 3; ++k) x[k] = (ha * bc[k] + hb * ca[k] + c.h * edge.ab[k]) * over;
+    return true;
+}
+
 int Star::first_hit(const Ray& ray) const {
     const Ray rays[2] = {ray, ray};
     int hits[2];
@@ -331,43 +348,32 @@ int Star::first_hit(const Ray& ray) const {
 }
 
 bool Star::close(const OpenEdge& edge, const Ray& ray, int lane) {
-    const auto& [a, b, ab, norms2] = edge;
-    const Vector &na = n_[a], &nb = n_[b];
-    const double ha = h_[a], hb = h_[b];
     for (int pick = 0; pick < most_picks; ++pick) {
-        if (lane == again) lane = first_hit(ray);
         if (lane < 0) {
-            if (have_walls_ || !add_walls()) return false;
-            lane = again;
-            continue;
+            lane = first_hit(ray);
+            if (lane < 0 && !have_walls_) {
+                if (!add_walls()) return false;
+                lane = first_hit(ray);
+            }
+            if (lane < 0) return false;
         }
         const std::int32_t id = candidates_.id[lane];
-        Vector nc;
-        double hc;
-        plane_through(id, nc, hc);
-        const Vector bc = cross(nb, nc), ca = cross(nc, na);
-        const double determinant = dot(nc, ab);
-        const double norms_abc2 = norms2 * (2 * hc), determinant2 = determinant * determinant;
-        if (!(determinant < 0 && norms_abc2 < worst_condition2 * determinant2 && hc > smallest_h)) return false;
-        const double over = 1 / determinant;
+        Third third;
         Vector x;
-        float v[3];
-        double x2 = 0;
-        for (int k = 0; k < 3; ++k) {
-            x[k] = (ha * bc[k] + hb * ca[k] + hc * ab[k]) * over;
-            v[k] = static_cast<float>(x[k]);
-            x2 += x[k] * x[k];
-        }
+        plane_through(id, third.n, third.h);
+        if (!solve(edge, third, x)) return false;
+        const double x2 = dot(x, x);
         if (!(x2 < longest_normal * longest_normal)) {
             if (have_walls_ || !add_walls()) return false;
-            lane = again;
+            lane = -1;
             continue;
         }
-        const std::int32_t three[3] = {id_[a], id_[b], id};
+        const float v[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
+        const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
         const float rounding = rounding_of(x2);
         int touching = kernels_.touching(candidates_, v, rounding, three, 0);
         if (touching >= 0) {
-            touching = cutting_plane({x, std::sqrt(norms_abc2 / determinant2)}, v, rounding, three, touching);
+            touching = cutting_plane({x, third.condition()}, v, rounding, three, touching);
             if (touching == tie) return false;
             if (touching >= 0) {
                 lane = touching;
@@ -377,37 +383,37 @@ bool Star::close(const OpenEdge& edge, const Ray& ray, int lane) {
         if (4 * x2 * (1 + margin) > covered_) {
             if (!have_walls_) {
                 if (!add_walls()) return false;
-                lane = again;
+                lane = -1;
                 continue;
             }
             int added = 0;
-            if (!add_inside(x, std::sqrt(x2), three, added)) return false;
+            if (!add_inside(edge, x, three, added)) return false;
             if (added > 0) {
-                lane = again;
+                lane = -1;
                 continue;
             }
         }
         reached_ = std::max(reached_, 4 * x2);
-        return add_vertex(a, b, id, nc, hc, x, norms_abc2, determinant2);
+        return add_vertex(edge, id, third, x);
     }
     return false;
 }
 
-bool Star::add_vertex(int a, int b, std::int32_t id, const Vector& nc, double hc, const Vector& x, double norms2,
-                      double determinant2) {
+bool Star::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Vector& x) {
     if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
+    const auto [a, b] = std::pair{edge.a, edge.b};
     const std::int32_t local = cells_.local(id);
     if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes);
     const int c = slot_of(local, planes_);
     planes_known_ |= 1ull << c;
     id_[c] = id;
-    n_[c] = nc;
-    h_[c] = hc;
+    n_[c] = third.n;
+    h_[c] = third.h;
     VertexPosition position{};
     if (measure_) {
         const double unscale = 1 / scale_;
         const double length = std::sqrt(dot(x, x)) * unscale;
-        const double error = solved_factor * std::sqrt(norms2 / determinant2) * length;
+        const double error = solved_factor * third.condition() * length;
         position_[vertices_] = {x[0] * unscale, x[1] * unscale, x[2] * unscale};
         error_[vertices_] = error;
         position = {x[0] * unscale, x[1] * unscale, x[2] * unscale, error + 8 * unit * length};
@@ -462,21 +468,31 @@ int Star::side_of(const Solved& vertex, const std::int32_t* three, std::int32_t 
                                  exact_plane(id));
 }
 
-// Seeds beyond the candidates that the sphere around the vertex may hold; some of them if they are many.
-bool Star::add_inside(const Vector& x, double radius, const std::int32_t* three, int& added) {
+// Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
+// the vertex along its edge, and the sphere shrinks.
+bool Star::add_inside(const OpenEdge& edge, Vector x, const std::int32_t* three, int& added) {
     BoundingBox at;
-    double size = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double offset = x[k] / scale_;
-        at.lower[k] = at.upper[k] = p_[k] + offset;
-        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
-    }
-    const double reach = radius / scale_ * (1 + margin) + 8 * unit * size;
+    double reach2 = 0;
+    GroupTest test{p_, scale_, {}, 0};
+    auto look_around = [&] {
+        double size = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double offset = x[k] / scale_;
+            at.lower[k] = at.upper[k] = p_[k] + offset;
+            size = std::max(size, std::abs(p_[k]) + std::abs(offset));
+        }
+        const double x2 = dot(x, x);
+        const double reach = std::sqrt(x2) / scale_ * (1 + margin) + 8 * unit * size;
+        reach2 = reach * reach;
+        test.v = x;
+        test.slack = 2 * margin * x2;
+    };
+    look_around();
     nodes_.assign(1, {hierarchy_.top_level(), 0});
     while (!nodes_.empty()) {
         const Node node = nodes_.back();
         nodes_.pop_back();
-        unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), at, reach * reach);
+        unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), at, reach2);
         for (; near != 0; near &= near - 1) {
             const std::uint32_t child = node.index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
             if (node.level > 0) {
@@ -485,16 +501,24 @@ bool Star::add_inside(const Vector& x, double radius, const std::int32_t* three,
             }
             if (cells_.group_done(child)) continue;
             const std::size_t begin = std::size_t{child} * group_size;
-            for (std::size_t s = begin; s < std::min(begin + group_size, seeds_.size()); ++s) {
-                const auto id = static_cast<std::int32_t>(s);
-                Vector n;
-                double h;
-                plane_through(id, n, h);
-                if (2 * h < covered_ || dot(n, x) - h < -margin * (h + radius * std::sqrt(h))) continue;
-                if (s == seed_ || id == three[0] || id == three[1] || id == three[2]) continue;
-                if (is_extra(id)) continue;
+            unsigned inside =
+                kernels_.inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
+            for (; inside != 0; inside &= inside - 1) {
+                const auto id = static_cast<std::int32_t>(begin) + std::countr_zero(inside);
+                if (static_cast<std::size_t>(id) == seed_ || id == three[0] || id == three[1] || id == three[2] ||
+                    is_extra(id))
+                    continue;
                 if (!add_candidate(id)) return false;
                 if (++added == most_new) return true;
+                Third third;
+                Vector nearer;
+                plane_through(id, third.n, third.h);
+                if (dot(third.n, x) > third.h && solve(edge, third, nearer)) {
+                    x = nearer;
+                    look_around();
+                    inside &= kernels_.inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_) |
+                              1u << std::countr_zero(inside);
+                }
             }
         }
     }

@@ -16,6 +16,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -64,6 +65,12 @@ private:
         Vector ab;      // n_a x n_b
         double norms2;  // |n_a|^2 |n_b|^2
     };
+    struct Third {  // the plane that ends an edge
+        Vector n;
+        double h;
+        double norms2, determinant2;  // |na|^2 |nb|^2 |nc|^2 and det(na, nb, nc)^2
+        [[nodiscard]] double condition() const { return std::sqrt(norms2 / determinant2); }
+    };
     struct Solved {
         Vector x;
         double condition;  // |na||nb||nc| / |det|
@@ -83,15 +90,15 @@ private:
     [[nodiscard]] int first_hit(const Ray& ray) const;
     // Finds the vertex at the other end; `hit` is where to begin.
     bool close(const OpenEdge& edge, const Ray& ray, int hit);
-    bool add_vertex(int a, int b, std::int32_t id, const Vector& nc, double hc, const Vector& x, double norms2,
-                    double determinant2);
+    bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Vector& x);
+    bool solve(const OpenEdge& edge, Third& third, Vector& x) const;
     int cutting_plane(const Solved& vertex, const float* v, float rounding, const std::int32_t* three, int lane);
     // As exact::side_of_vertex, of the plane with seed or wall id; the vertex solves those of `three`.
     int side_of(const Solved& vertex, const std::int32_t* three, std::int32_t id);
     bool add_candidate(std::int32_t id);
     [[nodiscard]] bool is_extra(std::int32_t id) const;
     bool add_walls();
-    bool add_inside(const Vector& x, double radius, const std::int32_t* three, int& added);
+    bool add_inside(const OpenEdge& edge, Vector x, const std::int32_t* three, int& added);
 
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     [[gnu::always_inline]] inline void need_plane(int slot);
