@@ -133,7 +133,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             if (!worker.builder) {
                 worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
                 worker.kernels = &star_kernels(best_kernels().name);
-                worker.star.emplace(seeds_, hierarchy_, job_.scaled_box, *worker.kernels);
+                worker.star = make_star(best_kernels().name, seeds_, hierarchy_, job_.scaled_box);
             }
             worker.rows.clear();
             worker.lengths.clear();
@@ -145,7 +145,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
                 const std::size_t seed = seed_at(k);
                 if (seed >= stretch_end) {
                     const std::size_t first = seed / group_size * group_size;
-                    stretch_end = std::min(last, first + Neighborhood::most_seeds);
+                    stretch_end = std::min(last, first + Star::most_seeds);
                     worker.star->begin(first, stretch_end, measure);
                 }
                 if (!build_star(seed, worker, out)) clip_seed(seed, worker, out);

@@ -29,7 +29,7 @@ public:
 private:
     struct Worker {  // scratch of one thread
         std::optional<CellBuilder> builder;
-        std::optional<Star> star;
+        std::unique_ptr<Star> star;
         const StarKernels* kernels = nullptr;
         std::vector<std::int32_t> planes, row, rows;
         std::vector<std::uint32_t> lengths;

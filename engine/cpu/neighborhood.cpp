@@ -5,6 +5,8 @@
 namespace votess::cpu {
 namespace {
 
+constexpr std::size_t least_table = 1 << 14;
+
 std::size_t hash(std::int32_t id) {
     return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(id)) * 0x9e3779b97f4a7c15ull) >> 32;
 }
@@ -18,7 +20,7 @@ void Neighborhood::begin(std::size_t first, std::size_t last, bool positions) {
     own_end_ = walls + static_cast<std::int32_t>(count);
     keep_positions_ = positions;
     foreign_ids_.clear();
-    if (table_.empty()) table_.resize(4 * most_seeds);
+    if (table_.empty()) table_.resize(least_table);
     std::fill(table_.begin(), table_.end(), -1);
     vertex_count_ = 0;
     if (positions) positions_.resize(vertices_.size());

@@ -32,7 +32,6 @@ struct KnownVertex {
 class Neighborhood {
 public:
     static constexpr int walls = 6;
-    static constexpr std::size_t most_seeds = 4096;
 
     void begin(std::size_t first, std::size_t last, bool positions);
 

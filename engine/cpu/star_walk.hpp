@@ -1,41 +1,160 @@
-#include "cpu/star.hpp"
+// How a star is found; see star.hpp for the method.
+#pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
+#include <vector>
+
+#include "cpu/hierarchy.hpp"
+#include "cpu/neighborhood.hpp"
+#include "cpu/star.hpp"
+#include "cpu/star_kernels.hpp"
+#include "cpu/window.hpp"
+#include "exact/predicate.hpp"
 
 namespace votess::cpu {
-namespace {
 
-using Vector = std::array<double, 3>;
+// Isa only tells the copies apart: each is compiled for another instruction set by the file that includes this one.
+template <class Isa>
+class StarWalk final : public Star {
+public:
+    StarWalk(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box, const StarKernels& kernels)
+        : seeds_(seeds), hierarchy_(hierarchy), box_(box), kernels_(kernels), window_(seeds, hierarchy, kernels) {}
 
-constexpr double unit = 0x1p-53;
-constexpr double float_unit = 0x1p-24;
-constexpr float quantum = 2;            // of window integers: more than q in star.hpp
-constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
-constexpr double margin = 2e-8;  // more than the relative error of a vertex that is accepted
-constexpr double solved_factor = 64 * unit;
-constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
-constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
-constexpr double reach_margin = 1.8;  // of the squared security radius that is typical
-constexpr int most_candidates = 160;    // at first; room for others is left
-constexpr int most_picks = 64;         // planes tried for one vertex
-constexpr int tie = -2;
-constexpr float parallel = 0x1p-18f;   // rays nearly along a plane do not leave it
-constexpr int most_new = 24;           // seeds taken at once from beyond the window
+    void begin(std::size_t first, std::size_t last, bool measure) override;
+    bool build(std::size_t seed) override;
+    bool measure(Geometry& out) override;
 
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+private:
+    using Vector = std::array<double, 3>;
 
-}  // namespace
+    static constexpr double unit = 0x1p-53;
+    static constexpr double float_unit = 0x1p-24;
+    static constexpr float quantum = 2;            // of window integers: more than q in star.hpp
+    static constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
+    static constexpr double margin = 2e-8;  // more than the relative error of a vertex that is accepted
+    static constexpr double solved_factor = 64 * unit;
+    static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
+    static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.8;  // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;    // at first; room for others is left
+    static constexpr int most_picks = 64;         // planes tried for one vertex
+    static constexpr int tie = -2;
+    static constexpr float parallel = 0x1p-18f;   // rays nearly along a plane do not leave it
+    static constexpr int most_new = 24;           // seeds taken at once from beyond the window
+
+    // The promise is 1e-10.
+    static constexpr double accepted_error = 5e-11;
+    static constexpr double smallest_volume = 1e-140;
+
+    [[gnu::always_inline]] static double dot(const Vector& a, const Vector& b) {
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    }
+    [[gnu::always_inline]] static Vector cross(const Vector& a, const Vector& b) {
+        return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    }
+
+    struct OpenEdge {
+        int a, b;       // slots of its planes
+        Vector ab;      // n_a x n_b
+        double norms2;  // |n_a|^2 |n_b|^2
+    };
+    struct Third {  // the plane that ends an edge
+        Vector n;
+        double h;
+        double norms2, determinant2;  // |na|^2 |nb|^2 |nc|^2 and det(na, nb, nc)^2
+        [[nodiscard]] double condition() const { return std::sqrt(norms2 / determinant2); }
+    };
+    struct Solved {
+        Vector x;
+        double condition;  // |na||nb||nc| / |det|
+    };
+    // Bit b of links[a].out: a corner of face a has the edge a -> b; the corner at its other end has b -> a and sets
+    // bit b of links[a].in.
+    struct Links {
+        std::uint64_t out, in;
+    };
+
+    bool complete(std::size_t seed);
+    bool take_known(std::size_t seed);
+    bool gather_candidates(std::size_t seed);
+    bool begin_anywhere();
+    // The way along an open edge, out of the face corners known.
+    bool aim(int a, int b, OpenEdge& edge, Ray& ray);
+    [[nodiscard]] int first_hit(const Ray& ray) const;
+    // Finds the vertex at the other end; `hit` is where to begin.
+    bool close(const OpenEdge& edge, const Ray& ray, int hit);
+    bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Vector& x);
+    bool solve(const OpenEdge& edge, Third& third, Vector& x) const;
+    int cutting_plane(const Solved& vertex, const float* v, float rounding, const std::int32_t* three, int lane);
+    // As exact::side_of_vertex, of the plane with seed or wall id; the vertex solves those of `three`.
+    int side_of(const Solved& vertex, const std::int32_t* three, std::int32_t id);
+    bool add_candidate(std::int32_t id);
+    [[nodiscard]] bool is_extra(std::int32_t id) const;
+    bool add_walls();
+    bool add_inside(const OpenEdge& edge, Vector x, const std::int32_t* three, int& added);
+
+    [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
+    [[gnu::always_inline]] inline void need_plane(int slot);
+    void need_all_planes();
+    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Vector& n, double& h) const;
+    [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
+    [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
+    [[nodiscard]] std::uint64_t open(int a) const { return links_[a].out & ~links_[a].in; }
+    [[nodiscard]] float rounding_of(double x2) const;
+
+    const SortedSeeds& seeds_;
+    const Hierarchy& hierarchy_;
+    const Box box_;
+    const StarKernels& kernels_;
+    Neighborhood cells_;
+    Window window_;
+    std::size_t window_group_ = ~std::size_t{0};
+    bool window_open_ = false;
+    bool measure_ = false;
+    double typical_reach_ = 0;  // squared security radius that vertices of late needed
+
+    std::size_t seed_ = 0;
+    exact::Point p_{};
+    bool have_candidates_ = false;
+    std::int32_t own_x_ = 0;
+    bool have_walls_ = false;
+    CandidatePlanes candidates_;
+    double covered_ = 0;  // squared distance within which all seeds not done are candidates
+    int extras_ = 0;      // candidates from here on are no seeds of the window
+    double reached_ = 0;  // largest squared security radius of the vertices found
+    double scale_ = 1;    // planes and vertices times this: window units, or 1 without a window
+    double longest_ = 0;  // at least the length of the longest candidate normal, in window units
+    double inverse_longest_ = 0;
+
+    std::uint64_t planes_known_ = 0;  // bit: id_, n_, h_ are set
+    std::array<std::int32_t, most_planes> local_{};
+    std::array<Vector, most_planes> n_{};
+    std::array<double, most_planes> h_{};
+    std::array<Links, most_planes> links_{};
+    std::uint64_t active_ = 0;                        // planes with open edges
+    std::vector<std::uint32_t> slot_;                 // by local id: epoch * most_planes + slot
+    std::uint32_t epoch_ = 0;
+
+    struct Node {
+        std::int32_t level;
+        std::uint32_t index;
+    };
+    std::vector<Node> nodes_;
+    // For measure().
+    std::array<Vector, most_vertices> position_{};
+    std::array<double, most_vertices> error_{};
+    std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // corner with edge a -> b
+};
+
 
 // `planes` is planes_, in a register when it can be.
-int Star::slot_of(std::int32_t local, int& planes) {
+template <class Isa>
+int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
     std::uint32_t& entry = slot_[local];
     const bool is_new = entry / most_planes != epoch_;
     const auto slot = is_new ? static_cast<std::uint32_t>(planes) : entry % most_planes;
@@ -46,7 +165,8 @@ int Star::slot_of(std::int32_t local, int& planes) {
     return static_cast<int>(slot);
 }
 
-void Star::plane_through(std::int32_t id, Vector& n, double& h) const {
+template <class Isa>
+void StarWalk<Isa>::plane_through(std::int32_t id, Vector& n, double& h) const {
     if (id >= 0) {
         n = {(seeds_.x[id] - p_[0]) * scale_, (seeds_.y[id] - p_[1]) * scale_, (seeds_.z[id] - p_[2]) * scale_};
         h = 0.5 * dot(n, n);
@@ -59,19 +179,22 @@ void Star::plane_through(std::int32_t id, Vector& n, double& h) const {
     h = 2 * distance * distance;
 }
 
-void Star::need_plane(int slot) {
+template <class Isa>
+void StarWalk<Isa>::need_plane(int slot) {
     if ((planes_known_ >> slot) & 1) return;
     planes_known_ |= 1ull << slot;
     id_[slot] = cells_.id(local_[slot]);
     plane_through(id_[slot], n_[slot], h_[slot]);
 }
 
-void Star::need_all_planes() {
+template <class Isa>
+void StarWalk<Isa>::need_all_planes() {
     for (int p = 0; p < planes_; ++p) need_plane(p);
 }
 
 // The corner's edges a -> b, b -> c, c -> a.
-void Star::link_corner(int a, int b, int c, int vertex) {
+template <class Isa>
+void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
     auto link = [this](int p, int to, int from) {
         links_[p].out |= 1ull << to;
         links_[p].in |= 1ull << from;
@@ -82,10 +205,8 @@ void Star::link_corner(int a, int b, int c, int vertex) {
     if (measure_) from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
 }
 
-Star::Star(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box, const StarKernels& kernels)
-    : seeds_(seeds), hierarchy_(hierarchy), box_(box), kernels_(kernels), window_(seeds, hierarchy, kernels) {}
-
-void Star::begin(std::size_t first, std::size_t last, bool measure) {
+template <class Isa>
+void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
     cells_.begin(first, last, measure);
     measure_ = measure;
     window_group_ = ~std::size_t{0};
@@ -101,7 +222,8 @@ void Star::begin(std::size_t first, std::size_t last, bool measure) {
     }
 }
 
-bool Star::build(std::size_t seed) {
+template <class Isa>
+bool StarWalk<Isa>::build(std::size_t seed) {
     seed_ = seed;
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     ++epoch_;
@@ -118,7 +240,8 @@ bool Star::build(std::size_t seed) {
     return complete;
 }
 
-bool Star::complete(std::size_t seed) {
+template <class Isa>
+bool StarWalk<Isa>::complete(std::size_t seed) {
     if (!take_known(seed)) return false;
     if (vertices_ == 0 && !begin_anywhere()) return false;
     if (active_ != 0 && !have_candidates_ && !gather_candidates(seed)) return false;
@@ -148,7 +271,8 @@ bool Star::complete(std::size_t seed) {
 }
 
 // Without branches but the loop's: what is known of a cell follows no pattern.
-bool Star::take_known(std::size_t seed) {
+template <class Isa>
+bool StarWalk<Isa>::take_known(std::size_t seed) {
     // Even permutations of the four cells keep the orientation: the other three as seen from cell 1, 2, 3.
     static constexpr std::uint8_t others[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
     const auto locals = static_cast<std::size_t>(cells_.locals());
@@ -180,14 +304,16 @@ bool Star::take_known(std::size_t seed) {
     return fits;
 }
 
-exact::Plane Star::exact_plane(std::int32_t id) const {
+template <class Isa>
+exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
     if (id >= 0) return exact::Plane::bisector({seeds_.x[id], seeds_.y[id], seeds_.z[id]});
     const int axis = (-1 - id) / 2;
     return (-1 - id) % 2 == 0 ? exact::Plane::lower(axis, box_.lower[axis])
                               : exact::Plane::upper(axis, box_.upper[axis]);
 }
 
-bool Star::gather_candidates(std::size_t seed) {
+template <class Isa>
+bool StarWalk<Isa>::gather_candidates(std::size_t seed) {
     const std::size_t group = seed / group_size;
     double reach2 = reach_margin * typical_reach_;
     if (window_group_ != group) {
@@ -230,7 +356,8 @@ bool Star::gather_candidates(std::size_t seed) {
     return true;
 }
 
-bool Star::add_candidate(std::int32_t id) {
+template <class Isa>
+bool StarWalk<Isa>::add_candidate(std::int32_t id) {
     CandidatePlanes& c = candidates_;
     if (c.count == CandidatePlanes::capacity) return false;
     Vector n;
@@ -254,12 +381,14 @@ bool Star::add_candidate(std::int32_t id) {
     return true;
 }
 
-bool Star::is_extra(std::int32_t id) const {
+template <class Isa>
+bool StarWalk<Isa>::is_extra(std::int32_t id) const {
     const std::int32_t* end = candidates_.id + candidates_.count;
     return std::find(candidates_.id + extras_, end, id) != end;
 }
 
-bool Star::add_walls() {
+template <class Isa>
+bool StarWalk<Isa>::add_walls() {
     have_walls_ = true;
     for (int wall = -1; wall >= -6; --wall) {
         if (!is_extra(wall) && !add_candidate(wall)) return false;
@@ -269,7 +398,8 @@ bool Star::add_walls() {
 
 // The nearest seed is a neighbor, and the middle between the two lies inside their face. From there any way along the
 // face leads to an edge.
-bool Star::begin_anywhere() {
+template <class Isa>
+bool StarWalk<Isa>::begin_anywhere() {
     if (!gather_candidates(seed_)) return false;
     if (candidates_.count == extras_ && !add_walls()) return false;
     const CandidatePlanes& c = candidates_;
@@ -302,7 +432,8 @@ bool Star::begin_anywhere() {
     return aim(a, slot(c.id[hit]), edge, ray) && close(edge, ray, -1);
 }
 
-bool Star::aim(int a, int b, OpenEdge& edge, Ray& ray) {
+template <class Isa>
+bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
     need_plane(a);
     need_plane(b);
     const Vector &na = n_[a], &nb = n_[b];
@@ -327,7 +458,8 @@ bool Star::aim(int a, int b, OpenEdge& edge, Ray& ray) {
 }
 
 // Cramer's rule. False when the planes are too near to parallel, or meet behind where the edge begins.
-bool Star::solve(const OpenEdge& edge, Third& c, Vector& x) const {
+template <class Isa>
+bool StarWalk<Isa>::solve(const OpenEdge& edge, Third& c, Vector& x) const {
     const Vector &na = n_[edge.a], &nb = n_[edge.b];
     const double ha = h_[edge.a], hb = h_[edge.b];
     const Vector bc = cross(nb, c.n), ca = cross(c.n, na);
@@ -340,14 +472,16 @@ bool Star::solve(const OpenEdge& edge, Third& c, Vector& x) const {
     return true;
 }
 
-int Star::first_hit(const Ray& ray) const {
+template <class Isa>
+int StarWalk<Isa>::first_hit(const Ray& ray) const {
     const Ray rays[2] = {ray, ray};
     int hits[2];
     kernels_.first_hits(candidates_, rays, hits);
     return hits[0];
 }
 
-bool Star::close(const OpenEdge& edge, const Ray& ray, int lane) {
+template <class Isa>
+bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     for (int pick = 0; pick < most_picks; ++pick) {
         if (lane < 0) {
             lane = first_hit(ray);
@@ -399,7 +533,8 @@ bool Star::close(const OpenEdge& edge, const Ray& ray, int lane) {
     return false;
 }
 
-bool Star::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Vector& x) {
+template <class Isa>
+bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Vector& x) {
     if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
     const auto [a, b] = std::pair{edge.a, edge.b};
     const std::int32_t local = cells_.local(id);
@@ -427,7 +562,8 @@ bool Star::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
 
 // Of the planes that come too near to a vertex, from `lane` on, the first that cuts it off; -1 if none does, `tie` if
 // one goes through it.
-int Star::cutting_plane(const Solved& vertex, const float* v, float rounding, const std::int32_t* three, int lane) {
+template <class Isa>
+int StarWalk<Isa>::cutting_plane(const Solved& vertex, const float* v, float rounding, const std::int32_t* three, int lane) {
     while (lane >= 0) {
         const int side = side_of(vertex, three, candidates_.id[lane]);
         if (side > 0) return lane;
@@ -448,13 +584,15 @@ int Star::cutting_plane(const Solved& vertex, const float* v, float rounding, co
 }
 
 // The margin derived in star.hpp, for a vertex of squared length x2: |X| <= X^2 / L + L / 4.
-float Star::rounding_of(double x2) const {
+template <class Isa>
+float StarWalk<Isa>::rounding_of(double x2) const {
     const double square = longest_ * longest_;
     return static_cast<float>(1.01 * (float_unit * (6.5 * (x2 + 0.25 * square) + 4.6 * square) +
                                       quantum * (x2 * inverse_longest_ + 1.25 * longest_)));
 }
 
-int Star::side_of(const Solved& vertex, const std::int32_t* three, std::int32_t id) {
+template <class Isa>
+int StarWalk<Isa>::side_of(const Solved& vertex, const std::int32_t* three, std::int32_t id) {
     Vector n;
     double h;
     plane_through(id, n, h);
@@ -470,7 +608,8 @@ int Star::side_of(const Solved& vertex, const std::int32_t* three, std::int32_t 
 
 // Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
 // the vertex along its edge, and the sphere shrinks.
-bool Star::add_inside(const OpenEdge& edge, Vector x, const std::int32_t* three, int& added) {
+template <class Isa>
+bool StarWalk<Isa>::add_inside(const OpenEdge& edge, Vector x, const std::int32_t* three, int& added) {
     BoundingBox at;
     double reach2 = 0;
     GroupTest test{p_, scale_, {}, 0};
@@ -524,5 +663,55 @@ bool Star::add_inside(const OpenEdge& edge, Vector x, const std::int32_t* three,
     }
     return true;
 }
+
+// Volume, centroid and areas of a star as sums over its edges. With V, W the ends of an edge in counterclockwise order
+// around a face of normal n (the difference of seeds, so that n.x = |n|^2/2 on it), V x W sums to twice the face's area
+// vector, and n.(V x W)/12 to the volume of the pyramid between seed and face.
+template <class Isa>
+bool StarWalk<Isa>::measure(Geometry& out) {
+    double volume = 0, error = 0;
+    Vector moment{};
+    std::array<Vector, most_planes> area{};
+    std::array<double, most_planes> norm{};
+    std::array<Vector, most_planes> n;
+    const double unscale = 1 / scale_;
+    need_all_planes();
+    for (int p = 0; p < planes_; ++p) {
+        norm[p] = std::sqrt(2 * h_[p]) * unscale;
+        for (int k = 0; k < 3; ++k) n[p][k] = n_[p][k] * unscale;
+    }
+    for (int p = 0; p < planes_; ++p)
+        for (std::uint64_t others = links_[p].out >> p; others != 0; others &= others - 1) {
+        const int q = p + std::countr_zero(others);
+        const int from = from_vertex_[p][q], to = from_vertex_[q][p];
+        const Vector &v = position_[from], &w = position_[to];
+        const Vector &left = n[q], &right = n[p];
+        const Vector c{v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]};
+        double in_left = 0, in_right = 0;
+        for (int k = 0; k < 3; ++k) {
+            area[q][k] += c[k];
+            area[p][k] -= c[k];
+            in_left += left[k] * c[k];
+            in_right -= right[k] * c[k];
+        }
+        const double both = in_left + in_right;
+        volume += both;
+        // The pyramid over the triangle of V, W and the foot n/2 of the plane.
+        for (int k = 0; k < 3; ++k)
+            moment[k] += both * (v[k] + w[k]) + 0.5 * (in_left * left[k] + in_right * right[k]);
+        const double long_v = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
+        const double long_w = std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]);
+        error += (norm[q] + norm[p]) *
+                 (error_[from] * long_w + error_[to] * long_v + 8 * unit * long_v * long_w);
+    }
+    volume /= 12;
+    if (!(volume > smallest_volume && error / 12 <= accepted_error * volume)) return false;
+    out.volume = volume;
+    for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (48 * volume);
+    for (int p = 0; p < planes_; ++p)
+        out.areas[p] = 0.5 * std::sqrt(area[p][0] * area[p][0] + area[p][1] * area[p][1] + area[p][2] * area[p][2]);
+    return true;
+}
+
 
 }  // namespace votess::cpu
