@@ -13,7 +13,7 @@ std::size_t hash(std::int32_t id) {
 
 }  // namespace
 
-void Neighborhood::begin(std::size_t first, std::size_t last, bool positions) {
+void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_t last, bool positions) {
     first_ = first;
     last_ = last;
     const std::size_t count = last - first;
@@ -23,7 +23,11 @@ void Neighborhood::begin(std::size_t first, std::size_t last, bool positions) {
     if (table_.empty()) table_.resize(least_table);
     std::fill(table_.begin(), table_.end(), -1);
     vertex_count_ = 0;
-    if (positions) positions_.resize(vertices_.size());
+    if (positions) {
+        positions_.resize(vertices_.size());
+        seeds_.resize(std::max(seeds_.size(), count));
+        for (std::size_t s = 0; s < count; ++s) seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
+    }
     // One more for cells of other stretches, which get nothing.
     known_.resize(std::max(known_.size(), (count + 1) * primary));
     known_count_.assign(count + 1, 0);

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,7 @@ private:
     static constexpr double reach_margin = 1.8;  // of the squared security radius that is typical
     static constexpr int most_candidates = 160;    // at first; room for others is left
     static constexpr int most_picks = 64;         // planes tried for one vertex
+    static constexpr std::uint8_t no_slot = 255;
     static constexpr int tie = -2;
     static constexpr float parallel = 0x1p-18f;   // rays nearly along a plane do not leave it
     static constexpr int most_new = 24;           // seeds taken at once from beyond the window
@@ -51,6 +53,10 @@ private:
     static constexpr double accepted_error = 5e-11;
     static constexpr double smallest_volume = 1e-140;
 
+    using Wide = double __attribute__((vector_size(32), aligned(8), may_alias));
+    // A reference, for processors without such registers.
+    [[gnu::always_inline]] static const Wide& as_wide(const Four& four) { return reinterpret_cast<const Wide&>(four); }
+    [[gnu::always_inline]] static Wide& as_wide(Four& four) { return reinterpret_cast<Wide&>(four); }
     [[gnu::always_inline]] static double dot(const Vector& a, const Vector& b) {
         return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     }
@@ -100,6 +106,7 @@ private:
 
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     [[gnu::always_inline]] inline void need_plane(int slot);
+    [[nodiscard]] double measure_error() const;
     void need_all_planes();
     [[gnu::always_inline]] inline void plane_through(std::int32_t id, Vector& n, double& h) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
@@ -137,8 +144,7 @@ private:
     std::array<double, most_planes> h_{};
     std::array<Links, most_planes> links_{};
     std::uint64_t active_ = 0;                        // planes with open edges
-    std::vector<std::uint32_t> slot_;                 // by local id: epoch * most_planes + slot
-    std::uint32_t epoch_ = 0;
+    std::vector<std::uint8_t> slot_;                  // by local id
 
     struct Node {
         std::int32_t level;
@@ -146,8 +152,8 @@ private:
     };
     std::vector<Node> nodes_;
     // For measure().
-    std::array<Vector, most_vertices> position_{};
-    std::array<double, most_vertices> error_{};
+    std::array<VertexPosition, most_vertices> position_{};
+    std::array<std::array<std::uint8_t, 4>, most_vertices> corner_{};  // the three planes
     std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // corner with edge a -> b
 };
 
@@ -155,14 +161,14 @@ private:
 // `planes` is planes_, in a register when it can be.
 template <class Isa>
 int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
-    std::uint32_t& entry = slot_[local];
-    const bool is_new = entry / most_planes != epoch_;
-    const auto slot = is_new ? static_cast<std::uint32_t>(planes) : entry % most_planes;
-    entry = epoch_ * most_planes + slot;
+    const std::uint8_t known = slot_[local];
+    const bool is_new = known == no_slot;
+    const int slot = is_new ? planes : known;
+    slot_[local] = static_cast<std::uint8_t>(slot);
     local_[planes] = local;  // beyond the last one it does no harm
     links_[planes] = {0, 0};
     planes += is_new ? 1 : 0;
-    return static_cast<int>(slot);
+    return slot;
 }
 
 template <class Isa>
@@ -202,12 +208,17 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
     link(a, b, c);
     link(b, c, a);
     link(c, a, b);
-    if (measure_) from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
+    if (measure_) {
+        from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
+        corner_[vertex] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b), static_cast<std::uint8_t>(c), 0};
+    }
 }
 
 template <class Isa>
 void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
-    cells_.begin(first, last, measure);
+    for (int p = 0; p < planes_; ++p) slot_[local_[p]] = no_slot;
+    planes_ = 0;
+    cells_.begin(seeds_, first, last, measure);
     measure_ = measure;
     window_group_ = ~std::size_t{0};
     if (typical_reach_ == 0) {
@@ -216,17 +227,13 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
         for (int k = 0; k < 3; ++k) volume *= std::max(all.upper[k] - all.lower[k], 1e-9);
         typical_reach_ = 5 * std::pow(volume / static_cast<double>(seeds_.size()), 2.0 / 3);
     }
-    if (epoch_ > 1u << 25) {
-        epoch_ = 0;
-        std::fill(slot_.begin(), slot_.end(), 0);
-    }
 }
 
 template <class Isa>
 bool StarWalk<Isa>::build(std::size_t seed) {
     seed_ = seed;
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
-    ++epoch_;
+    for (int p = 0; p < planes_; ++p) slot_[local_[p]] = no_slot;
     planes_ = vertices_ = 0;
     planes_known_ = active_ = 0;
     scale_ = 1;
@@ -276,8 +283,9 @@ bool StarWalk<Isa>::take_known(std::size_t seed) {
     // Even permutations of the four cells keep the orientation: the other three as seen from cell 1, 2, 3.
     static constexpr std::uint8_t others[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
     const auto locals = static_cast<std::size_t>(cells_.locals());
-    if (slot_.size() < locals + most_planes) slot_.resize(2 * locals + most_planes);
+    if (slot_.size() < locals + most_planes) slot_.resize(2 * locals + most_planes, no_slot);
     bool fits = true;
+    const Wide own{p_[0], p_[1], p_[2], 0};
     int planes = 0, vertices = 0;
     cells_.for_each_known(seed, [&](KnownVertex known) {
         if (planes > most_planes - 4 || vertices > most_vertices - 4) {
@@ -289,11 +297,8 @@ bool StarWalk<Isa>::take_known(std::size_t seed) {
         const int a = slot_of(v.cells[order[0]], planes), b = slot_of(v.cells[order[1]], planes),
                   c = slot_of(v.cells[order[2]], planes);
         if (measure_) {
-            const VertexPosition& position = cells_.position(known.vertex());
-            const auto from = static_cast<std::size_t>(cells_.id(v.cells[0]));
-            position_[vertices] = {position.x + (seeds_.x[from] - p_[0]), position.y + (seeds_.y[from] - p_[1]),
-                                   position.z + (seeds_.z[from] - p_[2])};
-            error_[vertices] = position.error;
+            as_wide(position_[vertices].at) =
+                as_wide(cells_.position(known.vertex()).at) + (as_wide(cells_.seed(v.cells[0])) - own);
         }
         link_corner(a, b, c, vertices);
         ++vertices;
@@ -406,7 +411,7 @@ bool StarWalk<Isa>::begin_anywhere() {
     const auto nearest = static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h);
     auto slot = [this](std::int32_t id) {
         const std::int32_t local = cells_.local(id);
-        if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes);
+        if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes, no_slot);
         return slot_of(local, planes_);
     };
     const int a = slot(c.id[nearest]);
@@ -538,20 +543,16 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
     if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
     const auto [a, b] = std::pair{edge.a, edge.b};
     const std::int32_t local = cells_.local(id);
-    if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes);
+    if (static_cast<std::size_t>(local) >= slot_.size()) slot_.resize(2 * slot_.size() + most_planes, no_slot);
     const int c = slot_of(local, planes_);
     planes_known_ |= 1ull << c;
     id_[c] = id;
     n_[c] = third.n;
     h_[c] = third.h;
-    VertexPosition position{};
+    VertexPosition& position = position_[vertices_];
     if (measure_) {
         const double unscale = 1 / scale_;
-        const double length = std::sqrt(dot(x, x)) * unscale;
-        const double error = solved_factor * third.condition() * length;
-        position_[vertices_] = {x[0] * unscale, x[1] * unscale, x[2] * unscale};
-        error_[vertices_] = error;
-        position = {x[0] * unscale, x[1] * unscale, x[2] * unscale, error + 8 * unit * length};
+        as_wide(position.at) = Wide{x[0], x[1], x[2], third.norms2 / third.determinant2 * dot(x, x) * unscale} * unscale;
     }
     cells_.add({{cells_.local(static_cast<std::int32_t>(seed_)), local_[b], local_[a], local}}, position);
     link_corner(b, a, c, vertices_++);
@@ -664,54 +665,82 @@ bool StarWalk<Isa>::add_inside(const OpenEdge& edge, Vector x, const std::int32_
     return true;
 }
 
-// Volume, centroid and areas of a star as sums over its edges. With V, W the ends of an edge in counterclockwise order
-// around a face of normal n (the difference of seeds, so that n.x = |n|^2/2 on it), V x W sums to twice the face's area
-// vector, and n.(V x W)/12 to the volume of the pyramid between seed and face.
+// Sums over the edges. With V, W the ends of an edge in counterclockwise order around a face of normal n (the difference
+// of seeds, so that n.x = |n|^2/2 on it), V x W sums to twice the face's area vector A, and n.A/12 is the volume of the
+// pyramid between seed and face. Its part over V, W and the foot n/2 of the plane has its centroid at (V + W + n/2)/4.
+//
+// What carries an index below is a vector of three components and one more lane; a cross product comes out as z, x, y,
+// and what is multiplied with it is kept in that order.
 template <class Isa>
 bool StarWalk<Isa>::measure(Geometry& out) {
-    double volume = 0, error = 0;
-    Vector moment{};
-    std::array<Vector, most_planes> area{};
-    std::array<double, most_planes> norm{};
-    std::array<Vector, most_planes> n;
-    const double unscale = 1 / scale_;
+    using Lanes = std::int64_t __attribute__((vector_size(32)));
+    constexpr Lanes turn{1, 2, 0, 3}, turn_twice{2, 0, 1, 3};
     need_all_planes();
+    const double unscale = 1 / scale_;
+    Wide normal[most_planes], area[most_planes];
+    double longest = 0;
     for (int p = 0; p < planes_; ++p) {
-        norm[p] = std::sqrt(2 * h_[p]) * unscale;
-        for (int k = 0; k < 3; ++k) n[p][k] = n_[p][k] * unscale;
+        const Vector& n = n_[p];
+        normal[p] = Wide{n[2], n[0], n[1], 0} * unscale;
+        area[p] = Wide{};
+        longest = std::max(longest, h_[p]);
     }
-    for (int p = 0; p < planes_; ++p)
-        for (std::uint64_t others = links_[p].out >> p; others != 0; others &= others - 1) {
-        const int q = p + std::countr_zero(others);
-        const int from = from_vertex_[p][q], to = from_vertex_[q][p];
-        const Vector &v = position_[from], &w = position_[to];
-        const Vector &left = n[q], &right = n[p];
-        const Vector c{v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]};
-        double in_left = 0, in_right = 0;
+    Wide moment{}, farthest{}, error{};
+    for (int v = 0; v < vertices_; ++v) {
+        const Wide from = as_wide(position_[v].at);
+        const Wide from_turned = __builtin_shuffle(from, turn);
+        const auto& corner = corner_[v];
         for (int k = 0; k < 3; ++k) {
-            area[q][k] += c[k];
-            area[p][k] -= c[k];
-            in_left += left[k] * c[k];
-            in_right -= right[k] * c[k];
+            // The edge along planes a, b is counterclockwise around b; its other end has it around a.
+            const int a = corner[k], b = corner[k == 2 ? 0 : k + 1];
+            const Wide to = as_wide(position_[from_vertex_[b][a]].at);
+            const Wide across = from * __builtin_shuffle(to, turn) - from_turned * to;
+            area[b] += across;
+            Wide part = across * normal[b];
+            part += __builtin_shuffle(part, turn) + __builtin_shuffle(part, turn_twice);
+            moment += part * (from + to);
         }
-        const double both = in_left + in_right;
-        volume += both;
-        // The pyramid over the triangle of V, W and the foot n/2 of the plane.
-        for (int k = 0; k < 3; ++k)
-            moment[k] += both * (v[k] + w[k]) + 0.5 * (in_left * left[k] + in_right * right[k]);
-        const double long_v = std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]);
-        const double long_w = std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]);
-        error += (norm[q] + norm[p]) *
-                 (error_[from] * long_w + error_[to] * long_v + 8 * unit * long_v * long_w);
+        const Wide square = from * from;
+        farthest = square > farthest ? square : farthest;
+        error = from > error ? from : error;
+    }
+    double volume = 0;
+    for (int p = 0; p < planes_; ++p) {
+        const Wide parts = normal[p] * area[p];
+        const double part = parts[0] + parts[1] + parts[2];
+        volume += part;
+        moment += 0.5 * part * Wide{normal[p][1], normal[p][2], normal[p][0], 0};
     }
     volume /= 12;
-    if (!(volume > smallest_volume && error / 12 <= accepted_error * volume)) return false;
+    const double reach = std::sqrt(farthest[0] + farthest[1] + farthest[2]);
+    const double bound = edge_count() * 2 * std::sqrt(2 * longest) * unscale *
+                         (2 * solved_factor * std::sqrt(error[3]) * reach + 32 * unit * reach * reach) / 12;
+    if (!(volume > smallest_volume)) return false;
+    if (!(bound <= accepted_error * volume) && !(measure_error() <= accepted_error * volume)) return false;
     out.volume = volume;
     for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (48 * volume);
-    for (int p = 0; p < planes_; ++p)
-        out.areas[p] = 0.5 * std::sqrt(area[p][0] * area[p][0] + area[p][1] * area[p][1] + area[p][2] * area[p][2]);
+    for (int p = 0; p < planes_; ++p) {
+        const Wide square = area[p] * area[p];
+        out.areas[p] = 0.5 * std::sqrt(square[0] + square[1] + square[2]);
+    }
     return true;
 }
 
+// A bound on the error of the volume, edge by edge.
+template <class Isa>
+double StarWalk<Isa>::measure_error() const {
+    double bound = 0;
+    for (int v = 0; v < vertices_; ++v)
+        for (int k = 0; k < 3; ++k) {
+            const int a = corner_[v][k], b = corner_[v][k == 2 ? 0 : k + 1];
+            const auto &from = position_[v].at.x, &to = position_[from_vertex_[b][a]].at.x;
+            const double from_length = std::abs(from[0]) + std::abs(from[1]) + std::abs(from[2]);
+            const double to_length = std::abs(to[0]) + std::abs(to[1]) + std::abs(to[2]);
+            bound += std::sqrt(2 * h_[b]) / scale_ *
+                     (solved_factor * (std::sqrt(from[3]) * to_length + std::sqrt(to[3]) * from_length) +
+                      32 * unit * from_length * to_length);
+        }
+    return bound / 12;
+}
 
 }  // namespace votess::cpu
