@@ -1,0 +1,250 @@
+#include "exact/vertex.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "exact/double_double.hpp"
+#include "exact/integer_rows.hpp"
+
+namespace votess::exact {
+namespace {
+
+constexpr double rounding = 20 * 0x1p-53;  // above the 17 of vertex.hpp
+constexpr double exact_limit = 0x1p52;     // leaves A room for its own rounding
+constexpr int lowest_quantum = -1000;      // 2^1000 is still finite
+constexpr int coarse_bits = 6;             // differences of a lattice in its quanta
+
+double power_of_two(int exponent) {
+    return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
+}
+
+// Smallest e with |x| < 2^e for a normal x.
+int exponent_above(double x) {
+    return static_cast<int>((std::bit_cast<std::uint64_t>(x) >> 52) & 0x7ff) - 1022;
+}
+
+struct WallDifference {
+    double sign;
+    DoubleDouble distance;
+};
+
+WallDifference wall_difference(const Point& p, const Plane& wall) {
+    if (wall.kind == Plane::Kind::lower_wall) return {-1, two_sum(p[wall.axis], -wall.wall)};
+    return {1, two_sum(wall.wall, -p[wall.axis])};
+}
+
+// Largest difference of a plane, and all the bits of its differences.
+double largest_difference(const Point& p, const Plane& plane) {
+    if (!is_bisector(plane)) return std::abs(wall_difference(p, plane).distance.high);
+    double m = 0;
+    for (int k = 0; k < 3; ++k) m = std::max(m, std::abs(plane.seed[k] - p[k]));
+    return m;
+}
+
+void add_differences(BitRange& range, const Point& p, const Plane& plane) {
+    auto add = [&range](DoubleDouble d) {
+        range.add(d.high);
+        range.add(d.low);
+    };
+    if (!is_bisector(plane)) return add(wall_difference(p, plane).distance);
+    for (int k = 0; k < 3; ++k) add(two_sum(plane.seed[k], -p[k]));
+}
+
+// A plane in quanta, in double.
+struct FloatRow {
+    std::array<double, 3> n{};
+    double s = 0;
+    bool exact = true;  // nothing was rounded
+    bool whole = true;  // the quantum divides all differences
+};
+
+bool divides(double unit, double per_unit, double x) {
+    const double quanta = x * per_unit;
+    if (std::abs(quanta) < 0x1p53) return static_cast<double>(static_cast<std::int64_t>(quanta)) * unit == x;
+    return std::abs(quanta) <= std::numeric_limits<double>::max();
+}
+
+FloatRow float_row(const Point& p, const Plane& plane, double unit, double per_unit) {
+    FloatRow row;
+    std::array<DoubleDouble, 3> difference{};
+    if (is_bisector(plane)) {
+        for (int k = 0; k < 3; ++k) {
+            difference[k] = two_sum(plane.seed[k], -p[k]);
+            row.n[k] = difference[k].high * per_unit;
+        }
+        row.s = row.n[0] * row.n[0] + row.n[1] * row.n[1] + row.n[2] * row.n[2];
+    } else {
+        const auto [sign, distance] = wall_difference(p, plane);
+        difference[0] = distance;
+        row.n[plane.axis] = sign;
+        row.s = 2 * (distance.high * per_unit);
+    }
+    const auto& [x, y, z] = difference;
+    row.exact = x.low == 0 && y.low == 0 && z.low == 0;
+    // Adding 2^52 rounds smaller numbers to integers.
+    auto rounded = [=](double d) { return ((d * per_unit + 0x1.8p52) - 0x1.8p52) * unit; };
+    const double largest = std::max({std::abs(x.high), std::abs(y.high), std::abs(z.high)}) * per_unit;
+    if (row.exact && largest < 0x1p51) {
+        row.whole = (rounded(x.high) == x.high) & (rounded(y.high) == y.high) & (rounded(z.high) == z.high);
+    } else {
+        for (const auto& d : difference) row.whole &= divides(unit, per_unit, d.high) && divides(unit, per_unit, d.low);
+    }
+    return row;
+}
+
+// A plane in quanta, exact. False when a difference may reach 2^61.
+using IntRow = Row<std::int64_t, Int128>;
+
+bool int_row(const Point& p, const Plane& plane, double per_unit, IntRow& row) {
+    bool fits = true;
+    auto quanta = [&](DoubleDouble d) -> std::int64_t {
+        const double high = d.high * per_unit;
+        if (!(std::abs(high) < 0x1p60)) {
+            fits = false;
+            return 0;
+        }
+        return static_cast<std::int64_t>(high) + static_cast<std::int64_t>(d.low * per_unit);
+    };
+    row = {};
+    if (is_bisector(plane)) {
+        for (int k = 0; k < 3; ++k) {
+            row.n[k] = quanta(two_sum(plane.seed[k], -p[k]));
+            row.s += static_cast<Int128>(row.n[k]) * row.n[k];
+        }
+    } else {
+        const auto [sign, distance] = wall_difference(p, plane);
+        row.n[plane.axis] = sign < 0 ? -1 : 1;
+        row.s = 2 * static_cast<Int128>(quanta(distance));
+    }
+    return fits;
+}
+
+std::array<WideInt<2>, 3> wide_cross(const IntRow& a, const IntRow& b) {
+    auto minor = [&](int i, int j) {
+        return from_int128<2>(static_cast<Int128>(a.n[i]) * b.n[j] - static_cast<Int128>(a.n[j]) * b.n[i]);
+    };
+    return {minor(1, 2), minor(2, 0), minor(0, 1)};
+}
+
+std::array<WideInt<1>, 3> wide(const std::array<std::int64_t, 3>& n) {
+    return {from_int128<1>(n[0]), from_int128<1>(n[1]), from_int128<1>(n[2])};
+}
+
+// Width: with |N| < 2^b, minors < 2^(2b+1), D < 2^(3b+3), S < 2^(2b+2), the sum < 2^(5b+8).
+template <class R>
+int side_of_rows(const R& a, const R& b, const R& c, const R& d) {
+    const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);
+    const auto determinant = dot(a.n, bc);
+    const auto excess = dot(d.n, bc) * a.s + dot(d.n, ca) * b.s + dot(d.n, ab) * c.s - determinant * d.s;
+    return sign_of(excess) * sign_of(determinant);
+}
+
+// For any float64.
+int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
+    BitRange range;
+    range.add(p);
+    for (const Plane* plane : {&a, &b, &c, &d}) range.add(*plane);
+    const int q = range.quantum();
+    if (range.span() > 124) {
+        return side_of_rows(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q),
+                            wide_row<widest>(p, d, q));
+    }
+    const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
+    auto row = [&](const Plane& plane) { return wide_row<2>(int_difference(seed, plane, q), is_bisector(plane)); };
+    return side_of_rows(row(a), row(b), row(c), row(d));  // 5 * 125 + 8 < 640 bits
+}
+
+}  // namespace
+
+ExactVertex::ExactVertex(const Point& p, const Plane& a, const Plane& b, const Plane& c) : p_(p), a_(a), b_(b), c_(c) {
+    const double largest = std::max({largest_difference(p, a), largest_difference(p, b), largest_difference(p, c)});
+    if (!(largest <= std::numeric_limits<double>::max())) return;
+    quantum_ = std::max(exponent_above(largest) - coarse_bits, lowest_quantum);
+    usable_ = solve() || (refine(a) && refine(b) && refine(c) && solve());
+}
+
+bool ExactVertex::refine(const Plane& plane) {
+    BitRange range;
+    add_differences(range, p_, plane);
+    if (range.span() == 0) return true;
+    if (range.low < lowest_quantum) return false;
+    quantum_ = std::min(quantum_, range.low);
+    return true;
+}
+
+bool ExactVertex::solve() {
+    unit_ = power_of_two(quantum_);
+    per_unit_ = power_of_two(-quantum_);
+    state_ = State::unknown;
+    const FloatRow a = float_row(p_, a_, unit_, per_unit_), b = float_row(p_, b_, unit_, per_unit_),
+                   c = float_row(p_, c_, unit_, per_unit_);
+    if (!(a.whole && b.whole && c.whole)) return false;
+    exact_ = a.exact && b.exact && c.exact;
+    determinant_ = determinant_bound_ = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
+        auto minor = [i, j](const FloatRow& r, const FloatRow& s, double& bound) {
+            const double first = r.n[i] * s.n[j], second = r.n[j] * s.n[i];
+            bound = std::abs(first) + std::abs(second);
+            return first - second;
+        };
+        double bc_bound = 0, ca_bound = 0, ab_bound = 0;
+        const double bc = minor(b, c, bc_bound), ca = minor(c, a, ca_bound), ab = minor(a, b, ab_bound);
+        v_[k] = a.s * bc + b.s * ca + c.s * ab;
+        v_bound_[k] = std::abs(a.s) * bc_bound + std::abs(b.s) * ca_bound + std::abs(c.s) * ab_bound;
+        determinant_ += a.n[k] * bc;
+        determinant_bound_ += std::abs(a.n[k]) * bc_bound;
+    }
+    const bool certain =
+        std::abs(determinant_) > rounding * determinant_bound_ || (exact_ && determinant_bound_ <= exact_limit);
+    sign_ = certain ? sign_of(determinant_) : 0;
+    return true;
+}
+
+int ExactVertex::side(const Plane& d) {
+    if (!usable_) return side_of_any(p_, a_, b_, c_, d);
+    FloatRow row = float_row(p_, d, unit_, per_unit_);
+    if (!row.whole) {
+        usable_ = refine(d) && solve();
+        if (!usable_) return side_of_any(p_, a_, b_, c_, d);
+        row = float_row(p_, d, unit_, per_unit_);
+        if (!row.whole) return side_of_any(p_, a_, b_, c_, d);
+    }
+    if (sign_ != 0) {
+        const double excess = row.n[0] * v_[0] + row.n[1] * v_[1] + row.n[2] * v_[2] - row.s * determinant_;
+        const double bound = std::abs(row.n[0]) * v_bound_[0] + std::abs(row.n[1]) * v_bound_[1] +
+                             std::abs(row.n[2]) * v_bound_[2] + std::abs(row.s) * determinant_bound_;
+        if (std::abs(excess) > rounding * bound || (exact_ && row.exact && bound <= exact_limit))
+            return sign_of(excess) * sign_;
+    }
+    return side_integers(d);
+}
+
+void ExactVertex::solve_integers() {
+    IntRow a, b, c;
+    state_ = State::too_wide;
+    if (!int_row(p_, a_, per_unit_, a) || !int_row(p_, b_, per_unit_, b) || !int_row(p_, c_, per_unit_, c)) return;
+    const auto bc = wide_cross(b, c), ca = wide_cross(c, a), ab = wide_cross(a, b);
+    const auto sa = from_int128<2>(a.s), sb = from_int128<2>(b.s), sc = from_int128<2>(c.s);
+    for (int k = 0; k < 3; ++k) integers_.v[k] = sa * bc[k] + sb * ca[k] + sc * ab[k];
+    integers_.determinant = dot(wide(a.n), bc);
+    state_ = State::known;
+}
+
+int ExactVertex::side_integers(const Plane& d) {
+    if (state_ == State::unknown) solve_integers();
+    IntRow row;
+    if (state_ == State::too_wide || !int_row(p_, d, per_unit_, row)) return side_of_any(p_, a_, b_, c_, d);
+    // 5 * 61 + 8 < 320 bits.
+    const auto excess = dot(wide(row.n), integers_.v) - from_int128<2>(row.s) * integers_.determinant;
+    return sign_of(excess) * sign_of(integers_.determinant);
+}
+
+int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
+    return ExactVertex(p, a, b, c).side(d);
+}
+
+}  // namespace votess::exact
