@@ -68,7 +68,7 @@ bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<
         if (is_bisector(plane)) {
             for (int k = 0; k < 3; ++k) {
                 const auto [high, low] = two_sum(plane.seed[k], -p[k]);
-                if (low != low) return false;
+                if (low != low) return false;  // overflow
                 n[k] = units(high) + (low != 0 ? units(low) : 0);
             }
         } else {

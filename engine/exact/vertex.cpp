@@ -57,7 +57,6 @@ void add_differences(BitRange& range, const Point& p, const Plane& plane) {
 struct FloatRow {
     std::array<double, 3> n{};
     double s = 0;
-    bool exact = true;  // nothing was rounded
     bool whole = true;  // the quantum divides all differences
 };
 
@@ -83,11 +82,11 @@ FloatRow float_row(const Point& p, const Plane& plane, double unit, double per_u
         row.s = 2 * (distance.high * per_unit);
     }
     const auto& [x, y, z] = difference;
-    row.exact = x.low == 0 && y.low == 0 && z.low == 0;
+    const bool exact = x.low == 0 && y.low == 0 && z.low == 0;
     // Adding 2^52 rounds smaller numbers to integers.
     auto rounded = [=](double d) { return ((d * per_unit + 0x1.8p52) - 0x1.8p52) * unit; };
     const double largest = std::max({std::abs(x.high), std::abs(y.high), std::abs(z.high)}) * per_unit;
-    if (row.exact && largest < 0x1p51) {
+    if (exact && largest < 0x1p51) {
         row.whole = (rounded(x.high) == x.high) & (rounded(y.high) == y.high) & (rounded(z.high) == z.high);
     } else {
         for (const auto& d : difference) row.whole &= divides(unit, per_unit, d.high) && divides(unit, per_unit, d.low);
@@ -182,7 +181,6 @@ bool ExactVertex::solve() {
     const FloatRow a = float_row(p_, a_, unit_, per_unit_), b = float_row(p_, b_, unit_, per_unit_),
                    c = float_row(p_, c_, unit_, per_unit_);
     if (!(a.whole && b.whole && c.whole)) return false;
-    exact_ = a.exact && b.exact && c.exact;
     determinant_ = determinant_bound_ = 0;
     for (int k = 0; k < 3; ++k) {
         const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
@@ -198,8 +196,7 @@ bool ExactVertex::solve() {
         determinant_ += a.n[k] * bc;
         determinant_bound_ += std::abs(a.n[k]) * bc_bound;
     }
-    const bool certain =
-        std::abs(determinant_) > rounding * determinant_bound_ || (exact_ && determinant_bound_ <= exact_limit);
+    const bool certain = std::abs(determinant_) > rounding * determinant_bound_ || determinant_bound_ <= exact_limit;
     sign_ = certain ? sign_of(determinant_) : 0;
     return true;
 }
@@ -217,8 +214,7 @@ int ExactVertex::side(const Plane& d) {
         const double excess = row.n[0] * v_[0] + row.n[1] * v_[1] + row.n[2] * v_[2] - row.s * determinant_;
         const double bound = std::abs(row.n[0]) * v_bound_[0] + std::abs(row.n[1]) * v_bound_[1] +
                              std::abs(row.n[2]) * v_bound_[2] + std::abs(row.s) * determinant_bound_;
-        if (std::abs(excess) > rounding * bound || (exact_ && row.exact && bound <= exact_limit))
-            return sign_of(excess) * sign_;
+        if (std::abs(excess) > rounding * bound || bound <= exact_limit) return sign_of(excess) * sign_;
     }
     return side_integers(d);
 }

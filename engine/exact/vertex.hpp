@@ -5,9 +5,10 @@
 // All in units of a quantum that divides every difference, so that values are integers. E is first computed in double,
 // beside A, the same expression over absolute values. With u = 2^-53 and differences rounded once,
 //     |error of E| <= 17 u A   (N: 1, S: 5, minors: 4, V: 12, D: 8; second order below u),
-// nothing underflows because integers are 0 or at least 1, and E is exact when no difference was rounded and
-// A <= 2^52: every product and sum is then an integer below 2^53, or is multiplied by 0. So a lattice with differences
-// below about 2^9 quanta never leaves double. What double cannot tell is done in integers, made when first needed.
+// and nothing underflows because integers are 0 or at least 1. E is exact when A <= 2^52: all that is not multiplied by
+// 0 is then an integer below 2^53, differences too, since only those above 2^53 are rounded. So a lattice with
+// differences below about 2^9 quanta (36 * 2^46 < 2^52) never leaves double. What double cannot tell is done in
+// integers, made when first needed.
 #pragma once
 
 #include "exact/predicate.hpp"
@@ -41,7 +42,6 @@ private:
     int quantum_ = 0;
     double unit_ = 0, per_unit_ = 0;  // 2^quantum, 2^-quantum
     bool usable_ = false;             // the double part
-    bool exact_ = false;              // no difference was rounded
     int sign_ = 0;                    // of D; 0 while unknown
     double determinant_ = 0, determinant_bound_ = 0;
     std::array<double, 3> v_{}, v_bound_{};
