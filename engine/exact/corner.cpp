@@ -1,7 +1,5 @@
 #include "exact/corner.hpp"
 
-#include <vector>
-
 #include "exact/integer_normals.hpp"
 
 namespace votess::exact {

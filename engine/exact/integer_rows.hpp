@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "exact/double_double.hpp"
 #include "exact/predicate.hpp"
 #include "exact/wide_int.hpp"
 
@@ -167,6 +168,28 @@ int sign_of(const WideInt<W>& x) {
     return x.sign();
 }
 
+// Differences as sums of two doubles, which lose nothing.
+struct WallDifference {
+    double sign;
+    DoubleDouble distance;
+};
+
+inline WallDifference wall_difference(const Point& p, const Plane& wall) {
+    if (wall.kind == Plane::Kind::lower_wall) return {-1, two_sum(p[wall.axis], -wall.wall)};
+    return {1, two_sum(wall.wall, -p[wall.axis])};
+}
+
+// Largest difference of a plane.
+inline double largest_difference(const Point& p, const Plane& plane) {
+    if (!is_bisector(plane)) return std::abs(wall_difference(p, plane).distance.high);
+    double m = 0;
+    for (int k = 0; k < 3; ++k) m = std::max(m, std::abs(plane.seed[k] - p[k]));
+    return m;
+}
+
 inline constexpr int widest = 36;  // 2098 bits from the smallest subnormal to the largest double, plus sign and sum
+
+// side_of_vertex for any float64, without a look at the easy cases.
+int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
 
 }  // namespace votess::exact

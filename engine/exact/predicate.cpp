@@ -5,11 +5,84 @@
 #include <type_traits>
 
 #include "exact/integer_rows.hpp"
+#include "exact/integer_vertex.hpp"
 #include "exact/wide_float.hpp"
 #include "exact/wide_int.hpp"
 
 namespace votess::exact {
 namespace {
+
+// Cramer, as in vertex.hpp. Width: with |N| < 2^b, minors < 2^(2b+1), D < 2^(3b+3), S < 2^(2b+2), the sum < 2^(5b+6.2).
+template <class R>
+int side_of_rows(const R& a, const R& b, const R& c, const R& d) {
+    const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);
+    const auto determinant = dot(a.n, bc);
+    const auto excess = dot(d.n, bc) * a.s + dot(d.n, ca) * b.s + dot(d.n, ab) * c.s - determinant * d.s;
+    return sign_of(excess) * sign_of(determinant);
+}
+
+// A plane in words: N, or the sign and the distance of a wall.
+struct WordRow {
+    std::array<std::int64_t, 3> n{};
+    std::int64_t wall = 0;
+};
+constexpr int bits_for_int64 = 11;   // 5 * 11 + 6.2 < 63
+constexpr int bits_for_int128 = 24;  // 5 * 24 + 6.2 < 127
+constexpr int most_bits = 60;        // 5 * 61 + 6.2 < 319, with one bit more for the sum of two parts
+
+// The planes in their largest common unit. Bits of the largest component; 0 when the rows do not fit.
+int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::array<WordRow, 4>& rows) {
+    double largest = 0;
+    for (const Plane* plane : planes) largest = std::max(largest, largest_difference(p, *plane));
+    // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - most_bits) and its inverse must be normal.
+    const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
+    if (exponent <= most_bits || exponent == 0x7ff) return 0;
+    auto power = [](int biased) { return std::bit_cast<double>(static_cast<std::uint64_t>(biased) << 52); };
+    const double unit = power(exponent + 1 - most_bits), per_unit = power(2045 - exponent + most_bits);
+    std::uint64_t any = 0, sizes = 0;
+    bool whole = true;
+    auto units = [&](double x) {
+        const auto n = static_cast<std::int64_t>(x * per_unit);
+        whole &= static_cast<double>(n) * unit == x;
+        return n;
+    };
+    auto words = [&](DoubleDouble x) {
+        if (x.low != x.low) return whole = false, std::int64_t{0};  // overflow
+        const std::int64_t n = units(x.high) + (x.low != 0 ? units(x.low) : 0);
+        any |= static_cast<std::uint64_t>(n);
+        sizes |= static_cast<std::uint64_t>(std::abs(n));
+        return n;
+    };
+    for (int i = 0; i < 4; ++i) {
+        const Plane& plane = *planes[i];
+        rows[i] = {};
+        if (is_bisector(plane)) {
+            for (int k = 0; k < 3; ++k) rows[i].n[k] = words(two_sum(plane.seed[k], -p[k]));
+        } else {
+            const auto [sign, distance] = wall_difference(p, plane);
+            rows[i].n[plane.axis] = sign < 0 ? -1 : 1;
+            rows[i].wall = words(distance);
+        }
+        if (!whole) return 0;
+    }
+    const int zeros = std::countr_zero(any);
+    for (int i = 0; i < 4; ++i) {
+        rows[i].wall >>= zeros;
+        if (is_bisector(*planes[i]))
+            for (auto& x : rows[i].n) x >>= zeros;
+    }
+    return 64 - std::countl_zero(sizes) - zeros;
+}
+
+template <class N, class S>
+Row<N, S> row_of(const WordRow& words, bool bisector) {
+    Row<N, S> r{{words.n[0], words.n[1], words.n[2]}, 2 * static_cast<S>(words.wall)};
+    if (bisector) {
+        r.s = 0;
+        for (const auto& x : r.n) r.s += static_cast<S>(x) * x;
+    }
+    return r;
+}
 
 template <class Real>
 Real scale_by_power(Real x, int exponent) {
@@ -49,6 +122,37 @@ std::array<Real, 3> position(const WideRow<W>& a, const WideRow<W>& b, const Wid
 }
 
 }  // namespace
+
+int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
+    BitRange range;
+    range.add(p);
+    for (const Plane* plane : {&a, &b, &c, &d}) range.add(*plane);
+    const int q = range.quantum();
+    if (range.span() > 124) {
+        return side_of_rows(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q),
+                            wide_row<widest>(p, d, q));
+    }
+    const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
+    auto row = [&](const Plane& plane) { return wide_row<2>(int_difference(seed, plane, q), is_bisector(plane)); };
+    return side_of_rows(row(a), row(b), row(c), row(d));  // 5 * 125 + 8 < 640 bits
+}
+
+int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
+    std::array<WordRow, 4> rows;
+    const int bits = word_rows(p, {&a, &b, &c, &d}, rows);
+    if (bits == 0) return side_of_any(p, a, b, c, d);
+    auto side = [&]<class N>(N) {
+        return side_of_rows(row_of<N, N>(rows[0], is_bisector(a)), row_of<N, N>(rows[1], is_bisector(b)),
+                            row_of<N, N>(rows[2], is_bisector(c)), row_of<N, N>(rows[3], is_bisector(d)));
+    };
+    if (bits <= bits_for_int64) return side(std::int64_t{});
+    if (bits <= bits_for_int128) return side(Int128{});
+    auto row = [](const WordRow& words, const Plane& plane) {
+        const auto r = row_of<std::int64_t, Int128>(words, is_bisector(plane));
+        return IntRow{r.n, r.s};
+    };
+    return IntVertex(row(rows[0], a), row(rows[1], b), row(rows[2], c)).side(row(rows[3], d));
+}
 
 template <class Real>
 std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c) {

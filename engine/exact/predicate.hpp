@@ -4,7 +4,7 @@
 //     2 N.X <= S,  N = q - p,  S = |N|^2        and a wall is        2 N.X <= S,  N = +-e_axis,  S = 2 (wall - p).N .
 // Float64 coordinates are integers times a power of two, so the 4x4 determinant is decided in integer arithmetic
 // without rounding, overflow or underflow for any float64 input; the width is chosen per call from the operands
-// (double while every integer stays below 2^52, as in a lattice; 320 bits when differences fit 61; wider beyond).
+// (64 bits when the differences fit 11, as in a lattice; 128 when they fit 24; 320 when they fit 60; wider beyond).
 #pragma once
 
 #include <array>

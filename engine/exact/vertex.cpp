@@ -16,6 +16,9 @@ constexpr double rounding = 20 * 0x1p-53;  // above the 17 of vertex.hpp
 constexpr double exact_limit = 0x1p52;     // leaves A room for its own rounding
 constexpr int lowest_quantum = -1000;      // 2^1000 is still finite
 constexpr int coarse_bits = 6;             // differences of a lattice in its quanta
+constexpr int exact_bits = 10;             // beyond them A <= 2^52 is rare
+constexpr int fine_bits = 57;              // leaves planes d up to 8 times longer within 61 bits
+constexpr int most_bits = 120;             // A < 2^700; finer planes are decided alone, not at the cost of all others
 
 double power_of_two(int exponent) {
     return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
@@ -26,24 +29,7 @@ int exponent_above(double x) {
     return static_cast<int>((std::bit_cast<std::uint64_t>(x) >> 52) & 0x7ff) - 1022;
 }
 
-struct WallDifference {
-    double sign;
-    DoubleDouble distance;
-};
-
-WallDifference wall_difference(const Point& p, const Plane& wall) {
-    if (wall.kind == Plane::Kind::lower_wall) return {-1, two_sum(p[wall.axis], -wall.wall)};
-    return {1, two_sum(wall.wall, -p[wall.axis])};
-}
-
-// Largest difference of a plane, and all the bits of its differences.
-double largest_difference(const Point& p, const Plane& plane) {
-    if (!is_bisector(plane)) return std::abs(wall_difference(p, plane).distance.high);
-    double m = 0;
-    for (int k = 0; k < 3; ++k) m = std::max(m, std::abs(plane.seed[k] - p[k]));
-    return m;
-}
-
+// All the bits of the differences of a plane.
 void add_differences(BitRange& range, const Point& p, const Plane& plane) {
     auto add = [&range](DoubleDouble d) {
         range.add(d.high);
@@ -87,7 +73,7 @@ FloatRow float_row(const Point& p, const Plane& plane, double unit, double per_u
     auto rounded = [=](double d) { return ((d * per_unit + 0x1.8p52) - 0x1.8p52) * unit; };
     const double largest = std::max({std::abs(x.high), std::abs(y.high), std::abs(z.high)}) * per_unit;
     if (exact && largest < 0x1p51) {
-        row.whole = (rounded(x.high) == x.high) & (rounded(y.high) == y.high) & (rounded(z.high) == z.high);
+        row.whole = (rounded(x.high) == x.high && rounded(y.high) == y.high && rounded(z.high) == z.high);
     } else {
         for (const auto& d : difference) row.whole &= divides(unit, per_unit, d.high) && divides(unit, per_unit, d.low);
     }
@@ -95,8 +81,6 @@ FloatRow float_row(const Point& p, const Plane& plane, double unit, double per_u
 }
 
 // A plane in quanta, exact. False when a difference may reach 2^61.
-using IntRow = Row<std::int64_t, Int128>;
-
 bool int_row(const Point& p, const Plane& plane, double per_unit, IntRow& row) {
     bool fits = true;
     auto quanta = [&](DoubleDouble d) -> std::int64_t {
@@ -121,47 +105,13 @@ bool int_row(const Point& p, const Plane& plane, double per_unit, IntRow& row) {
     return fits;
 }
 
-std::array<WideInt<2>, 3> wide_cross(const IntRow& a, const IntRow& b) {
-    auto minor = [&](int i, int j) {
-        return from_int128<2>(static_cast<Int128>(a.n[i]) * b.n[j] - static_cast<Int128>(a.n[j]) * b.n[i]);
-    };
-    return {minor(1, 2), minor(2, 0), minor(0, 1)};
-}
-
-std::array<WideInt<1>, 3> wide(const std::array<std::int64_t, 3>& n) {
-    return {from_int128<1>(n[0]), from_int128<1>(n[1]), from_int128<1>(n[2])};
-}
-
-// Width: with |N| < 2^b, minors < 2^(2b+1), D < 2^(3b+3), S < 2^(2b+2), the sum < 2^(5b+8).
-template <class R>
-int side_of_rows(const R& a, const R& b, const R& c, const R& d) {
-    const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);
-    const auto determinant = dot(a.n, bc);
-    const auto excess = dot(d.n, bc) * a.s + dot(d.n, ca) * b.s + dot(d.n, ab) * c.s - determinant * d.s;
-    return sign_of(excess) * sign_of(determinant);
-}
-
-// For any float64.
-int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
-    BitRange range;
-    range.add(p);
-    for (const Plane* plane : {&a, &b, &c, &d}) range.add(*plane);
-    const int q = range.quantum();
-    if (range.span() > 124) {
-        return side_of_rows(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q),
-                            wide_row<widest>(p, d, q));
-    }
-    const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
-    auto row = [&](const Plane& plane) { return wide_row<2>(int_difference(seed, plane, q), is_bisector(plane)); };
-    return side_of_rows(row(a), row(b), row(c), row(d));  // 5 * 125 + 8 < 640 bits
-}
-
 }  // namespace
 
 ExactVertex::ExactVertex(const Point& p, const Plane& a, const Plane& b, const Plane& c) : p_(p), a_(a), b_(b), c_(c) {
     const double largest = std::max({largest_difference(p, a), largest_difference(p, b), largest_difference(p, c)});
     if (!(largest <= std::numeric_limits<double>::max())) return;
-    quantum_ = std::max(exponent_above(largest) - coarse_bits, lowest_quantum);
+    exponent_ = exponent_above(largest);
+    quantum_ = std::max(exponent_ - coarse_bits, lowest_quantum);
     usable_ = solve() || (refine(a) && refine(b) && refine(c) && solve());
 }
 
@@ -169,8 +119,11 @@ bool ExactVertex::refine(const Plane& plane) {
     BitRange range;
     add_differences(range, p_, plane);
     if (range.span() == 0) return true;
-    if (range.low < lowest_quantum) return false;
+    if (range.low < std::max(lowest_quantum, exponent_ - most_bits)) return false;
     quantum_ = std::min(quantum_, range.low);
+    // Where double is not exact anyway: fine enough at once that few planes ask for more.
+    if (exponent_ - quantum_ > exact_bits)
+        quantum_ = std::min(quantum_, std::max(exponent_ - fine_bits, lowest_quantum));
     return true;
 }
 
@@ -178,9 +131,12 @@ bool ExactVertex::solve() {
     unit_ = power_of_two(quantum_);
     per_unit_ = power_of_two(-quantum_);
     state_ = State::unknown;
-    const FloatRow a = float_row(p_, a_, unit_, per_unit_), b = float_row(p_, b_, unit_, per_unit_),
-                   c = float_row(p_, c_, unit_, per_unit_);
-    if (!(a.whole && b.whole && c.whole)) return false;
+    const FloatRow a = float_row(p_, a_, unit_, per_unit_);
+    if (!a.whole) return false;
+    const FloatRow b = float_row(p_, b_, unit_, per_unit_);
+    if (!b.whole) return false;
+    const FloatRow c = float_row(p_, c_, unit_, per_unit_);
+    if (!c.whole) return false;
     determinant_ = determinant_bound_ = 0;
     for (int k = 0; k < 3; ++k) {
         const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
@@ -205,10 +161,11 @@ int ExactVertex::side(const Plane& d) {
     if (!usable_) return side_of_any(p_, a_, b_, c_, d);
     FloatRow row = float_row(p_, d, unit_, per_unit_);
     if (!row.whole) {
-        usable_ = refine(d) && solve();
-        if (!usable_) return side_of_any(p_, a_, b_, c_, d);
-        row = float_row(p_, d, unit_, per_unit_);
-        if (!row.whole) return side_of_any(p_, a_, b_, c_, d);
+        if (refine(d)) {
+            usable_ = solve();
+            row = float_row(p_, d, unit_, per_unit_);
+        }
+        if (!usable_ || !row.whole) return side_of_any(p_, a_, b_, c_, d);
     }
     if (sign_ != 0) {
         const double excess = row.n[0] * v_[0] + row.n[1] * v_[1] + row.n[2] * v_[2] - row.s * determinant_;
@@ -223,10 +180,7 @@ void ExactVertex::solve_integers() {
     IntRow a, b, c;
     state_ = State::too_wide;
     if (!int_row(p_, a_, per_unit_, a) || !int_row(p_, b_, per_unit_, b) || !int_row(p_, c_, per_unit_, c)) return;
-    const auto bc = wide_cross(b, c), ca = wide_cross(c, a), ab = wide_cross(a, b);
-    const auto sa = from_int128<2>(a.s), sb = from_int128<2>(b.s), sc = from_int128<2>(c.s);
-    for (int k = 0; k < 3; ++k) integers_.v[k] = sa * bc[k] + sb * ca[k] + sc * ab[k];
-    integers_.determinant = dot(wide(a.n), bc);
+    integers_ = IntVertex(a, b, c);
     state_ = State::known;
 }
 
@@ -234,13 +188,7 @@ int ExactVertex::side_integers(const Plane& d) {
     if (state_ == State::unknown) solve_integers();
     IntRow row;
     if (state_ == State::too_wide || !int_row(p_, d, per_unit_, row)) return side_of_any(p_, a_, b_, c_, d);
-    // 5 * 61 + 8 < 320 bits.
-    const auto excess = dot(wide(row.n), integers_.v) - from_int128<2>(row.s) * integers_.determinant;
-    return sign_of(excess) * sign_of(integers_.determinant);
-}
-
-int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
-    return ExactVertex(p, a, b, c).side(d);
+    return integers_.side(row);
 }
 
 }  // namespace votess::exact

@@ -11,8 +11,8 @@
 // integers, made when first needed.
 #pragma once
 
+#include "exact/integer_vertex.hpp"
 #include "exact/predicate.hpp"
-#include "exact/wide_int.hpp"
 
 namespace votess::exact {
 
@@ -25,20 +25,16 @@ public:
     int side(const Plane& d);
 
 private:
-    // Differences below 2^61: |V| < 2^249, |D| < 2^186.
-    struct Integers {
-        std::array<WideInt<4>, 3> v;
-        WideInt<3> determinant;
-    };
     enum class State { unknown, known, too_wide };
 
     bool solve();                     // in double; false when the quantum does not divide the differences of a, b, c
-    bool refine(const Plane& plane);  // divides the quantum; false beyond its range
+    bool refine(const Plane& plane);  // makes the quantum divide its differences; false beyond its range
     void solve_integers();
     int side_integers(const Plane& d);
 
     Point p_;
     Plane a_, b_, c_;
+    int exponent_ = 0;  // differences of a, b, c are below 2^exponent
     int quantum_ = 0;
     double unit_ = 0, per_unit_ = 0;  // 2^quantum, 2^-quantum
     bool usable_ = false;             // the double part
@@ -46,7 +42,7 @@ private:
     double determinant_ = 0, determinant_bound_ = 0;
     std::array<double, 3> v_{}, v_bound_{};
     State state_ = State::unknown;
-    Integers integers_;
+    IntVertex integers_;
 };
 
 }  // namespace votess::exact
