@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <limits>
 
 namespace votess::cpu {
@@ -56,28 +57,38 @@ void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit v
 
 void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
     constexpr std::size_t per_task = 4096;
-    levels_.clear();
-    const std::size_t groups = (seeds.size() + group_size - 1) / group_size;
-    levels_.emplace_back(groups);
-    pool.run((groups + per_task - 1) / per_task, [&](std::size_t task, unsigned) {
-        for (std::size_t g = task * per_task; g < std::min(groups, (task + 1) * per_task); ++g) {
-            BoundingBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-            for (std::size_t i = g * group_size; i < std::min(seeds.size(), (g + 1) * group_size); ++i) {
-                const double p[3] = {seeds.x[i], seeds.y[i], seeds.z[i]};
-                for (int k = 0; k < 3; ++k) {
-                    box.lower[k] = std::min(box.lower[k], p[k]);
-                    box.upper[k] = std::max(box.upper[k], p[k]);
-                }
-            }
-            levels_[0][g] = box;
+    depth_ = 0;
+    // Box by box, in parallel.
+    const auto fill_level = [&](std::size_t count, const auto& box_of) {
+        if (levels_.size() == static_cast<std::size_t>(depth_)) levels_.emplace_back();
+        auto& level = levels_[depth_++];
+        level.resize(count);
+        const auto task = [&](std::size_t index, unsigned) {
+            const std::size_t end = std::min(count, (index + 1) * per_task);
+            for (std::size_t n = index * per_task; n < end; ++n) level[n] = box_of(n);
+        };
+        if (count <= per_task) {
+            if (count > 0) task(0, 0);
+        } else {
+            pool.run((count + per_task - 1) / per_task, std::cref(task));  // by reference: no allocation
         }
+    };
+    fill_level((seeds.size() + group_size - 1) / group_size, [&](std::size_t g) {
+        BoundingBox box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+        for (std::size_t i = g * group_size; i < std::min(seeds.size(), (g + 1) * group_size); ++i) {
+            const double p[3] = {seeds.x[i], seeds.y[i], seeds.z[i]};
+            for (int k = 0; k < 3; ++k) {
+                box.lower[k] = std::min(box.lower[k], p[k]);
+                box.upper[k] = std::max(box.upper[k], p[k]);
+            }
+        }
+        return box;
     });
-    while (levels_.back().size() > 1) {
-        const auto& below = levels_.back();
-        std::vector<BoundingBox> level((below.size() + fan - 1) / fan);
-        for (std::size_t n = 0; n < level.size(); ++n)
-            level[n] = unite(&below[n * fan], std::min(fan, below.size() - n * fan));
-        levels_.push_back(std::move(level));
+    while (levels_[depth_ - 1].size() > 1) {
+        const std::size_t count = levels_[depth_ - 1].size();
+        const int below = depth_ - 1;
+        fill_level((count + fan - 1) / fan,
+                   [&](std::size_t n) { return unite(&levels_[below][n * fan], std::min(fan, count - n * fan)); });
     }
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "buffer.hpp"
 #include "cpu/cell.hpp"
 #include "cpu/sort.hpp"
 #include "thread_pool.hpp"
@@ -19,12 +20,13 @@ public:
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 
-    [[nodiscard]] int top_level() const { return static_cast<int>(levels_.size()) - 1; }
+    [[nodiscard]] int top_level() const { return depth_ - 1; }
     [[nodiscard]] std::size_t count(int level) const { return levels_[level].size(); }
     [[nodiscard]] const BoundingBox& box(int level, std::size_t node) const { return levels_[level][node]; }
 
 private:
-    std::vector<std::vector<BoundingBox>> levels_;
+    std::vector<Buffer<BoundingBox>> levels_;  // those from depth_ on keep memory for the next build
+    int depth_ = 0;
 };
 
 // Entry of the best-first queues.

@@ -14,10 +14,16 @@
 
 using votess::ThreadPool;
 using votess::cpu::Hierarchy;
-using votess::cpu::sort_seeds;
+using votess::cpu::SeedSorter;
 using votess::cpu::SortedSeeds;
 
 namespace {
+
+SortedSeeds sorted_seeds(const test::PointSet& set, ThreadPool& pool, unsigned resolution = 0) {
+    SortedSeeds sorted;
+    SeedSorter().sort(std::span<const double>(set.points), 1, resolution, pool, sorted);
+    return sorted;
+}
 
 void check_sorted(const test::PointSet& set, const SortedSeeds& sorted) {
     INFO(set.name);
@@ -34,7 +40,7 @@ void check_sorted(const test::PointSet& set, const SortedSeeds& sorted) {
         else
             duplicate_of[i] = at->second;
     }
-    auto order = sorted.input;
+    std::vector<std::int32_t> order(sorted.input.begin(), sorted.input.end());
     std::sort(order.begin(), order.end());
     CHECK(order == kept);
     CHECK(sorted.duplicates == set.size() - kept.size());
@@ -56,13 +62,12 @@ TEST_SUITE("stages") {
         ThreadPool pool(2);
         for (std::size_t n : {0, 1, 2, 7, 8, 9, 16, 17, 31, 32, 33, 255, 256, 257}) {
             const auto set = test::uniform(n, n + 1);
-            check_sorted(set, sort_seeds(std::span<const double>(set.points), 1, 0, pool));
+            check_sorted(set, sorted_seeds(set, pool));
         }
-        for (const auto& set : test::families(600, 5))
-            check_sorted(set, sort_seeds(std::span<const double>(set.points), 1, 0, pool));
+        for (const auto& set : test::families(600, 5)) check_sorted(set, sorted_seeds(set, pool));
         const auto large = test::uniform(test::by_size(131073, 5000), 3);
         for (unsigned resolution : {0u, 1u, 2u, 3u, 64u, 1u << 20})
-            check_sorted(large, sort_seeds(std::span<const double>(large.points), 1, resolution, pool));
+            check_sorted(large, sorted_seeds(large, pool, resolution));
     }
 
     TEST_CASE("sort: many copies of a point in one block, and a signed zero") {
@@ -71,14 +76,14 @@ TEST_SUITE("stages") {
         set.name = "copies";
         for (int copy = 0; copy < 50; ++copy) set.points.insert(set.points.end(), {0.25, 0.5, 0.75});
         set.points.insert(set.points.end(), {0.0, 0.5, 0.5, -0.0, 0.5, 0.5});
-        check_sorted(set, sort_seeds(std::span<const double>(set.points), 1, 0, pool));
+        check_sorted(set, sorted_seeds(set, pool));
     }
 
     TEST_CASE("sort: neighbors in memory are neighbors in space") {
         ThreadPool pool(1);
         const std::size_t n = 20000;
         const auto set = test::uniform(n, 4);
-        const auto sorted = sort_seeds(std::span<const double>(set.points), 1, 0, pool);
+        const auto sorted = sorted_seeds(set, pool);
         double step = 0;
         for (std::size_t s = 1; s < n; ++s)
             step +=
@@ -91,7 +96,7 @@ TEST_SUITE("stages") {
         ThreadPool pool(2);
         for (std::size_t n : {1, 8, 9, 63, 64, 65, 513, 4097}) {
             const auto set = test::uniform(n, n);
-            const auto sorted = sort_seeds(std::span<const double>(set.points), 1, 0, pool);
+            const auto sorted = sorted_seeds(set, pool);
             Hierarchy hierarchy;
             hierarchy.build(sorted, pool);
             REQUIRE(hierarchy.count(hierarchy.top_level()) == 1);
