@@ -218,10 +218,15 @@ void SeedSorter::scatter(const Cloud<Real>& cloud, ThreadPool& pool, const Buffe
     run(pool, chunks_, [&](std::size_t chunk, unsigned) {
         std::uint32_t* next = &counts_[chunk * buckets];
         for (std::size_t b = 0; b < buckets; ++b) next[b] += totals_[b];
-        for (std::size_t i = chunk_begin(chunk, cloud.count); i < chunk_begin(chunk + 1, cloud.count); ++i) {
+        const std::size_t end = chunk_begin(chunk + 1, cloud.count);
+        SeedRecord* records = records_.data();
+        const double* k = keys.data();
+        for (std::size_t i = chunk_begin(chunk, cloud.count); i < end; ++i) {
             const auto [x, y, z] = cloud[i];
-            const auto key = std::bit_cast<std::uint64_t>(keys[i]);
-            records_[next[key >> 32]++] = {x, y, z, static_cast<std::int32_t>(i), static_cast<std::uint32_t>(key)};
+            const auto ahead = std::bit_cast<std::uint64_t>(k[std::min(i + 16, end - 1)]);
+            __builtin_prefetch(&records[next[ahead >> 32]], 1);
+            const auto key = std::bit_cast<std::uint64_t>(k[i]);
+            records[next[key >> 32]++] = {x, y, z, static_cast<std::int32_t>(i), static_cast<std::uint32_t>(key)};
         }
     });
 }
