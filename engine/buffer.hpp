@@ -49,7 +49,7 @@ public:
     [[nodiscard]] T* end() { return data() + size_; }
     [[nodiscard]] const T* begin() const { return data(); }
     [[nodiscard]] const T* end() const { return data() + size_; }
-    [[nodiscard]] T& operator[](std::size_t i) { return memory_.get()[i]; }
+    [[nodiscard]] T& operator[](std::size_t i) { return memory_[i]; }
     [[nodiscard]] const T& operator[](std::size_t i) const { return memory_.get()[i]; }
 
 private:
@@ -57,19 +57,20 @@ private:
     static constexpr std::size_t huge_page = std::size_t{2} << 20;
 
     static T* allocate(std::size_t bytes) {
-        auto* memory = static_cast<std::byte*>(::operator new(bytes, std::align_val_t{alignment}));
+        auto* memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{alignment}));
 #if defined(__linux__)
         // Scattered writes to small pages are slow, for their addresses do not fit the processor's tables.
         const std::size_t before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
-        if (bytes >= before + huge_page) madvise(memory + before, (bytes - before) / huge_page * huge_page, MADV_HUGEPAGE);
+        if (bytes >= before + huge_page)
+            madvise(memory + before, (bytes - before) / huge_page * huge_page, MADV_HUGEPAGE);
 #endif
         return reinterpret_cast<T*>(memory);
     }
 
     struct Free {
-        void operator()(T* memory) const { ::operator delete(memory, std::align_val_t{alignment}); }
+        void operator()(T* memory) const { ::operator delete (memory, std::align_val_t{alignment}); }
     };
-    std::unique_ptr<T, Free> memory_;
+    std::unique_ptr<T[], Free> memory_;
     std::size_t size_ = 0, capacity_ = 0;
 };
 

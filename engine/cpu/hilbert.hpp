@@ -11,8 +11,8 @@ inline constexpr int hilbert_levels = 10;
 struct HilbertTables {
     static constexpr int orientations = 12;  // that the curve takes within its octants
     // Entries: the position among the 8 or 512 parts of an octant, plus 512 times the orientation within that part.
-    std::array<std::uint16_t, 8> first;                    // one level, from the whole cube
-    std::array<std::uint16_t, orientations * 512> deeper;  // three levels
+    std::array<std::uint16_t, 8> first;                     // one level, from the whole cube
+    std::array<std::uint16_t, orientations * 512> deeper;   // three levels
     std::array<std::uint32_t, 1 << hilbert_levels> spread;  // bit i to bit 3i
 };
 extern const HilbertTables hilbert_tables;

@@ -8,9 +8,9 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t crowded = 8;      // seeds in one block of a grid before it is binned again
-constexpr std::size_t few = 24;         // items that are fastest sorted by insertion
-constexpr int most_digit_bits = 11;     // counters of a pass stay in the first-level cache
+constexpr std::size_t crowded = 8;   // seeds in one block of a grid before it is binned again
+constexpr std::size_t few = 24;      // items that are fastest sorted by insertion
+constexpr int most_digit_bits = 11;  // counters of a pass stay in the first-level cache
 constexpr std::uint64_t drop_mark = 1ull << 63;
 
 std::uint32_t key_of(std::uint64_t item) {
@@ -45,7 +45,10 @@ std::size_t BlockSorter::sort(std::span<const SeedRecord> records, SortedSeeds& 
     records_ = records;
     dropped_ = 0;
     const std::span<Item> items(items_.data(), records.size());
-    for (std::size_t i = 0; i < items.size(); ++i) items[i] = Item{records[i].key} << 32 | i;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        __builtin_prefetch(reinterpret_cast<const char*>(&records[i]) + 2048);
+        items[i] = Item{records[i].key} << 32 | i;
+    }
     sort_items(items);
     resolve(items);
     double *x = &out.x[begin], *y = &out.y[begin], *z = &out.z[begin];
