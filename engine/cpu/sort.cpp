@@ -13,11 +13,13 @@ namespace {
 constexpr std::size_t bucket_seeds = 512;    // wanted in a bucket: the records fit the first-level cache
 constexpr int most_bucket_bits = 12;         // more buckets than that are slow to scatter to
 constexpr std::size_t crowded_least = 4096;  // seeds in a bucket before it is split: many buckets for all threads,
-constexpr std::size_t crowded_most = 32768;  // in the second-level cache
+constexpr std::size_t crowded_most = 32768;  // and in the second-level cache; more only of some 100 million
 constexpr std::size_t chunk_seeds = 16384;   // at least, in a parallel task
 constexpr std::size_t chunks_per_thread = 4;
 constexpr std::size_t bucket_task = 1024;  // buckets per parallel task
 constexpr std::size_t sort_task = 8192;    // seeds per parallel task
+
+static_assert(std::bit_width(crowded_least / bucket_seeds) >= 3, "a split has to separate octants");
 
 constexpr std::int32_t not_split = -1;
 constexpr std::int32_t one_point = -2;  // cannot be split
@@ -36,6 +38,13 @@ void run(ThreadPool& pool, std::size_t count, const Task& task) {
 }
 
 }  // namespace
+
+// task(chunk, begin, end): all of 0 .. count - 1, a part for each chunk.
+template <class Task>
+void SeedSorter::for_chunks(ThreadPool& pool, std::size_t count, const Task& task) const {
+    run(pool, chunks_,
+        [&](std::size_t chunk, unsigned) { task(chunk, count * chunk / chunks_, count * (chunk + 1) / chunks_); });
+}
 
 template <class Real>
 struct SeedSorter::Cloud {
@@ -98,9 +107,9 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
 template <class Real>
 Bounds SeedSorter::measure(const Cloud<Real>& cloud, ThreadPool& pool) {
     bounds_.assign(chunks_, {});
-    run(pool, chunks_, [&](std::size_t chunk, unsigned) {
+    for_chunks(pool, cloud.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         Bounds bounds;
-        for (std::size_t i = chunk_begin(chunk, cloud.count); i < chunk_begin(chunk + 1, cloud.count); ++i) {
+        for (std::size_t i = begin; i < end; ++i) {
             const auto [x, y, z] = cloud[i];
             bounds.add(x, y, z);
         }
@@ -123,11 +132,11 @@ template <class Real>
 void SeedSorter::make_keys(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<double>& keys) {
     const std::size_t buckets = split_of_.size();
     counts_.resize(chunks_ * buckets);
-    run(pool, chunks_, [&](std::size_t chunk, unsigned) {
+    for_chunks(pool, cloud.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         const Split split = splits_[0];
         std::uint32_t* counts = &counts_[chunk * buckets];
         std::fill_n(counts, buckets, 0);
-        for (std::size_t i = chunk_begin(chunk, cloud.count); i < chunk_begin(chunk + 1, cloud.count); ++i) {
+        for (std::size_t i = begin; i < end; ++i) {
             const auto [x, y, z] = cloud[i];
             const std::uint64_t key = split.grid.key(x, y, z);
             const std::uint64_t bucket = key >> split.shift;
@@ -140,7 +149,7 @@ void SeedSorter::make_keys(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<do
 // Gives each crowded bucket a grid of its own; false when there is none.
 template <class Real>
 bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<double>& keys) {
-    const std::size_t crowded = std::clamp(cloud.count / 32, crowded_least, crowded_most);
+    const std::size_t crowded = std::clamp(cloud.count / 32, crowded_least, std::max(crowded_most, cloud.count / 1024));
     const std::size_t first_split = splits_.size();
     std::size_t next_split = first_split;
     crowded_.clear();
@@ -153,9 +162,9 @@ bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffe
 
     const auto split_of = [&](double key) { return split_of_[std::bit_cast<std::uint64_t>(key) >> 32]; };
     bounds_.assign(chunks_ * crowded_.size(), {});
-    run(pool, chunks_, [&](std::size_t chunk, unsigned) {
+    for_chunks(pool, cloud.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         Bounds* bounds = &bounds_[chunk * crowded_.size()];
-        for (std::size_t i = chunk_begin(chunk, cloud.count); i < chunk_begin(chunk + 1, cloud.count); ++i)
+        for (std::size_t i = begin; i < end; ++i)
             if (const std::int32_t s = split_of(keys[i]); s >= 0) {
                 const auto [x, y, z] = cloud[i];
                 bounds[static_cast<std::size_t>(s) - first_split].add(x, y, z);
@@ -168,10 +177,10 @@ bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffe
 
     const std::size_t buckets = split_of_.size();
     counts_.resize(chunks_ * buckets);
-    run(pool, chunks_, [&](std::size_t chunk, unsigned) {
+    for_chunks(pool, cloud.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::uint32_t* counts = &counts_[chunk * buckets];
         std::fill_n(counts, buckets, 0);
-        for (std::size_t i = chunk_begin(chunk, cloud.count); i < chunk_begin(chunk + 1, cloud.count); ++i) {
+        for (std::size_t i = begin; i < end; ++i) {
             if (const std::int32_t s = split_of(keys[i]); s >= 0) {
                 const Split& split = splits_[static_cast<std::size_t>(s)];
                 const auto [x, y, z] = cloud[i];
@@ -198,7 +207,7 @@ void SeedSorter::count_buckets(ThreadPool& pool) {
     });
 }
 
-// Along the curve: a bucket that was split is followed by nothing of its own, but by its parts.
+// Along the curve, the parts of a split bucket in its place.
 void SeedSorter::order_buckets(const Split& split, std::uint32_t& begin) {
     for (std::uint32_t b = split.first_bucket; b < split.first_bucket + split.buckets; ++b) {
         const std::uint32_t count = totals_[b];
@@ -215,18 +224,16 @@ void SeedSorter::order_buckets(const Split& split, std::uint32_t& begin) {
 template <class Real>
 void SeedSorter::scatter(const Cloud<Real>& cloud, ThreadPool& pool, const Buffer<double>& keys) {
     const std::size_t buckets = split_of_.size();
-    run(pool, chunks_, [&](std::size_t chunk, unsigned) {
+    for_chunks(pool, cloud.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::uint32_t* next = &counts_[chunk * buckets];
         for (std::size_t b = 0; b < buckets; ++b) next[b] += totals_[b];
-        const std::size_t end = chunk_begin(chunk + 1, cloud.count);
-        SeedRecord* records = records_.data();
-        const double* k = keys.data();
-        for (std::size_t i = chunk_begin(chunk, cloud.count); i < end; ++i) {
+        const auto key_at = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(keys[i]); };
+        for (std::size_t i = begin; i < end; ++i) {
+            // The processor cannot guess where this goes.
+            __builtin_prefetch(&records_[next[key_at(std::min(i + 16, end - 1)) >> 32]], 1);
             const auto [x, y, z] = cloud[i];
-            const auto ahead = std::bit_cast<std::uint64_t>(k[std::min(i + 16, end - 1)]);
-            __builtin_prefetch(&records[next[ahead >> 32]], 1);
-            const auto key = std::bit_cast<std::uint64_t>(k[i]);
-            records[next[key >> 32]++] = {x, y, z, static_cast<std::int32_t>(i), static_cast<std::uint32_t>(key)};
+            const std::uint64_t key = key_at(i);
+            records_[next[key >> 32]++] = {x, y, z, static_cast<std::int32_t>(i), static_cast<std::uint32_t>(key)};
         }
     });
 }
@@ -258,9 +265,9 @@ void SeedSorter::sort_buckets(ThreadPool& pool, SortedSeeds& out) {
 void SeedSorter::remove_duplicates(std::size_t count, ThreadPool& pool, SortedSeeds& out) {
     out.duplicate_of.assign(count, -1);
     kept_.assign(chunks_ + 1, 0);
-    run(pool, chunks_, [&](std::size_t chunk, unsigned) {
+    for_chunks(pool, count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::size_t kept = 0;
-        for (std::size_t s = chunk_begin(chunk, count); s < chunk_begin(chunk + 1, count); ++s) {
+        for (std::size_t s = begin; s < end; ++s) {
             if (out.input[s] >= 0)
                 ++kept;
             else
@@ -269,14 +276,14 @@ void SeedSorter::remove_duplicates(std::size_t count, ThreadPool& pool, SortedSe
         kept_[chunk + 1] = kept;
     });
     for (std::size_t chunk = 0; chunk < chunks_; ++chunk) kept_[chunk + 1] += kept_[chunk];
-    run(pool, chunks_, [&](std::size_t chunk, unsigned) {
+    for_chunks(pool, count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::size_t to = kept_[chunk];
-        for (std::size_t s = chunk_begin(chunk, count); s < chunk_begin(chunk + 1, count); ++s)
+        for (std::size_t s = begin; s < end; ++s)
             if (out.input[s] >= 0) records_[to++] = {out.x[s], out.y[s], out.z[s], out.input[s], 0};
     });
     const std::size_t kept = kept_[chunks_];
-    run(pool, chunks_, [&](std::size_t chunk, unsigned) {
-        for (std::size_t s = chunk_begin(chunk, kept); s < chunk_begin(chunk + 1, kept); ++s) {
+    for_chunks(pool, kept, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
             const SeedRecord& r = records_[s];
             out.x[s] = r.x, out.y[s] = r.y, out.z[s] = r.z;
             out.input[s] = r.input;

@@ -39,14 +39,13 @@ private:
         bool one_point;
     };
 
+    template <class Task>
+    void for_chunks(ThreadPool& pool, std::size_t count, const Task& task) const;
     template <class Real>
     void sort_cloud(const Cloud<Real>& cloud, unsigned resolution, ThreadPool& pool, SortedSeeds& out);
     template <class Real>
     [[nodiscard]] Bounds measure(const Cloud<Real>& cloud, ThreadPool& pool);
     void add_split(const Bounds& bounds, int levels, std::size_t seeds);
-    [[nodiscard]] std::size_t chunk_begin(std::size_t chunk, std::size_t count) const {
-        return count * chunk / chunks_;
-    }
     template <class Real>
     void make_keys(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<double>& keys);
     template <class Real>

@@ -104,6 +104,20 @@ bool same_seeds(const SortedSeeds& a, const SortedSeeds& b) {
            a.duplicate_of == b.duplicate_of && a.duplicates == b.duplicates;
 }
 
+// Of the boxes of groups: the median volume, so that a box across empty space does not count.
+double group_volume(const SortedSeeds& sorted, ThreadPool& pool) {
+    Hierarchy hierarchy;
+    hierarchy.build(sorted, pool);
+    std::vector<double> volumes;
+    for (std::size_t g = 0; g < hierarchy.count(0); ++g) {
+        const auto& box = hierarchy.box(0, g);
+        volumes.push_back((box.upper[0] - box.lower[0]) * (box.upper[1] - box.lower[1]) *
+                          (box.upper[2] - box.lower[2]));
+    }
+    std::ranges::nth_element(volumes, volumes.begin() + volumes.size() / 2);
+    return volumes[volumes.size() / 2];
+}
+
 }  // namespace
 
 TEST_SUITE("stages") {
@@ -222,15 +236,17 @@ TEST_SUITE("stages") {
                 std::hypot(sorted.x[s] - sorted.x[s - 1], sorted.y[s] - sorted.y[s - 1], sorted.z[s] - sorted.z[s - 1]);
         // Unsorted, the mean step is 0.66; along a space-filling curve it is about the mean spacing.
         CHECK(step / static_cast<double>(n) < 1.5 / std::cbrt(static_cast<double>(n)));
-        // The volume of a group's box, in units of the volume a seed has.
-        Hierarchy hierarchy;
-        hierarchy.build(sorted, pool);
-        double volume = 0;
-        for (std::size_t g = 0; g < hierarchy.count(0); ++g) {
-            const auto& box = hierarchy.box(0, g);
-            volume += (box.upper[0] - box.lower[0]) * (box.upper[1] - box.lower[1]) * (box.upper[2] - box.lower[2]);
+        CHECK(group_volume(sorted, pool) * static_cast<double>(n) < 5.2);
+    }
+
+    TEST_CASE("sort: clusters that the first grid cannot resolve are as compact as others") {
+        ThreadPool pool(2);
+        for (const std::size_t n : {3000, 20000}) {  // refined as a block, and as a bucket
+            auto set = test::scaled(test::uniform(n, 4), 0x1p-40);
+            set.points.insert(set.points.end(), {0, 0, 0, 0, 0, 1});
+            const auto sorted = sorted_seeds(set, pool);
+            CHECK(group_volume(sorted, pool) * 0x1p120 * static_cast<double>(n) < 5.2);
         }
-        CHECK(volume * static_cast<double>(n) / static_cast<double>(hierarchy.count(0)) < 6);
     }
 
     TEST_CASE("knn: every box holds its seeds and is held by its parent") {
