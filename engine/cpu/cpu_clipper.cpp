@@ -30,9 +30,7 @@ void CpuClipper::begin(const Job& job) {
 
 void CpuClipper::end() {
     workers_.clear();  // refer to the seeds
-    seeds_ = {};
-    hierarchy_ = {};
-    position_ = {};
+    position_.clear();
     sorted_ = searchable_ = false;
     progress_ = {};
     job_ = {};
@@ -40,8 +38,11 @@ void CpuClipper::end() {
 
 void CpuClipper::sort() {
     if (sorted_) return;
-    seeds_ = job_.points.f32.empty() ? sort_seeds(job_.points.f64, job_.scale, job_.options.grid_resolution, *pool_)
-                                     : sort_seeds(job_.points.f32, job_.scale, job_.options.grid_resolution, *pool_);
+    const unsigned resolution = job_.options.grid_resolution;
+    if (job_.points.f32.empty())
+        sorter_.sort(job_.points.f64, job_.scale, resolution, *pool_, seeds_);
+    else
+        sorter_.sort(job_.points.f32, job_.scale, resolution, *pool_, seeds_);
     if (seeds_.duplicates > 0 && job_.options.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());

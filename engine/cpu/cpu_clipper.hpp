@@ -49,6 +49,8 @@ private:
     Job job_;
     Progress progress_;
     bool sorted_ = false, searchable_ = false;
+    // Their memory is kept for the next job.
+    SeedSorter sorter_;
     SortedSeeds seeds_;
     Hierarchy hierarchy_;
     std::vector<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
