@@ -125,15 +125,14 @@ VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, in
 }
 
 template <int L>
-VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
-                                int begin) {
-    for (int i = begin; i < c.count; i += L) {
+VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
+    for (int i = begin / L * L; i < c.count; i += L) {
         unsigned mask = 0;
         for (int k = 0; k < L; ++k) {
             const float gap = c.h[i + k] - c.nx[i + k] * v[0] - c.ny[i + k] * v[1] - c.nz[i + k] * v[2];
             const std::int32_t id = c.id[i + k];
             const bool other = (id != three[0]) & (id != three[1]) & (id != three[2]);
-            mask |= static_cast<unsigned>((gap <= bound) & other) << k;
+            mask |= static_cast<unsigned>((gap <= v[3]) & other & (i + k >= begin)) << k;
         }
         if (mask != 0) return i + std::countr_zero(mask);
     }
@@ -248,12 +247,12 @@ VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int*
     }
 }
 
-VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
-                              int begin) {
+VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
     const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
-    const __m256 limit = _mm256_set1_ps(bound);
+    const __m256 limit = _mm256_set1_ps(v[3]);
     const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]), i2 = _mm256_set1_epi32(three[2]);
-    for (int i = begin; i < c.count; i += 8) {
+    unsigned behind = ~0u << (begin % 8);
+    for (int i = begin / 8 * 8; i < c.count; i += 8, behind = ~0u) {
         const __m256 gap = _mm256_fnmadd_ps(
             _mm256_load_ps(c.nx + i), vx,
             _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
@@ -262,7 +261,8 @@ VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, float bo
         const __m256i same = _mm256_or_si256(_mm256_cmpeq_epi32(id, i0),
                                              _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
         const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
-            _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ))));
+                              _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ)))) &
+                          behind;
         if (mask != 0) return i + std::countr_zero(mask);
     }
     return -1;
@@ -373,18 +373,18 @@ VOTESS_AVX512 void first_hits_avx512(const CandidatePlanes& c, const Ray* rays, 
     hits[1] = hit_of(second);
 }
 
-VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
-                                  int begin) {
+VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
     const __m512 vx = _mm512_set1_ps(v[0]), vy = _mm512_set1_ps(v[1]), vz = _mm512_set1_ps(v[2]);
-    const __m512 limit = _mm512_set1_ps(bound);
+    const __m512 limit = _mm512_set1_ps(v[3]);
     const __m512i i0 = _mm512_set1_epi32(three[0]), i1 = _mm512_set1_epi32(three[1]), i2 = _mm512_set1_epi32(three[2]);
-    for (int i = begin; i < c.count; i += 16) {
+    auto behind = static_cast<__mmask16>(~0u << (begin % 16));
+    for (int i = begin / 16 * 16; i < c.count; i += 16, behind = 0xffff) {
         const __m512 gap = _mm512_fnmadd_ps(
             _mm512_load_ps(c.nx + i), vx,
             _mm512_fnmadd_ps(_mm512_load_ps(c.ny + i), vy,
                              _mm512_fnmadd_ps(_mm512_load_ps(c.nz + i), vz, _mm512_load_ps(c.h + i))));
         const __m512i id = _mm512_load_si512(c.id + i);
-        __mmask16 mask = _mm512_cmp_ps_mask(gap, limit, _CMP_LE_OQ);
+        __mmask16 mask = _mm512_mask_cmp_ps_mask(behind, gap, limit, _CMP_LE_OQ);
         mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i0);
         mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i1);
         mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i2);

@@ -70,9 +70,8 @@ struct StarKernels {
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
     // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none.
     void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
-    // The first plane with h - n.v <= bound that is none of the three, from plane `begin` (a multiple of 16) on; -1 if
-    // there is none.
-    int (*touching)(const CandidatePlanes&, const float* v, float bound, const std::int32_t* three, int begin);
+    // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none.
+    int (*touching)(const CandidatePlanes&, const float* v, const std::int32_t* three, int begin);
     // Sorts different ids: count of them, at most most_row; both arrays have room for most_row.
     void (*sort_row)(const std::int32_t* ids, int count, std::int32_t* sorted);
 };
