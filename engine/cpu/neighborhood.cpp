@@ -63,12 +63,19 @@ void Neighborhood::spill(std::size_t s, const KnownVertex& known) {
     spilled_[s] = static_cast<std::int32_t>(spill_.size() - 1);
 }
 
+std::span<const KnownVertex> Neighborhood::with_spilled(std::size_t s) {
+    const KnownVertex* known = known_.data() + s * primary;
+    gathered_.assign(known, known + primary);
+    for (std::int32_t node = spilled_[s]; node >= 0; node = spill_[node].next) gathered_.push_back(spill_[node].vertex);
+    return gathered_;
+}
+
 void Neighborhood::add_tie(std::span<const std::int32_t> cells, const Four& position) {
     const std::uint32_t index = add_position(cells[0], position);
     const auto at = static_cast<std::int32_t>(ties_.size());
     ties_.push_back(static_cast<std::int32_t>(cells.size()));
     ties_.insert(ties_.end(), cells.begin(), cells.end());
-    for (const std::int32_t cell : cells.subspan(1)) give(cell, {{-1 - at, 0, 0}, index});
+    for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, 0, 0, index);
     known_count_[own_count_] = 0;
 }
 

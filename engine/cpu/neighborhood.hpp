@@ -65,23 +65,21 @@ public:
     void add(const std::array<std::int32_t, 4>& cells, const Four& position) {
         const std::uint32_t index = add_position(cells[0], position);
         // Even permutations of the four keep the orientation.
-        give(cells[1], {{cells[0], cells[3], cells[2]}, index});
-        give(cells[2], {{cells[0], cells[1], cells[3]}, index});
-        give(cells[3], {{cells[0], cells[2], cells[1]}, index});
+        const auto& [p, a, b, c] = cells;
+        give(a, p, c, b, index);
+        give(b, p, a, c, index);
+        give(c, p, b, a, index);
         known_count_[own_count_] = 0;
     }
     // The same for a vertex of more than four cells, which have no order.
     void add_tie(std::span<const std::int32_t> cells, const Four& position);
 
-    // What was handed to a seed of the stretch: visit(const KnownVertex&).
-    template <class Visit>
-    void for_each_known(std::size_t seed, Visit visit) const {
+    // What was handed to a seed of the stretch.
+    [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
         const std::size_t s = seed - first_;
-        const unsigned count = known_count_[s];
-        const KnownVertex* known = known_.data() + s * primary;
-        for (unsigned k = 0; k < std::min(count, primary); ++k) visit(known[k]);
-        if (count > primary)
-            for (std::int32_t node = spilled_[s]; node >= 0; node = spill_[node].next) visit(spill_[node].vertex);
+        const std::size_t count = known_count_[s];
+        if (count <= primary) return {known_.data() + s * primary, count};
+        return with_spilled(s);
     }
     // All cells of a tie.
     [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
@@ -95,7 +93,7 @@ public:
     [[nodiscard]] const Four& owner(std::uint32_t vertex) const { return seeds_[owners_[vertex]]; }
 
 private:
-    static constexpr unsigned primary = 32;  // vertices of a cell before they spill into a linked list
+    static constexpr std::size_t primary = 32;  // vertices of a cell before they spill into a linked list
     struct Spill {
         KnownVertex vertex;
         std::int32_t next;
@@ -110,16 +108,19 @@ private:
         }
         return vertices_++;
     }
-    void give(std::int32_t cell, const KnownVertex& known) {
+    void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex) {
         // Cells that are not of the stretch share a place behind it.
         const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls), own_count_);
-        const unsigned count = known_count_[s]++;
-        if (count < primary)
-            known_[s * primary + count] = known;
-        else
-            spill(s, known);
+        const std::size_t count = known_count_[s]++;
+        if (count >= primary) return spill(s, {{a, b, c}, vertex});
+        KnownVertex& known = known_[s * primary + count];
+        known.cells[0] = a;
+        known.cells[1] = b;
+        known.cells[2] = c;
+        known.vertex = vertex;
     }
     void spill(std::size_t s, const KnownVertex& known);
+    [[nodiscard]] std::span<const KnownVertex> with_spilled(std::size_t s);
 
     std::size_t first_ = 0, last_ = 0;
     std::uint32_t own_count_ = 0;
@@ -134,6 +135,7 @@ private:
     std::vector<std::uint32_t> known_count_;
     std::vector<std::int32_t> spilled_;
     std::vector<Spill> spill_;
+    std::vector<KnownVertex> gathered_;
     std::vector<std::int32_t> ties_;  // their number, then the cells
     std::vector<std::uint8_t> done_, group_done_;
 };

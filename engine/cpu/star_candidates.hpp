@@ -7,13 +7,13 @@ namespace votess::cpu {
 
 template <class Isa>
 bool StarWalk<Isa>::gather_candidates() {
-    const std::size_t group = seed_ / group_size;
     double reach2 = reach_margin * typical_reach_;
-    if (window_group_ != group) {
-        window_group_ = group;
-        window_open_ = window_.open(group, std::sqrt(reach2) * 1.02, cells_);
+    const std::size_t home = seed_ / Window::home_seeds;
+    if (window_home_ != home) {
+        window_home_ = home;
+        window_open_ = window_.open(home, std::sqrt(reach2) * 1.02, cells_);
         if (window_open_)
-            for (std::size_t s = group * group_size; s < seed_; ++s)
+            for (std::size_t s = home * Window::home_seeds; s < seed_; ++s)
                 if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
     }
     if (!window_open_) return false;

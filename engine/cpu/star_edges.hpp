@@ -80,7 +80,7 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
     cells_.begin(seeds_, first, last, measure);
     make_room(cells_.locals());
     measure_ = measure;
-    window_group_ = ~std::size_t{0};
+    window_home_ = ~std::size_t{0};
     if (typical_reach_ == 0) {
         const BoundingBox all = hierarchy_.box(hierarchy_.top_level(), 0);
         double volume = 1;
@@ -104,7 +104,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     const bool done = complete();
     if (done) cells_.set_done(seed);
     if (have_candidates_ && !done) window_.show(seed, own_x_);
-    if (done && window_open_ && window_group_ == seed / group_size) window_.hide(seed);
+    if (done && window_open_ && window_home_ == seed / Window::home_seeds) window_.hide(seed);
     return done;
 }
 
@@ -136,30 +136,30 @@ bool StarWalk<Isa>::complete() {
 template <class Isa>
 bool StarWalk<Isa>::take_known() {
     make_room(cells_.locals());
-    bool sound = true;
     int planes = 0, vertices = 0, ends = 0;
     const Wide own{p_[0], p_[1], p_[2], 0};
-    cells_.for_each_known(seed_, [&](const KnownVertex& known) {
-        if (planes > most_planes - 4 || vertices > most_vertices - 4 || known.is_tie() || !sound) [[unlikely]] {
-            sound = sound && known.is_tie() && vertices <= most_vertices - 4;
-            if (!sound) return;
+    for (const KnownVertex& known : cells_.known(seed_)) {
+        if (planes > most_planes - 4 || vertices > most_vertices - 4) {
+            planes_ = planes;
+            return false;
+        }
+        if (known.is_tie()) {
             planes_ = planes, vertices_ = vertices, ends_ = ends;
-            sound = take_tie(known);
+            if (!take_tie(known)) return false;
             planes = planes_, vertices = vertices_, ends = ends_;
-            return;
+            continue;
         }
         if (measure_)
-            wide(position_[vertices]) =
-                wide(cells_.position(known.vertex)) + (wide(cells_.owner(known.vertex)) - own);
+            wide(position_[vertices]) = wide(cells_.position(known.vertex)) + (wide(cells_.owner(known.vertex)) - own);
         const int a = slot_of(known.cells[0], planes), b = slot_of(known.cells[1], planes),
                   c = slot_of(known.cells[2], planes);
         link_corner(a, b, c, vertices++);
         ends += 3;
-    });
+    }
     planes_ = planes, vertices_ = vertices, ends_ = ends;
     active_ = 0;
     for (int p = 0; p < planes; ++p) active_ |= static_cast<std::uint64_t>(open(p) != 0) << p;
-    return sound;
+    return true;
 }
 
 template <class Isa>
@@ -326,19 +326,22 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
 }
 
 template <class Isa>
+void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
+    Wide position = wide(x) * unscale_;
+    position[3] = third.norms2 / third.determinant2 * dot(position, position);  // x[3] is 0
+    wide(position_[vertices_]) = position;
+}
+
+template <class Isa>
 bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
     const int c = new_slot(id);
     planes_known_ |= 1ull << c;
     id_[c] = id;
-    n_[c] = third.n;
+    wide(n_[c]) = wide(third.n);
     h_[c] = third.h;
-    Four& position = position_[vertices_];
-    if (measure_) {
-        wide(position) = wide(x) * unscale_;
-        position.x[3] = third.norms2 / third.determinant2 * dot(wide(position), wide(position));
-    }
-    cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position);
+    if (measure_) keep_position(third, x);
+    cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
     link_corner(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
     update_active(edge.a);
@@ -351,14 +354,10 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
 template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > most_vertices - 4) return false;
-    Four& position = position_[vertices_];
-    if (measure_) {
-        wide(position) = wide(x) * unscale_;
-        position.x[3] = third.norms2 / third.determinant2 * dot(wide(position), wide(position));
-    }
+    if (measure_) keep_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    cells_.add_tie(tied_cells_, position);
+    cells_.add_tie(tied_cells_, position_[vertices_]);
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++);
 }
 

@@ -54,14 +54,21 @@ VOTESS_INLINE unsigned inside_ball_body(const double* x, const double* y, const 
     return mask;
 }
 
-VOTESS_INLINE void to_window_body(const double* seeds, double origin, double scale, std::int32_t* out) {
+VOTESS_INLINE void to_window_body(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
+                                  const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
+                                  std::int32_t* ids) {
     constexpr double range = window_range;
-    for (int i = 0; i < box_fan; ++i) {
-        double v = (seeds[i] - origin) * scale;
-        v = v > -range ? v : -range;
-        v = v < range ? v : range;
-        out[i] = static_cast<std::int32_t>(v);
-    }
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (std::size_t i = 0; i < box_fan; ++i) {
+            const std::size_t from = std::size_t{groups[g]} * box_fan + i, to = g * box_fan + i;
+            for (int k = 0; k < 3; ++k) {
+                double v = (seeds[k][from] - origin[k]) * scale;
+                v = v > -range ? v : -range;
+                v = v < range ? v : range;
+                out[k][to] = static_cast<std::int32_t>(v);
+            }
+            ids[to] = static_cast<std::int32_t>(from);
+        }
 }
 
 template <int L>
@@ -169,13 +176,21 @@ VOTESS_AVX2 unsigned inside_ball_avx2(const double* x, const double* y, const do
     return inside_ball_body(x, y, z, t, least);
 }
 
-VOTESS_AVX2 void to_window_avx2(const double* seeds, double origin, double scale, std::int32_t* out) {
+VOTESS_AVX2 void to_window_avx2(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
+                                const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
+                                std::int32_t* ids) {
     const __m256d range = _mm256_set1_pd(window_range), least = _mm256_set1_pd(-window_range);
-    for (int i = 0; i < box_fan; i += 4) {
-        __m256d v = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(seeds + i), _mm256_set1_pd(origin)),
-                                  _mm256_set1_pd(scale));
-        v = _mm256_min_pd(_mm256_max_pd(v, least), range);
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(out + i), _mm256_cvtpd_epi32(v));
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const std::size_t from = std::size_t{groups[g]} * box_fan, to = g * box_fan;
+        for (int k = 0; k < 3; ++k)
+            for (std::size_t i = 0; i < box_fan; i += 4) {
+                __m256d v = _mm256_sub_pd(_mm256_loadu_pd(seeds[k] + from + i), _mm256_set1_pd(origin[k]));
+                v = _mm256_min_pd(_mm256_max_pd(_mm256_mul_pd(v, _mm256_set1_pd(scale)), least), range);
+                _mm_storeu_si128(reinterpret_cast<__m128i*>(out[k] + to + i), _mm256_cvtpd_epi32(v));
+            }
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + to),
+                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(from)), iota));
     }
 }
 
@@ -295,10 +310,21 @@ VOTESS_AVX512 unsigned inside_ball_avx512(const double* x, const double* y, cons
                                    _mm512_setzero_pd(), _CMP_GE_OQ);
 }
 
-VOTESS_AVX512 void to_window_avx512(const double* seeds, double origin, double scale, std::int32_t* out) {
-    __m512d v = _mm512_mul_pd(_mm512_sub_pd(_mm512_loadu_pd(seeds), _mm512_set1_pd(origin)), _mm512_set1_pd(scale));
-    v = _mm512_min_pd(_mm512_max_pd(v, _mm512_set1_pd(-window_range)), _mm512_set1_pd(window_range));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm512_cvtpd_epi32(v));
+VOTESS_AVX512 void to_window_avx512(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
+                                    const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
+                                    std::int32_t* ids) {
+    const __m512d range = _mm512_set1_pd(window_range), least = _mm512_set1_pd(-window_range);
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const std::size_t from = std::size_t{groups[g]} * box_fan, to = g * box_fan;
+        for (int k = 0; k < 3; ++k) {
+            __m512d v = _mm512_sub_pd(_mm512_loadu_pd(seeds[k] + from), _mm512_set1_pd(origin[k]));
+            v = _mm512_min_pd(_mm512_max_pd(_mm512_mul_pd(v, _mm512_set1_pd(scale)), least), range);
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out[k] + to), _mm512_cvtpd_epi32(v));
+        }
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + to),
+                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(from)), iota));
+    }
 }
 
 VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float distance_squared,

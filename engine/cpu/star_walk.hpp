@@ -90,6 +90,7 @@ private:
     // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
     bool close(const OpenEdge& edge, const Ray& ray, int lane);
     int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane);
+    void keep_position(const Third& third, const Four& x);
     bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex);
@@ -130,7 +131,7 @@ private:
     const StarKernels& kernels_;
     Neighborhood cells_;
     Window window_;
-    std::size_t window_group_ = ~std::size_t{0};
+    std::size_t window_home_ = ~std::size_t{0};
     bool window_open_ = false, measure_ = false;
     double typical_reach_ = 0;  // squared security radius that vertices of late needed
 
