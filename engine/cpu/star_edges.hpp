@@ -81,12 +81,16 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
     make_room(cells_.locals());
     measure_ = measure;
     window_home_ = ~std::size_t{0};
-    if (typical_reach_ == 0) {
-        const BoundingBox all = hierarchy_.box(hierarchy_.top_level(), 0);
-        double volume = 1;
-        for (int k = 0; k < 3; ++k) volume *= std::max(all.upper[k] - all.lower[k], 1e-9);
-        typical_reach_ = 5 * std::pow(volume / static_cast<double>(seeds_.size()), 2.0 / 3);
-    }
+    // A first guess that depends on nothing but the stretch: the answer, to the last bit, is the same for any number of
+    // threads. The seeds of a box of the tree take about its volume each.
+    const int level = std::min(1, hierarchy_.top_level());
+    const std::size_t seeds = level == 1 ? group_size * box_fan : group_size;
+    const BoundingBox box = hierarchy_.box(level, first / seeds);
+    double longest = 0, volume = 1;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, box.upper[k] - box.lower[k]);
+    for (int k = 0; k < 3; ++k) volume *= std::max(box.upper[k] - box.lower[k], 0.01 * longest);
+    const double count = static_cast<double>(std::min(seeds, seeds_.size() - first / seeds * seeds));
+    typical_reach_ = 5 * std::pow(volume / count, 2.0 / 3);
 }
 
 template <class Isa>

@@ -42,7 +42,7 @@ private:
     static constexpr double solved_factor = 64 * unit;
     static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
     static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.8;     // of the squared security radius that is typical
+    static constexpr double reach_margin = 1.9;     // of the squared security radius that is typical
     static constexpr int most_candidates = 160;     // at first; room for others is left
     static constexpr int most_picks = 64;           // planes tried for one vertex
     static constexpr float parallel = 0x1p-18f;     // rays nearly along a plane do not leave it
