@@ -39,6 +39,9 @@ std::span<const std::int64_t> Tessellation::indptr() const noexcept {
 std::span<const std::int32_t> Tessellation::indices() const noexcept {
     return view(result_->indices);
 }
+std::span<const double> Tessellation::face_areas() const noexcept {
+    return view(result_->face_areas);
+}
 std::span<const double> Tessellation::volumes() const noexcept {
     return view(result_->volumes);
 }

@@ -13,7 +13,7 @@ struct Result {
     bool lists_walls = false;
     std::vector<std::int64_t> indptr;
     std::vector<std::int32_t> indices;
-    std::vector<double> volumes, centroids;
+    std::vector<double> volumes, centroids, face_areas;
     std::vector<std::uint32_t> face_counts, edge_counts, vertex_counts;
     std::vector<CellStatus> status;
     std::vector<std::int32_t> duplicate_of;

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -30,7 +31,8 @@ double accurate_sum(std::span<const double> values) {
         lost = (t - sum) - y;
         sum = t;
     }
-    return sum;
+    // Beyond the largest double the corrections are NaN.
+    return std::isfinite(sum) ? sum : std::accumulate(values.begin(), values.end(), 0.0);
 }
 
 [[noreturn]] void bug(const std::string& what) {
@@ -51,6 +53,7 @@ void ResultBuilder::begin(const Job& job) {
     kept_.clear();
     counters_ = {};
     want_neighbors_ = want.neighbors;
+    want_areas_ = want.areas;
     result_.box = job.box;
     result_.lists_walls = job.options.walls;
     result_.status.assign(count, CellStatus::certified);
@@ -62,10 +65,10 @@ void ResultBuilder::begin(const Job& job) {
 }
 
 void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                             std::vector<std::int32_t> ids) {
+                             std::span<const std::int32_t> ids, std::span<const double> areas) {
     if (!want_neighbors_) return;
-    Block block{cells, {}, std::move(ids)};
-    set_lengths(cells, lengths, block.ids.size());
+    Block block{cells, {}, {ids.begin(), ids.end()}, {areas.begin(), areas.end()}};
+    set_lengths(cells, lengths, ids.size(), areas.size());
     // A row that comes by another call would be taken for one of this block.
     if (std::ranges::find(lengths, 0u) != lengths.end()) {
         for (std::size_t k = 0; k < cells.size(); ++k)
@@ -76,7 +79,7 @@ void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<cons
 }
 
 void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                              std::span<const std::int32_t> ids) {
+                              std::span<const std::int32_t> ids, std::span<const double> areas) {
     if (!want_neighbors_) return;
     if (sum_of(lengths) != ids.size()) bug("rows and their lengths do not fit");
     for (std::size_t begin = 0; begin < cells.size(); begin += copied_block) {
@@ -86,7 +89,11 @@ void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<con
         const std::size_t size = sum_of(part_lengths);
         block.ids.assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(size));
         ids = ids.subspan(size);
-        set_lengths(part, part_lengths, size);
+        if (want_areas_ && areas.size() >= size) {
+            block.areas.assign(areas.begin(), areas.begin() + static_cast<std::ptrdiff_t>(size));
+            areas = areas.subspan(size);
+        }
+        set_lengths(part, part_lengths, size, block.areas.size());
         for (std::size_t k = 0; k < part.size(); ++k)
             if (part_lengths[k] > 0) block.own_cells.push_back(part[k]);
         block.cells = block.own_cells;
@@ -108,7 +115,8 @@ void ResultBuilder::count(const CellCounters& counters) {
 
 // The checks keep an engine's bug from writing beyond the arrays in place_rows().
 void ResultBuilder::set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                                std::size_t ids) {
+                                std::size_t ids, std::size_t areas) {
+    if (want_areas_ && areas != ids) bug("rows and their areas do not fit");
     if (cells.size() != lengths.size()) bug("cells and row lengths do not fit");
     auto& indptr = result_.indptr;
     std::size_t sum = 0;
@@ -154,14 +162,19 @@ void ResultBuilder::place_rows(ThreadPool& pool) {
     auto& indptr = result_.indptr;
     for (std::size_t i = 1; i < indptr.size(); ++i) indptr[i] += indptr[i - 1];
     result_.indices.resize(static_cast<std::size_t>(indptr.back()));
+    if (want_areas_) result_.face_areas.resize(result_.indices.size());
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
         Block& block = blocks_[index];
         const std::int32_t* from = block.ids.data();
+        const double* areas = block.areas.data();
         for (const std::int32_t cell : block.cells) {
             const auto i = static_cast<std::size_t>(cell);
             const auto length = indptr[i + 1] - indptr[i];
             std::copy_n(from, length, result_.indices.data() + indptr[i]);
             from += length;
+            if (!want_areas_) continue;
+            std::copy_n(areas, length, result_.face_areas.data() + indptr[i]);
+            areas += length;
         }
         block = {};  // the memory serves what comes next
     });

@@ -33,14 +33,15 @@ public:
     [[nodiscard]] std::span<std::uint32_t> vertex_counts() { return result_.vertex_counts; }
 
     // From any thread. ids: rows of `cells` (input indices) one after the other, each ascending; lengths[k] of them
-    // belong to cells[k]. A cell of length 0 has no row here and may get one by another call. `cells` must stay as it
-    // is until finish(), see keep(). Large results finish faster in blocks of some thousand cells or less.
+    // belong to cells[k]. areas: when they are wanted, one for each id. A cell of length 0 has no row here and may get
+    // one by another call. `cells` must stay as it is until finish(), see keep(); the other arrays are the caller's
+    // again on return. Large results finish faster in blocks of some thousand cells or less.
     // Does nothing when neighbors are not wanted.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                  std::vector<std::int32_t> ids);
-    // From any thread. The same, copied and cut into blocks: all three arrays are the caller's again on return.
+                  std::span<const std::int32_t> ids, std::span<const double> areas = {});
+    // From any thread. The same, cut into blocks: `cells` too is the caller's again on return.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                   std::span<const std::int32_t> ids);
+                   std::span<const std::int32_t> ids, std::span<const double> areas = {});
     // From any thread. Holds an array of cells until finish() and returns its place.
     std::span<const std::int32_t> keep(std::vector<std::int32_t> cells);
     // From any thread.
@@ -58,14 +59,16 @@ private:
         std::span<const std::int32_t> cells;
         std::vector<std::int32_t> own_cells;  // what `cells` points to when it was not the caller's
         std::vector<std::int32_t> ids;
+        std::vector<double> areas;
     };
 
-    void set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids);
+    void set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids,
+                     std::size_t areas);
     void push(Block block);
     void place_rows(ThreadPool& pool);
     void finish_stats(Stats& stats, ThreadPool& pool) const;
 
-    bool want_neighbors_ = false;
+    bool want_neighbors_ = false, want_areas_ = false;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()
     std::mutex mutex_;       // of what follows
     std::vector<Block> blocks_;

@@ -132,10 +132,11 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             if (!worker.builder) worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
             worker.rows.clear();
             worker.lengths.clear();
+            worker.areas.clear();
             const std::size_t begin = block * block_cells;
             const std::size_t end = std::min(cells.size(), begin + block_cells);
             for (std::size_t k = begin; k < end; ++k) clip_seed(seed_at(k), worker, out);
-            out.add_rows(cells.subspan(begin, end - begin), worker.lengths, {worker.rows.begin(), worker.rows.end()});
+            out.add_rows(cells.subspan(begin, end - begin), worker.lengths, worker.rows, worker.areas);
         },
         watch);
     Progress::require(finished);
@@ -147,7 +148,7 @@ void CpuClipper::clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out)
     const Want& want = job_.options.want;
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
     Cell& cell = worker.builder->build(seed);
-    const bool need_polygons = want.volumes || want.centroids || want.counts || cell.met_tie();
+    const bool need_polygons = want.volumes || want.centroids || want.counts || want.areas || cell.met_tie();
     std::span<const std::int32_t> planes;
     if (need_polygons) {
         cell.canonical_faces(worker.faces);
@@ -158,7 +159,25 @@ void CpuClipper::clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out)
     }
     worker.counters.faces += planes.size();
     worker.counters.exact_cells += cell.used_exact() ? 1 : 0;
-    if (want.neighbors) {
+    const double unscale = 1 / job_.scale;
+    CellGeometry geometry;
+    if (want.volumes || want.centroids || want.areas)
+        geometry = cell.measure(worker.faces, want.areas ? &worker.face_areas : nullptr);
+    if (want.areas) {
+        auto& row = worker.entries;
+        row.clear();
+        for (std::size_t f = 0; f < planes.size(); ++f) {
+            const std::int32_t id = cell.planes()[planes[f]].id;
+            if (id < 0 && !job_.options.walls) continue;
+            row.push_back({id < 0 ? id : seeds_.input[id], worker.face_areas[f] * unscale * unscale});
+        }
+        std::ranges::sort(row, {}, &Worker::Entry::id);
+        for (const auto& entry : row) {
+            worker.rows.push_back(entry.id);
+            worker.areas.push_back(entry.area);
+        }
+        worker.lengths.push_back(static_cast<std::uint32_t>(row.size()));
+    } else if (want.neighbors) {
         auto& row = worker.row;
         row.clear();
         for (const std::int32_t p : planes) {
@@ -172,14 +191,9 @@ void CpuClipper::clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out)
         worker.rows.insert(worker.rows.end(), row.begin(), row.end());
         worker.lengths.push_back(static_cast<std::uint32_t>(row.size()));
     }
-    if (want.volumes || want.centroids) {
-        const CellGeometry geometry = cell.measure(worker.faces);
-        const double unscale = 1 / job_.scale;
-        if (want.volumes) out.volumes()[input] = geometry.volume * unscale * unscale * unscale;
-        if (want.centroids)
-            for (int k = 0; k < 3; ++k)
-                out.centroids()[3 * input + k] = (geometry.centroid[k] + cell.seed()[k]) * unscale;
-    }
+    if (want.volumes) out.volumes()[input] = geometry.volume * unscale * unscale * unscale;
+    if (want.centroids)
+        for (int k = 0; k < 3; ++k) out.centroids()[3 * input + k] = (geometry.centroid[k] + cell.seed()[k]) * unscale;
     if (want.counts) {
         out.face_counts()[input] = static_cast<std::uint32_t>(planes.size());
         out.edge_counts()[input] = worker.faces.edge_count;

@@ -28,7 +28,13 @@ public:
 private:
     struct Worker {  // scratch of one thread
         std::optional<CellBuilder> builder;
+        struct Entry {
+            std::int32_t id;
+            double area;
+        };
         std::vector<std::int32_t> planes, row, rows;
+        std::vector<Entry> entries;             // the row, when areas are wanted
+        std::vector<double> face_areas, areas;  // of the cell's faces; beside the rows
         std::vector<std::uint32_t> lengths;
         CellFaces faces;
         CellCounters counters;

@@ -53,6 +53,8 @@ private:
     void clip_part(std::size_t index);
     // Takes over the cells of a finished chunk; those not certified are added to the pending ones.
     void collect(const Chunk& chunk);
+    void collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin, std::size_t end,
+                      std::size_t first_entry);
     void collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input);
     void leave_to_cpu(std::uint32_t first, std::uint32_t count);
     void clip_pending(double progress);

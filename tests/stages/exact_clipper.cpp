@@ -111,10 +111,10 @@ TEST_SUITE("stages") {
     TEST_CASE("exact clipper: every choice of arrays") {
         const auto set = test::with_duplicates(test::by_size(800, 200), 50, 11);
         votess::cpu::CpuClipper clipper;
-        for (unsigned bits = 0; bits < 32; ++bits) {
+        for (unsigned bits = 0; bits < 64; ++bits) {
             CAPTURE(bits);
             auto options = test::all_options();
-            options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0};
+            options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0, (bits & 32) != 0};
             options.walls = (bits & 16) != 0;
             CHECK(compare(test::run(set, options),
                           clip_parts(clipper, set, options, random_parts(set.size(), 3, bits))) == "");
@@ -211,6 +211,7 @@ TEST_SUITE("stages") {
                 const auto chunk = cells.subspan(begin, std::min(size, set.size() - begin));
                 std::vector<std::uint32_t> lengths;
                 Cells ids;
+                std::vector<double> areas;
                 for (const std::int32_t cell : chunk) {
                     const auto i = static_cast<std::size_t>(cell);
                     const auto row = full.neighbors(i);
@@ -222,6 +223,9 @@ TEST_SUITE("stages") {
                     }
                     lengths.push_back(static_cast<std::uint32_t>(row.size()));
                     ids.insert(ids.end(), row.begin(), row.end());
+                    const auto row_areas =
+                        full.face_areas().subspan(static_cast<std::size_t>(full.indptr()[i]), row.size());
+                    areas.insert(areas.end(), row_areas.begin(), row_areas.end());
                     faces += row.size();
                     builder.volumes()[i] = full.volumes()[i];
                     std::copy_n(full.centroids().data() + 3 * i, 3, builder.centroids().data() + 3 * i);
@@ -230,9 +234,9 @@ TEST_SUITE("stages") {
                     builder.vertex_counts()[i] = full.vertex_counts()[i];
                 }
                 if (copied)
-                    builder.copy_rows(chunk, lengths, ids);
+                    builder.copy_rows(chunk, lengths, ids, areas);
                 else
-                    builder.add_rows(chunk, lengths, std::move(ids));
+                    builder.add_rows(chunk, lengths, ids, areas);
             }
             builder.count({.faces = faces});
             order.assign(order.size(), -1);
@@ -251,20 +255,31 @@ TEST_SUITE("stages") {
 
     TEST_CASE("result builder: an engine's bug is an error") {
         const auto set = test::uniform(10, 20);
-        const votess::Job job = validate({set.points, {}}, test::all_options(set.box));
+        votess::Job job = validate({set.points, {}}, test::all_options(set.box));
+        const std::vector<double> two_areas{1, 2}, three_areas{1, 2, 3};
+        ResultBuilder measuring;
+        measuring.begin(job);
+        CHECK_THROWS_AS(measuring.add_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, two_areas),
+                        votess::Error);
+        measuring.begin(job);
+        CHECK_THROWS_AS(measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}),
+                        votess::Error);
+        measuring.begin(job);
+        measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, three_areas);
+        job.options.want.areas = false;
         const Cells cells{3, 4}, beyond{3, 10}, negative{-1, 4};
         const std::vector<std::uint32_t> lengths{1, 2};
         ResultBuilder builder;
         builder.begin(job);
-        CHECK_THROWS_AS(builder.add_rows(cells, lengths, {1, 2}), votess::Error);
+        CHECK_THROWS_AS(builder.add_rows(cells, lengths, Cells{1, 2}), votess::Error);
         builder.begin(job);
         CHECK_THROWS_AS(builder.copy_rows(cells, lengths, Cells{1, 2, 3, 4}), votess::Error);
-        CHECK_THROWS_AS(builder.add_rows(beyond, lengths, {1, 2, 3}), votess::Error);
+        CHECK_THROWS_AS(builder.add_rows(beyond, lengths, Cells{1, 2, 3}), votess::Error);
         builder.begin(job);
-        CHECK_THROWS_AS(builder.add_rows(negative, lengths, {1, 2, 3}), votess::Error);
+        CHECK_THROWS_AS(builder.add_rows(negative, lengths, Cells{1, 2, 3}), votess::Error);
         builder.begin(job);
-        builder.add_rows(cells, lengths, {1, 2, 3});
-        CHECK_THROWS_AS(builder.add_rows(cells, lengths, {1, 2, 3}), votess::Error);
+        builder.add_rows(cells, lengths, Cells{1, 2, 3});
+        CHECK_THROWS_AS(builder.add_rows(cells, lengths, Cells{1, 2, 3}), votess::Error);
         builder.begin(job);
         builder.status()[7] = CellStatus::candidates_exhausted;
         votess::ThreadPool pool(1);
