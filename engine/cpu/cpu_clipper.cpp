@@ -26,13 +26,13 @@ void CpuClipper::begin(const Job& job) {
     const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
     const unsigned threads = job.options.threads == 0 ? hardware : job.options.threads;
     if (!pool_ || pool_->size() != threads) pool_.emplace(threads);
+    ++job_number_;
 }
 
 void CpuClipper::end() {
-    workers_.clear();  // refer to the seeds
     seeds_ = {};
     hierarchy_ = {};
-    position_ = {};
+    positions_known_ = false;
     sorted_ = searchable_ = false;
     progress_ = {};
     job_ = {};
@@ -77,28 +77,33 @@ void CpuClipper::clip_all(ResultBuilder& out, const Stretch& stretch) {
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) {
     if (cells.empty()) return;
     prepare();
-    const std::vector<std::int32_t> order = in_sorted_order(cells);
-    std::vector<std::int32_t> inputs(order.size());
-    std::ranges::transform(order, inputs.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
-    const std::span<const std::int32_t> kept = out.keep(std::move(inputs));
+    put_in_sorted_order(cells);
+    const std::span<std::int32_t> kept = out.keep(order_.size());
+    std::ranges::transform(order_, kept.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     const std::size_t per_block =
-        std::clamp(order.size() / (pool_->size() * blocks_per_thread), least_block_seeds, block_seeds);
+        std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, block_seeds);
     clip_blocks(
-        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order[k]); }, true, out, stretch);
+        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, stretch);
     for (const std::int32_t cell : kept) out.status()[static_cast<std::size_t>(cell)] = CellStatus::certified;
 }
 
-// Their sorted seeds, ascending, without duplicates: neighbors in memory share windows and caches.
-std::vector<std::int32_t> CpuClipper::in_sorted_order(std::span<const std::int32_t> cells) {
-    if (position_.empty()) {
-        position_.assign(job_.points.count(), -1);
-        const std::size_t count = seeds_.size();
-        pool_->run(blocks_for(count, index_task), [&](std::size_t task, unsigned) {
-            for (std::size_t s = task * index_task; s < std::min(count, (task + 1) * index_task); ++s)
-                position_[static_cast<std::size_t>(seeds_.input[s])] = static_cast<std::int32_t>(s);
-        });
-    }
-    std::vector<std::int32_t> order;
+void CpuClipper::find_positions() {
+    if (positions_known_) return;
+    position_.resize_uninitialized(job_.points.count());
+    if (seeds_.duplicates > 0) std::ranges::fill(position_, -1);
+    const std::size_t count = seeds_.size();
+    pool_->run(blocks_for(count, index_task), [&](std::size_t task, unsigned) {
+        for (std::size_t s = task * index_task; s < std::min(count, (task + 1) * index_task); ++s)
+            position_[static_cast<std::size_t>(seeds_.input[s])] = static_cast<std::int32_t>(s);
+    });
+    positions_known_ = true;
+}
+
+// The sorted seeds of the cells, ascending, without duplicates: neighbors in memory share windows and caches.
+void CpuClipper::put_in_sorted_order(std::span<const std::int32_t> cells) {
+    find_positions();
+    auto& order = order_;
+    order.clear();
     order.reserve(cells.size());
     for (const std::int32_t cell : cells) {
         const auto i = static_cast<std::size_t>(static_cast<std::uint32_t>(cell));
@@ -108,19 +113,18 @@ std::vector<std::int32_t> CpuClipper::in_sorted_order(std::span<const std::int32
     if (cells.size() < seeds_.size() / 16) {
         std::sort(order.begin(), order.end());
     } else {  // marking is faster than sorting
-        std::vector<bool> chosen(seeds_.size());
-        for (const std::int32_t seed : order) chosen[static_cast<std::size_t>(seed)] = true;
+        chosen_.assign(seeds_.size(), false);
+        for (const std::int32_t seed : order) chosen_[static_cast<std::size_t>(seed)] = true;
         order.clear();
-        for (std::size_t seed = 0; seed < chosen.size(); ++seed)
-            if (chosen[seed]) order.push_back(static_cast<std::int32_t>(seed));
+        for (std::size_t seed = 0; seed < chosen_.size(); ++seed)
+            if (chosen_[seed]) order.push_back(static_cast<std::int32_t>(seed));
     }
-    return order;
 }
 
 template <class SeedAt>
 void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
                              bool fallback, ResultBuilder& out, const Stretch& stretch) {
-    if (workers_.empty()) workers_ = std::vector<Worker>(pool_->size());
+    if (workers_.size() != pool_->size()) workers_ = std::vector<Worker>(pool_->size());
     for (Worker& worker : workers_) worker.counters = {};
     const std::size_t blocks = blocks_for(cells.size(), block_cells);
     ThreadPool::Watch watch;
@@ -130,6 +134,10 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
         [&](std::size_t block, unsigned index) {
             Worker& worker = workers_[index];
             if (!worker.builder) worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
+            if (worker.job != job_number_) {
+                worker.builder->reset(job_.scaled_box);
+                worker.job = job_number_;
+            }
             worker.rows.clear();
             worker.lengths.clear();
             worker.areas.clear();

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "buffer.hpp"
 #include "cpu/search.hpp"
 #include "cpu/sort.hpp"
 #include "exact_clipper.hpp"
@@ -23,11 +24,11 @@ public:
     void sort();
     void build_search();
     void clip_all(ResultBuilder& out, const Stretch& stretch);
-    [[nodiscard]] std::vector<std::int32_t> take_duplicates() { return std::move(seeds_.duplicate_of); }
 
 private:
     struct Worker {  // scratch of one thread
         std::optional<CellBuilder> builder;
+        std::uint64_t job = 0;  // that the builder is set for
         struct Entry {
             std::int32_t id;
             double area;
@@ -40,7 +41,9 @@ private:
         CellCounters counters;
     };
 
-    [[nodiscard]] std::vector<std::int32_t> in_sorted_order(std::span<const std::int32_t> cells);
+    void find_positions();
+    // Fills order_.
+    void put_in_sorted_order(std::span<const std::int32_t> cells);
     // cells[k] is the input index of the sorted seed seed_at(k).
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
@@ -53,7 +56,12 @@ private:
     bool sorted_ = false, searchable_ = false;
     SortedSeeds seeds_;
     Hierarchy hierarchy_;
-    std::vector<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
+    std::uint64_t job_number_ = 0;
+    // Scratch memory, which stays from job to job.
+    Buffer<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
+    bool positions_known_ = false;
+    std::vector<std::int32_t> order_;  // sorted seeds to clip
+    std::vector<bool> chosen_;
     std::vector<Worker> workers_;
 };
 

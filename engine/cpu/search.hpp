@@ -39,6 +39,12 @@ class CellBuilder {
 public:
     CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& scaled_box);
 
+    // Forgets what it knows of the seeds, which have changed, but keeps its memory.
+    void reset(const Box& scaled_box) {
+        box_ = scaled_box;
+        group_ = ~std::size_t{0};
+        reach_ = 0;
+    }
     // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
     Cell& build(std::size_t seed);
 

@@ -88,7 +88,7 @@ void GpuEngine::upload(const Job& job) {
     for (auto& chunk : chunks_)
         if (chunk) chunk->wait();
     clipper_.begin(job_);
-    result_.begin(job_);
+    result_.begin(job_, clipper_.pool());
     if (job_.points.count() == 0) return;
     const PassSettings settings = pass_settings(job_.options);
     if (!passes_ || passes_->settings != settings) {
@@ -327,10 +327,7 @@ void GpuEngine::fallback() {
 }
 
 void GpuEngine::download(detail::Result& result) {
-    if (duplicates_) {
-        const auto duplicate_of = clipper_.duplicate_of();
-        result_.set_duplicates({duplicate_of.begin(), duplicate_of.end()});
-    }
+    if (duplicates_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     // clip() did more than its name says: upload and sort of parts, and the CPU's share beside the device's passes.
     StageSeconds& seconds = result.stats.seconds;
     const double overlapped = std::max(0.0, spent_.fallback - seconds.fallback);

@@ -92,7 +92,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("areas: a seed on three walls of the box") {
-        const auto t = votess::tessellate(std::array{0.0, 2.0, 0.0}, test::all_options(votess::Box{{0, 0, 0}, {1, 2, 4}}));
+        const auto t =
+            votess::tessellate(std::array{0.0, 2.0, 0.0}, test::all_options(votess::Box{{0, 0, 0}, {1, 2, 4}}));
         CHECK(std::ranges::equal(t.face_areas(), std::array{2.0, 2.0, 4.0, 4.0, 8.0, 8.0}));
     }
 

@@ -36,12 +36,12 @@ Tessellation clip_parts(ExactClipper& clipper, const votess::Points& points, con
                         const std::vector<Cells>& parts) {
     const votess::Job job = validate(points, options);
     ResultBuilder builder;
-    builder.begin(job);
     clipper.begin(job);
+    builder.begin(job, clipper.pool());
     std::ranges::fill(builder.status(), CellStatus::needs_exact);
     for (const Cells& part : parts) clipper.clip(part, builder, whole);
     const auto duplicate_of = clipper.duplicate_of();
-    builder.set_duplicates({duplicate_of.begin(), duplicate_of.end()});
+    builder.set_duplicates(duplicate_of, clipper.pool());
     auto result = std::make_shared<votess::detail::Result>();
     builder.finish(*result, clipper.pool());
     clipper.end();
@@ -149,7 +149,7 @@ TEST_SUITE("stages") {
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         clipper.begin(job);
-        builder.begin(job);
+        builder.begin(job, clipper.pool());
         clipper.clip({}, builder, whole);
         const auto full = test::run(set);
         CHECK(std::ranges::equal(clipper.duplicate_of(), full.duplicate_of()));
@@ -179,7 +179,7 @@ TEST_SUITE("stages") {
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         clipper.begin(job);
-        builder.begin(job);
+        builder.begin(job, clipper.pool());
         Cells all(set.size());
         std::iota(all.begin(), all.end(), 0);
         CHECK_THROWS_AS(clipper.clip(all, builder, {0.5, 0.75}), votess::Error);
@@ -198,14 +198,19 @@ TEST_SUITE("stages") {
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         for (const bool copied : {false, true}) {
-            builder.begin(job);
             clipper.begin(job);
+            builder.begin(job, clipper.pool());
             // The other engine knows the rows of all cells but every seventh; two chunks of unequal size.
             test::Random random(19);
             Cells order, unresolved;
             for (const std::size_t i : test::permutation(set.size(), random))
                 order.push_back(static_cast<std::int32_t>(i));
-            const auto cells = copied ? std::span<const std::int32_t>(order) : builder.keep(order);
+            std::span<const std::int32_t> cells = order;
+            if (!copied) {
+                const auto kept = builder.keep(order.size());
+                std::ranges::copy(order, kept.begin());
+                cells = kept;
+            }
             std::uint64_t faces = 0;
             for (std::size_t begin = 0, size = set.size() / 5; begin < set.size(); begin += size, size *= 8) {
                 const auto chunk = cells.subspan(begin, std::min(size, set.size() - begin));
@@ -257,32 +262,32 @@ TEST_SUITE("stages") {
         const auto set = test::uniform(10, 20);
         votess::Job job = validate({set.points, {}}, test::all_options(set.box));
         const std::vector<double> two_areas{1, 2}, three_areas{1, 2, 3};
+        votess::ThreadPool pool(1);
         ResultBuilder measuring;
-        measuring.begin(job);
+        measuring.begin(job, pool);
         CHECK_THROWS_AS(measuring.add_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, two_areas),
                         votess::Error);
-        measuring.begin(job);
+        measuring.begin(job, pool);
         CHECK_THROWS_AS(measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}),
                         votess::Error);
-        measuring.begin(job);
+        measuring.begin(job, pool);
         measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, three_areas);
         job.options.want.areas = false;
         const Cells cells{3, 4}, beyond{3, 10}, negative{-1, 4};
         const std::vector<std::uint32_t> lengths{1, 2};
         ResultBuilder builder;
-        builder.begin(job);
+        builder.begin(job, pool);
         CHECK_THROWS_AS(builder.add_rows(cells, lengths, Cells{1, 2}), votess::Error);
-        builder.begin(job);
+        builder.begin(job, pool);
         CHECK_THROWS_AS(builder.copy_rows(cells, lengths, Cells{1, 2, 3, 4}), votess::Error);
         CHECK_THROWS_AS(builder.add_rows(beyond, lengths, Cells{1, 2, 3}), votess::Error);
-        builder.begin(job);
+        builder.begin(job, pool);
         CHECK_THROWS_AS(builder.add_rows(negative, lengths, Cells{1, 2, 3}), votess::Error);
-        builder.begin(job);
+        builder.begin(job, pool);
         builder.add_rows(cells, lengths, Cells{1, 2, 3});
         CHECK_THROWS_AS(builder.add_rows(cells, lengths, Cells{1, 2, 3}), votess::Error);
-        builder.begin(job);
+        builder.begin(job, pool);
         builder.status()[7] = CellStatus::candidates_exhausted;
-        votess::ThreadPool pool(1);
         votess::detail::Result result;
         CHECK_THROWS_AS(builder.finish(result, pool), votess::Error);
         votess::cpu::CpuClipper clipper;
