@@ -208,8 +208,10 @@ void GpuEngine::collect(const Chunk& chunk) {
     const auto infos = chunk.info();
     const auto lengths = chunk.row_lengths();
     const std::size_t blocks = (chunk.count() + block_cells - 1) / block_cells;
-    std::vector<std::int32_t> cells(chunk.count());
-    std::vector<std::size_t> row_begin(blocks + 1, 0);
+    auto& cells = chunk_inputs_;
+    auto& row_begin = row_begin_;
+    cells.resize(chunk.count());
+    row_begin.assign(blocks + 1, 0);
     for (std::uint32_t i = 0; i < chunk.count(); ++i) {
         cells[i] = input_of(order[i] & INDEX_MASK);
         row_begin[i / block_cells + 1] += lengths[i];

@@ -76,10 +76,12 @@ private:
     ResultBuilder result_;
     std::optional<Parts> parts_;
     Part part_;
-    bool duplicates_ = false;            // there are some, or there may be
-    bool second_tier_ = true;            // worth its time
-    std::uint32_t skip_ = 0;             // chunks to leave to the CPU after hopeless ones
-    std::vector<std::int32_t> pending_;  // cells (input index) for the CPU
+    bool duplicates_ = false;                 // there are some, or there may be
+    bool second_tier_ = true;                 // worth its time
+    std::uint32_t skip_ = 0;                  // chunks to leave to the CPU after hopeless ones
+    std::vector<std::int32_t> pending_;       // cells (input index) for the CPU
+    std::vector<std::int32_t> chunk_inputs_;  // of the cells of the chunk being collected
+    std::vector<std::size_t> row_begin_;      // of its blocks of cells
     std::size_t done_cells_ = 0;
     Spent spent_;
 };

@@ -116,6 +116,8 @@ VOTESS_API const char* votess_last_error(void);
 // the library writes no byte beyond it.
 VOTESS_API votess_status votess_options_init(votess_options* options, size_t size);
 
+// Keeps device, threads and buffers between calls, and the memory of a result that was freed for the next one;
+// votess_tessellator_free gives all of it back. Results that are held stay valid.
 VOTESS_API votess_status votess_tessellator_new(votess_tessellator** out);
 VOTESS_API void votess_tessellator_free(votess_tessellator* tessellator);
 

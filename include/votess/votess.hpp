@@ -184,7 +184,9 @@ private:
     std::shared_ptr<const detail::Result> result_;
 };
 
-// Keeps device, threads and buffers between calls. One call at a time per object; different objects are independent.
+// Keeps device, threads and buffers between calls, and takes back the arrays of a Tessellation that nobody holds any
+// more: calls of the same size take no new memory. Destroying the Tessellator frees what it keeps; results that are
+// held stay valid. One call at a time per object; different objects are independent.
 class VOTESS_API Tessellator {
 public:
     Tessellator();

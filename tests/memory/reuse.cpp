@@ -21,17 +21,18 @@ namespace {
 std::atomic<std::size_t> taken{0};  // bytes since the program began
 int failures = 0;
 
-#define CHECK(condition)                                                            \
-    do {                                                                            \
-        if (!(condition)) {                                                         \
+#define CHECK(condition)                                                                \
+    do {                                                                                \
+        if (!(condition)) {                                                             \
             std::fprintf(stderr, "reuse.cpp:%d: not true: %s\n", __LINE__, #condition); \
-            ++failures;                                                             \
-        }                                                                           \
+            ++failures;                                                                 \
+        }                                                                               \
     } while (0)
 
 void* take(std::size_t bytes, std::size_t alignment) {
     taken += bytes;
-    void* memory = std::aligned_alloc(alignment, (std::max<std::size_t>(bytes, 1) + alignment - 1) / alignment * alignment);
+    void* memory =
+        std::aligned_alloc(alignment, (std::max<std::size_t>(bytes, 1) + alignment - 1) / alignment * alignment);
     if (memory == nullptr) throw std::bad_alloc();
     return memory;
 }

@@ -324,6 +324,8 @@ def tessellate(
 class Tessellator:
     """Keeps device, threads and buffers between calls. A context manager; otherwise freed with the object.
 
+    The memory of a result that is gone, its arrays too, serves the next one: calls of the same size take no new memory.
+
     The options are those of :func:`tessellate`; the limits of their values are checked at each call.
 
     One call at a time: a second one, from another thread or from a progress callback, raises VotessError. Results
