@@ -72,7 +72,8 @@ TEST_SUITE("stages") {
         builder.begin(job, pool);
         const auto last = static_cast<std::int32_t>(count) - 1;
         const std::vector<std::int32_t> cells{last, 5, last - 1, 0};
-        builder.add_rows(cells, std::vector<std::uint32_t>{3, 2, 0, 1}, std::vector<std::int32_t>{-6, 0, 5, -1, last, last});
+        builder.add_rows(cells, std::vector<std::uint32_t>{3, 2, 0, 1},
+                         std::vector<std::int32_t>{-6, 0, 5, -1, last, last});
         builder.copy_rows(std::span(cells).subspan(2, 1), std::vector<std::uint32_t>{1}, std::vector<std::int32_t>{7});
         votess::detail::Result result;
         builder.finish(result, pool);
