@@ -127,6 +127,13 @@ void check_handles() {
 void* operator new(std::size_t bytes) {
     return take(bytes, alignof(std::max_align_t));
 }
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {  // std::stable_sort
+    try {
+        return take(bytes, alignof(std::max_align_t));
+    } catch (const std::bad_alloc&) {
+        return nullptr;
+    }
+}
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
     return take(bytes, static_cast<std::size_t>(alignment));
 }
@@ -144,7 +151,7 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
 }
 
 int main() {
-    for (const std::size_t count : {20000, 60000})
+    for (const std::size_t count : {8000, 24000})
         for (const unsigned threads : {1u, 2u}) {
             check_later_calls({.volumes = false}, count, threads);
             check_later_calls({true, true, true, true, true}, count, threads);
