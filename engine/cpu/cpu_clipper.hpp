@@ -2,8 +2,12 @@
 // another engine.
 #pragma once
 
+#include <deque>
+#include <memory>
 #include <optional>
 
+#include "buffer.hpp"
+#include "cpu/cell_writer.hpp"
 #include "cpu/search.hpp"
 #include "cpu/sort.hpp"
 #include "cpu/star.hpp"
@@ -24,26 +28,23 @@ public:
     void sort();
     void build_search();
     void clip_all(ResultBuilder& out, const Stretch& stretch);
-    [[nodiscard]] std::vector<std::int32_t> take_duplicates() { return std::move(seeds_.duplicate_of); }
 
 private:
     struct Worker {  // scratch of one thread
-        std::optional<CellBuilder> builder;
+        Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+
+        CellBuilder builder;
         std::unique_ptr<Star> star;
-        const StarKernels* kernels = nullptr;
-        std::vector<std::int32_t> planes, row, rows;
-        std::vector<std::uint32_t> lengths;
-        CellFaces faces;
-        CellCounters counters;
+        CellWriter writer;
     };
 
-    [[nodiscard]] std::vector<std::int32_t> in_sorted_order(std::span<const std::int32_t> cells);
+    void find_positions();
+    // Fills order_.
+    void put_in_sorted_order(std::span<const std::int32_t> cells);
     // cells[k] is the input index of the sorted seed seed_at(k).
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
                      ResultBuilder& out, const Stretch& stretch);
-    [[nodiscard]] bool build_star(std::size_t seed, Worker& worker, ResultBuilder& out) const;
-    void clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out) const;
 
     std::optional<ThreadPool> pool_;
     Job job_;
@@ -53,8 +54,12 @@ private:
     SeedSorter sorter_;
     SortedSeeds seeds_;
     Hierarchy hierarchy_;
-    std::vector<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
-    std::vector<Worker> workers_;
+    // Scratch memory, which stays from job to job.
+    Buffer<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
+    bool positions_known_ = false;
+    std::vector<std::int32_t> order_;  // sorted seeds to clip
+    std::vector<bool> chosen_;
+    std::deque<Worker> workers_;
 };
 
 }  // namespace votess::cpu
