@@ -30,6 +30,7 @@ void CpuClipper::begin(const Job& job) {
 
 void CpuClipper::end() {
     workers_.clear();  // refer to the seeds
+    delaunay_.reset();
     seeds_ = {};
     hierarchy_ = {};
     position_ = {};
@@ -130,13 +131,14 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
         blocks,
         [&](std::size_t block, unsigned index) {
             Worker& worker = workers_[index];
-            if (!worker.builder) {
+            if (!worker.star) {
                 worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
                 worker.kernels = &star_kernels(best_kernels().name);
                 worker.star.emplace(seeds_, hierarchy_, job_.scaled_box, *worker.kernels);
             }
             worker.rows.clear();
             worker.lengths.clear();
+            worker.budget.begin(block_cells);
             const std::size_t begin = block * block_cells;
             const std::size_t end = std::min(cells.size(), begin + block_cells);
             const std::size_t last = seed_at(end - 1) + 1;
@@ -148,12 +150,16 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
                     stretch_end = std::min(last, first + Neighborhood::most_seeds);
                     worker.star->begin(first, stretch_end, measure);
                 }
-                if (!build_star(seed, worker, out)) clip_seed(seed, worker, out);
+                if (worker.budget.worth_a_star() && build_star(seed, worker, out))
+                    worker.budget.star_done();
+                else
+                    clip_seed(seed, worker, out);
             }
             out.add_rows(cells.subspan(begin, end - begin), worker.lengths, {worker.rows.begin(), worker.rows.end()});
         },
         watch);
     Progress::require(finished);
+    clip_hard(out, stretch);
     for (const Worker& worker : workers_) out.count(worker.counters);
     if (fallback) out.count({.fallback_cells = cells.size()});
 }
@@ -198,9 +204,19 @@ bool CpuClipper::build_star(std::size_t seed, Worker& worker, ResultBuilder& out
 }
 
 void CpuClipper::clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out) const {
+    Cell* cell = worker.builder->build(seed, worker.budget.tests());
+    worker.budget.searched(worker.builder->tests(), cell != nullptr);
+    if (cell != nullptr) {
+        store(*cell, seed, worker, out);
+    } else {
+        worker.hard.push_back(static_cast<std::int32_t>(seed));
+        if (job_.options.want.neighbors) worker.lengths.push_back(0);  // its row comes later
+    }
+}
+
+void CpuClipper::store(Cell& cell, std::size_t seed, Worker& worker, ResultBuilder& out) const {
     const Want& want = job_.options.want;
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
-    Cell& cell = worker.builder->build(seed);
     const bool need_polygons = want.volumes || want.centroids || want.counts || cell.met_tie();
     std::span<const std::int32_t> planes;
     if (need_polygons) {

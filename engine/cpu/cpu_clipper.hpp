@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "cpu/delaunay.hpp"
+#include "cpu/hard_cells.hpp"
 #include "cpu/search.hpp"
 #include "cpu/sort.hpp"
 #include "cpu/star.hpp"
@@ -33,6 +35,8 @@ private:
         const StarKernels* kernels = nullptr;
         std::vector<std::int32_t> planes, row, rows;
         std::vector<std::uint32_t> lengths;
+        SearchBudget budget;
+        std::vector<std::int32_t> hard;  // sorted seeds whose search was given up
         CellFaces faces;
         CellCounters counters;
     };
@@ -44,6 +48,14 @@ private:
                      ResultBuilder& out, const Stretch& stretch);
     [[nodiscard]] bool build_star(std::size_t seed, Worker& worker, ResultBuilder& out) const;
     void clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out) const;
+    void store(Cell& cell, std::size_t seed, Worker& worker, ResultBuilder& out) const;
+    // hard_cells.cpp: the cells that the workers gave up.
+    void clip_hard(ResultBuilder& out, const Stretch& stretch);
+    [[nodiscard]] std::vector<std::int32_t> take_hard();
+    bool triangulate(const Stretch& stretch);
+    template <class Build>
+    void clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Stretch& stretch,
+                   const Build& build);
 
     std::optional<ThreadPool> pool_;
     Job job_;
@@ -53,6 +65,7 @@ private:
     Hierarchy hierarchy_;
     std::vector<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
     std::vector<Worker> workers_;
+    std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it
 };
 
 }  // namespace votess::cpu

@@ -77,9 +77,8 @@ bool Delaunay::triangulate(Triangulation& triangulation, const Watch& watch) {
     const std::int32_t d = first_of([&](std::int32_t p) { return orient(a, b, c, p) != 0; });
     triangulation.begin(a, b, c, d);
 
-    const std::size_t most =
-        std::min<std::size_t>(std::max(most_cells_per_seed * count_, most_cells_of_few),
-                              std::numeric_limits<std::int32_t>::max() - std::size_t{1'000'000});
+    const std::size_t most = std::min<std::size_t>(std::max(most_cells_per_seed * count_, most_cells_of_few),
+                                                   std::numeric_limits<std::int32_t>::max() - std::size_t{1'000'000});
     for (std::size_t k = 2; k < count_; ++k) {
         const std::int32_t p = order[k];
         if (p == c || p == d) continue;

@@ -76,8 +76,7 @@ int low_bit(double x) {
     const auto bits = std::bit_cast<std::uint64_t>(x);
     const auto fraction = bits & ((1ull << 52) - 1);
     const int biased = static_cast<int>((bits >> 52) & 0x7ff);
-    return biased == 0 ? std::countr_zero(fraction) - 1074
-                       : std::countr_zero(fraction | (1ull << 52)) + biased - 1075;
+    return biased == 0 ? std::countr_zero(fraction) - 1074 : std::countr_zero(fraction | (1ull << 52)) + biased - 1075;
 }
 
 // The differences as integers below 2^61 in units of a power of two; false when that would round one.
@@ -111,8 +110,7 @@ template <int W, std::size_t N>
 std::array<std::array<WideInt<W>, 3>, N> to_wide(const Differences<N>& d, int quantum) {
     std::array<std::array<WideInt<W>, 3>, N> out;
     for (std::size_t i = 0; i < N; ++i)
-        for (int k = 0; k < 3; ++k)
-            out[i][k] = to_wide<W>(d.high[i][k], quantum) + to_wide<W>(d.low[i][k], quantum);
+        for (int k = 0; k < 3; ++k) out[i][k] = to_wide<W>(d.high[i][k], quantum) + to_wide<W>(d.low[i][k], quantum);
     return out;
 }
 

@@ -1,0 +1,89 @@
+#include "cpu/hard_cells.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "cpu/cpu_clipper.hpp"
+
+namespace votess::cpu {
+namespace {
+
+constexpr std::size_t block_cells = 64;
+constexpr std::size_t budget_growth = 8;  // from round to round of searches
+// What a triangulation costs, in tests per seed: about 15 tests decided by exact arithmetic, 200 others.
+constexpr std::size_t triangulation_tests = 60;
+constexpr std::size_t most_triangulated = 20'000'000;  // seeds; 300 bytes each
+constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+
+}  // namespace
+
+std::vector<std::int32_t> CpuClipper::take_hard() {
+    std::vector<std::int32_t> hard;
+    for (Worker& worker : workers_) {
+        hard.insert(hard.end(), worker.hard.begin(), worker.hard.end());
+        worker.hard.clear();
+    }
+    std::sort(hard.begin(), hard.end());
+    return hard;
+}
+
+void CpuClipper::clip_hard(ResultBuilder& out, const Stretch& stretch) {
+    const std::size_t count = seeds_.size();
+    std::vector<std::int32_t> hard = take_hard();
+    for (std::size_t tests = SearchBudget::most_tests; !hard.empty(); hard = take_hard()) {
+        tests = tests < count ? tests * budget_growth : unlimited;
+        // At least one of the two is done to the end: together they cost a few times what the cheaper one does.
+        const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
+        if (count <= most_triangulated && (delaunay_ || many) && triangulate(stretch)) {
+            clip_each(hard, out, stretch, [this](std::size_t seed, Worker& worker) {
+                delaunay_->neighbors(seed, worker.row);
+                return &worker.builder->build_from(seed, worker.row);
+            });
+        } else {
+            clip_each(hard, out, stretch,
+                      [&](std::size_t seed, Worker& worker) { return worker.builder->build(seed, tests); });
+        }
+    }
+}
+
+bool CpuClipper::triangulate(const Stretch& stretch) {
+    if (!delaunay_) {
+        bool going_on = true;
+        delaunay_.emplace(seeds_, [&](double) { return going_on = progress_.going_on(stretch.end); });
+        Progress::require(going_on);
+    }
+    return delaunay_->valid();
+}
+
+template <class Build>
+void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Stretch& stretch,
+                           const Build& build) {
+    std::vector<std::int32_t> inputs(seeds.size());
+    std::ranges::transform(seeds, inputs.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
+    const std::span<const std::int32_t> cells = out.keep(std::move(inputs));
+    ThreadPool::Watch watch;
+    if (progress_) watch = [&](std::size_t) { return progress_.going_on(stretch.end); };
+    const bool finished = pool_->run(
+        (cells.size() + block_cells - 1) / block_cells,
+        [&](std::size_t block, unsigned index) {
+            Worker& worker = workers_[index];
+            if (!worker.builder) worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
+            worker.rows.clear();
+            worker.lengths.clear();
+            const std::size_t begin = block * block_cells, end = std::min(cells.size(), begin + block_cells);
+            for (std::size_t k = begin; k < end; ++k) {
+                const auto seed = static_cast<std::size_t>(seeds[k]);
+                if (Cell* cell = build(seed, worker)) {
+                    store(*cell, seed, worker, out);
+                } else {
+                    worker.hard.push_back(seeds[k]);
+                    if (job_.options.want.neighbors) worker.lengths.push_back(0);
+                }
+            }
+            out.add_rows(cells.subspan(begin, end - begin), worker.lengths, {worker.rows.begin(), worker.rows.end()});
+        },
+        watch);
+    Progress::require(finished);
+}
+
+}  // namespace votess::cpu
