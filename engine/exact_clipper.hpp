@@ -33,7 +33,7 @@ public:
     // this stretch of the run, and throws `cancelled` when it says so.
     virtual void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) = 0;
 
-    // Forgets the job and frees its memory; the threads stay. Not before ResultBuilder::finish().
+    // Forgets the job; threads and memory stay for the next. Not before ResultBuilder::finish().
     virtual void end() = 0;
 };
 

@@ -31,9 +31,7 @@ void CpuClipper::begin(const Job& job) {
 void CpuClipper::end() {
     workers_.clear();  // refer to the seeds
     delaunay_.reset();
-    seeds_ = {};
-    hierarchy_ = {};
-    position_ = {};
+    position_.clear();
     sorted_ = searchable_ = false;
     progress_ = {};
     job_ = {};
@@ -41,8 +39,11 @@ void CpuClipper::end() {
 
 void CpuClipper::sort() {
     if (sorted_) return;
-    seeds_ = job_.points.f32.empty() ? sort_seeds(job_.points.f64, job_.scale, job_.options.grid_resolution, *pool_)
-                                     : sort_seeds(job_.points.f32, job_.scale, job_.options.grid_resolution, *pool_);
+    const unsigned resolution = job_.options.grid_resolution;
+    if (job_.points.f32.empty())
+        sorter_.sort(job_.points.f64, job_.scale, resolution, *pool_, seeds_);
+    else
+        sorter_.sort(job_.points.f32, job_.scale, resolution, *pool_, seeds_);
     if (seeds_.duplicates > 0 && job_.options.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());
@@ -134,7 +135,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             if (!worker.star) {
                 worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
                 worker.kernels = &star_kernels(best_kernels().name);
-                worker.star.emplace(seeds_, hierarchy_, job_.scaled_box, *worker.kernels);
+                worker.star = make_star(best_kernels().name, seeds_, hierarchy_, job_.scaled_box);
             }
             worker.rows.clear();
             worker.lengths.clear();
@@ -147,7 +148,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
                 const std::size_t seed = seed_at(k);
                 if (seed >= stretch_end) {
                     const std::size_t first = seed / group_size * group_size;
-                    stretch_end = std::min(last, first + Neighborhood::most_seeds);
+                    stretch_end = std::min(last, first + Star::most_seeds);
                     worker.star->begin(first, stretch_end, measure);
                 }
                 if (worker.budget.worth_a_star() && build_star(seed, worker, out))

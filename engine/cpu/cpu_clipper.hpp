@@ -31,7 +31,7 @@ public:
 private:
     struct Worker {  // scratch of one thread
         std::optional<CellBuilder> builder;
-        std::optional<Star> star;
+        std::unique_ptr<Star> star;
         const StarKernels* kernels = nullptr;
         std::vector<std::int32_t> planes, row, rows;
         std::vector<std::uint32_t> lengths;
@@ -61,6 +61,8 @@ private:
     Job job_;
     Progress progress_;
     bool sorted_ = false, searchable_ = false;
+    // Their memory is kept for the next job.
+    SeedSorter sorter_;
     SortedSeeds seeds_;
     Hierarchy hierarchy_;
     std::vector<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 
 namespace votess::cpu {
@@ -16,14 +17,14 @@ public:
     static constexpr std::size_t most_tests = 2000;  // for one cell
     static constexpr std::size_t usual_tests = 256;  // these are free
     static constexpr std::size_t tests_per_cell = 16, least_cells = 256;
-    static constexpr std::size_t long_streak = 8, try_again = 16;
+    static constexpr std::size_t long_streak = 8;
 
     void begin(std::size_t cells) {
         left_ = tests_per_cell * std::max(cells, least_cells);
         streak_ = 0;
     }
-    // Whether to try the cell as a star: after many hard cells in a row only now and then.
-    [[nodiscard]] bool worth_a_star() const { return streak_ < long_streak || streak_ % try_again == 0; }
+    // Whether to try the cell as a star: the longer the streak of hard cells, the less often.
+    [[nodiscard]] bool worth_a_star() const { return streak_ < long_streak || std::has_single_bit(streak_); }
     // Tests that the cell may take.
     [[nodiscard]] std::size_t tests() const { return left_ > 0 ? most_tests : 0; }
 

@@ -1,6 +1,7 @@
 #include "cpu/hierarchy.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 namespace votess::cpu {
@@ -13,55 +14,46 @@ std::size_t divide_up(std::size_t a, std::size_t b) {
     return (a + b - 1) / b;
 }
 
-void put(BoxBlock& block, std::size_t i, const double* lower, const double* upper) {
-    for (int k = 0; k < 3; ++k) {
-        block.lower[k][i] = lower[k];
-        block.upper[k][i] = upper[k];
-    }
-}
-
 }  // namespace
 
 void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
-    constexpr double none_lower[3] = {infinity, infinity, infinity};
-    constexpr double none_upper[3] = {-infinity, -infinity, -infinity};
     counts_.clear();
     for (std::size_t count = divide_up(seeds.size(), group_size);; count = divide_up(count, fan)) {
         counts_.push_back(count);
         if (count <= 1) break;
     }
-    levels_.resize(counts_.size());
-    for (std::size_t level = 0; level < levels_.size(); ++level) {
-        auto& blocks = levels_[level];
-        blocks.resize(std::max<std::size_t>(1, divide_up(counts_[level], fan)));
-        pool.run(divide_up(blocks.size(), task_blocks), [&](std::size_t task, unsigned) {
-            for (std::size_t b = task * task_blocks; b < std::min(blocks.size(), (task + 1) * task_blocks); ++b)
-                for (std::size_t i = 0; i < fan; ++i) {
-                    const std::size_t node = b * fan + i;
-                    double lower[3], upper[3];
-                    std::copy_n(none_lower, 3, lower);
-                    std::copy_n(none_upper, 3, upper);
-                    if (node >= counts_[level]) {
-                        // as it is
-                    } else if (level == 0) {
-                        for (std::size_t s = node * group_size; s < std::min(seeds.size(), (node + 1) * group_size);
-                             ++s) {
-                            const double p[3] = {seeds.x[s], seeds.y[s], seeds.z[s]};
-                            for (int k = 0; k < 3; ++k) {
-                                lower[k] = std::min(lower[k], p[k]);
-                                upper[k] = std::max(upper[k], p[k]);
-                            }
-                        }
-                    } else {
-                        const BoxBlock& below = levels_[level - 1][node];
-                        for (int k = 0; k < 3; ++k) {
-                            lower[k] = *std::min_element(below.lower[k], below.lower[k] + fan);
-                            upper[k] = *std::max_element(below.upper[k], below.upper[k] + fan);
-                        }
-                    }
-                    put(blocks[b], i, lower, upper);
-                }
-        });
+    if (levels_.size() < counts_.size()) levels_.resize(counts_.size());
+    for (std::size_t level = 0; level < counts_.size(); ++level) {
+        const std::size_t blocks = std::max<std::size_t>(1, divide_up(counts_[level], fan));
+        levels_[level].resize(blocks);
+        const auto task = [&](std::size_t index, unsigned) {
+            for (std::size_t b = index * task_blocks; b < std::min(blocks, (index + 1) * task_blocks); ++b)
+                fill(seeds, level, b);
+        };
+        pool.run(divide_up(blocks, task_blocks), std::cref(task));  // by reference: no allocation
+    }
+}
+
+void Hierarchy::fill(const SortedSeeds& seeds, std::size_t level, std::size_t index) {
+    BoxBlock& block = levels_[level][index];
+    for (std::size_t i = 0; i < fan; ++i) {
+        const std::size_t node = index * fan + i;
+        for (int k = 0; k < 3; ++k) block.lower[k][i] = infinity, block.upper[k][i] = -infinity;
+        if (node >= counts_[level]) continue;
+        if (level == 0) {
+            const Buffer<double>* coordinates[3] = {&seeds.x, &seeds.y, &seeds.z};
+            const std::size_t begin = node * group_size, end = std::min(seeds.size(), begin + group_size);
+            for (int k = 0; k < 3; ++k) {
+                const auto [least, most] = std::minmax_element(coordinates[k]->data() + begin, coordinates[k]->data() + end);
+                block.lower[k][i] = *least, block.upper[k][i] = *most;
+            }
+        } else {
+            const BoxBlock& below = levels_[level - 1][node];
+            for (int k = 0; k < 3; ++k) {
+                block.lower[k][i] = *std::min_element(below.lower[k], below.lower[k] + fan);
+                block.upper[k][i] = *std::max_element(below.upper[k], below.upper[k] + fan);
+            }
+        }
     }
 }
 

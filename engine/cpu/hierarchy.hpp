@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "buffer.hpp"
 #include "cpu/sort.hpp"
 #include "cpu/star_kernels.hpp"
 #include "thread_pool.hpp"
@@ -17,7 +18,7 @@ public:
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 
-    [[nodiscard]] int top_level() const { return static_cast<int>(levels_.size()) - 1; }
+    [[nodiscard]] int top_level() const { return static_cast<int>(counts_.size()) - 1; }
     [[nodiscard]] std::size_t count(int level) const { return counts_[level]; }
     // Boxes 8 index .. 8 index + 7 of a level: the children of box `index` one level up.
     [[nodiscard]] const BoxBlock& block(int level, std::size_t index) const { return levels_[level][index]; }
@@ -28,7 +29,9 @@ public:
     }
 
 private:
-    std::vector<std::vector<BoxBlock>> levels_;
+    void fill(const SortedSeeds& seeds, std::size_t level, std::size_t index);
+
+    std::vector<Buffer<BoxBlock>> levels_;  // those beyond counts_ keep memory for the next build
     std::vector<std::size_t> counts_;
 };
 

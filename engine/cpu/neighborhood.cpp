@@ -5,23 +5,29 @@
 namespace votess::cpu {
 namespace {
 
+constexpr std::size_t least_table = 1 << 14;
+
 std::size_t hash(std::int32_t id) {
     return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(id)) * 0x9e3779b97f4a7c15ull) >> 32;
 }
 
 }  // namespace
 
-void Neighborhood::begin(std::size_t first, std::size_t last, bool positions) {
+void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_t last, bool positions) {
     first_ = first;
     last_ = last;
     const std::size_t count = last - first;
     own_end_ = walls + static_cast<std::int32_t>(count);
     keep_positions_ = positions;
     foreign_ids_.clear();
-    if (table_.empty()) table_.resize(4 * most_seeds);
+    if (table_.empty()) table_.resize(least_table);
     std::fill(table_.begin(), table_.end(), -1);
     vertex_count_ = 0;
-    if (positions) positions_.resize(vertices_.size());
+    if (positions) {
+        positions_.resize(vertices_.size());
+        seeds_.resize(std::max(seeds_.size(), count));
+        for (std::size_t s = 0; s < count; ++s) seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
+    }
     // One more for cells of other stretches, which get nothing.
     known_.resize(std::max(known_.size(), (count + 1) * primary));
     known_count_.assign(count + 1, 0);

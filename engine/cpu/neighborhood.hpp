@@ -17,9 +17,11 @@ namespace votess::cpu {
 struct SharedVertex {
     std::array<std::int32_t, 4> cells;
 };
+struct Four {
+    double x[4];
+};
 struct VertexPosition {
-    double x, y, z;  // relative to the seed of cell 0
-    double error;    // bound on the distance from the exact vertex
+    Four at;  // x, y, z relative to the seed of cell 0, and (|na||nb||nc| / det)^2 |x|^2, which bounds the error
 };
 
 // A vertex of a cell, and which of the vertex's cells that is.
@@ -32,9 +34,8 @@ struct KnownVertex {
 class Neighborhood {
 public:
     static constexpr int walls = 6;
-    static constexpr std::size_t most_seeds = 4096;
 
-    void begin(std::size_t first, std::size_t last, bool positions);
+    void begin(const SortedSeeds& seeds, std::size_t first, std::size_t last, bool positions);
 
     [[nodiscard]] std::size_t first() const { return first_; }
     [[nodiscard]] std::size_t last() const { return last_; }
@@ -84,6 +85,8 @@ public:
     }
     [[nodiscard]] const SharedVertex& vertex(std::uint32_t index) const { return vertices_[index]; }
     [[nodiscard]] const VertexPosition& position(std::uint32_t index) const { return positions_[index]; }
+    // Coordinates of a seed of the stretch, when positions are kept.
+    [[nodiscard]] const Four& seed(std::int32_t local) const { return seeds_[local - walls]; }
     // Calls visit(KnownVertex) for every vertex that was handed to a seed of the stretch.
     template <class Visit>
     void for_each_known(std::size_t seed, Visit visit) const {
@@ -113,6 +116,7 @@ private:
     std::uint32_t vertex_count_ = 0;
     std::vector<SharedVertex> vertices_;
     std::vector<VertexPosition> positions_;
+    std::vector<Four> seeds_;
     std::vector<KnownVertex> known_;
     std::vector<std::uint16_t> known_count_;
     std::vector<std::int32_t> spilled_;

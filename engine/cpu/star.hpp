@@ -17,29 +17,28 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <vector>
+#include <string_view>
 
 #include "cpu/hierarchy.hpp"
-#include "cpu/neighborhood.hpp"
-#include "cpu/star_kernels.hpp"
-#include "cpu/window.hpp"
-#include "exact/predicate.hpp"
+#include "cpu/sort.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::cpu {
 
 class Star {
 public:
+    static constexpr std::size_t most_seeds = 4096;  // of a stretch
     static constexpr int most_planes = 64;
     static constexpr int most_vertices = 2 * most_planes;
 
-    Star(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box, const StarKernels& kernels);
+    virtual ~Star() = default;
 
     // Begins a stretch of seeds, aligned to groups but at the end; build() is then called for its seeds in order.
-    void begin(std::size_t first, std::size_t last, bool measure);
+    virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
     // False when the cell is beyond what this class handles: the caller clips it.
-    bool build(std::size_t seed);
+    virtual bool build(std::size_t seed) = 0;
 
     // Of the last cell built. Faces in no particular order: sorted seeds, or walls -1..-6.
     [[nodiscard]] std::span<const std::int32_t> faces() const {
@@ -55,97 +54,19 @@ public:
         std::array<double, most_planes> areas{};
     };
     // After begin(.., measure = true). False when rounding might spoil the digits promised.
-    bool measure(Geometry& out);
+    virtual bool measure(Geometry& out) = 0;
 
-private:
-    using Vector = std::array<double, 3>;
-    struct OpenEdge {
-        int a, b;       // slots of its planes
-        Vector ab;      // n_a x n_b
-        double norms2;  // |n_a|^2 |n_b|^2
-    };
-    struct Solved {
-        Vector x;
-        double condition;  // |na||nb||nc| / |det|
-    };
-    // Bit b of links[a].out: a corner of face a has the edge a -> b; the corner at its other end has b -> a and sets
-    // bit b of links[a].in.
-    struct Links {
-        std::uint64_t out, in;
-    };
-
-    bool complete(std::size_t seed);
-    bool take_known(std::size_t seed);
-    bool gather_candidates(std::size_t seed);
-    bool begin_anywhere();
-    // The way along an open edge, out of the face corners known.
-    bool aim(int a, int b, OpenEdge& edge, Ray& ray);
-    [[nodiscard]] int first_hit(const Ray& ray) const;
-    // Finds the vertex at the other end; `hit` is where to begin.
-    bool close(const OpenEdge& edge, const Ray& ray, int hit);
-    bool add_vertex(int a, int b, std::int32_t id, const Vector& nc, double hc, const Vector& x, double norms2,
-                    double determinant2);
-    int cutting_plane(const Solved& vertex, const float* v, float rounding, const std::int32_t* three, int lane);
-    // As exact::side_of_vertex, of the plane with seed or wall id; the vertex solves those of `three`.
-    int side_of(const Solved& vertex, const std::int32_t* three, std::int32_t id);
-    bool add_candidate(std::int32_t id);
-    [[nodiscard]] bool is_extra(std::int32_t id) const;
-    bool add_walls();
-    bool add_inside(const Vector& x, double radius, const std::int32_t* three, int& added);
-
-    [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
-    [[gnu::always_inline]] inline void need_plane(int slot);
-    void need_all_planes();
-    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Vector& n, double& h) const;
-    [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
-    [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
-    [[nodiscard]] std::uint64_t open(int a) const { return links_[a].out & ~links_[a].in; }
-    [[nodiscard]] float rounding_of(double x2) const;
-
-    const SortedSeeds& seeds_;
-    const Hierarchy& hierarchy_;
-    const Box box_;
-    const StarKernels& kernels_;
-    Neighborhood cells_;
-    Window window_;
-    std::size_t window_group_ = ~std::size_t{0};
-    bool window_open_ = false;
-    bool measure_ = false;
-    double typical_reach_ = 0;  // squared security radius that vertices of late needed
-
-    std::size_t seed_ = 0;
-    exact::Point p_{};
-    bool have_candidates_ = false;
-    std::int32_t own_x_ = 0;
-    bool have_walls_ = false;
-    CandidatePlanes candidates_;
-    double covered_ = 0;  // squared distance within which all seeds not done are candidates
-    int extras_ = 0;      // candidates from here on are no seeds of the window
-    double reached_ = 0;  // largest squared security radius of the vertices found
-    double scale_ = 1;    // planes and vertices times this: window units, or 1 without a window
-    double longest_ = 0;  // at least the length of the longest candidate normal, in window units
-    double inverse_longest_ = 0;
-    bool used_exact_ = false;
-
+protected:
     int planes_ = 0, vertices_ = 0;
-    std::uint64_t planes_known_ = 0;  // bit: id_, n_, h_ are set
-    std::array<std::int32_t, most_planes> local_{}, id_{};
-    std::array<Vector, most_planes> n_{};
-    std::array<double, most_planes> h_{};
-    std::array<Links, most_planes> links_{};
-    std::uint64_t active_ = 0;                        // planes with open edges
-    std::vector<std::uint32_t> slot_;                 // by local id: epoch * most_planes + slot
-    std::uint32_t epoch_ = 0;
-
-    struct Node {
-        std::int32_t level;
-        std::uint32_t index;
-    };
-    std::vector<Node> nodes_;
-    // For measure().
-    std::array<Vector, most_vertices> position_{};
-    std::array<double, most_vertices> error_{};
-    std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // corner with edge a -> b
+    std::array<std::int32_t, most_planes> id_{};
+    bool used_exact_ = false;
 };
+
+// For the instruction set of that name, see supported_kernels().
+std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy,
+                                const Box& box);
+std::unique_ptr<Star> make_star_baseline(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box);
+std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box);
+std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box);
 
 }  // namespace votess::cpu

@@ -13,6 +13,9 @@
 namespace votess::cpu {
 namespace {
 
+// With GroupTest::slack this is more than 2e-8 (h + |v| sqrt(h)), h = |n|^2 / 2.
+constexpr double relative_slack = 4e-8;
+
 #define VOTESS_INLINE inline __attribute__((always_inline))
 
 template <class T, int L>
@@ -36,6 +39,18 @@ VOTESS_INLINE unsigned near_boxes_body(const BoxBlock& b, const BoundingBox& hom
         }
     unsigned mask = 0;
     for (int i = 0; i < box_fan; ++i) mask |= static_cast<unsigned>(sum[i] < distance_squared) << i;
+    return mask;
+}
+
+VOTESS_INLINE unsigned inside_ball_body(const double* x, const double* y, const double* z, const GroupTest& t,
+                                        double least) {
+    unsigned mask = 0;
+    for (int i = 0; i < box_fan; ++i) {
+        const double nx = (x[i] - t.p[0]) * t.scale, ny = (y[i] - t.p[1]) * t.scale, nz = (z[i] - t.p[2]) * t.scale;
+        const double square = nx * nx + ny * ny + nz * nz;
+        const double excess = nx * t.v[0] + ny * t.v[1] + nz * t.v[2] - 0.5 * square;
+        mask |= static_cast<unsigned>((excess >= -(relative_slack * square + t.slack)) & (square >= least)) << i;
+    }
     return mask;
 }
 
@@ -150,6 +165,11 @@ VOTESS_AVX2 unsigned near_boxes_avx2(const BoxBlock& b, const BoundingBox& home,
     return mask;
 }
 
+VOTESS_AVX2 unsigned inside_ball_avx2(const double* x, const double* y, const double* z, const GroupTest& t,
+                                      double least) {
+    return inside_ball_body(x, y, z, t, least);
+}
+
 VOTESS_AVX2 void to_window_avx2(const double* seeds, double origin, double scale, std::int32_t* out) {
     const __m256d range = _mm256_set1_pd(window_range), least = _mm256_set1_pd(-window_range);
     for (int i = 0; i < box_fan; i += 4) {
@@ -257,6 +277,22 @@ VOTESS_AVX512 unsigned near_boxes_avx512(const BoxBlock& b, const BoundingBox& h
         sum = _mm512_add_pd(sum, _mm512_mul_pd(gap, gap));
     }
     return _mm512_cmp_pd_mask(sum, _mm512_set1_pd(distance_squared), _CMP_LT_OQ);
+}
+
+VOTESS_AVX512 unsigned inside_ball_avx512(const double* x, const double* y, const double* z, const GroupTest& t,
+                                          double least) {
+    const __m512d scale = _mm512_set1_pd(t.scale);
+    const __m512d nx = _mm512_mul_pd(_mm512_sub_pd(_mm512_loadu_pd(x), _mm512_set1_pd(t.p[0])), scale);
+    const __m512d ny = _mm512_mul_pd(_mm512_sub_pd(_mm512_loadu_pd(y), _mm512_set1_pd(t.p[1])), scale);
+    const __m512d nz = _mm512_mul_pd(_mm512_sub_pd(_mm512_loadu_pd(z), _mm512_set1_pd(t.p[2])), scale);
+    const __m512d square = _mm512_fmadd_pd(nx, nx, _mm512_fmadd_pd(ny, ny, _mm512_mul_pd(nz, nz)));
+    const __m512d along = _mm512_fmadd_pd(
+        nx, _mm512_set1_pd(t.v[0]),
+        _mm512_fmadd_pd(ny, _mm512_set1_pd(t.v[1]), _mm512_mul_pd(nz, _mm512_set1_pd(t.v[2]))));
+    const __m512d excess = _mm512_fmadd_pd(square, _mm512_set1_pd(relative_slack - 0.5),
+                                           _mm512_add_pd(along, _mm512_set1_pd(t.slack)));
+    return _mm512_mask_cmp_pd_mask(_mm512_cmp_pd_mask(square, _mm512_set1_pd(least), _CMP_GE_OQ), excess,
+                                   _mm512_setzero_pd(), _CMP_GE_OQ);
 }
 
 VOTESS_AVX512 void to_window_avx512(const double* seeds, double origin, double scale, std::int32_t* out) {
@@ -372,12 +408,12 @@ VOTESS_AVX512 void sort_row_avx512(const std::int32_t* ids, int count, std::int3
     }
 }
 
-constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, to_window_avx2, select_avx2, first_hits_avx2, touching_avx2, sort_row_plain};
-constexpr StarKernels kernels_avx512{"avx512",      near_boxes_avx512, to_window_avx512,
+constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, inside_ball_avx2, to_window_avx2, select_avx2, first_hits_avx2, touching_avx2, sort_row_plain};
+constexpr StarKernels kernels_avx512{"avx512",      near_boxes_avx512, inside_ball_avx512, to_window_avx512,
                                      select_avx512, first_hits_avx512, touching_avx512, sort_row_avx512};
 #endif
 
-constexpr StarKernels kernels_baseline{"baseline",     near_boxes_body,   to_window_body,
+constexpr StarKernels kernels_baseline{"baseline",     near_boxes_body, inside_ball_body, to_window_body,
                                        select_body<4>, first_hits_body<4>, touching_body<4>, sort_row_plain};
 
 }  // namespace

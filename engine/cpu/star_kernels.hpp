@@ -2,6 +2,7 @@
 // they return is checked or exact, so the answer does not depend on the choice.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -49,10 +50,20 @@ struct Ray {  // o + t d
     float least;
 };
 
+// Seeds q that may lie in the ball around p + v / scale through p: n.v >= |n|^2 / 2 but for the slack.
+struct GroupTest {
+    std::array<double, 3> p;
+    double scale;
+    std::array<double, 3> v;
+    double slack;
+};
+
 struct StarKernels {
     const char* name;
     // Bit k: box k comes nearer than sqrt(distance_squared) to the box home; for a point, lower = upper.
     unsigned (*near_boxes)(const BoxBlock&, const BoundingBox& home, double distance_squared);
+    // Bits of those of eight seeds that may lie in the ball, and not nearer to p than sqrt(least) / scale.
+    unsigned (*inside_ball)(const double* x, const double* y, const double* z, const GroupTest&, double least);
     // out[0..8) = seeds[0..8) as window integers.
     void (*to_window)(const double* seeds, double origin, double scale, std::int32_t* out);
     // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.

@@ -4,9 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "exact/double_double.hpp"
+#include "exact/integer_rows.hpp"
 #include "exact/wide_int.hpp"
 
 namespace votess::exact {
@@ -16,12 +16,6 @@ constexpr double unit = 0x1p-53;
 constexpr double orient_factor = 50 * unit, insphere_factor = 400 * unit;
 // More than all that underflow may add, with coordinates below 2^90.
 constexpr double underflow = 1e-200;
-
-constexpr int widest = 36;  // 2098 bits from the smallest subnormal to the largest double, plus sign and difference
-
-int sign_of(double x) {
-    return x > 0 ? 1 : -1;
-}
 
 // Determinants whose elements are numbers (double) or WideInt<W>, where products are as wide as they need.
 template <class Row>
@@ -71,14 +65,6 @@ int high_bit(double x) {
     return static_cast<int>((std::bit_cast<std::uint64_t>(x) >> 52) & 0x7ff) - 1022;
 }
 
-// Exponent of the lowest bit set; x is not 0.
-int low_bit(double x) {
-    const auto bits = std::bit_cast<std::uint64_t>(x);
-    const auto fraction = bits & ((1ull << 52) - 1);
-    const int biased = static_cast<int>((bits >> 52) & 0x7ff);
-    return biased == 0 ? std::countr_zero(fraction) - 1074 : std::countr_zero(fraction | (1ull << 52)) + biased - 1075;
-}
-
 // The differences as integers below 2^61 in units of a power of two; false when that would round one.
 template <std::size_t N>
 bool to_int64(const Differences<N>& d, std::array<std::array<std::int64_t, 3>, N>& out) {
@@ -99,15 +85,8 @@ bool to_int64(const Differences<N>& d, std::array<std::array<std::int64_t, 3>, N
     return exact;
 }
 
-template <int W>
-WideInt<W> to_wide(double x, int quantum) {
-    if (x == 0) return {};
-    const int low = low_bit(x);
-    return shift_left(from_int128<W>(static_cast<std::int64_t>(std::ldexp(x, -low))), low - quantum);
-}
-
 template <int W, std::size_t N>
-std::array<std::array<WideInt<W>, 3>, N> to_wide(const Differences<N>& d, int quantum) {
+std::array<std::array<WideInt<W>, 3>, N> wide_rows(const Differences<N>& d, int quantum) {
     std::array<std::array<WideInt<W>, 3>, N> out;
     for (std::size_t i = 0; i < N; ++i)
         for (int k = 0; k < 3; ++k) out[i][k] = to_wide<W>(d.high[i][k], quantum) + to_wide<W>(d.low[i][k], quantum);
@@ -123,14 +102,12 @@ int exact_sign(const Differences<N>& d, Determinant determinant_of) {
             for (int k = 0; k < 3; ++k) rows[i][k] = from_int128<1>(small[i][k]);
         return determinant_of(rows).sign();
     }
-    int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
+    BitRange range;
     for (const auto& part : {d.high, d.low})
-        for (const auto& row : part)
-            for (double x : row)
-                if (x != 0) low = std::min(low, low_bit(x)), high = std::max(high, high_bit(x));
-    if (low > high) return 0;  // all zero
-    if (high - low <= 123) return determinant_of(to_wide<2>(d, low)).sign();
-    return determinant_of(to_wide<widest>(d, low)).sign();
+        for (const auto& row : part) range.add(row);
+    // One bit more for a sum of two: 5 * 124 + 8 < 640 bits.
+    if (range.span() <= 123) return determinant_of(wide_rows<2>(d, range.quantum())).sign();
+    return determinant_of(wide_rows<widest>(d, range.quantum())).sign();
 }
 
 template <std::size_t N>

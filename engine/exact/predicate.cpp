@@ -2,186 +2,87 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
+#include "exact/integer_rows.hpp"
+#include "exact/integer_vertex.hpp"
 #include "exact/wide_float.hpp"
 #include "exact/wide_int.hpp"
 
 namespace votess::exact {
 namespace {
 
-// Exponents of the lowest and one above the highest set bit over a set of doubles.
-struct BitRange {
-    int low = std::numeric_limits<int>::max();
-    int high = std::numeric_limits<int>::min();
-
-    void add(double x) {
-        const auto bits = std::bit_cast<std::uint64_t>(x);
-        const auto fraction = bits & ((1ull << 52) - 1);
-        const int biased = static_cast<int>((bits >> 52) & 0x7ff);
-        if (biased == 0 && fraction == 0) return;
-        const std::uint64_t mantissa = biased == 0 ? fraction : fraction | (1ull << 52);
-        const int exponent = (biased == 0 ? 1 : biased) - 1075;
-        low = std::min(low, exponent + std::countr_zero(mantissa));
-        high = std::max(high, exponent + 64 - std::countl_zero(mantissa));
-    }
-    void add(const Point& p) {
-        for (double x : p) add(x);
-    }
-    void add(const Plane& plane) {
-        if (plane.kind == Plane::Kind::bisector)
-            add(plane.seed);
-        else
-            add(plane.wall);
-    }
-    [[nodiscard]] int span() const { return high > low ? high - low : 0; }
-    [[nodiscard]] int quantum() const { return high > low ? low : 0; }
-};
-
-// x / 2^quantum as an integer; exact when the quantum divides x and W holds it.
-template <int W>
-WideInt<W> to_wide(double x, int quantum) {
-    int exponent = 0;
-    const double fraction = std::frexp(x, &exponent);
-    const auto mantissa = static_cast<std::int64_t>(std::ldexp(fraction, 53));
-    const int shift = exponent - 53 - quantum;
-    if (shift >= 0) return shift_left(from_int128<W>(mantissa), shift);
-    return from_int128<W>(shift <= -64 ? 0 : mantissa >> -shift);
-}
-
-Int128 to_int128(double x, int quantum) {
-    const auto bits = std::bit_cast<std::uint64_t>(x);
-    const auto fraction = bits & ((1ull << 52) - 1);
-    const int biased = static_cast<int>((bits >> 52) & 0x7ff);
-    const Int128 mantissa = biased == 0 ? fraction : fraction | (1ull << 52);
-    const int shift = (biased == 0 ? 1 : biased) - 1075 - quantum;
-    const Int128 value = shift >= 0 ? (shift < 127 ? mantissa << shift : 0) : (shift > -64 ? mantissa >> -shift : 0);
-    return (bits >> 63) != 0 ? -value : value;
-}
-
-// A plane in integer units: 2 N.X <= S.
-template <class N, class S>
-struct Row {
-    std::array<N, 3> n;
-    S s;
-};
-
-using SmallRow = Row<Int128, Int128>;
-// N of a bisector, or the unit normal and distance of a wall.
-struct Difference {
-    std::array<Int128, 3> n{};
-    Int128 wall = 0;
-};
-
-Int128 magnitude(Int128 x) {
-    return x < 0 ? -x : x;
-}
-
-Difference int_difference(const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
-    Difference d;
-    switch (plane.kind) {
-        case Plane::Kind::bisector:
-            for (int k = 0; k < 3; ++k) d.n[k] = to_int128(plane.seed[k], quantum) - seed[k];
-            break;
-        case Plane::Kind::lower_wall:
-            d.n[plane.axis] = -1;
-            d.wall = seed[plane.axis] - to_int128(plane.wall, quantum);
-            break;
-        case Plane::Kind::upper_wall:
-            d.n[plane.axis] = 1;
-            d.wall = to_int128(plane.wall, quantum) - seed[plane.axis];
-            break;
-    }
-    return d;
-}
-
-Int128 largest(const Difference& d) {
-    Int128 m = magnitude(d.wall);
-    for (auto x : d.n) m = std::max(m, magnitude(x));
-    return m;
-}
-
-bool is_bisector(const Plane& plane) {
-    return plane.kind == Plane::Kind::bisector;
-}
-
-// Differences below 2^23: every intermediate of the determinant stays below 2^126.
-SmallRow small_row(const Difference& d, bool bisector) {
-    SmallRow r{d.n, 2 * d.wall};
-    if (bisector) r.s = d.n[0] * d.n[0] + d.n[1] * d.n[1] + d.n[2] * d.n[2];
-    return r;
-}
-
-template <int W>
-using WideRow = Row<WideInt<W>, WideInt<2 * W>>;
-
-template <int W>
-WideRow<W> wide_row(const std::array<WideInt<W>, 3>& n, const WideInt<W>& wall, bool bisector) {
-    WideRow<W> r{n, {}};
-    if (bisector)
-        r.s = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    else
-        r.s = resize<2 * W>(wall) + resize<2 * W>(wall);
-    return r;
-}
-
-template <int W>
-WideRow<W> wide_row(const Difference& d, bool bisector) {
-    return wide_row<W>({from_int128<W>(d.n[0]), from_int128<W>(d.n[1]), from_int128<W>(d.n[2])}, from_int128<W>(d.wall),
-                       bisector);
-}
-
-// The widest case: coordinates themselves as W limbs.
-template <int W>
-WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
-    std::array<WideInt<W>, 3> n{};
-    WideInt<W> wall{};
-    switch (plane.kind) {
-        case Plane::Kind::bisector:
-            for (int k = 0; k < 3; ++k) n[k] = to_wide<W>(plane.seed[k], quantum) - to_wide<W>(p[k], quantum);
-            break;
-        case Plane::Kind::lower_wall:
-            n[plane.axis] = from_int128<W>(-1);
-            wall = to_wide<W>(p[plane.axis], quantum) - to_wide<W>(plane.wall, quantum);
-            break;
-        case Plane::Kind::upper_wall:
-            n[plane.axis] = from_int128<W>(1);
-            wall = to_wide<W>(plane.wall, quantum) - to_wide<W>(p[plane.axis], quantum);
-            break;
-    }
-    return wide_row<W>(n, wall, is_bisector(plane));
-}
-
-template <class N>
-auto cross(const std::array<N, 3>& a, const std::array<N, 3>& b) {
-    return std::array{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-template <class A, class B>
-auto dot(const std::array<A, 3>& a, const std::array<B, 3>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-int sign_of(Int128 x) {
-    return x < 0 ? -1 : (x > 0 ? 1 : 0);
-}
-template <int W>
-int sign_of(const WideInt<W>& x) {
-    return x.sign();
-}
-
-// Cramer: X = (Sa (Nb x Nc) + Sb (Nc x Na) + Sc (Na x Nb)) / (2 D), D = Na.(Nb x Nc); outside when 2 Nd.X > Sd.
-// Width: with |N| < 2^b, minors < 2^(2b+1), D < 2^(3b+3), S < 2^(2b+2), the sum < 2^(5b+8).
+// Cramer, as in vertex.hpp. Width: with |N| < 2^b, minors < 2^(2b+1), D < 2^(3b+3), S < 2^(2b+2), the sum < 2^(5b+6.2).
 template <class R>
-int side(const R& a, const R& b, const R& c, const R& d) {
+int side_of_rows(const R& a, const R& b, const R& c, const R& d) {
     const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);
     const auto determinant = dot(a.n, bc);
     const auto excess = dot(d.n, bc) * a.s + dot(d.n, ca) * b.s + dot(d.n, ab) * c.s - determinant * d.s;
     return sign_of(excess) * sign_of(determinant);
 }
 
-constexpr int widest = 36;  // 2098 bits from the smallest subnormal to the largest double, plus sign and sum
+// A plane in words: N, or the sign and the distance of a wall.
+struct WordRow {
+    std::array<std::int64_t, 3> n{};
+    std::int64_t wall = 0;
+};
+constexpr int bits_for_int64 = 11;   // 5 * 11 + 6.2 < 63
+constexpr int bits_for_int128 = 24;  // 5 * 24 + 6.2 < 127
+constexpr int most_bits = 60;        // 5 * 61 + 6.2 < 319, with one bit more for the sum of two parts
+
+// The planes in their largest common unit. Bits of the largest component; 0 when the rows do not fit.
+int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::array<WordRow, 4>& rows) {
+    double largest = 0;
+    for (const Plane* plane : planes) largest = std::max(largest, largest_difference(p, *plane));
+    // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - most_bits) and its inverse must be normal.
+    const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
+    if (exponent <= most_bits || exponent == 0x7ff) return 0;
+    auto power = [](int biased) { return std::bit_cast<double>(static_cast<std::uint64_t>(biased) << 52); };
+    const double unit = power(exponent + 1 - most_bits), per_unit = power(2045 - exponent + most_bits);
+    std::uint64_t any = 0, sizes = 0;
+    bool whole = true;
+    auto units = [&](double x) {
+        const auto n = static_cast<std::int64_t>(x * per_unit);
+        whole &= static_cast<double>(n) * unit == x;
+        return n;
+    };
+    auto words = [&](DoubleDouble x) {
+        if (x.low != x.low) return whole = false, std::int64_t{0};  // overflow
+        const std::int64_t n = units(x.high) + (x.low != 0 ? units(x.low) : 0);
+        any |= static_cast<std::uint64_t>(n);
+        sizes |= static_cast<std::uint64_t>(std::abs(n));
+        return n;
+    };
+    for (int i = 0; i < 4; ++i) {
+        const Plane& plane = *planes[i];
+        rows[i] = {};
+        if (is_bisector(plane)) {
+            for (int k = 0; k < 3; ++k) rows[i].n[k] = words(two_sum(plane.seed[k], -p[k]));
+        } else {
+            const auto [sign, distance] = wall_difference(p, plane);
+            rows[i].n[plane.axis] = sign < 0 ? -1 : 1;
+            rows[i].wall = words(distance);
+        }
+        if (!whole) return 0;
+    }
+    const int zeros = std::countr_zero(any);
+    for (int i = 0; i < 4; ++i) {
+        rows[i].wall >>= zeros;
+        if (is_bisector(*planes[i]))
+            for (auto& x : rows[i].n) x >>= zeros;
+    }
+    return 64 - std::countl_zero(sizes) - zeros;
+}
+
+template <class N, class S>
+Row<N, S> row_of(const WordRow& words, bool bisector) {
+    Row<N, S> r{{words.n[0], words.n[1], words.n[2]}, 2 * static_cast<S>(words.wall)};
+    if (bisector) {
+        r.s = 0;
+        for (const auto& x : r.n) r.s += static_cast<S>(x) * x;
+    }
+    return r;
+}
 
 template <class Real>
 Real scale_by_power(Real x, int exponent) {
@@ -222,30 +123,35 @@ std::array<Real, 3> position(const WideRow<W>& a, const WideRow<W>& b, const Wid
 
 }  // namespace
 
-int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
+int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
     BitRange range;
     range.add(p);
     for (const Plane* plane : {&a, &b, &c, &d}) range.add(*plane);
     const int q = range.quantum();
     if (range.span() > 124) {
-        return side(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q),
-                    wide_row<widest>(p, d, q));
+        return side_of_rows(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q),
+                            wide_row<widest>(p, d, q));
     }
     const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
-    const std::array<Difference, 4> n{int_difference(seed, a, q), int_difference(seed, b, q),
-                                      int_difference(seed, c, q), int_difference(seed, d, q)};
-    const std::array<bool, 4> bisector{is_bisector(a), is_bisector(b), is_bisector(c), is_bisector(d)};
-    const Int128 m = std::max({largest(n[0]), largest(n[1]), largest(n[2]), largest(n[3])});
-    if (m < (1 << 23)) {
-        return side(small_row(n[0], bisector[0]), small_row(n[1], bisector[1]), small_row(n[2], bisector[2]),
-                    small_row(n[3], bisector[3]));
-    }
-    auto at_width = [&]<int W>() {
-        return side(wide_row<W>(n[0], bisector[0]), wide_row<W>(n[1], bisector[1]), wide_row<W>(n[2], bisector[2]),
-                    wide_row<W>(n[3], bisector[3]));
+    auto row = [&](const Plane& plane) { return wide_row<2>(int_difference(seed, plane, q), is_bisector(plane)); };
+    return side_of_rows(row(a), row(b), row(c), row(d));  // 5 * 125 + 8 < 640 bits
+}
+
+int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d) {
+    std::array<WordRow, 4> rows;
+    const int bits = word_rows(p, {&a, &b, &c, &d}, rows);
+    if (bits == 0) return side_of_any(p, a, b, c, d);
+    auto side = [&]<class N>(N) {
+        return side_of_rows(row_of<N, N>(rows[0], is_bisector(a)), row_of<N, N>(rows[1], is_bisector(b)),
+                            row_of<N, N>(rows[2], is_bisector(c)), row_of<N, N>(rows[3], is_bisector(d)));
     };
-    // 5 * 61 + 8 < 320 bits and 5 * 125 + 8 < 640 bits.
-    return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<2>();
+    if (bits <= bits_for_int64) return side(std::int64_t{});
+    if (bits <= bits_for_int128) return side(Int128{});
+    auto row = [](const WordRow& words, const Plane& plane) {
+        const auto r = row_of<std::int64_t, Int128>(words, is_bisector(plane));
+        return IntRow{r.n, r.s};
+    };
+    return IntVertex(row(rows[0], a), row(rows[1], b), row(rows[2], c)).side(row(rows[3], d));
 }
 
 template <class Real>

@@ -4,7 +4,7 @@
 //     2 N.X <= S,  N = q - p,  S = |N|^2        and a wall is        2 N.X <= S,  N = +-e_axis,  S = 2 (wall - p).N .
 // Float64 coordinates are integers times a power of two, so the 4x4 determinant is decided in integer arithmetic
 // without rounding, overflow or underflow for any float64 input; the width is chosen per call from the operands
-// (128 bits when the differences fit 23 bits, as in a lattice; 320 bits when they fit 61; wider beyond).
+// (64 bits when the differences fit 11, as in a lattice; 128 when they fit 24; 320 when they fit 60; wider beyond).
 #pragma once
 
 #include <array>
@@ -27,7 +27,11 @@ struct Plane {
 };
 
 // +1 when the vertex lies strictly outside d, -1 strictly inside, 0 on it. a, b, c must meet in one point.
+// For many d use ExactVertex (vertex.hpp).
 int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
+
+// Sign of det(Na, Nb, Nc): +1 when the normals turn counterclockwise seen from outside.
+int orientation(const Point& p, const Plane& a, const Plane& b, const Plane& c);
 
 // The vertex relative to p and the difference q - p in a floating-point type: double, Quad or WideFloat
 // (wide_float.hpp). Each component has a relative error of a few units in the last place, cancellation or not.

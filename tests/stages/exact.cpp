@@ -8,55 +8,16 @@
 #include "exact/predicate.hpp"
 #include "exact/wide_int.hpp"
 #include "support/random.hpp"
+#include "support/rational_planes.hpp"
 
 using test::Random;
+using test::random_plane;
+using test::rational;
 using votess::exact::DoubleDouble;
 using votess::exact::Plane;
 using votess::exact::Point;
 
 namespace {
-
-struct RationalPlane {
-    mpq_class n[3], h;  // n.x = h
-};
-
-RationalPlane rational(const Point& p, const Plane& plane) {
-    RationalPlane r;
-    if (plane.kind == Plane::Kind::bisector) {
-        for (int k = 0; k < 3; ++k) {
-            r.n[k] = mpq_class(plane.seed[k]) - mpq_class(p[k]);
-            r.h += r.n[k] * r.n[k] / 2;
-        }
-    } else {
-        const int sign = plane.kind == Plane::Kind::lower_wall ? -1 : 1;
-        r.n[plane.axis] = sign;
-        r.h = sign * (mpq_class(plane.wall) - mpq_class(p[plane.axis]));
-    }
-    return r;
-}
-
-mpq_class determinant(const mpq_class* a, const mpq_class* b, const mpq_class* c) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
-// Cramer's rule column by column, unlike the engine's cross products. False when the planes meet in no single point.
-bool solve(const RationalPlane& a, const RationalPlane& b, const RationalPlane& c, mpq_class (&x)[3]) {
-    const mpq_class d = determinant(a.n, b.n, c.n);
-    if (d == 0) return false;
-    for (int k = 0; k < 3; ++k) {
-        RationalPlane m[3] = {a, b, c};
-        for (auto& row : m) row.n[k] = row.h;
-        x[k] = determinant(m[0].n, m[1].n, m[2].n) / d;
-    }
-    return true;
-}
-
-Plane random_plane(Random& random, const auto& coordinate) {
-    const auto kind = random.below(8);
-    if (kind == 0) return Plane::lower(static_cast<int>(random.below(3)), coordinate());
-    if (kind == 1) return Plane::upper(static_cast<int>(random.below(3)), coordinate());
-    return Plane::bisector({coordinate(), coordinate(), coordinate()});
-}
 
 void check_family(const char* name, std::uint64_t seed, int sets, int least_ties, auto make_coordinate) {
     Random random(seed);
@@ -67,10 +28,9 @@ void check_family(const char* name, std::uint64_t seed, int sets, int least_ties
         const Plane a = random_plane(random, coordinate), b = random_plane(random, coordinate),
                     c = random_plane(random, coordinate), d = random_plane(random, coordinate);
         mpq_class x[3];
-        if (!solve(rational(p, a), rational(p, b), rational(p, c), x)) continue;
+        if (!test::solve(rational(p, a), rational(p, b), rational(p, c), x)) continue;
         ++solved;
-        const RationalPlane plane = rational(p, d);
-        const int expected = sgn(mpq_class(plane.n[0] * x[0] + plane.n[1] * x[1] + plane.n[2] * x[2] - plane.h));
+        const int expected = test::side_of(x, rational(p, d));
         ties += expected == 0;
         INFO(name, " set ", s);
         REQUIRE(votess::exact::side_of_vertex(p, a, b, c, d) == expected);

@@ -1,0 +1,77 @@
+// Memory that is reused and never filled: whoever writes a part first also touches its pages first, so several threads
+// share the cost of new pages, which then lie near the thread that used them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace votess {
+
+template <class T>
+class Buffer {
+    static_assert(std::is_trivially_default_constructible_v<T> && std::is_trivially_copyable_v<T>);
+
+public:
+    Buffer() = default;
+    Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+    Buffer& operator=(Buffer&& other) noexcept {
+        memory_ = std::move(other.memory_);
+        size_ = std::exchange(other.size_, 0);
+        capacity_ = std::exchange(other.capacity_, 0);
+        return *this;
+    }
+
+    // The elements that fit the memory at hand keep their values; when it has to grow, all are lost.
+    void resize(std::size_t count) {
+        if (count > capacity_) {
+            *this = {};
+            const std::size_t room = count + count / 8;  // costs nothing until it is touched
+            memory_.reset(allocate(room * sizeof(T)));
+            capacity_ = room;
+        }
+        size_ = count;
+    }
+
+    [[nodiscard]] std::size_t size() const { return size_; }
+    [[nodiscard]] std::size_t capacity() const { return capacity_; }
+    [[nodiscard]] bool empty() const { return size_ == 0; }
+    [[nodiscard]] T* data() { return memory_.get(); }
+    [[nodiscard]] const T* data() const { return memory_.get(); }
+    [[nodiscard]] T* begin() { return data(); }
+    [[nodiscard]] T* end() { return data() + size_; }
+    [[nodiscard]] const T* begin() const { return data(); }
+    [[nodiscard]] const T* end() const { return data() + size_; }
+    [[nodiscard]] T& operator[](std::size_t i) { return memory_[i]; }
+    [[nodiscard]] const T& operator[](std::size_t i) const { return memory_.get()[i]; }
+
+private:
+    static constexpr std::size_t alignment = 64;
+    static constexpr std::size_t huge_page = std::size_t{2} << 20;
+
+    static T* allocate(std::size_t bytes) {
+        auto* memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{alignment}));
+#if defined(__linux__)
+        // Scattered writes to small pages are slow, for their addresses do not fit the processor's tables.
+        const std::size_t before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
+        if (bytes >= before + huge_page)
+            madvise(memory + before, (bytes - before) / huge_page * huge_page, MADV_HUGEPAGE);
+#endif
+        return reinterpret_cast<T*>(memory);
+    }
+
+    struct Free {
+        void operator()(T* memory) const { ::operator delete (memory, std::align_val_t{alignment}); }
+    };
+    std::unique_ptr<T[], Free> memory_;
+    std::size_t size_ = 0, capacity_ = 0;
+};
+
+}  // namespace votess

@@ -1,0 +1,60 @@
+#include "support/allocations.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define VOTESS_COUNT_ALLOCATIONS 0
+#elif defined(__has_feature)
+#define VOTESS_COUNT_ALLOCATIONS !(__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
+#else
+#define VOTESS_COUNT_ALLOCATIONS 1
+#endif
+
+#if VOTESS_COUNT_ALLOCATIONS
+
+namespace {
+
+std::atomic<std::size_t> count{0};
+
+void* counted(void* memory) {
+    if (memory == nullptr) throw std::bad_alloc();
+    ++count;
+    return memory;
+}
+
+}  // namespace
+
+// The other forms of new and delete call these.
+void* operator new(std::size_t bytes) {
+    return counted(std::malloc(bytes == 0 ? 1 : bytes));
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+    const auto step = static_cast<std::size_t>(alignment);
+    return counted(std::aligned_alloc(step, (bytes + step) / step * step));
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+    std::free(memory);
+}
+
+std::optional<std::size_t> test::allocations() {
+    return count.load();
+}
+
+#else
+
+std::optional<std::size_t> test::allocations() {
+    return std::nullopt;
+}
+
+#endif
