@@ -1,6 +1,6 @@
 // Volume and centroid of a cell as a sum of pyramids from the seed over its faces. Done in double with a running error
-// bound; needles and slabs, where vertices cancel, are done again in quad from exactly solved vertices, and what is
-// thinner than quad can tell in 2304 bits.
+// bound; needles and slabs, where vertices cancel, are done again from exactly solved vertices, in double or in quad,
+// and what is thinner than quad can tell in 2304 bits.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -149,6 +149,7 @@ CellGeometry Cell::measure(const CellFaces& faces) const {
             return Corner{{x_[slot], y_[slot], z_[slot]}, tolerance_[slot]};
         }))
         return *g;
+    if (const auto g = sum_solved<double>(*this, faces)) return *g;
     if (const auto g = sum_solved<exact::Quad>(*this, faces)) return *g;
     return *sum_solved<exact::WideFloat>(*this, faces);
 }
