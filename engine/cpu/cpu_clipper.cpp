@@ -215,8 +215,10 @@ void CpuClipper::clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out)
     }
 }
 
-void CpuClipper::store(Cell& cell, std::size_t seed, Worker& worker, ResultBuilder& out) const {
+void CpuClipper::store(Cell& found, std::size_t seed, Worker& worker, ResultBuilder& out) const {
     const Want& want = job_.options.want;
+    const bool used_exact = found.used_exact();
+    Cell& cell = want.volumes || want.centroids ? worker.builder->again(worker.faces) : found;
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
     const bool need_polygons = want.volumes || want.centroids || want.counts || cell.met_tie();
     std::span<const std::int32_t> planes;
@@ -228,7 +230,7 @@ void CpuClipper::store(Cell& cell, std::size_t seed, Worker& worker, ResultBuild
         planes = worker.planes;
     }
     worker.counters.faces += planes.size();
-    worker.counters.exact_cells += cell.used_exact() ? 1 : 0;
+    worker.counters.exact_cells += used_exact ? 1 : 0;
     if (want.neighbors) {
         auto& row = worker.row;
         row.clear();

@@ -48,7 +48,7 @@ private:
                      ResultBuilder& out, const Stretch& stretch);
     [[nodiscard]] bool build_star(std::size_t seed, Worker& worker, ResultBuilder& out) const;
     void clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out) const;
-    void store(Cell& cell, std::size_t seed, Worker& worker, ResultBuilder& out) const;
+    void store(Cell& found, std::size_t seed, Worker& worker, ResultBuilder& out) const;
     // hard_cells.cpp: the cells that the workers gave up.
     void clip_hard(ResultBuilder& out, const Stretch& stretch);
     [[nodiscard]] std::vector<std::int32_t> take_hard();

@@ -90,6 +90,7 @@ void CellBuilder::extend_window(double distance_squared, std::size_t least_count
 }
 
 Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
+    seed_ = seed;
     tests_ = 0;
     most_tests_ = most_tests;
     if (most_tests == 0) return nullptr;
@@ -117,6 +118,7 @@ Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
 }
 
 Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates) {
+    seed_ = seed;
     cell_.start({seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]}, box_);
     const auto& p = cell_.seed();
     candidates_.clear();
@@ -130,6 +132,14 @@ Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> ca
         cell_.clip(i, {seeds_.x[i], seeds_.y[i], seeds_.z[i]});
     }
     return cell_;
+}
+
+Cell& CellBuilder::again(CellFaces& faces) {
+    cell_.canonical_faces(faces);
+    neighbors_.clear();
+    for (const std::int32_t p : faces.planes)
+        if (const std::int32_t id = cell_.planes()[p].id; id >= 0) neighbors_.push_back(id);
+    return build_from(seed_, neighbors_);
 }
 
 bool CellBuilder::clip_band(std::size_t seed, double from, double to) {

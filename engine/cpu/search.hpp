@@ -34,6 +34,9 @@ public:
     [[nodiscard]] std::size_t tests() const { return tests_; }
     // Clips the cell by these seeds, which include its neighbors.
     Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates);
+    // Clips the last cell once more, by its neighbors only: its vertices then have the same rounding however it was
+    // found. faces: scratch.
+    Cell& again(CellFaces& faces);
 
 private:
     void open_window(std::size_t group);
@@ -61,6 +64,8 @@ private:
     std::size_t measured_ = 0;  // distances known for the current seed
     std::vector<std::uint64_t> band_;
     std::vector<std::pair<double, std::int32_t>> candidates_;
+    std::vector<std::int32_t> neighbors_;
+    std::size_t seed_ = 0;                    // of the last cell
     std::size_t tests_ = 0, most_tests_ = 0;  // of the current seed
     double reach_ = 0;                        // 4 R^2 expected of the next cell
 };
