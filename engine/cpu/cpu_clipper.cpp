@@ -168,8 +168,11 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
 bool CpuClipper::build_star(std::size_t seed, Worker& worker, ResultBuilder& out) const {
     const Want& want = job_.options.want;
     Star& star = *worker.star;
-    if (!star.build(seed)) return false;
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+    // Results go to the places of the input, which are anywhere in memory.
+    if (want.volumes) __builtin_prefetch(&out.volumes()[input], 1);
+    if (want.centroids) __builtin_prefetch(&out.centroids()[3 * input], 1);
+    if (!star.build(seed)) return false;
     if (want.volumes || want.centroids) {
         Star::Geometry geometry;
         if (!star.measure(geometry)) return false;

@@ -1,7 +1,5 @@
 #include "cpu/neighborhood.hpp"
 
-#include <algorithm>
-
 namespace votess::cpu {
 namespace {
 
@@ -17,29 +15,25 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     first_ = first;
     last_ = last;
     const std::size_t count = last - first;
+    own_count_ = static_cast<std::uint32_t>(count);
     own_end_ = walls + static_cast<std::int32_t>(count);
     keep_positions_ = positions;
     foreign_ids_.clear();
     if (table_.empty()) table_.resize(least_table);
     std::fill(table_.begin(), table_.end(), -1);
-    vertex_count_ = 0;
-    if (positions) {
-        positions_.resize(vertices_.size());
-        seeds_.resize(std::max(seeds_.size(), count));
-        for (std::size_t s = 0; s < count; ++s) seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
-    }
-    // One more for cells of other stretches, which get nothing.
-    known_.resize(std::max(known_.size(), (count + 1) * primary));
+    vertices_ = 0;
+    positions_.clear();
+    owners_.clear();
+    ties_.clear();
+    spill_.clear();
+    if (known_.size() < (count + 1) * primary) known_.resize((count + 1) * primary);
     known_count_.assign(count + 1, 0);
     spilled_.assign(count + 1, -1);
-    spill_.clear();
     done_.assign(count, 0);
     group_done_.assign(count / group_size + 1, 0);
-}
-
-void Neighborhood::set_done(std::size_t seed) {
-    done_[seed - first_] = 1;
-    ++group_done_[(seed - first_) / group_size];
+    if (!positions) return;
+    seeds_.resize(count);
+    for (std::size_t s = 0; s < count; ++s) seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
 }
 
 std::int32_t Neighborhood::foreign(std::int32_t id) {
@@ -64,9 +58,25 @@ void Neighborhood::grow_table() {
     }
 }
 
-void Neighborhood::spill(std::size_t s, KnownVertex vertex) {
-    spill_.push_back({vertex, spilled_[s]});
+void Neighborhood::spill(std::size_t s, const KnownVertex& known) {
+    spill_.push_back({known, spilled_[s]});
     spilled_[s] = static_cast<std::int32_t>(spill_.size() - 1);
+}
+
+std::span<const KnownVertex> Neighborhood::with_spilled(std::size_t s) {
+    const KnownVertex* known = known_.data() + s * primary;
+    gathered_.assign(known, known + primary);
+    for (std::int32_t node = spilled_[s]; node >= 0; node = spill_[node].next) gathered_.push_back(spill_[node].vertex);
+    return gathered_;
+}
+
+void Neighborhood::add_tie(std::span<const std::int32_t> cells, const Four& position) {
+    const std::uint32_t index = add_position(cells[0], position);
+    const auto at = static_cast<std::int32_t>(ties_.size());
+    ties_.push_back(static_cast<std::int32_t>(cells.size()));
+    ties_.insert(ties_.end(), cells.begin(), cells.end());
+    for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, 0, 0, index);
+    known_count_[own_count_] = 0;
 }
 
 }  // namespace votess::cpu

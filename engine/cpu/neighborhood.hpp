@@ -4,31 +4,27 @@
 // Vertices refer to cells by local ids: walls 0..5, the seeds of the stretch, then other seeds as they are met.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "cpu/sort.hpp"
+#include "cpu/sorted_seeds.hpp"
 
 namespace votess::cpu {
 
-// Cells 1, 2, 3 meet cell 0 in faces whose outward normals are positively oriented.
-struct SharedVertex {
-    std::array<std::int32_t, 4> cells;
-};
 struct Four {
     double x[4];
 };
-struct VertexPosition {
-    Four at;  // x, y, z relative to the seed of cell 0, and (|na||nb||nc| / det)^2 |x|^2, which bounds the error
-};
 
-// A vertex of a cell, and which of the vertex's cells that is.
+// A vertex as a cell sees it: the three neighbors that it shares the vertex with, the outward normals of whose faces are
+// positively oriented. Or more than three, which stand in Neighborhood::tie().
 struct KnownVertex {
-    std::uint32_t packed;
-    [[nodiscard]] std::uint32_t vertex() const { return packed >> 2; }
-    [[nodiscard]] unsigned corner() const { return packed & 3; }
+    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 names a tie
+    std::uint32_t vertex;               // its position, see Neighborhood::position()
+
+    [[nodiscard]] bool is_tie() const { return cells[0] < 0; }
 };
 
 class Neighborhood {
@@ -37,8 +33,6 @@ public:
 
     void begin(const SortedSeeds& seeds, std::size_t first, std::size_t last, bool positions);
 
-    [[nodiscard]] std::size_t first() const { return first_; }
-    [[nodiscard]] std::size_t last() const { return last_; }
     [[nodiscard]] bool holds(std::int64_t seed) const {
         return seed >= static_cast<std::int64_t>(first_) && seed < static_cast<std::int64_t>(last_);
     }
@@ -54,51 +48,52 @@ public:
         return foreign_ids_[local - own_end_];
     }
     [[nodiscard]] std::int32_t locals() const { return own_end_ + static_cast<std::int32_t>(foreign_ids_.size()); }
-    [[nodiscard]] bool own(std::int32_t local) const { return local >= walls && local < own_end_; }
 
     // Whether a cell of the stretch has handed over all of its vertices.
     [[nodiscard]] bool done(std::size_t seed) const { return done_[seed - first_] != 0; }
-    void set_done(std::size_t seed);
+    void set_done(std::size_t seed) {
+        done_[seed - first_] = 1;
+        ++group_done_[(seed - first_) / group_size];
+    }
     [[nodiscard]] bool group_done(std::size_t group) const {
         const std::size_t begin = group * group_size;
         return begin >= first_ && begin + group_size <= last_ && group_done_[(begin - first_) / group_size] == group_size;
     }
 
-    // Stores a vertex found by cells[0] and hands it to the other cells of the stretch.
-    void add(const SharedVertex& vertex, const VertexPosition& position) {
-        const std::uint32_t index = vertex_count_++;
-        if (index == vertices_.size()) {
-            vertices_.resize(2 * vertices_.size() + 16 * group_size);
-            if (keep_positions_) positions_.resize(vertices_.size());
-        }
-        vertices_[index] = vertex;
-        if (keep_positions_) positions_[index] = position;
-        for (std::uint32_t k = 1; k < 4; ++k) {
-            const std::int32_t cell = vertex.cells[k];
-            const auto s = static_cast<std::size_t>((own(cell) ? cell : own_end_) - walls);
-            const KnownVertex known{index << 2 | k};
-            const unsigned count = known_count_[s]++;
-            known_[s * primary + count % primary] = count < primary ? known : known_[s * primary + count % primary];
-            if (count >= primary && own(cell)) spill(s, known);
-        }
-        known_count_[own_end_ - walls] = 0;
+    // Stores a vertex of cells[0], a seed of the stretch, and hands it to the others, which it meets in faces whose
+    // normals are positively oriented.
+    void add(const std::array<std::int32_t, 4>& cells, const Four& position) {
+        const std::uint32_t index = add_position(cells[0], position);
+        // Even permutations of the four keep the orientation.
+        const auto& [p, a, b, c] = cells;
+        give(a, p, c, b, index);
+        give(b, p, a, c, index);
+        give(c, p, b, a, index);
+        known_count_[own_count_] = 0;
     }
-    [[nodiscard]] const SharedVertex& vertex(std::uint32_t index) const { return vertices_[index]; }
-    [[nodiscard]] const VertexPosition& position(std::uint32_t index) const { return positions_[index]; }
-    // Coordinates of a seed of the stretch, when positions are kept.
-    [[nodiscard]] const Four& seed(std::int32_t local) const { return seeds_[local - walls]; }
-    // Calls visit(KnownVertex) for every vertex that was handed to a seed of the stretch.
-    template <class Visit>
-    void for_each_known(std::size_t seed, Visit visit) const {
+    // The same for a vertex of more than four cells, which have no order.
+    void add_tie(std::span<const std::int32_t> cells, const Four& position);
+
+    // What was handed to a seed of the stretch.
+    [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
         const std::size_t s = seed - first_;
-        const unsigned count = known_count_[s];
-        for (unsigned k = 0; k < std::min(count, primary); ++k) visit(known_[s * primary + k]);
-        if (count > primary)
-            for (std::int32_t node = spilled_[s]; node >= 0; node = spill_[node].next) visit(spill_[node].vertex);
+        const std::size_t count = known_count_[s];
+        if (count <= primary) return {known_.data() + s * primary, count};
+        return with_spilled(s);
+    }
+    // All cells of a tie.
+    [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
+        const auto at = static_cast<std::size_t>(-1 - known.cells[0]);
+        return {ties_.data() + at + 1, static_cast<std::size_t>(ties_[at])};
     }
 
+    // When positions are kept: a vertex, relative to its owner, in x[0..3), and in x[3] what bounds its error; and the
+    // coordinates of the owner.
+    [[nodiscard]] const Four& position(std::uint32_t vertex) const { return positions_[vertex]; }
+    [[nodiscard]] const Four& owner(std::uint32_t vertex) const { return seeds_[owners_[vertex]]; }
+
 private:
-    static constexpr unsigned primary = 32;  // vertices of a cell before they spill into a linked list
+    static constexpr std::size_t primary = 32;  // vertices of a cell before they spill into a linked list
     struct Spill {
         KnownVertex vertex;
         std::int32_t next;
@@ -106,21 +101,42 @@ private:
 
     std::int32_t foreign(std::int32_t id);
     void grow_table();
-    void spill(std::size_t s, KnownVertex vertex);
+    std::uint32_t add_position(std::int32_t owner, const Four& position) {
+        if (keep_positions_) {
+            positions_.push_back(position);
+            owners_.push_back(owner - walls);
+        }
+        return vertices_++;
+    }
+    void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex) {
+        // Cells that are not of the stretch share a place behind it.
+        const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls), own_count_);
+        const std::size_t count = known_count_[s]++;
+        if (count >= primary) return spill(s, {{a, b, c}, vertex});
+        KnownVertex& known = known_[s * primary + count];
+        known.cells[0] = a;
+        known.cells[1] = b;
+        known.cells[2] = c;
+        known.vertex = vertex;
+    }
+    void spill(std::size_t s, const KnownVertex& known);
+    [[nodiscard]] std::span<const KnownVertex> with_spilled(std::size_t s);
 
     std::size_t first_ = 0, last_ = 0;
+    std::uint32_t own_count_ = 0;
     std::int32_t own_end_ = walls;
     bool keep_positions_ = false;
+    std::uint32_t vertices_ = 0;
     std::vector<std::int32_t> foreign_ids_;
     std::vector<std::int32_t> table_;  // open addressing: index into foreign_ids_, or -1
-    std::uint32_t vertex_count_ = 0;
-    std::vector<SharedVertex> vertices_;
-    std::vector<VertexPosition> positions_;
-    std::vector<Four> seeds_;
+    std::vector<Four> positions_, seeds_;
+    std::vector<std::int32_t> owners_;
     std::vector<KnownVertex> known_;
-    std::vector<std::uint16_t> known_count_;
+    std::vector<std::uint32_t> known_count_;
     std::vector<std::int32_t> spilled_;
     std::vector<Spill> spill_;
+    std::vector<KnownVertex> gathered_;
+    std::vector<std::int32_t> ties_;  // their number, then the cells
     std::vector<std::uint8_t> done_, group_done_;
 };
 

@@ -42,23 +42,23 @@ public:
 
     // Of the last cell built. Faces in no particular order: sorted seeds, or walls -1..-6.
     [[nodiscard]] std::span<const std::int32_t> faces() const {
-        return {id_.data(), static_cast<std::size_t>(planes_)};
+        return {face_.data(), static_cast<std::size_t>(faces_)};
     }
     [[nodiscard]] int vertex_count() const { return vertices_; }
-    [[nodiscard]] int edge_count() const { return vertices_ / 2 * 3; }
+    [[nodiscard]] int edge_count() const { return edges_; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
 
     struct Geometry {
         double volume = 0;
         std::array<double, 3> centroid{};  // relative to the seed
-        std::array<double, most_planes> areas{};
+        std::array<double, most_planes> areas{};  // in the order of faces()
     };
     // After begin(.., measure = true). False when rounding might spoil the digits promised.
     virtual bool measure(Geometry& out) = 0;
 
 protected:
-    int planes_ = 0, vertices_ = 0;
-    std::array<std::int32_t, most_planes> id_{};
+    int faces_ = 0, vertices_ = 0, edges_ = 0;
+    std::array<std::int32_t, most_planes> face_{};
     bool used_exact_ = false;
 };
 

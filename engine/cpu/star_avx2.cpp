@@ -6,7 +6,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,7 +16,9 @@
 #include "cpu/star.hpp"
 #include "cpu/star_kernels.hpp"
 #include "cpu/window.hpp"
+#include "exact/corner.hpp"
 #include "exact/predicate.hpp"
+#include "exact/vertex.hpp"
 
 #if defined(__x86_64__)
 #pragma GCC push_options

@@ -54,14 +54,21 @@ VOTESS_INLINE unsigned inside_ball_body(const double* x, const double* y, const 
     return mask;
 }
 
-VOTESS_INLINE void to_window_body(const double* seeds, double origin, double scale, std::int32_t* out) {
+VOTESS_INLINE void to_window_body(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
+                                  const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
+                                  std::int32_t* ids) {
     constexpr double range = window_range;
-    for (int i = 0; i < box_fan; ++i) {
-        double v = (seeds[i] - origin) * scale;
-        v = v > -range ? v : -range;
-        v = v < range ? v : range;
-        out[i] = static_cast<std::int32_t>(v);
-    }
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (std::size_t i = 0; i < box_fan; ++i) {
+            const std::size_t from = std::size_t{groups[g]} * box_fan + i, to = g * box_fan + i;
+            for (int k = 0; k < 3; ++k) {
+                double v = (seeds[k][from] - origin[k]) * scale;
+                v = v > -range ? v : -range;
+                v = v < range ? v : range;
+                out[k][to] = static_cast<std::int32_t>(v);
+            }
+            ids[to] = static_cast<std::int32_t>(from);
+        }
 }
 
 template <int L>
@@ -125,15 +132,14 @@ VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, in
 }
 
 template <int L>
-VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
-                                int begin) {
-    for (int i = begin; i < c.count; i += L) {
+VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
+    for (int i = begin / L * L; i < c.count; i += L) {
         unsigned mask = 0;
         for (int k = 0; k < L; ++k) {
             const float gap = c.h[i + k] - c.nx[i + k] * v[0] - c.ny[i + k] * v[1] - c.nz[i + k] * v[2];
             const std::int32_t id = c.id[i + k];
             const bool other = (id != three[0]) & (id != three[1]) & (id != three[2]);
-            mask |= static_cast<unsigned>((gap <= bound) & other) << k;
+            mask |= static_cast<unsigned>((gap <= v[3]) & other & (i + k >= begin)) << k;
         }
         if (mask != 0) return i + std::countr_zero(mask);
     }
@@ -170,13 +176,21 @@ VOTESS_AVX2 unsigned inside_ball_avx2(const double* x, const double* y, const do
     return inside_ball_body(x, y, z, t, least);
 }
 
-VOTESS_AVX2 void to_window_avx2(const double* seeds, double origin, double scale, std::int32_t* out) {
+VOTESS_AVX2 void to_window_avx2(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
+                                const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
+                                std::int32_t* ids) {
     const __m256d range = _mm256_set1_pd(window_range), least = _mm256_set1_pd(-window_range);
-    for (int i = 0; i < box_fan; i += 4) {
-        __m256d v = _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(seeds + i), _mm256_set1_pd(origin)),
-                                  _mm256_set1_pd(scale));
-        v = _mm256_min_pd(_mm256_max_pd(v, least), range);
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(out + i), _mm256_cvtpd_epi32(v));
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const std::size_t from = std::size_t{groups[g]} * box_fan, to = g * box_fan;
+        for (int k = 0; k < 3; ++k)
+            for (std::size_t i = 0; i < box_fan; i += 4) {
+                __m256d v = _mm256_sub_pd(_mm256_loadu_pd(seeds[k] + from + i), _mm256_set1_pd(origin[k]));
+                v = _mm256_min_pd(_mm256_max_pd(_mm256_mul_pd(v, _mm256_set1_pd(scale)), least), range);
+                _mm_storeu_si128(reinterpret_cast<__m128i*>(out[k] + to + i), _mm256_cvtpd_epi32(v));
+            }
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + to),
+                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(from)), iota));
     }
 }
 
@@ -248,12 +262,12 @@ VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int*
     }
 }
 
-VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
-                              int begin) {
+VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
     const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
-    const __m256 limit = _mm256_set1_ps(bound);
+    const __m256 limit = _mm256_set1_ps(v[3]);
     const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]), i2 = _mm256_set1_epi32(three[2]);
-    for (int i = begin; i < c.count; i += 8) {
+    unsigned behind = ~0u << (begin % 8);
+    for (int i = begin / 8 * 8; i < c.count; i += 8, behind = ~0u) {
         const __m256 gap = _mm256_fnmadd_ps(
             _mm256_load_ps(c.nx + i), vx,
             _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
@@ -262,7 +276,8 @@ VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, float bo
         const __m256i same = _mm256_or_si256(_mm256_cmpeq_epi32(id, i0),
                                              _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
         const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
-            _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ))));
+                              _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ)))) &
+                          behind;
         if (mask != 0) return i + std::countr_zero(mask);
     }
     return -1;
@@ -295,10 +310,21 @@ VOTESS_AVX512 unsigned inside_ball_avx512(const double* x, const double* y, cons
                                    _mm512_setzero_pd(), _CMP_GE_OQ);
 }
 
-VOTESS_AVX512 void to_window_avx512(const double* seeds, double origin, double scale, std::int32_t* out) {
-    __m512d v = _mm512_mul_pd(_mm512_sub_pd(_mm512_loadu_pd(seeds), _mm512_set1_pd(origin)), _mm512_set1_pd(scale));
-    v = _mm512_min_pd(_mm512_max_pd(v, _mm512_set1_pd(-window_range)), _mm512_set1_pd(window_range));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm512_cvtpd_epi32(v));
+VOTESS_AVX512 void to_window_avx512(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
+                                    const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
+                                    std::int32_t* ids) {
+    const __m512d range = _mm512_set1_pd(window_range), least = _mm512_set1_pd(-window_range);
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const std::size_t from = std::size_t{groups[g]} * box_fan, to = g * box_fan;
+        for (int k = 0; k < 3; ++k) {
+            __m512d v = _mm512_sub_pd(_mm512_loadu_pd(seeds[k] + from), _mm512_set1_pd(origin[k]));
+            v = _mm512_min_pd(_mm512_max_pd(_mm512_mul_pd(v, _mm512_set1_pd(scale)), least), range);
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out[k] + to), _mm512_cvtpd_epi32(v));
+        }
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + to),
+                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(from)), iota));
+    }
 }
 
 VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float distance_squared,
@@ -373,18 +399,18 @@ VOTESS_AVX512 void first_hits_avx512(const CandidatePlanes& c, const Ray* rays, 
     hits[1] = hit_of(second);
 }
 
-VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, float bound, const std::int32_t* three,
-                                  int begin) {
+VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
     const __m512 vx = _mm512_set1_ps(v[0]), vy = _mm512_set1_ps(v[1]), vz = _mm512_set1_ps(v[2]);
-    const __m512 limit = _mm512_set1_ps(bound);
+    const __m512 limit = _mm512_set1_ps(v[3]);
     const __m512i i0 = _mm512_set1_epi32(three[0]), i1 = _mm512_set1_epi32(three[1]), i2 = _mm512_set1_epi32(three[2]);
-    for (int i = begin; i < c.count; i += 16) {
+    auto behind = static_cast<__mmask16>(~0u << (begin % 16));
+    for (int i = begin / 16 * 16; i < c.count; i += 16, behind = 0xffff) {
         const __m512 gap = _mm512_fnmadd_ps(
             _mm512_load_ps(c.nx + i), vx,
             _mm512_fnmadd_ps(_mm512_load_ps(c.ny + i), vy,
                              _mm512_fnmadd_ps(_mm512_load_ps(c.nz + i), vz, _mm512_load_ps(c.h + i))));
         const __m512i id = _mm512_load_si512(c.id + i);
-        __mmask16 mask = _mm512_cmp_ps_mask(gap, limit, _CMP_LE_OQ);
+        __mmask16 mask = _mm512_mask_cmp_ps_mask(behind, gap, limit, _CMP_LE_OQ);
         mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i0);
         mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i1);
         mask = _mm512_mask_cmpneq_epi32_mask(mask, id, i2);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "cpu/kernels.hpp"
@@ -64,15 +65,15 @@ struct StarKernels {
     unsigned (*near_boxes)(const BoxBlock&, const BoundingBox& home, double distance_squared);
     // Bits of those of eight seeds that may lie in the ball, and not nearer to p than sqrt(least) / scale.
     unsigned (*inside_ball)(const double* x, const double* y, const double* z, const GroupTest&, double least);
-    // out[0..8) = seeds[0..8) as window integers.
-    void (*to_window)(const double* seeds, double origin, double scale, std::int32_t* out);
+    // Coordinates of groups of eight seeds as window integers, one group after the other, and their ids.
+    void (*to_window)(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
+                      const double* origin, double scale, const std::array<std::int32_t*, 3>& out, std::int32_t* ids);
     // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
     // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none.
     void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
-    // The first plane with h - n.v <= bound that is none of the three, from plane `begin` (a multiple of 16) on; -1 if
-    // there is none.
-    int (*touching)(const CandidatePlanes&, const float* v, float bound, const std::int32_t* three, int begin);
+    // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none.
+    int (*touching)(const CandidatePlanes&, const float* v, const std::int32_t* three, int begin);
     // Sorts different ids: count of them, at most most_row; both arrays have room for most_row.
     void (*sort_row)(const std::int32_t* ids, int count, std::int32_t* sorted);
 };

@@ -7,52 +7,71 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t most_groups = 160;  // more make it cheaper to look twice
 constexpr std::size_t least_groups = 4;   // fewer tell nothing about the surroundings
 constexpr int most_tries = 12;
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
 }  // namespace
 
-bool Window::collect(std::size_t group, const BoundingBox& home, double distance_squared, std::size_t most,
-                     const Neighborhood& cells) {
-    groups_.clear();
-    stack_.assign(1, {hierarchy_.top_level(), 0});
-    while (!stack_.empty()) {
-        const Node node = stack_.back();
-        stack_.pop_back();
-        unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), home, distance_squared);
-        for (; near != 0; near &= near - 1) {
-            const std::uint32_t child = node.index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
-            if (node.level > 0)
-                stack_.push_back({node.level - 1, child});
-            else if (child == group || !cells.group_done(child))
-                groups_.push_back(child);
+bool Window::collect(const BoundingBox& box, double distance_squared) {
+    group_count_ = 0;
+    std::size_t nodes = 1;
+    stack_[0] = {hierarchy_.top_level(), 0};
+    while (nodes > 0) {
+        const Node node = stack_[--nodes];
+        const unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, distance_squared);
+        const std::uint32_t first = node.index * box_fan;
+        // Without branches: which boxes are near follows no pattern.
+        if (node.level > 0) {
+            for (std::uint32_t k = 0; k < box_fan; ++k) {
+                stack_[nodes] = {node.level - 1, first + k};
+                nodes += (near >> k) & 1;
+            }
+        } else {
+            for (std::uint32_t k = 0; k < box_fan; ++k) {
+                groups_[group_count_] = first + k;
+                group_count_ += (near >> k) & 1;
+            }
+            if (group_count_ > most_groups) return false;
         }
-        if (groups_.size() > most) return false;
     }
     return true;
 }
 
-bool Window::open(std::size_t group, double radius, const Neighborhood& cells) {
-    const BoundingBox home = hierarchy_.box(0, group);
+bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
+    const std::size_t first_group = home * home_groups;
+    BoundingBox box = hierarchy_.box(0, first_group);
+    for (std::size_t g = first_group + 1; g < std::min(first_group + home_groups, hierarchy_.count(0)); ++g) {
+        const BoundingBox other = hierarchy_.box(0, g);
+        for (int k = 0; k < 3; ++k) {
+            box.lower[k] = std::min(box.lower[k], other.lower[k]);
+            box.upper[k] = std::max(box.upper[k], other.upper[k]);
+        }
+    }
     for (int tries = 0;; ++tries) {
-        const bool all = collect(group, home, radius * radius * (1 + 1e-12), most_groups, cells);
+        const bool all = collect(box, radius * radius * (1 + 1e-12));
         if (tries == most_tries) {
             if (!all) return false;
             break;
         }
         if (!all)
             radius *= 0.7;
-        else if (groups_.size() < least_groups && groups_.size() < hierarchy_.count(0))
+        else if (group_count_ < least_groups && group_count_ < hierarchy_.count(0))
             radius *= 1.5;
         else
             break;
     }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < group_count_; ++i) {
+        const std::uint32_t g = groups_[i];
+        groups_[kept] = g;
+        kept += (g / home_groups == home || !cells.group_done(g)) ? 1 : 0;
+    }
+    group_count_ = kept;
     double extent = 0, origin[3];
     for (int k = 0; k < 3; ++k) {
-        origin[k] = 0.5 * home.lower[k] + 0.5 * home.upper[k];
-        extent = std::max(extent, home.upper[k] - home.lower[k]);
+        origin[k] = 0.5 * box.lower[k] + 0.5 * box.upper[k];
+        extent = std::max(extent, box.upper[k] - box.lower[k]);
     }
     extent = 0.5 * extent + radius;
     if (!(extent > smallest_extent && extent < 1 / smallest_extent)) return false;
@@ -60,19 +79,13 @@ bool Window::open(std::size_t group, double radius, const Neighborhood& cells) {
     scale_ = std::ldexp(1.0, 28 - std::ilogb(extent) - 1);
     reach_ = radius;
 
-    const std::size_t count = groups_.size() * group_size;
+    const std::size_t at = group_count_ * group_size;
     for (auto* v : {&x_, &y_, &z_, &id_})
-        if (v->size() < count + 16) v->resize(count + 16);
-    std::size_t at = 0;
-    for (const std::uint32_t g : groups_) {
-        const std::size_t begin = std::size_t{g} * group_size;
-        if (g == group) home_ = at;
-        kernels_.to_window(&seeds_.x[begin], origin[0], scale_, &x_[at]);
-        kernels_.to_window(&seeds_.y[begin], origin[1], scale_, &y_[at]);
-        kernels_.to_window(&seeds_.z[begin], origin[2], scale_, &z_[at]);
-        for (std::size_t k = 0; k < group_size; ++k) id_[at + k] = static_cast<std::int32_t>(begin + k);
-        at += group_size;
-    }
+        if (v->size() < at + 16) v->resize(2 * at + 16);
+    for (std::size_t i = 0; i < group_count_; ++i)
+        if (groups_[i] / home_groups == home) home_places_[groups_[i] % home_groups] = i * group_size;
+    kernels_.to_window({seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, origin,
+                       scale_, {x_.data(), y_.data(), z_.data()}, id_.data());
     for (std::size_t k = at; k < at + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
     count_ = static_cast<int>(at);
     return true;

@@ -38,6 +38,8 @@ const Family families[] = {
     {"integers of 11 bits", [](Random& r) { return static_cast<double>(r.integer(-1023, 1023)); }, false},
     {"integers of 24 bits", [](Random& r) { return static_cast<double>(r.integer(-(1 << 23) + 1, (1 << 23) - 1)); },
      false},
+    {"corners of a cube of 14 bits", [](Random& r) { return r.chance(0.5) ? -8191.0 : 8192.0; }, true},
+    {"multiples of a short odd number", [](Random& r) { return static_cast<double>(1365 * r.integer(-5, 5)); }, false},
     {"multiples of a long odd number", [](Random& r) { return 0x3243f6a8885a3p-50 * small_integer(r); }, true},
     {"corners of a cube of 11 bits", [](Random& r) { return r.chance(0.5) ? -1023.0 : 1024.0; }, true},
     {"corners of a cube of 24 bits", [](Random& r) { return r.chance(0.5) ? -0x1p23 : 0x1p23 - 1; }, true},

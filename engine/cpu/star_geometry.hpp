@@ -1,0 +1,84 @@
+// StarWalk: volume, centroid and areas as sums over edges. With V, W the ends of an edge in counterclockwise order
+// around a face of normal n (the difference of seeds, so that n.x = |n|^2/2 on it), V x W sums to twice the face's area
+// vector A, and n.A/12 is the volume of the pyramid between seed and face. Its part over V, W and the foot n/2 of the
+// plane has its centroid at (V + W + n/2)/4.
+#pragma once
+
+#include "cpu/star_walk.hpp"
+
+namespace votess::cpu {
+
+template <class Isa>
+bool StarWalk<Isa>::measure(Geometry& out) {
+    constexpr double accepted_error = 5e-11;  // the promise is 1e-10
+    constexpr double smallest_volume = 1e-140;
+    // A cross product comes out as z, x, y; what is multiplied with it is kept in that order.
+    Wide normal[most_planes], area[most_planes];
+    double longest = 0;
+    for (int p = 0; p < planes_; ++p) {
+        need_plane(p);
+        normal[p] = __builtin_shuffle(Wide(wide(n_[p])), turn_twice) * unscale_;
+        area[p] = Wide{};
+        longest = std::max(longest, h_[p]);
+    }
+    Wide moment{}, farthest{}, error{};
+    int corner = 0;
+    for (int v = 0; v < vertices_; ++v) {
+        const Wide from = wide(position_[v]);
+        const Wide from_turned = __builtin_shuffle(from, turn);
+        const int begin = corner, end = first_corner_[v + 1];
+        for (; corner < end; ++corner) {
+            // The edge along planes a, b is counterclockwise around b; its other end has it around a.
+            const int a = corners_[corner], b = corners_[corner + 1 == end ? begin : corner + 1];
+            const Wide to = wide(position_[from_vertex_[b][a]]);
+            const Wide across = from * __builtin_shuffle(to, turn) - from_turned * to;
+            area[b] += across;
+            Wide part = across * normal[b];
+            part += __builtin_shuffle(part, turn) + __builtin_shuffle(part, turn_twice);
+            moment += part * (from + to);
+        }
+        const Wide square = from * from;
+        farthest = square > farthest ? square : farthest;
+        error = from > error ? from : error;
+    }
+    double volume = 0;
+    for (int p = 0; p < planes_; ++p) {
+        const double part = dot(normal[p], area[p]);
+        volume += part;
+        moment += 0.5 * part * __builtin_shuffle(normal[p], turn);
+    }
+    volume /= 12;
+    if (!(volume > smallest_volume)) return false;
+    const double reach = std::sqrt(farthest[0] + farthest[1] + farthest[2]);
+    const double bound = edges_ * 2 * std::sqrt(2 * longest) * unscale_ *
+                         (2 * solved_factor * std::sqrt(error[3]) * reach + 32 * unit * reach * reach) / 12;
+    if (!(bound <= accepted_error * volume) && !(measure_error() <= accepted_error * volume)) return false;
+    out.volume = volume;
+    const Wide centroid = moment * (1 / (48 * volume));
+    for (int k = 0; k < 3; ++k) out.centroid[k] = centroid[k];
+    for (int p = 0, face = 0; p < planes_; ++p)
+        if (out_[p] != 0) out.areas[face++] = 0.5 * std::sqrt(dot(area[p], area[p]));
+    return true;
+}
+
+// A bound on the error of the volume, edge by edge.
+template <class Isa>
+double StarWalk<Isa>::measure_error() const {
+    double bound = 0;
+    auto length = [this](int v) {
+        const auto& x = position_[v].x;
+        return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
+    };
+    for (int v = 0; v < vertices_; ++v)
+        for (int begin = first_corner_[v], end = first_corner_[v + 1], c = begin; c < end; ++c) {
+            const int a = corners_[c], b = corners_[c + 1 == end ? begin : c + 1];
+            const int w = from_vertex_[b][a];
+            bound += std::sqrt(2 * h_[b]) * unscale_ *
+                     (solved_factor * (std::sqrt(position_[v].x[3]) * length(w) +
+                                       std::sqrt(position_[w].x[3]) * length(v)) +
+                      32 * unit * length(v) * length(w));
+        }
+    return bound / 12;
+}
+
+}  // namespace votess::cpu
