@@ -139,9 +139,9 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             }
             worker.rows.clear();
             worker.lengths.clear();
-            worker.budget.begin(block_cells);
             const std::size_t begin = block * block_cells;
             const std::size_t end = std::min(cells.size(), begin + block_cells);
+            worker.budget.begin(end - begin);
             const std::size_t last = seed_at(end - 1) + 1;
             std::size_t stretch_end = 0;
             for (std::size_t k = begin; k < end; ++k) {

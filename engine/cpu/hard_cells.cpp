@@ -30,8 +30,10 @@ std::vector<std::int32_t> CpuClipper::take_hard() {
 void CpuClipper::clip_hard(ResultBuilder& out, const Stretch& stretch) {
     const std::size_t count = seeds_.size();
     std::vector<std::int32_t> hard = take_hard();
-    for (std::size_t tests = SearchBudget::most_tests; !hard.empty(); hard = take_hard()) {
-        tests = tests < count ? tests * budget_growth : unlimited;
+    // Most cells that were given up in a block have not been tried at all: the first round allows no more than a block.
+    std::size_t tests = SearchBudget::most_tests;
+    for (; !hard.empty(); hard = take_hard(), tests *= budget_growth) {
+        if (tests >= 2 * count) tests = unlimited;
         // At least one of the two is done to the end: together they cost a few times what the cheaper one does.
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
         if (count <= most_triangulated && (delaunay_ || many) && triangulate(stretch)) {
