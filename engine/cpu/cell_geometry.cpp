@@ -1,6 +1,6 @@
 // Volume and centroid of a cell as a sum of pyramids from the seed over its faces, areas of the faces. Done in double
-// with a running error bound; needles and slabs, where vertices cancel, are done again in quad from exactly solved
-// vertices, and what is thinner than quad can tell in 2304 bits.
+// with a running error bound; needles and slabs, where vertices cancel, are done again from exactly solved vertices, in
+// double or in quad, and what is thinner than quad can tell in 2304 bits.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -183,6 +183,7 @@ CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) c
     };
     const auto corner = [this](int slot) { return Corner{{x_[slot], y_[slot], z_[slot]}, tolerance_[slot]}; };
     if (const auto g = sum_pyramids<double>(*this, faces, corner, areas)) return *g;
+    if (const auto g = sum_solved<double>(*this, faces, areas)) return *g;
     if (const auto g = sum_solved<exact::Quad>(*this, faces, areas)) return *g;
     return *sum_solved<exact::WideFloat>(*this, faces, areas);
 }

@@ -31,6 +31,7 @@ void CpuClipper::begin(const Job& job) {
 
 void CpuClipper::end() {
     positions_known_ = false;
+    delaunay_.reset();
     sorted_ = searchable_ = false;
     progress_ = {};
     job_ = {};
@@ -145,6 +146,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
         const std::size_t end = std::min(cells.size(), begin + block_cells);
         const std::size_t last = seed_at(end - 1) + 1;
         std::size_t stretch_end = 0;
+        worker.budget.begin(block_cells);
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t seed = seed_at(k);
             if (seed >= stretch_end) {
@@ -153,14 +155,34 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
                 worker.star->begin(first, stretch_end, measure);
             }
             worker.writer.prefetch(seed);
-            if (!worker.star->build(seed) || !worker.writer.write(seed, *worker.star))
-                worker.writer.write(seed, worker.builder.build(seed));
+            if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star))
+                worker.budget.star_done();
+            else
+                search(seed, worker);
         }
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
     Progress::require(pool_->run(blocks, std::cref(task), watch));  // by reference: no allocation
+    clip_hard(out, stretch);
     for (const Worker& worker : workers_) out.count(worker.writer.counters());
     if (fallback) out.count({.fallback_cells = cells.size()});
+}
+
+void CpuClipper::search(std::size_t seed, Worker& worker) const {
+    Cell* cell = worker.builder.build(seed, worker.budget.tests());
+    worker.budget.searched(worker.builder.tests(), cell != nullptr);
+    finish(cell, seed, worker);
+}
+
+void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
+    if (cell != nullptr) {
+        const Want& want = job_.options.want;
+        const bool measure = want.volumes || want.centroids || want.areas;
+        worker.writer.write(seed, measure ? worker.builder.again(worker.faces) : *cell);
+    } else {
+        worker.hard.push_back(static_cast<std::int32_t>(seed));
+        worker.writer.leave_out();
+    }
 }
 
 }  // namespace votess::cpu

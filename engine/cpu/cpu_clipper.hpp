@@ -8,6 +8,8 @@
 
 #include "buffer.hpp"
 #include "cpu/cell_writer.hpp"
+#include "cpu/delaunay.hpp"
+#include "cpu/hard_cells.hpp"
 #include "cpu/search.hpp"
 #include "cpu/sort.hpp"
 #include "cpu/star.hpp"
@@ -36,6 +38,10 @@ private:
         CellBuilder builder;
         std::unique_ptr<Star> star;
         CellWriter writer;
+        SearchBudget budget;
+        std::vector<std::int32_t> hard;  // sorted seeds whose search was given up
+        std::vector<std::int32_t> candidates;
+        CellFaces faces;
     };
 
     void find_positions();
@@ -45,6 +51,16 @@ private:
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
                      ResultBuilder& out, const Stretch& stretch);
+    void search(std::size_t seed, Worker& worker) const;
+    // Writes the cell, or notes that its search was given up.
+    void finish(Cell* cell, std::size_t seed, Worker& worker) const;
+    // hard_cells.cpp: the cells that the workers gave up.
+    void clip_hard(ResultBuilder& out, const Stretch& stretch);
+    [[nodiscard]] std::vector<std::int32_t> take_hard();
+    bool triangulate(const Stretch& stretch);
+    template <class Build>
+    void clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Stretch& stretch,
+                   const Build& build);
 
     std::optional<ThreadPool> pool_;
     Job job_;
@@ -60,6 +76,7 @@ private:
     std::vector<std::int32_t> order_;  // sorted seeds to clip
     std::vector<bool> chosen_;
     std::deque<Worker> workers_;
+    std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it
 };
 
 }  // namespace votess::cpu

@@ -89,7 +89,11 @@ void CellBuilder::extend_window(double distance_squared, std::size_t least_count
     covered_ = queue_.empty() ? infinity : queue_.front().distance_squared;
 }
 
-Cell& CellBuilder::build(std::size_t seed) {
+Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
+    seed_ = seed;
+    tests_ = 0;
+    most_tests_ = most_tests;
+    if (most_tests == 0) return nullptr;
     if (seed / group_size != group_) open_window(seed / group_size);
     cell_.start({seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]}, box_);
     measured_ = 0;
@@ -108,8 +112,34 @@ Cell& CellBuilder::build(std::size_t seed) {
         from = to;
         to = covered_ == infinity ? infinity : std::min(to * band_growth, 4 * cell_.radius_squared() * distance_slack);
     }
+    if (exhausted()) return nullptr;
     reach_ = 4 * cell_.radius_squared();
+    return &cell_;
+}
+
+Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates) {
+    seed_ = seed;
+    cell_.start({seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]}, box_);
+    const auto& p = cell_.seed();
+    candidates_.clear();
+    for (const std::int32_t i : candidates) {
+        const double d[3] = {seeds_.x[i] - p[0], seeds_.y[i] - p[1], seeds_.z[i] - p[2]};
+        candidates_.emplace_back(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], i);
+    }
+    std::sort(candidates_.begin(), candidates_.end());
+    for (const auto& [distance, i] : candidates_) {
+        if (distance >= 4 * cell_.radius_squared() * distance_slack) break;
+        cell_.clip(i, {seeds_.x[i], seeds_.y[i], seeds_.z[i]});
+    }
     return cell_;
+}
+
+Cell& CellBuilder::again(CellFaces& faces) {
+    cell_.canonical_faces(faces);
+    neighbors_.clear();
+    for (const std::int32_t p : faces.planes)
+        if (const std::int32_t id = cell_.planes()[p].id; id >= 0) neighbors_.push_back(id);
+    return build_from(seed_, neighbors_);
 }
 
 bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
@@ -131,6 +161,7 @@ bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
         const std::uint64_t key = band_[k];
         const double at_least = std::bit_cast<double>(key & key_distance_bits);
         if (at_least >= 4 * cell_.radius_squared() * distance_slack) return true;
+        if (++tests_ > most_tests_) return true;
         const auto i = static_cast<std::uint32_t>(key);
         cell_.clip(index_[i], {x_[i], y_[i], z_[i]});
     }
@@ -146,6 +177,7 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         const QueueEntry entry = far_queue_.back();
         far_queue_.pop_back();
         if (entry.distance_squared >= 4 * cell_.radius_squared() * distance_slack) return;
+        if (++tests_ > most_tests_) return;
         if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node))) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
@@ -159,8 +191,10 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
                                    p.data(), distance);
         for (std::size_t i = begin; i < end; ++i)
-            if (distance[i - begin] >= from && i != seed)
+            if (distance[i - begin] >= from && i != seed) {
                 cell_.clip(static_cast<std::int32_t>(i), {seeds_.x[i], seeds_.y[i], seeds_.z[i]});
+                ++tests_;
+            }
     }
 }
 

@@ -4,6 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "cpu/cell.hpp"
@@ -31,14 +34,24 @@ public:
         reach_ = 0;
     }
     // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
-    Cell& build(std::size_t seed);
+    Cell& build(std::size_t seed) { return *build(seed, std::numeric_limits<std::size_t>::max()); }
+    // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.
+    Cell* build(std::size_t seed, std::size_t most_tests);
+    [[nodiscard]] std::size_t tests() const { return tests_; }
+    // Clips the cell by these seeds, which include its neighbors.
+    Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates);
+    // Clips the last cell once more, by its neighbors only: its vertices then have the same rounding however it was
+    // found. faces: scratch.
+    Cell& again(CellFaces& faces);
 
 private:
     void open_window(std::size_t group);
     // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
     void extend_window(double distance_squared, std::size_t least_count);
     void pop_into_window();
-    // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete.
+    [[nodiscard]] bool exhausted() const { return tests_ > most_tests_; }
+    // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
+    // tests are exhausted.
     bool clip_band(std::size_t seed, double from, double to);
     void clip_far(std::size_t seed, double from);
 
@@ -56,7 +69,11 @@ private:
     std::vector<std::int32_t> index_;
     std::size_t measured_ = 0;  // distances known for the current seed
     std::vector<std::uint64_t> band_;
-    double reach_ = 0;  // 4 R^2 expected of the next cell
+    std::vector<std::pair<double, std::int32_t>> candidates_;
+    std::vector<std::int32_t> neighbors_;
+    std::size_t seed_ = 0;                    // of the last cell
+    std::size_t tests_ = 0, most_tests_ = 0;  // of the current seed
+    double reach_ = 0;                        // 4 R^2 expected of the next cell
 };
 
 }  // namespace votess::cpu

@@ -1,0 +1,82 @@
+#include "cpu/hard_cells.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "cpu/cpu_clipper.hpp"
+
+namespace votess::cpu {
+namespace {
+
+constexpr std::size_t block_cells = 64;
+constexpr std::size_t budget_growth = 8;  // from round to round of searches
+// What a triangulation costs, in tests per seed: about 15 tests decided by exact arithmetic, 200 others.
+constexpr std::size_t triangulation_tests = 60;
+constexpr std::size_t most_triangulated = 20'000'000;  // seeds; 300 bytes each
+constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
+
+}  // namespace
+
+std::vector<std::int32_t> CpuClipper::take_hard() {
+    std::vector<std::int32_t> hard;
+    for (Worker& worker : workers_) {
+        hard.insert(hard.end(), worker.hard.begin(), worker.hard.end());
+        worker.hard.clear();
+    }
+    std::sort(hard.begin(), hard.end());
+    return hard;
+}
+
+void CpuClipper::clip_hard(ResultBuilder& out, const Stretch& stretch) {
+    const std::size_t count = seeds_.size();
+    std::vector<std::int32_t> hard = take_hard();
+    // Most cells that were given up in a block have not been tried at all: the first round allows no more than a block.
+    std::size_t tests = SearchBudget::most_tests;
+    for (; !hard.empty(); hard = take_hard(), tests *= budget_growth) {
+        if (tests >= 2 * count) tests = unlimited;
+        // At least one of the two is done to the end: together they cost a few times what the cheaper one does.
+        const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
+        if (count <= most_triangulated && (delaunay_ || many) && triangulate(stretch)) {
+            clip_each(hard, out, stretch, [this](std::size_t seed, Worker& worker) {
+                delaunay_->neighbors(seed, worker.candidates);
+                return &worker.builder.build_from(seed, worker.candidates);
+            });
+        } else {
+            clip_each(hard, out, stretch,
+                      [&](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); });
+        }
+    }
+}
+
+bool CpuClipper::triangulate(const Stretch& stretch) {
+    if (!delaunay_) {
+        bool going_on = true;
+        delaunay_.emplace(seeds_, [&](double) { return going_on = progress_.going_on(stretch.end); });
+        Progress::require(going_on);
+    }
+    return delaunay_->valid();
+}
+
+template <class Build>
+void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Stretch& stretch,
+                           const Build& build) {
+    const std::span<std::int32_t> cells = out.keep(seeds.size());
+    std::ranges::transform(seeds, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
+    ThreadPool::Watch watch;
+    if (progress_) watch = [&](std::size_t) { return progress_.going_on(stretch.end); };
+    const bool finished = pool_->run(
+        (cells.size() + block_cells - 1) / block_cells,
+        [&](std::size_t block, unsigned index) {
+            Worker& worker = workers_[index];
+            const std::size_t begin = block * block_cells, end = std::min(cells.size(), begin + block_cells);
+            for (std::size_t k = begin; k < end; ++k) {
+                const auto seed = static_cast<std::size_t>(seeds[k]);
+                finish(build(seed, worker), seed, worker);
+            }
+            worker.writer.end_block(cells.subspan(begin, end - begin));
+        },
+        watch);
+    Progress::require(finished);
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,152 @@
+#include "exact/insphere.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "exact/double_double.hpp"
+#include "exact/integer_rows.hpp"
+#include "exact/wide_int.hpp"
+
+namespace votess::exact {
+namespace {
+
+constexpr double unit = 0x1p-53;
+constexpr double orient_factor = 50 * unit, insphere_factor = 400 * unit;
+// More than all that underflow may add, with coordinates below 2^90.
+constexpr double underflow = 1e-200;
+
+// Determinants whose elements are numbers (double) or WideInt<W>, where products are as wide as they need.
+template <class Row>
+auto minor_xy(const Row& a, const Row& b) {
+    return a[0] * b[1] - b[0] * a[1];
+}
+
+template <class N, class M>
+auto determinant(const N& az, const N& bz, const N& cz, const M& bc, const M& ac, const M& ab) {
+    return (az * bc - bz * ac) + cz * ab;
+}
+
+template <class Row>
+auto determinant(const Row& a, const Row& b, const Row& c) {
+    return determinant(a[2], b[2], c[2], minor_xy(b, c), minor_xy(a, c), minor_xy(a, b));
+}
+
+template <class Row>
+auto lift(const Row& a) {
+    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+}
+
+// Rows (x, y, z, x^2 + y^2 + z^2) by the last column.
+template <class Row>
+auto lifted_determinant(const Row& a, const Row& b, const Row& c, const Row& d) {
+    const auto ab = minor_xy(a, b), ac = minor_xy(a, c), ad = minor_xy(a, d);
+    const auto bc = minor_xy(b, c), bd = minor_xy(b, d), cd = minor_xy(c, d);
+    const auto abc = determinant(a[2], b[2], c[2], bc, ac, ab), abd = determinant(a[2], b[2], d[2], bd, ad, ab);
+    const auto acd = determinant(a[2], c[2], d[2], cd, ad, ac), bcd = determinant(b[2], c[2], d[2], cd, bd, bc);
+    return (abc * lift(d) - abd * lift(c)) + (acd * lift(b) - bcd * lift(a));
+}
+
+// N points minus a last one: rounded, and what rounding took off. The sum of both is exact.
+template <std::size_t N>
+struct Differences {
+    std::array<std::array<double, 3>, N> high;
+    std::array<std::array<double, 3>, N> low;
+
+    void find_low(const std::array<const Point*, N>& points, const Point& last) {
+        for (std::size_t i = 0; i < N; ++i)
+            for (int k = 0; k < 3; ++k) low[i][k] = two_sum((*points[i])[k], -last[k]).low;
+    }
+};
+
+// Exponent of one above the highest bit of |x|; not for subnormals.
+int high_bit(double x) {
+    return static_cast<int>((std::bit_cast<std::uint64_t>(x) >> 52) & 0x7ff) - 1022;
+}
+
+// The differences as integers below 2^61 in units of a power of two; false when that would round one.
+template <std::size_t N>
+bool to_int64(const Differences<N>& d, std::array<std::array<std::int64_t, 3>, N>& out) {
+    double largest = 0;
+    for (const auto& row : d.high)
+        for (double x : row) largest = std::max(largest, std::abs(x));
+    const int shift = 60 - high_bit(largest);
+    if (shift < 0 || shift > 1000) return false;  // scaling up loses nothing
+    const double scale = std::bit_cast<double>(static_cast<std::uint64_t>(1023 + shift) << 52);
+    bool exact = true;
+    for (std::size_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k) {
+            const double high = d.high[i][k] * scale, low = d.low[i][k] * scale;
+            const auto h = static_cast<std::int64_t>(high), l = static_cast<std::int64_t>(low);
+            exact &= (static_cast<double>(h) == high) & (static_cast<double>(l) == low);
+            out[i][k] = h + l;
+        }
+    return exact;
+}
+
+template <int W, std::size_t N>
+std::array<std::array<WideInt<W>, 3>, N> wide_rows(const Differences<N>& d, int quantum) {
+    std::array<std::array<WideInt<W>, 3>, N> out;
+    for (std::size_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k) out[i][k] = to_wide<W>(d.high[i][k], quantum) + to_wide<W>(d.low[i][k], quantum);
+    return out;
+}
+
+// The sign of a determinant of degree at most 5 in the differences: below 2^(5b + 8) when they are below 2^b.
+template <std::size_t N, class Determinant>
+int exact_sign(const Differences<N>& d, Determinant determinant_of) {
+    if (std::array<std::array<std::int64_t, 3>, N> small; to_int64(d, small)) {
+        std::array<std::array<WideInt<1>, 3>, N> rows;
+        for (std::size_t i = 0; i < N; ++i)
+            for (int k = 0; k < 3; ++k) rows[i][k] = from_int128<1>(small[i][k]);
+        return determinant_of(rows).sign();
+    }
+    BitRange range;
+    for (const auto& part : {d.high, d.low})
+        for (const auto& row : part) range.add(row);
+    // One bit more for a sum of two: 5 * 124 + 8 < 640 bits.
+    if (range.span() <= 123) return determinant_of(wide_rows<2>(d, range.quantum())).sign();
+    return determinant_of(wide_rows<widest>(d, range.quantum())).sign();
+}
+
+template <std::size_t N>
+void subtract(const std::array<const Point*, N>& points, const Point& last, Differences<N>& d,
+              std::array<double, 3>& largest) {
+    largest = {};
+    for (std::size_t i = 0; i < N; ++i)
+        for (int k = 0; k < 3; ++k) {
+            d.high[i][k] = (*points[i])[k] - last[k];
+            largest[k] = std::max(largest[k], std::abs(d.high[i][k]));
+        }
+}
+
+}  // namespace
+
+int orient(const Point& a, const Point& b, const Point& c, const Point& d) {
+    const std::array points{&a, &b, &c};
+    Differences<3> rows;
+    std::array<double, 3> largest;
+    subtract<3>(points, d, rows, largest);
+    const double estimate = determinant(rows.high[0], rows.high[1], rows.high[2]);
+    const double bound = orient_factor * (largest[0] * largest[1] * largest[2]) + underflow;
+    if (std::abs(estimate) > bound) return sign_of(estimate);
+    rows.find_low(points, d);
+    return exact_sign(rows, [](const auto& r) { return determinant(r[0], r[1], r[2]); });
+}
+
+int insphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) {
+    const std::array points{&a, &b, &c, &d};
+    Differences<4> rows;
+    std::array<double, 3> largest;
+    subtract<4>(points, p, rows, largest);
+    const auto& h = rows.high;
+    const double estimate = lifted_determinant(h[0], h[1], h[2], h[3]);
+    const double longest = std::max(std::max(lift(h[0]), lift(h[1])), std::max(lift(h[2]), lift(h[3])));
+    const double bound = insphere_factor * (largest[0] * largest[1] * largest[2] * longest) + underflow;
+    if (std::abs(estimate) > bound) return sign_of(estimate);
+    rows.find_low(points, p);
+    return exact_sign(rows, [](const auto& r) { return lifted_determinant(r[0], r[1], r[2], r[3]); });
+}
+
+}  // namespace votess::exact

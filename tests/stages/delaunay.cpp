@@ -1,0 +1,340 @@
+// delaunay: predicates and triangulations against rational arithmetic; the cells that come from them.
+#include "cpu/delaunay.hpp"
+
+#include <doctest/doctest.h>
+#include <gmpxx.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "cpu/cell.hpp"
+#include "cpu/search.hpp"
+#include "cpu/triangulation.hpp"
+#include "exact/insphere.hpp"
+#include "oracle/brute_force.hpp"
+#include "support/check.hpp"
+#include "support/generators.hpp"
+#include "support/random.hpp"
+
+using namespace votess::cpu;
+using test::Random;
+using votess::exact::Point;
+
+namespace {
+
+using Rational = std::array<mpq_class, 3>;
+
+Rational rational(const Point& p) {
+    return {mpq_class(p[0]), mpq_class(p[1]), mpq_class(p[2])};
+}
+
+Rational minus(const Rational& a, const Rational& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+mpq_class determinant(const Rational& a, const Rational& b, const Rational& c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+mpq_class square(const Rational& a) {
+    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+}
+
+// The circumsphere by its center, unlike the engine's lifting.
+struct Sphere {
+    Rational base, center;  // center relative to base, a point on the sphere
+
+    Sphere(const Rational& a, const Rational& b, const Rational& c, const Rational& d) : base(a) {
+        const Rational u = minus(b, a), v = minus(c, a), w = minus(d, a);
+        const Rational h{square(u) / 2, square(v) / 2, square(w) / 2};
+        const mpq_class det = determinant(u, v, w);
+        for (int k = 0; k < 3; ++k) {
+            Rational m[3] = {u, v, w};
+            for (int row = 0; row < 3; ++row) m[row][k] = h[row];
+            center[k] = determinant(m[0], m[1], m[2]) / det;
+        }
+    }
+    // +1 when p lies strictly inside.
+    [[nodiscard]] int side(const Rational& p) const {
+        return sgn(mpq_class(square(center) - square(minus(minus(p, base), center))));
+    }
+};
+
+void check_predicates(const char* name, std::uint64_t seed, int sets, int least_ties, auto coordinate) {
+    Random random(seed);
+    int solid = 0, ties = 0;
+    for (int s = 0; s < sets; ++s) {
+        Point p[5];
+        Rational r[5];
+        for (int i = 0; i < 5; ++i) {
+            for (auto& x : p[i]) x = coordinate(random);
+            r[i] = rational(p[i]);
+        }
+        INFO(name, " set ", s);
+        const int oriented = sgn(determinant(minus(r[0], r[3]), minus(r[1], r[3]), minus(r[2], r[3])));
+        REQUIRE(votess::exact::orient(p[0], p[1], p[2], p[3]) == oriented);
+        ties += oriented == 0;
+        if (oriented == 0) continue;
+        const int side = Sphere(r[0], r[1], r[2], r[3]).side(r[4]);
+        REQUIRE(votess::exact::insphere(p[0], p[1], p[2], p[3], p[4]) * oriented == side);
+        ++solid;
+        ties += side == 0;
+    }
+    CHECK(solid > sets / 4);
+    CHECK(ties >= least_ties);
+}
+
+SortedSeeds sorted_seeds(const test::PointSet& set, votess::ThreadPool& pool) {
+    // As the pipeline does: largest coordinate of order one.
+    double largest = 0;
+    for (double x : set.points) largest = std::max(largest, std::abs(x));
+    const double scale = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
+    SortedSeeds seeds;
+    SeedSorter().sort(std::span<const double>(set.points), scale, 0, pool, seeds);
+    return seeds;
+}
+
+std::vector<Point> points_of(const SortedSeeds& seeds) {
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < seeds.size(); ++i) points.push_back({seeds.x[i], seeds.y[i], seeds.z[i]});
+    return points;
+}
+
+// Inserts all points; false when they are coplanar.
+bool triangulate(const std::vector<Point>& points, Triangulation& triangulation) {
+    const auto count = static_cast<std::int32_t>(points.size());
+    for (std::int32_t b = 1; b < count; ++b)
+        for (std::int32_t c = b + 1; c < count; ++c)
+            for (std::int32_t d = c + 1; d < count; ++d) {
+                if (votess::exact::orient(points[0], points[b], points[c], points[d]) == 0) continue;
+                triangulation.begin(0, b, c, d);
+                for (std::int32_t p = 1; p < count; ++p)
+                    if (p != b && p != c && p != d) triangulation.insert(p);
+                return true;
+            }
+    return false;
+}
+
+// By definition: tetrahedra positive, their circumspheres empty, the hull triangles with no point beyond, together
+// exactly the hull's volume; neighbors mutual.
+void check_triangulation(const std::vector<Point>& points, std::span<const Tetrahedron> cells) {
+    std::vector<Rational> r;
+    for (const Point& p : points) r.push_back(rational(p));
+    std::set<std::int32_t> met;
+    mpq_class volume, hull;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const Tetrahedron& t = cells[i];
+        if (t.vertex[0] == Triangulation::unused) continue;
+        for (int k = 0; k < 4; ++k) {
+            const Tetrahedron& n = cells[t.neighbor[k]];
+            REQUIRE(std::ranges::count(n.neighbor, static_cast<std::int32_t>(i)) == 1);
+            for (int j = 0; j < 4; ++j) REQUIRE(std::ranges::count(n.vertex, t.vertex[j]) == (j == k ? 0 : 1));
+            met.insert(t.vertex[k]);
+        }
+        auto at = [&](int k) -> const Rational& { return r[t.vertex[k]]; };
+        if (Triangulation::is_finite(t)) {
+            const mpq_class d = determinant(minus(at(0), at(3)), minus(at(1), at(3)), minus(at(2), at(3)));
+            REQUIRE(sgn(d) > 0);
+            volume += d;
+            const Sphere sphere(at(0), at(1), at(2), at(3));
+            for (const Rational& p : r) REQUIRE(sphere.side(p) <= 0);
+        } else {
+            const auto slot = static_cast<int>(std::ranges::find(t.vertex, Triangulation::infinite) - t.vertex.begin());
+            auto beyond = [&](const Rational& p) {
+                const auto corner = [&](int k) -> const Rational& { return k == slot ? p : at(k); };
+                return determinant(minus(corner(0), corner(3)), minus(corner(1), corner(3)),
+                                   minus(corner(2), corner(3)));
+            };
+            for (const Rational& p : r) REQUIRE(sgn(beyond(p)) <= 0);
+            hull -= beyond(r[0]);
+        }
+    }
+    CHECK(volume == hull);
+    CHECK(met.size() == points.size() + 1);
+    CHECK(*met.begin() == Triangulation::infinite);
+}
+
+// Canonical faces of a cell as ids.
+std::vector<std::int32_t> faces_of(Cell& cell) {
+    CellFaces faces;
+    cell.canonical_faces(faces);
+    std::vector<std::int32_t> ids;
+    for (const std::int32_t p : faces.planes) ids.push_back(cell.planes()[p].id);
+    std::ranges::sort(ids);
+    return ids;
+}
+
+// Cells clipped by their Delaunay neighbors only against cells searched until proven.
+void check_cells(const test::PointSet& set) {
+    CAPTURE(set.name);
+    votess::ThreadPool pool(1);
+    const SortedSeeds seeds = sorted_seeds(set, pool);
+    Hierarchy hierarchy;
+    hierarchy.build(seeds, pool);
+    const Delaunay delaunay(seeds);
+    REQUIRE(delaunay.valid());
+    votess::Box box{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+    for (const Point& p : points_of(seeds))
+        for (int k = 0; k < 3; ++k) {
+            box.lower[k] = std::min(box.lower[k], p[k] - 0.5);
+            box.upper[k] = std::max(box.upper[k], p[k] + 0.5);
+        }
+    CellBuilder search(seeds, hierarchy, box), clip(seeds, hierarchy, box);
+    std::vector<std::int32_t> neighbors, back;
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+        delaunay.neighbors(i, neighbors);
+        REQUIRE(std::ranges::is_sorted(neighbors));
+        REQUIRE(std::ranges::adjacent_find(neighbors) == neighbors.end());
+        for (const std::int32_t n : neighbors) {
+            delaunay.neighbors(static_cast<std::size_t>(n), back);
+            REQUIRE(std::ranges::binary_search(back, static_cast<std::int32_t>(i)));
+        }
+        REQUIRE(faces_of(clip.build_from(i, neighbors)) == faces_of(search.build(i)));
+    }
+}
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("delaunay: predicates equal rational arithmetic in every width") {
+        check_predicates("small integers", 1, 4000, 100, [](Random& r) { return 1.0 * r.integer(-3, 3); });
+        check_predicates("offset integers", 2, 1000, 20, [](Random& r) { return 1e8 + 1.0 * r.integer(-2, 2); });
+        check_predicates("uniform", 3, 2000, 0, [](Random& r) { return r.uniform(); });
+        check_predicates("tenths", 4, 4000, 0, [](Random& r) { return 0.1 * r.integer(-2, 2); });
+        check_predicates("twenty decades", 5, 2000, 0,
+                         [](Random& r) { return r.uniform(-1, 1) * std::pow(10.0, r.uniform(-20, 0)); });
+        check_predicates("all that order one leaves of float64", 6, 600, 0, [](Random& r) {
+            return r.uniform(-1, 1) * std::ldexp(1.0, static_cast<int>(r.integer(-1074, 60)));
+        });
+        check_predicates("subnormal lattice", 7, 600, 10,
+                         [](Random& r) { return std::ldexp(1.0 * r.integer(-3, 3), -1074); });
+        // 61 bits and one more.
+        check_predicates("long integers", 8, 2000, 0, [](Random& r) {
+            return (r.chance(0.5) ? -0x1p59 : 0x1p59 - 64) + 1.0 * r.integer(-1, 1) * std::ldexp(1.0, r.below(9));
+        });
+    }
+
+    TEST_CASE("delaunay: triangulations of small sets are right by definition") {
+        int solid = 0;
+        for (const test::PointSet& set : test::families(test::by_size(40, 20), 21)) {
+            CAPTURE(set.name);
+            votess::ThreadPool pool(1);
+            const std::vector<Point> points = points_of(sorted_seeds(set, pool));
+            for (const bool reversed : {false, true}) {
+                std::vector<Point> order = points;
+                if (reversed) std::ranges::reverse(order);
+                Triangulation triangulation(order);
+                if (!triangulate(order, triangulation)) continue;
+                ++solid;
+                check_triangulation(order, triangulation.tetrahedra());
+            }
+        }
+        CHECK(solid > 30);
+    }
+
+    TEST_CASE("delaunay: triangulations of random small integers, mostly ties") {
+        Random random(9);
+        for (std::size_t round = 0; round < test::by_size(150, 15); ++round) {
+            std::set<Point> distinct;
+            const auto size = static_cast<std::int64_t>(1 + random.below(3));
+            for (std::uint64_t i = 4 + random.below(24); i > 0; --i)
+                distinct.insert(
+                    {1.0 * random.integer(0, size), 1.0 * random.integer(0, size), 1.0 * random.integer(0, size)});
+            std::vector<Point> points;
+            const std::vector<Point> ascending(distinct.begin(), distinct.end());
+            for (const std::size_t i : test::permutation(ascending.size(), random)) points.push_back(ascending[i]);
+            Triangulation triangulation(points);
+            if (triangulate(points, triangulation)) check_triangulation(points, triangulation.tetrahedra());
+        }
+    }
+
+    TEST_CASE("delaunay: every Voronoi neighbor is a Delaunay neighbor") {
+        for (const test::PointSet& set : test::families(test::by_size(30, 20), 22)) {
+            CAPTURE(set.name);
+            votess::ThreadPool pool(1);
+            const SortedSeeds seeds = sorted_seeds(set, pool);
+            const Delaunay delaunay(seeds);
+            REQUIRE(delaunay.valid());
+            const auto t = test::run(set);
+            const test::ExactDiagram exact = test::brute_force(set.points, t.box());
+            std::vector<std::int32_t> neighbors;
+            for (std::size_t i = 0; i < seeds.size(); ++i) {
+                delaunay.neighbors(i, neighbors);
+                std::vector<std::int32_t> inputs;
+                for (const std::int32_t n : neighbors) inputs.push_back(seeds.input[n]);
+                for (const std::int32_t face : exact.cells[seeds.input[i]].faces)
+                    if (face >= 0) REQUIRE(std::ranges::count(inputs, face) == 1);
+            }
+        }
+    }
+
+    TEST_CASE("delaunay: cells clipped by Delaunay neighbors equal those of a search") {
+        for (const test::PointSet& set : test::families(test::by_size(300, 60), 23)) check_cells(set);
+        check_cells(test::uniform(test::by_size(5000, 500), 24));
+        check_cells(test::cubic(test::by_size(12, 5)));
+        check_cells(test::on_sphere(test::by_size(1200, 200), 25));
+        check_cells(test::cospherical(test::by_size(3001, 101)));
+        for (std::size_t n = 1; n <= 5; ++n) check_cells(test::uniform(n, 26));
+    }
+
+    TEST_CASE("delaunay: a watch that gives up, and too many tetrahedra") {
+        votess::ThreadPool pool(1);
+        const SortedSeeds many = sorted_seeds(test::uniform(10000, 27), pool);
+        double last = 0;
+        CHECK(Delaunay(many, [&](double done) { return last < done && (last = done) < 1; }).valid());
+        CHECK(last > 0.5);
+        CHECK_FALSE(Delaunay(many, [](double) { return false; }).valid());
+    }
+
+    TEST_CASE("hard cells: spheres equal the unbounded search") {
+        for (const std::size_t n : {test::by_size(300, 100), test::by_size(2000, 300)}) {
+            const test::PointSet set = test::on_sphere(n, 28);
+            CAPTURE(n);
+            const auto t = test::run(set);
+            CHECK(test::check_invariants(t, set.points) == "");
+            votess::ThreadPool pool(1);
+            SortedSeeds seeds;
+            SeedSorter().sort(std::span<const double>(set.points), 1, 0, pool, seeds);
+            Hierarchy hierarchy;
+            hierarchy.build(seeds, pool);
+            CellBuilder search(seeds, hierarchy, t.box());
+            for (std::size_t i = 0; i<seeds.size(); i += n> 1000 ? 5 : 1) {
+                std::vector<std::int32_t> ids = faces_of(search.build(i));
+                for (auto& id : ids) id = id < 0 ? id : seeds.input[id];
+                std::ranges::sort(ids);
+                REQUIRE(test::row_of(t, seeds.input[i]) == ids);
+            }
+        }
+    }
+
+    TEST_CASE("hard cells: spheres among other seeds, for all threads and settings") {
+        // Hard cells in some blocks only; with a center, which is no neighbor of most.
+        test::PointSet mixed = test::uniform(test::by_size(3000, 400), 29);
+        for (const double radius : {0.2, 0.01}) {
+            const test::PointSet sphere = test::on_sphere(test::by_size(4000, 500), 30);
+            for (double x : sphere.points) mixed.points.push_back(0.5 + radius * x);
+        }
+        // Nothing inside the spheres.
+        test::PointSet hollow{"hollow", {}, mixed.box};
+        for (std::size_t i = 0; i < mixed.points.size(); i += 3) {
+            const double* p = &mixed.points[i];
+            const double r = std::hypot(p[0] - 0.5, p[1] - 0.5, p[2] - 0.5);
+            if (r > 0.199 || (r > 0.009 && r < 0.011)) hollow.points.insert(hollow.points.end(), p, p + 3);
+        }
+        for (const test::PointSet& set :
+             {mixed, hollow, test::on_sphere_and_center(test::by_size(3000, 300), 31),
+              test::on_sphere(test::by_size(3000, 300), 32), test::cospherical(test::by_size(3001, 101))}) {
+            CAPTURE(set.name);
+            const auto one = test::run(set);
+            CHECK(test::check_invariants(one, set.points) == "");
+            auto options = test::all_options(set.box);
+            options.threads = 3;
+            const auto three = test::run(set, options);
+            CHECK(test::check_invariants(three, set.points) == "");
+            CHECK(test::rows_of(one) == test::rows_of(three));
+            options.want = {.neighbors = true, .volumes = false, .centroids = false, .counts = false};
+            CHECK(test::rows_of(one) == test::rows_of(test::run(set, options)));
+        }
+    }
+}
