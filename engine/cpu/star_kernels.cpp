@@ -49,7 +49,9 @@ VOTESS_INLINE unsigned inside_ball_body(const double* x, const double* y, const 
         const double nx = (x[i] - t.p[0]) * t.scale, ny = (y[i] - t.p[1]) * t.scale, nz = (z[i] - t.p[2]) * t.scale;
         const double square = nx * nx + ny * ny + nz * nz;
         const double excess = nx * t.v[0] + ny * t.v[1] + nz * t.v[2] - 0.5 * square;
-        mask |= static_cast<unsigned>((excess >= -(relative_slack * square + t.slack)) & (square >= least)) << i;
+        // Not a number where the seed is padding, infinitely far away.
+        const double margin = excess + (relative_slack * square + t.slack);
+        mask |= static_cast<unsigned>((margin >= 0) & (square >= least)) << i;
     }
     return mask;
 }
@@ -65,7 +67,7 @@ VOTESS_INLINE void to_window_body(const std::array<const double*, 3>& seeds, std
                 double v = (seeds[k][from] - origin[k]) * scale;
                 v = v > -range ? v : -range;
                 v = v < range ? v : range;
-                out[k][to] = static_cast<std::int32_t>(v);
+                out[k][to] = static_cast<std::int32_t>(v + (v < 0 ? -0.5 : 0.5));
             }
             ids[to] = static_cast<std::int32_t>(from);
         }
