@@ -212,10 +212,8 @@ bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
         return false;
     cross(e, ab, across);
     across *= 1 / square;  // the point of the line that is nearest to the seed
-    for (int k = 0; k < 3; ++k) {
-        ray.o[k] = static_cast<float>(across[k]);
-        ray.d[k] = static_cast<float>(-ab[k]);
-    }
+    narrow(across, ray.o);
+    narrow(-ab, ray.d);
     ray.least = parallel * std::sqrt(static_cast<float>(square)) * static_cast<float>(longest_);
     return true;
 }
@@ -265,8 +263,9 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             lane = -1;
             continue;
         }
-        const float v[4] = {static_cast<float>(x.x[0]), static_cast<float>(x.x[1]), static_cast<float>(x.x[2]),
-                            rounding_of(x2)};
+        float v[4];
+        narrow(wide(x), v);
+        v[3] = rounding_of(x2);
         const int touching = kernels_.touching(candidates_, v, three, 0);
         tied_.clear();
         if (touching >= 0) {

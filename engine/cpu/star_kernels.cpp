@@ -54,21 +54,29 @@ VOTESS_INLINE unsigned inside_ball_body(const double* x, const double* y, const 
     return mask;
 }
 
-VOTESS_INLINE void to_window_body(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
-                                  const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
-                                  std::int32_t* ids) {
+VOTESS_INLINE int to_window_body(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                                 std::int32_t* ids) {
     constexpr double range = window_range;
-    for (std::size_t g = 0; g < groups.size(); ++g)
+    int count = 0;
+    for (std::size_t g = 0; g < from.groups.size(); ++g)
         for (std::size_t i = 0; i < box_fan; ++i) {
-            const std::size_t from = std::size_t{groups[g]} * box_fan + i, to = g * box_fan + i;
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan + i;
+            double sum = 0;
             for (int k = 0; k < 3; ++k) {
-                double v = (seeds[k][from] - origin[k]) * scale;
+                const double x = from.seeds[k][seed];
+                const double below = frame.home.lower[k] - x, above = x - frame.home.upper[k];
+                double gap = below > above ? below : above;
+                gap = gap > 0 ? gap : 0;
+                sum += gap * gap;
+                double v = (x - frame.origin[k]) * frame.scale;
                 v = v > -range ? v : -range;
                 v = v < range ? v : range;
-                out[k][to] = static_cast<std::int32_t>(v);
+                out[k][count] = static_cast<std::int32_t>(v);
             }
-            ids[to] = static_cast<std::int32_t>(from);
+            ids[count] = static_cast<std::int32_t>(seed);
+            count += static_cast<int>(g < from.kept) | static_cast<int>(sum < frame.distance_squared);
         }
+    return count;
 }
 
 template <int L>
@@ -179,22 +187,35 @@ VOTESS_AVX2 unsigned inside_ball_avx2(const double* x, const double* y, const do
     return inside_ball_body(x, y, z, t, least);
 }
 
-VOTESS_AVX2 void to_window_avx2(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
-                                const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
-                                std::int32_t* ids) {
+VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                               std::int32_t* ids) {
     const __m256d range = _mm256_set1_pd(window_range), least = _mm256_set1_pd(-window_range);
-    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        const std::size_t from = std::size_t{groups[g]} * box_fan, to = g * box_fan;
-        for (int k = 0; k < 3; ++k)
-            for (std::size_t i = 0; i < box_fan; i += 4) {
-                __m256d v = _mm256_sub_pd(_mm256_loadu_pd(seeds[k] + from + i), _mm256_set1_pd(origin[k]));
-                v = _mm256_min_pd(_mm256_max_pd(_mm256_mul_pd(v, _mm256_set1_pd(scale)), least), range);
-                _mm_storeu_si128(reinterpret_cast<__m128i*>(out[k] + to + i), _mm256_cvtpd_epi32(v));
+    const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
+    int count = 0;
+    for (std::size_t g = 0; g < from.groups.size(); ++g)
+        for (std::size_t i = 0; i < box_fan; i += 4) {
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan + i;
+            __m256d sum = _mm256_setzero_pd();
+            alignas(16) std::int32_t at[3][4];
+            for (int k = 0; k < 3; ++k) {
+                const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed);
+                __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x),
+                                            _mm256_sub_pd(x, _mm256_set1_pd(frame.home.upper[k])));
+                gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+                sum = _mm256_add_pd(sum, _mm256_mul_pd(gap, gap));
+                __m256d v = _mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale);
+                v = _mm256_min_pd(_mm256_max_pd(v, least), range);
+                _mm_store_si128(reinterpret_cast<__m128i*>(at[k]), _mm256_cvtpd_epi32(v));
             }
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + to),
-                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(from)), iota));
-    }
+            auto inside = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ)));
+            if (g < from.kept) inside = 15;
+            for (; inside != 0; inside &= inside - 1, ++count) {
+                const int lane = std::countr_zero(inside);
+                for (int k = 0; k < 3; ++k) out[k][count] = at[k][lane];
+                ids[count] = static_cast<std::int32_t>(seed) + lane;
+            }
+        }
+    return count;
 }
 
 VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float distance_squared, CandidatePlanes& c) {
@@ -313,21 +334,35 @@ VOTESS_AVX512 unsigned inside_ball_avx512(const double* x, const double* y, cons
                                    _mm512_setzero_pd(), _CMP_GE_OQ);
 }
 
-VOTESS_AVX512 void to_window_avx512(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
-                                    const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
-                                    std::int32_t* ids) {
+VOTESS_AVX512 int to_window_avx512(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                                   std::int32_t* ids) {
     const __m512d range = _mm512_set1_pd(window_range), least = _mm512_set1_pd(-window_range);
+    const __m512d scale = _mm512_set1_pd(frame.scale), limit = _mm512_set1_pd(frame.distance_squared);
     const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        const std::size_t from = std::size_t{groups[g]} * box_fan, to = g * box_fan;
+    int count = 0;
+    for (std::size_t g = 0; g < from.groups.size(); ++g) {
+        const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
+        __m512d sum = _mm512_setzero_pd();
+        __m256i at[3];
         for (int k = 0; k < 3; ++k) {
-            __m512d v = _mm512_sub_pd(_mm512_loadu_pd(seeds[k] + from), _mm512_set1_pd(origin[k]));
-            v = _mm512_min_pd(_mm512_max_pd(_mm512_mul_pd(v, _mm512_set1_pd(scale)), least), range);
-            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out[k] + to), _mm512_cvtpd_epi32(v));
+            const __m512d x = _mm512_loadu_pd(from.seeds[k] + seed);
+            __m512d gap = _mm512_max_pd(_mm512_sub_pd(_mm512_set1_pd(frame.home.lower[k]), x),
+                                        _mm512_sub_pd(x, _mm512_set1_pd(frame.home.upper[k])));
+            gap = _mm512_max_pd(gap, _mm512_setzero_pd());
+            sum = _mm512_fmadd_pd(gap, gap, sum);
+            __m512d v = _mm512_mul_pd(_mm512_sub_pd(x, _mm512_set1_pd(frame.origin[k])), scale);
+            v = _mm512_min_pd(_mm512_max_pd(v, least), range);
+            at[k] = _mm512_cvtpd_epi32(v);
         }
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + to),
-                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(from)), iota));
+        __mmask8 inside = _mm512_cmp_pd_mask(sum, limit, _CMP_LT_OQ);
+        if (g < from.kept) inside = 0xff;
+        for (int k = 0; k < 3; ++k)
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out[k] + count), _mm256_maskz_compress_epi32(inside, at[k]));
+        const __m256i id = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota);
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + count), _mm256_maskz_compress_epi32(inside, id));
+        count += std::popcount(static_cast<unsigned>(inside));
     }
+    return count;
 }
 
 VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float distance_squared,

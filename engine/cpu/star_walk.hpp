@@ -69,6 +69,11 @@ private:
         out = __builtin_shuffle(turned, turn);
     }
 
+    [[gnu::always_inline]] static void narrow(const Wide& w, float* out) {
+        using Floats = float __attribute__((vector_size(16), aligned(4), may_alias));
+        *reinterpret_cast<Floats*>(out) = __builtin_convertvector(w, Floats);
+    }
+
     struct OpenEdge {
         int a, b;  // slots of its planes
         Four ab;   // n_a x n_b
