@@ -79,7 +79,7 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
 }
 
 votess::Want read_want(const std::string& list) {
-    votess::Want want{.neighbors = false, .volumes = false, .centroids = false, .counts = false};
+    votess::Want want{.neighbors = false, .volumes = false, .centroids = false, .counts = false, .areas = false};
     for (const std::string_view word : split_at_commas(list)) {
         if (word == "neighbors") {
             want.neighbors = true;
@@ -87,9 +87,11 @@ votess::Want read_want(const std::string& list) {
             want.volumes = true;
         } else if (word == "centroids") {
             want.centroids = true;
+        } else if (word == "areas") {
+            want.areas = want.neighbors = true;
         } else {
             throw bad_input("--want has the word " + in_quotes(word) +
-                            ", this version knows neighbors, volumes and centroids");
+                            ", this version knows neighbors, volumes, centroids and areas");
         }
     }
     return want;
@@ -156,6 +158,8 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     if (typed.format) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*typed.format);
+        if (arguments.format.needs_walls() && !typed.walls)
+            throw bad_input("--format has %F, the area of the whole surface: add --walls");
     }
     const bool to_stdout = std::count(arguments.outputs.begin(), arguments.outputs.end(), "-") > 0;
     if (to_stdout && typed.json) throw bad_input("-o - and --json both go to stdout: give the output a file name");

@@ -30,8 +30,8 @@ domain
 output
   -o, --output FILE      .txt   one row per point, in the order of the input, see --format
                          .npz   NumPy arrays: indptr, indices (row i of the neighbor lists is
-                                indices[indptr[i]:indptr[i+1]]), volumes, centroids, status,
-                                duplicate_of when there are duplicates
+                                indices[indptr[i]:indptr[i+1]]), face_areas beside indices,
+                                volumes, centroids, status, duplicate_of when there are duplicates
                          -      text on stdout
                          Repeatable. A file is written whole or not at all. A device or a pipe
                          without an extension, such as /dev/null, gets text.
@@ -41,10 +41,12 @@ output
                            %w  number of vertices        %s  number of faces, walls included
                            %n  ids of the neighbors      %v  volume
                            %c  centroid relative to the point: "x y z"
+                           %f  areas of the faces, in the order of %n
+                           %F  area of the whole surface; needs --walls
                            %%  a percent sign
                          Numbers have the fewest digits that read back as the same float64.
-  --want LIST            of neighbors,volumes,centroids; default neighbors,volumes;
-                         an output that needs more adds it
+  --want LIST            of neighbors,volumes,centroids,areas; default neighbors,volumes;
+                         an output that needs more adds it, areas add neighbors
   --walls                list the walls of the box too, as neighbors -1 to -6 = xmin, xmax, ymin,
                          ymax, zmin, zmax
   --json                 the summary as one JSON object on stdout
@@ -57,9 +59,9 @@ run
                          lavapipe  the first Vulkan device that is software
                          INDEX     that Vulkan device, a number of --list-devices
   --precision single|double
-                         of volumes and centroids from a GPU: relative error 1e-5 (single, the
-                         default) or 1e-10 (double). The CPU always gives 1e-10; the neighbors
-                         are exact either way
+                         of volumes, centroids and areas from a GPU: relative error 1e-5 (single,
+                         the default) or 1e-10 (double). The CPU always gives 1e-10; the
+                         neighbors are exact either way
   --verify               check the result: volume sum, symmetry of the neighbors, Euler's formula,
                          and a sample of cells against every point. If it fails, no file is
                          written and the exit code is 3
@@ -75,7 +77,8 @@ tuning: changes speed and memory, never the answer; default 0 = automatic
   --version              the version
   -h, --help             this text
 
-units: lengths are those of the input, volumes their cube; times in the summary are seconds.
+units: lengths are those of the input, areas their square, volumes their cube; times in the
+       summary are seconds.
 
 exit codes: 0 done, 1 run-time failure (device lost, disk full, out of memory),
             2 bad usage or input, or a device that is not there,

@@ -1,11 +1,13 @@
 #include "text_format.hpp"
 
+#include <algorithm>
+
 #include "failure.hpp"
 
 namespace clvotess {
 
 TextFormat::TextFormat(std::string_view format) {
-    constexpr std::string_view known = "ixyzqwsnvc";
+    constexpr std::string_view known = "ixyzqwsnvcfF";
     if (format.empty()) throw bad_input("--format is empty: give codes such as \"%i %n\"");
     if (format.find('\n') != std::string_view::npos) throw bad_input("--format holds a line end: one cell is one line");
     std::string literal;
@@ -26,7 +28,7 @@ TextFormat::TextFormat(std::string_view format) {
             pieces_.push_back({format[at], {}});
         } else {
             throw bad_input("--format has the code " + in_quotes(format.substr(at - 1, 2)) +
-                            ", this version knows %i %x %y %z %q %w %s %n %v %c and %%");
+                            ", this version knows %i %x %y %z %q %w %s %n %v %c %f %F and %%");
         }
     }
     end_literal();
@@ -44,6 +46,10 @@ void TextFormat::add_needs(votess::Want& want) const {
             case 'c':
                 want.centroids = true;
                 break;
+            case 'f':
+            case 'F':
+                want.areas = want.neighbors = true;
+                break;
             case 'w':
             case 's':
                 want.counts = true;
@@ -52,6 +58,10 @@ void TextFormat::add_needs(votess::Want& want) const {
                 break;
         }
     }
+}
+
+bool TextFormat::needs_walls() const {
+    return std::ranges::any_of(pieces_, [](const FormatPiece& piece) { return piece.code == 'F'; });
 }
 
 }  // namespace clvotess

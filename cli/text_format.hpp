@@ -9,7 +9,7 @@
 namespace clvotess {
 
 struct FormatPiece {
-    char code = 0;        // one of i x y z q w s n v c; 0: the literal text
+    char code = 0;        // one of i x y z q w s n v c f F; 0: the literal text
     std::string literal;  // printed as it is
 };
 
@@ -21,6 +21,8 @@ public:
     [[nodiscard]] const std::vector<FormatPiece>& pieces() const noexcept { return pieces_; }
     // Adds to `want` the arrays that the codes print.
     void add_needs(votess::Want& want) const;
+    // A surface is whole only when the rows list walls.
+    [[nodiscard]] bool needs_walls() const;
 
 private:
     std::vector<FormatPiece> pieces_;

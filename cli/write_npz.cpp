@@ -43,6 +43,7 @@ void write_npz(OutputFile& file, const OutputData& data) {
         add_array(zip, "indptr", "<i8", cells.indptr());
         add_array(zip, "indices", "<i4", cells.indices());
     }
+    if (data.wanted.areas) add_array(zip, "face_areas", "<f8", cells.face_areas());
     if (data.wanted.volumes) add_array(zip, "volumes", "<f8", cells.volumes());
     if (data.wanted.centroids) add_array(zip, "centroids", "<f8", cells.centroids(), 3);
     add_array(zip, "status", "|u1", cells.status());

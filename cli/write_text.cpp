@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "atomic_file.hpp"
 #include "output.hpp"
@@ -104,6 +105,14 @@ private:
             case 'n':
                 put_neighbors(i);
                 break;
+            case 'f':
+                put_areas(i);
+                break;
+            case 'F': {
+                const auto areas = areas_of(i);
+                buffer_.put_number(std::accumulate(areas.begin(), areas.end(), 0.0));
+                break;
+            }
             case 'v':
                 buffer_.put_number(cells.volumes()[i]);
                 break;
@@ -120,6 +129,29 @@ private:
 
     [[nodiscard]] std::int64_t id_of(std::size_t i) const {
         return data_.input.ids.empty() ? static_cast<std::int64_t>(i) : data_.input.ids[i];
+    }
+
+    [[nodiscard]] std::span<const double> areas_of(std::size_t i) const {
+        const votess::Tessellation& cells = data_.tessellation;
+        return cells.face_areas().subspan(static_cast<std::size_t>(cells.indptr()[i]), cells.neighbors(i).size());
+    }
+
+    // In the order of put_neighbors().
+    void put_areas(std::size_t i) {
+        const auto areas = areas_of(i);
+        const auto indices = data_.tessellation.neighbors(i);
+        order_.resize(areas.size());
+        std::iota(order_.begin(), order_.end(), std::size_t{0});
+        if (!data_.input.ids.empty()) {
+            std::ranges::stable_sort(order_, {}, [&](std::size_t k) {
+                const std::int32_t j = indices[k];
+                return std::pair(j >= 0, j < 0 ? j : id_of(static_cast<std::size_t>(j)));
+            });
+        }
+        for (std::size_t k = 0; k < order_.size(); ++k) {
+            if (k > 0) buffer_.put(' ');
+            buffer_.put_number(areas[order_[k]]);
+        }
     }
 
     // Walls first, then ids in ascending order, as the library orders indices.
@@ -144,6 +176,7 @@ private:
     const OutputData& data_;
     RowBuffer buffer_;
     std::vector<std::int64_t> row_;
+    std::vector<std::size_t> order_;
 };
 
 }  // namespace

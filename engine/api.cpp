@@ -1,13 +1,13 @@
 #include "engines.hpp"
-#include "result.hpp"
+#include "result_pool.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
 namespace {
 
 template <class T>
-std::span<const T> view(const std::vector<T>& v) {
-    return {v.data(), v.size()};
+std::span<const T> view(const Buffer<T>& b) {
+    return b;
 }
 
 }  // namespace
@@ -15,12 +15,14 @@ std::span<const T> view(const std::vector<T>& v) {
 namespace detail {
 struct TessellatorState {
     Engines engines;
+    std::shared_ptr<ResultPool> results = std::make_shared<ResultPool>();
 };
 }  // namespace detail
 
 Tessellation::Tessellation() {
     auto empty = std::make_shared<detail::Result>();
-    empty->indptr.assign(1, 0);
+    empty->indptr.resize_uninitialized(1);
+    empty->indptr[0] = 0;
     result_ = std::move(empty);
 }
 Tessellation::Tessellation(std::shared_ptr<const detail::Result> result) : result_(std::move(result)) {}
@@ -38,6 +40,9 @@ std::span<const std::int64_t> Tessellation::indptr() const noexcept {
 }
 std::span<const std::int32_t> Tessellation::indices() const noexcept {
     return view(result_->indices);
+}
+std::span<const double> Tessellation::face_areas() const noexcept {
+    return view(result_->face_areas);
 }
 std::span<const double> Tessellation::volumes() const noexcept {
     return view(result_->volumes);
@@ -81,9 +86,9 @@ void log(const Options& options, const std::string& line) {
     if (options.log) options.log(line);
 }
 
-Tessellation run(Engines& engines, const Points& points, const Options& options) {
+Tessellation run(detail::TessellatorState& state, const Points& points, const Options& options) {
     try {
-        auto result = std::make_shared<detail::Result>(run_on(engines, points, options));
+        auto result = state.results->share(run_on(state.engines, points, options, state.results->take()));
         const Stats& s = result->stats;
         log(options, "tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
                          std::to_string(s.seconds.total) + " s");
@@ -100,10 +105,10 @@ Tessellation run(Engines& engines, const Points& points, const Options& options)
 }  // namespace
 
 Tessellation Tessellator::tessellate(std::span<const double> points, const Options& options) {
-    return run(state_->engines, {points, {}}, options);
+    return run(*state_, {points, {}}, options);
 }
 Tessellation Tessellator::tessellate(std::span<const float> points, const Options& options) {
-    return run(state_->engines, {{}, points}, options);
+    return run(*state_, {{}, points}, options);
 }
 
 Tessellation tessellate(std::span<const double> points, const Options& options) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -17,7 +18,7 @@ namespace votess {
 
 template <class T>
 class Buffer {
-    static_assert(std::is_trivially_default_constructible_v<T> && std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_copyable_v<T>);
 
 public:
     Buffer() = default;
@@ -30,16 +31,19 @@ public:
     }
 
     // The elements that fit the memory at hand keep their values; when it has to grow, all are lost.
-    void resize(std::size_t count) {
+    void resize_uninitialized(std::size_t count) {
         if (count > capacity_) {
             *this = {};
             const std::size_t room = count + count / 8;  // costs nothing until it is touched
+            if (room > std::size_t{PTRDIFF_MAX} / sizeof(T)) throw std::bad_array_new_length();
             memory_.reset(allocate(room * sizeof(T)));
             capacity_ = room;
         }
         size_ = count;
     }
 
+    operator std::span<T>() { return {data(), size_}; }
+    operator std::span<const T>() const { return {data(), size_}; }
     [[nodiscard]] std::size_t size() const { return size_; }
     [[nodiscard]] std::size_t capacity() const { return capacity_; }
     [[nodiscard]] bool empty() const { return size_ == 0; }

@@ -52,7 +52,7 @@ static_assert(same(VOTESS_PRECISION_DOUBLE, votess::Precision::double_));
 static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t));
 
 constexpr std::uint32_t known_want_bits =
-    VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_COUNTS;
+    VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_COUNTS | VOTESS_WANT_AREAS;
 
 // Up to the last field of the first release. These never change; fields added later lie beyond.
 constexpr std::size_t first_options_size = offsetof(votess_options, log_user) + sizeof(votess_options::log_user);
@@ -127,9 +127,10 @@ votess_options default_options() {
     const votess::Options defaults;
     votess_options options{};
     options.struct_size = sizeof(votess_options);
-    options.want =
-        (defaults.want.neighbors ? VOTESS_WANT_NEIGHBORS : 0u) | (defaults.want.volumes ? VOTESS_WANT_VOLUMES : 0u) |
-        (defaults.want.centroids ? VOTESS_WANT_CENTROIDS : 0u) | (defaults.want.counts ? VOTESS_WANT_COUNTS : 0u);
+    options.want = (defaults.want.neighbors ? VOTESS_WANT_NEIGHBORS : 0u) |
+                   (defaults.want.volumes ? VOTESS_WANT_VOLUMES : 0u) |
+                   (defaults.want.centroids ? VOTESS_WANT_CENTROIDS : 0u) |
+                   (defaults.want.counts ? VOTESS_WANT_COUNTS : 0u) | (defaults.want.areas ? VOTESS_WANT_AREAS : 0u);
     options.walls = defaults.walls ? 1 : 0;
     options.duplicates = static_cast<std::int32_t>(defaults.duplicates);
     options.threads = defaults.threads;
@@ -178,6 +179,7 @@ votess::Options convert_options(const votess_options* given) {
     options.want.volumes = (c_options.want & VOTESS_WANT_VOLUMES) != 0;
     options.want.centroids = (c_options.want & VOTESS_WANT_CENTROIDS) != 0;
     options.want.counts = (c_options.want & VOTESS_WANT_COUNTS) != 0;
+    options.want.areas = (c_options.want & VOTESS_WANT_AREAS) != 0;
     options.duplicates = static_cast<votess::Duplicates>(c_options.duplicates);
     if (c_options.device != nullptr) options.device = c_options.device;
     options.threads = c_options.threads;
@@ -311,6 +313,10 @@ const int64_t* votess_result_indptr(const votess_result* result, size_t* length)
 
 const int32_t* votess_result_indices(const votess_result* result, size_t* length) {
     return expose(result, length, &votess::Tessellation::indices);
+}
+
+const double* votess_result_face_areas(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_areas);
 }
 
 const double* votess_result_volumes(const votess_result* result, size_t* length) {

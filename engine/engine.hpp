@@ -26,6 +26,8 @@ struct Job {
     Box box;         // as given
     Box scaled_box;  // times scale
     double scale = 1;
+    // Of an earlier run, to be used again; may be null. ResultBuilder::begin() takes them.
+    detail::Result* arrays = nullptr;
 };
 
 class Engine {

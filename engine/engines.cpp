@@ -71,11 +71,11 @@ std::vector<DeviceInfo> Engines::devices() {
     return all;
 }
 
-detail::Result run_on(Engines& engines, const Points& points, const Options& options) {
+detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
     check_options(options);
     Engine& engine = engines.choose(options.device);
     try {
-        return run_pipeline(points, options, engine);
+        return run_pipeline(points, options, engine, std::move(arrays));
     } catch (const Error& error) {
         const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
         const bool on_cpu = &engine == &engines.cpu();

@@ -31,7 +31,8 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// The pipeline on the engine that the options name; with "auto" the CPU takes over when that one fails.
-detail::Result run_on(Engines& engines, const Points& points, const Options& options);
+// The pipeline on the engine that the options name; with "auto" the CPU takes over when that one fails. arrays: memory
+// of an earlier result to use again.
+detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {});
 
 }  // namespace votess

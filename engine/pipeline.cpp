@@ -17,11 +17,15 @@ void timed(double& seconds, Stage stage) {
 
 }  // namespace
 
-detail::Result run_pipeline(const Points& points, const Options& options, Engine& engine) {
+detail::Result run_pipeline(const Points& points, const Options& options, Engine& engine, detail::Result arrays) {
     detail::Result result;
     StageSeconds& seconds = result.stats.seconds;
     timed(seconds.total, [&] {
-        timed(seconds.upload, [&] { engine.upload(validate(points, options)); });
+        timed(seconds.upload, [&] {
+            Job job = validate(points, options);
+            job.arrays = &arrays;
+            engine.upload(job);
+        });
         timed(seconds.sort, [&] { engine.sort(); });
         timed(seconds.knn, [&] { engine.knn(); });
         timed(seconds.clip, [&] { engine.clip(); });

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "buffer.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::detail {
@@ -11,12 +11,12 @@ namespace votess::detail {
 struct Result {
     Box box;
     bool lists_walls = false;
-    std::vector<std::int64_t> indptr;
-    std::vector<std::int32_t> indices;
-    std::vector<double> volumes, centroids;
-    std::vector<std::uint32_t> face_counts, edge_counts, vertex_counts;
-    std::vector<CellStatus> status;
-    std::vector<std::int32_t> duplicate_of;
+    Buffer<std::int64_t> indptr;
+    Buffer<std::int32_t> indices;
+    Buffer<double> volumes, centroids, face_areas;
+    Buffer<std::uint32_t> face_counts, edge_counts, vertex_counts;
+    Buffer<CellStatus> status;
+    Buffer<std::int32_t> duplicate_of;
     Stats stats;
 };
 

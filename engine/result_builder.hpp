@@ -1,5 +1,5 @@
-// The result while engines fill it: arrays in input order, and rows of neighbors that wait, block by block and in the
-// order of the engine, until all lengths are known. What is called from several threads says so.
+// The result while engines fill it: arrays in input order, and rows of neighbors that wait, packed, block by block and
+// in the order of the engine, until all lengths are known. What is called from several threads says so.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "arena.hpp"
 #include "engine.hpp"
 #include "thread_pool.hpp"
 
@@ -20,8 +21,9 @@ struct CellCounters {
 
 class ResultBuilder {
 public:
-    // Sizes the arrays that the job wants; every cell certified, row empty, volume and counts 0, centroid NaN.
-    void begin(const Job& job);
+    // Sizes the arrays that the job wants, in the memory of job.arrays if there is any. Every cell is certified and its
+    // row empty; the other arrays are not initialized: the engine writes them for each cell but duplicates.
+    void begin(const Job& job, ThreadPool& pool);
 
     // The arrays of N, centroids 3N; those not wanted are empty. Threads may write different cells at once. finish()
     // takes a cell whose status is neither `certified` nor `duplicate` for a bug.
@@ -33,43 +35,52 @@ public:
     [[nodiscard]] std::span<std::uint32_t> vertex_counts() { return result_.vertex_counts; }
 
     // From any thread. ids: rows of `cells` (input indices) one after the other, each ascending; lengths[k] of them
-    // belong to cells[k]. A cell of length 0 has no row here and may get one by another call. `cells` must stay as it
-    // is until finish(), see keep(). Large results finish faster in blocks of some thousand cells or less.
+    // belong to cells[k]. areas: when they are wanted, one for each id. A cell of length 0 has no row here and may get
+    // one by another call. `cells` must stay as it is until finish(), see keep(); the other arrays are the caller's
+    // again on return. Large results finish faster in blocks of some thousand cells or less.
     // Does nothing when neighbors are not wanted.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                  std::vector<std::int32_t> ids);
-    // From any thread. The same, copied and cut into blocks: all three arrays are the caller's again on return.
+                  std::span<const std::int32_t> ids, std::span<const double> areas = {});
+    // From any thread. The same, cut into blocks: `cells` too is the caller's again on return.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                   std::span<const std::int32_t> ids);
-    // From any thread. Holds an array of cells until finish() and returns its place.
-    std::span<const std::int32_t> keep(std::vector<std::int32_t> cells);
+                   std::span<const std::int32_t> ids, std::span<const double> areas = {});
+    // From any thread. Room for an array of cells that stays until finish().
+    std::span<std::int32_t> keep(std::size_t count);
     // From any thread.
     void count(const CellCounters& counters);
 
-    // duplicate_of: N, or empty when there are none. Gives the duplicates their status.
-    void set_duplicates(std::vector<std::int32_t> duplicate_of);
+    // duplicate_of: N, or empty when there are none. Gives the duplicates their status, volume and counts 0, centroid
+    // NaN.
+    void set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool);
 
     // Puts the rows into place and fills everything of the result but stats.device and stats.seconds, which it leaves
-    // alone. The builder is empty afterwards.
+    // alone. The builder keeps no array of the result, but its own memory, for the next begin().
     void finish(detail::Result& result, ThreadPool& pool);
 
 private:
     struct Block {
-        std::span<const std::int32_t> cells;
-        std::vector<std::int32_t> own_cells;  // what `cells` points to when it was not the caller's
-        std::vector<std::int32_t> ids;
+        std::span<const std::int32_t> cells;  // those that have a row here
+        const std::byte* ids;
+        const double* areas;
     };
 
-    void set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids);
-    void push(Block block);
+    // Notes the lengths; whether some are 0.
+    bool set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids,
+                     std::size_t areas);
+    void push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+              std::span<const std::int32_t> ids, std::span<const double> areas, bool copy_cells);
+    void check_status(ThreadPool& pool) const;
+    void sum_lengths(ThreadPool& pool);
     void place_rows(ThreadPool& pool);
+    template <class Read>
+    void place_block(const Block& block, std::size_t bytes_per_id, Read read);
     void finish_stats(Stats& stats, ThreadPool& pool) const;
 
-    bool want_neighbors_ = false;
+    bool want_neighbors_ = false, want_areas_ = false, narrow_ids_ = false, fast_ids_ = false;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()
     std::mutex mutex_;       // of what follows
+    Arena memory_;
     std::vector<Block> blocks_;
-    std::vector<std::vector<std::int32_t>> kept_;
     CellCounters counters_;
 };
 

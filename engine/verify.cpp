@@ -15,6 +15,7 @@ namespace {
 struct VolumeTolerance {
     double cell, sum;
 };
+// Face areas: errors relative to the cell's surface are those of a cell's volume.
 constexpr VolumeTolerance double_tolerance{1e-10, 1e-9}, single_tolerance{1e-5, 1e-4};
 
 const VolumeTolerance& volume_tolerance(const Tessellation& t) {
@@ -26,7 +27,7 @@ std::string check_volumes(const Tessellation& t) {
     // Subnormal volumes are rounded to a multiple of the least double.
     const double rounding = static_cast<double>(t.size() + 1) * std::numeric_limits<double>::denorm_min();
     const double allowed = volume_tolerance(t).sum * s.box_volume + rounding;
-    if (t.size() == 0 || std::abs(s.volume_sum - s.box_volume) <= allowed) return {};
+    if (t.size() == 0 || s.volume_sum == s.box_volume || std::abs(s.volume_sum - s.box_volume) <= allowed) return {};
     return "volumes sum to " + number(s.volume_sum) + ", the box holds " + number(s.box_volume);
 }
 
@@ -84,22 +85,38 @@ std::string check_cell(const Tessellation& t, const Job& job, std::size_t i, cpu
     for (const auto& [distance, j] : others) cell.clip(j, seed(static_cast<std::size_t>(j)));
     cell.canonical_faces(faces);
 
+    const double unscale = 1 / job.scale;
+    std::vector<double> areas;
+    const cpu::CellGeometry geometry = cell.measure(faces, &areas);
     if (!t.indptr().empty()) {
         std::vector<std::int32_t> row;
-        for (const std::int32_t f : faces.planes) {
-            const std::int32_t id = cell.planes()[f].id;
-            if (id >= 0 || t.lists_walls()) row.push_back(id);
+        std::vector<std::pair<std::int32_t, double>> row_areas;
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            const std::int32_t id = cell.planes()[faces.planes[f]].id;
+            if (id < 0 && !t.lists_walls()) continue;
+            row.push_back(id);
+            row_areas.emplace_back(id, areas[f] * unscale * unscale);
         }
         std::sort(row.begin(), row.end());
         if (!std::ranges::equal(row, t.neighbors(i)))
             return "seed " + std::to_string(i) + " lists " + std::to_string(t.neighbors(i).size()) +
                    " neighbors that differ from the " + std::to_string(row.size()) + " found by trying every seed";
+        std::sort(row_areas.begin(), row_areas.end());
+        const double surface = std::accumulate(areas.begin(), areas.end(), 0.0) * unscale * unscale;
+        const double allowed = (volume_tolerance(t).cell + double_tolerance.cell) * surface;
+        for (std::size_t k = 0; k < row.size() && !t.face_areas().empty(); ++k) {
+            const double area = row_areas[k].second;
+            const double given = t.face_areas()[static_cast<std::size_t>(t.indptr()[i]) + k];
+            if (area != given && !(std::abs(area - given) <= allowed + std::numeric_limits<double>::denorm_min()))
+                return "the face of cell " + std::to_string(i) + " with " + std::to_string(row[k]) + " has area " +
+                       number(given) + ", trying every seed gives " + number(area);
+        }
     }
     if (!t.volumes().empty()) {
-        const double unscale = 1 / job.scale;
-        const double volume = cell.measure(faces).volume * unscale * unscale * unscale;
+        const double volume = geometry.volume * unscale * unscale * unscale;
         const double allowed = (volume_tolerance(t).cell + double_tolerance.cell) * volume;  // both are rounded
-        if (!(std::abs(volume - t.volumes()[i]) <= allowed + std::numeric_limits<double>::denorm_min()))
+        if (volume != t.volumes()[i] &&                                                      // both may be infinite
+            !(std::abs(volume - t.volumes()[i]) <= allowed + std::numeric_limits<double>::denorm_min()))
             return "cell " + std::to_string(i) + " has volume " + number(t.volumes()[i]) +
                    ", trying every seed gives " + number(volume);
     }

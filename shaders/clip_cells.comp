@@ -46,6 +46,7 @@ const double geometry_unit = 1.1102230246251565e-16LF;
 const float geometry_unit = float_unit;
 #endif
 layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { geometry_real geometry[]; };
+layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { geometry_real areas[]; };
 
 #include "lib/hierarchy.glsl"
 #include "lib/int64.glsl"
@@ -246,8 +247,10 @@ void finish(uint slot, uint cell, uint exponent) {
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
         for (int w = 0; w < plane_words; ++w)
             for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {
-                const int id = plane_id[32 * w + findLSB(rest)];
+                const int plane = 32 * w + findLSB(rest);
+                const int id = plane_id[plane];
                 if (id < 0 && push.walls == 0u) continue;
+                if (want_geometry == 2u) areas[length * push.row_stride + slot] = max(area[plane], geometry_real(0));
                 rows[length * push.row_stride + slot] = id < 0 ? id : int(seed_input[id]);
                 ++length;
             }

@@ -1,4 +1,7 @@
-// download: the rows of a chunk one after the other, each in ascending order.
+// download: the rows of a chunk one after the other, each in ascending order, and the areas beside them.
+//
+// Variants: AREA is the type of an area as it lies in memory, uint for float32, uvec2 for float64; without it there are
+// no areas.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/bindings.h"
@@ -12,6 +15,11 @@ layout(std430, binding = BINDING_ROWS) readonly buffer Rows { int rows[]; };
 layout(std430, binding = BINDING_SECOND_ROWS) readonly buffer SecondRows { int second_rows[]; };
 layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
 layout(std430, binding = BINDING_ROWS_OUT) writeonly buffer RowsOut { int rows_out[]; };
+#ifdef AREA
+layout(std430, binding = BINDING_AREAS) readonly buffer Areas { AREA areas[]; };
+layout(std430, binding = BINDING_SECOND_AREAS) readonly buffer SecondAreas { AREA second_areas[]; };
+layout(std430, binding = BINDING_AREAS_OUT) writeonly buffer AreasOut { AREA areas_out[]; };
+#endif
 
 #include "lib/linear.glsl"
 
@@ -31,5 +39,12 @@ void main() {
         for (uint j = 0u; j < length; ++j)
             if (entry(place, j) < id) ++rank;
         rows_out[offset + rank] = id;
+#ifdef AREA
+        const uint column = place & ~SECOND_TIER_BIT;
+        if ((place & SECOND_TIER_BIT) != 0u)
+            areas_out[offset + rank] = second_areas[i * push.second_row_stride + column];
+        else
+            areas_out[offset + rank] = areas[i * push.row_stride + column];
+#endif
     }
 }

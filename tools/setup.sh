@@ -50,6 +50,7 @@ for part in "$@"; do
             need libqhull-dev
             need voro++-dev
             need libcgal-dev
+            tools/python.sh -c 'import matplotlib' 2>/dev/null || wanted+=(python3-matplotlib)
             ;;
         *)
             echo "setup: unknown part '$part'; it is run, test or bench" >&2

@@ -1,6 +1,6 @@
-// Volume and centroid of a cell as a sum of pyramids from the seed over its faces. Done in double with a running error
-// bound; needles and slabs, where vertices cancel, are done again from exactly solved vertices, in double or in quad,
-// and what is thinner than quad can tell in 2304 bits.
+// Volume and centroid of a cell as a sum of pyramids from the seed over its faces, areas of the faces. Done in double
+// with a running error bound; needles and slabs, where vertices cancel, are done again from exactly solved vertices, in
+// double or in quad, and what is thinner than quad can tell in 2304 bits.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -81,11 +81,34 @@ Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed) {
             static_cast<Real>(offset * plane.n[axis] / 6)};
 }
 
+// Turns doubled area vectors on a plane into areas.
+template <class Real>
+struct AreaScale {
+    Vector<Real> n;       // normal, brought to a length of order one, so that no product underflows
+    double factor;        // area = factor * doubled area . n
+    double error_factor;  // of a bound on the error of the doubled area
+
+    explicit AreaScale(const Vector<Real>& normal) {
+        const double largest =
+            std::max({std::abs(static_cast<double>(normal[0])), std::abs(static_cast<double>(normal[1])),
+                      std::abs(static_cast<double>(normal[2]))});
+        const auto scale = static_cast<Real>(std::ldexp(1.0, -std::max(std::ilogb(largest), -1000)));
+        for (int k = 0; k < 3; ++k) n[k] = normal[k] * scale;
+        factor = 0.5 / std::hypot(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+        error_factor = factor * length_bound(n);
+    }
+    [[nodiscard]] double area(const Vector<Real>& doubled) const {
+        return std::max(0.0, static_cast<double>(dot(doubled, n)) * factor);
+    }
+};
+
 // corner(slot) gives {position, bound on its error}. Nothing when the error bound is not met.
 template <class Real, class Corners>
-std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& faces, Corners&& corner) {
+std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& faces, Corners&& corner,
+                                         std::vector<double>* areas) {
     Sums<Real> sums;
-    double error = 0;
+    double error = 0, surface = 0, area_error = 0;
+    if (areas != nullptr) areas->clear();
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const CellPlane& plane = cell.planes()[faces.planes[f]];
         const auto [n, factor] = pyramids<Real>(plane, cell.seed());
@@ -97,36 +120,48 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
         Vector<Real> previous = last - apex;
         double spread = length_bound(previous);
         double worst = std::max(apex_error, last_error);
+        double doubled_error = 0;
+        Vector<Real> doubled{};  // area vector of the face
         for (int c = 2; c < count; ++c) {
             const auto [position, position_error] = corner(slots[c]);
             const auto current = position - apex;
             const double size = length_bound(current);
             worst = std::max(worst, position_error);
             // Moving a corner by t changes the doubled area by at most t times the opposite side.
-            error += reach * (3 * worst * (spread + size) + 8 * roundoff<Real> * spread * size);
-            const Real volume = dot(cross(previous, current), n) * factor;
+            doubled_error += 3 * worst * (spread + size) + 8 * roundoff<Real> * spread * size;
+            const Vector<Real> triangle = cross(previous, current);
+            for (int k = 0; k < 3; ++k) doubled[k] += triangle[k];
+            const Real volume = dot(triangle, n) * factor;
             sums.add_pyramid(volume, apex, last, position);
             previous = current;
             last = position;
             spread = size;
         }
+        error += reach * doubled_error;
+        if (areas != nullptr) {
+            const AreaScale<Real> scale(n);
+            areas->push_back(scale.area(doubled));
+            surface += areas->back();
+            area_error += scale.error_factor * doubled_error;
+        }
     }
     if constexpr (roundoff < Real >> 0) {
         const auto volume = static_cast<double>(sums.volume);
         if (!(volume > smallest_volume && error <= accepted_error * volume)) return std::nullopt;
+        if (!(area_error <= accepted_error * surface)) return std::nullopt;
     }
     return sums.geometry();
 }
 
 // Vertices solved exactly and rounded to Real, each once.
 template <class Real>
-std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces) {
+std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces, std::vector<double>* areas) {
     struct Solved {
         Vector<Real> position;
         double error;
     };
     std::vector<std::optional<Solved>> known(cell.slots());
-    return sum_pyramids<Real>(cell, faces, [&](int slot) {
+    const auto corner = [&](int slot) {
         auto& vertex = known[slot];
         if (!vertex) {
             const auto [a, b, c] = cell.corner_planes(slot);
@@ -135,23 +170,22 @@ std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces)
             vertex->error = 8 * roundoff<Real> * length_bound(vertex->position);
         }
         return *vertex;
-    });
+    };
+    return sum_pyramids<Real>(cell, faces, corner, areas);
 }
 
 }  // namespace
 
-CellGeometry Cell::measure(const CellFaces& faces) const {
+CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) const {
     struct Corner {
         Vector<double> position;
         double error;
     };
-    if (const auto g = sum_pyramids<double>(*this, faces, [this](int slot) {
-            return Corner{{x_[slot], y_[slot], z_[slot]}, tolerance_[slot]};
-        }))
-        return *g;
-    if (const auto g = sum_solved<double>(*this, faces)) return *g;
-    if (const auto g = sum_solved<exact::Quad>(*this, faces)) return *g;
-    return *sum_solved<exact::WideFloat>(*this, faces);
+    const auto corner = [this](int slot) { return Corner{{x_[slot], y_[slot], z_[slot]}, tolerance_[slot]}; };
+    if (const auto g = sum_pyramids<double>(*this, faces, corner, areas)) return *g;
+    if (const auto g = sum_solved<double>(*this, faces, areas)) return *g;
+    if (const auto g = sum_solved<exact::Quad>(*this, faces, areas)) return *g;
+    return *sum_solved<exact::WideFloat>(*this, faces, areas);
 }
 
 }  // namespace votess::cpu

@@ -2,8 +2,12 @@
 // another engine.
 #pragma once
 
+#include <deque>
+#include <memory>
 #include <optional>
 
+#include "buffer.hpp"
+#include "cpu/cell_writer.hpp"
 #include "cpu/delaunay.hpp"
 #include "cpu/hard_cells.hpp"
 #include "cpu/search.hpp"
@@ -26,29 +30,30 @@ public:
     void sort();
     void build_search();
     void clip_all(ResultBuilder& out, const Stretch& stretch);
-    [[nodiscard]] std::vector<std::int32_t> take_duplicates() { return std::move(seeds_.duplicate_of); }
 
 private:
     struct Worker {  // scratch of one thread
-        std::optional<CellBuilder> builder;
+        Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+
+        CellBuilder builder;
         std::unique_ptr<Star> star;
-        const StarKernels* kernels = nullptr;
-        std::vector<std::int32_t> planes, row, rows;
-        std::vector<std::uint32_t> lengths;
+        CellWriter writer;
         SearchBudget budget;
         std::vector<std::int32_t> hard;  // sorted seeds whose search was given up
+        std::vector<std::int32_t> candidates;
         CellFaces faces;
-        CellCounters counters;
     };
 
-    [[nodiscard]] std::vector<std::int32_t> in_sorted_order(std::span<const std::int32_t> cells);
+    void find_positions();
+    // Fills order_.
+    void put_in_sorted_order(std::span<const std::int32_t> cells);
     // cells[k] is the input index of the sorted seed seed_at(k).
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
                      ResultBuilder& out, const Stretch& stretch);
-    [[nodiscard]] bool build_star(std::size_t seed, Worker& worker, ResultBuilder& out) const;
-    void clip_seed(std::size_t seed, Worker& worker, ResultBuilder& out) const;
-    void store(Cell& found, std::size_t seed, Worker& worker, ResultBuilder& out) const;
+    void search(std::size_t seed, Worker& worker) const;
+    // Writes the cell, or notes that its search was given up.
+    void finish(Cell* cell, std::size_t seed, Worker& worker) const;
     // hard_cells.cpp: the cells that the workers gave up.
     void clip_hard(ResultBuilder& out, const Stretch& stretch);
     [[nodiscard]] std::vector<std::int32_t> take_hard();
@@ -65,8 +70,12 @@ private:
     SeedSorter sorter_;
     SortedSeeds seeds_;
     Hierarchy hierarchy_;
-    std::vector<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
-    std::vector<Worker> workers_;
+    // Scratch memory, which stays from job to job.
+    Buffer<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
+    bool positions_known_ = false;
+    std::vector<std::int32_t> order_;  // sorted seeds to clip
+    std::vector<bool> chosen_;
+    std::deque<Worker> workers_;
     std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it
 };
 

@@ -18,7 +18,7 @@ void CpuEngine::knn() {
 }
 
 void CpuEngine::clip() {
-    result_.begin(job_);
+    result_.begin(job_, clipper_.pool());
     clipper_.clip_all(result_, {0.05, 0.95});
 }
 
@@ -26,7 +26,7 @@ void CpuEngine::clip() {
 void CpuEngine::fallback() {}
 
 void CpuEngine::download(detail::Result& result) {
-    result_.set_duplicates(clipper_.take_duplicates());
+    result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
     result.stats.device = "cpu";
     clipper_.end();

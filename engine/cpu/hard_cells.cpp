@@ -38,12 +38,12 @@ void CpuClipper::clip_hard(ResultBuilder& out, const Stretch& stretch) {
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
         if (count <= most_triangulated && (delaunay_ || many) && triangulate(stretch)) {
             clip_each(hard, out, stretch, [this](std::size_t seed, Worker& worker) {
-                delaunay_->neighbors(seed, worker.row);
-                return &worker.builder->build_from(seed, worker.row);
+                delaunay_->neighbors(seed, worker.candidates);
+                return &worker.builder.build_from(seed, worker.candidates);
             });
         } else {
             clip_each(hard, out, stretch,
-                      [&](std::size_t seed, Worker& worker) { return worker.builder->build(seed, tests); });
+                      [&](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); });
         }
     }
 }
@@ -60,29 +60,20 @@ bool CpuClipper::triangulate(const Stretch& stretch) {
 template <class Build>
 void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Stretch& stretch,
                            const Build& build) {
-    std::vector<std::int32_t> inputs(seeds.size());
-    std::ranges::transform(seeds, inputs.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
-    const std::span<const std::int32_t> cells = out.keep(std::move(inputs));
+    const std::span<std::int32_t> cells = out.keep(seeds.size());
+    std::ranges::transform(seeds, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t) { return progress_.going_on(stretch.end); };
     const bool finished = pool_->run(
         (cells.size() + block_cells - 1) / block_cells,
         [&](std::size_t block, unsigned index) {
             Worker& worker = workers_[index];
-            if (!worker.builder) worker.builder.emplace(seeds_, hierarchy_, job_.scaled_box);
-            worker.rows.clear();
-            worker.lengths.clear();
             const std::size_t begin = block * block_cells, end = std::min(cells.size(), begin + block_cells);
             for (std::size_t k = begin; k < end; ++k) {
                 const auto seed = static_cast<std::size_t>(seeds[k]);
-                if (Cell* cell = build(seed, worker)) {
-                    store(*cell, seed, worker, out);
-                } else {
-                    worker.hard.push_back(seeds[k]);
-                    if (job_.options.want.neighbors) worker.lengths.push_back(0);
-                }
+                finish(build(seed, worker), seed, worker);
             }
-            out.add_rows(cells.subspan(begin, end - begin), worker.lengths, {worker.rows.begin(), worker.rows.end()});
+            worker.writer.end_block(cells.subspan(begin, end - begin));
         },
         watch);
     Progress::require(finished);

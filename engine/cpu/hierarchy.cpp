@@ -25,7 +25,7 @@ void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
     if (levels_.size() < counts_.size()) levels_.resize(counts_.size());
     for (std::size_t level = 0; level < counts_.size(); ++level) {
         const std::size_t blocks = std::max<std::size_t>(1, divide_up(counts_[level], fan));
-        levels_[level].resize(blocks);
+        levels_[level].resize_uninitialized(blocks);
         const auto task = [&](std::size_t index, unsigned) {
             for (std::size_t b = index * task_blocks; b < std::min(blocks, (index + 1) * task_blocks); ++b)
                 fill(seeds, level, b);

@@ -25,8 +25,14 @@ struct QueueEntry {
 // Builds cells. One per thread; holds all scratch memory.
 class CellBuilder {
 public:
-    CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& scaled_box);
+    CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy);
 
+    // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory.
+    void begin_job(const Box& scaled_box) {
+        box_ = scaled_box;
+        group_ = ~std::size_t{0};
+        reach_ = 0;
+    }
     // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
     Cell& build(std::size_t seed) { return *build(seed, std::numeric_limits<std::size_t>::max()); }
     // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.

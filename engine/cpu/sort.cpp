@@ -74,8 +74,8 @@ template <class Real>
 void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, ThreadPool& pool, SortedSeeds& out) {
     const std::size_t count = cloud.count;
     const std::size_t padded = blocks_for(count, group_size) * group_size;
-    for (auto* v : {&out.x, &out.y, &out.z}) v->resize(padded);
-    out.input.resize(count);
+    for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(padded);
+    out.input.resize_uninitialized(count);
     out.duplicate_of.clear();
     out.duplicates = 0;
     if (count == 0) return;
@@ -95,7 +95,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     stretches_.clear();
     std::uint32_t begin = 0;
     order_buckets(splits_[0], begin);
-    records_.resize(count);
+    records_.resize_uninitialized(count);
     scatter(cloud, pool, keys);
     sort_buckets(pool, out);
     if (out.duplicates > 0) remove_duplicates(count, pool, out);
@@ -131,7 +131,7 @@ void SeedSorter::add_split(const Bounds& bounds, int levels, std::size_t seeds) 
 template <class Real>
 void SeedSorter::make_keys(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<double>& keys) {
     const std::size_t buckets = split_of_.size();
-    counts_.resize(chunks_ * buckets);
+    counts_.resize_uninitialized(chunks_ * buckets);
     for_chunks(pool, cloud.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         const Split split = splits_[0];
         std::uint32_t* counts = &counts_[chunk * buckets];
@@ -176,7 +176,7 @@ bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffe
     }
 
     const std::size_t buckets = split_of_.size();
-    counts_.resize(chunks_ * buckets);
+    counts_.resize_uninitialized(chunks_ * buckets);
     for_chunks(pool, cloud.count, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::uint32_t* counts = &counts_[chunk * buckets];
         std::fill_n(counts, buckets, 0);
@@ -289,8 +289,8 @@ void SeedSorter::remove_duplicates(std::size_t count, ThreadPool& pool, SortedSe
             out.input[s] = r.input;
         }
     });
-    for (auto* v : {&out.x, &out.y, &out.z}) v->resize(blocks_for(kept, group_size) * group_size);
-    out.input.resize(kept);
+    for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(blocks_for(kept, group_size) * group_size);
+    out.input.resize_uninitialized(kept);
 }
 
 }  // namespace votess::cpu

@@ -33,8 +33,8 @@ bool equal(const SeedRecord& a, const SeedRecord& b) {
 }  // namespace
 
 void BlockSorter::reserve(std::size_t seeds) {
-    items_.resize(seeds);
-    moved_.resize(seeds);
+    items_.resize_uninitialized(seeds);
+    moved_.resize_uninitialized(seeds);
 }
 
 const SeedRecord& BlockSorter::record(Item item) const {

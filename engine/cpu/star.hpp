@@ -35,7 +35,11 @@ public:
 
     virtual ~Star() = default;
 
-    // Begins a stretch of seeds, aligned to groups but at the end; build() is then called for its seeds in order.
+    static constexpr std::size_t alignment = 16;  // of the first seed of a stretch
+
+    // The box of the seeds, once a job and before begin().
+    virtual void begin_job(const Box& scaled_box) = 0;
+    // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
     virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
     // False when the cell is beyond what this class handles: the caller clips it.
     virtual bool build(std::size_t seed) = 0;
@@ -63,10 +67,9 @@ protected:
 };
 
 // For the instruction set of that name, see supported_kernels().
-std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy,
-                                const Box& box);
-std::unique_ptr<Star> make_star_baseline(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box);
-std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box);
-std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box);
+std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy);
+std::unique_ptr<Star> make_star_baseline(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy);
 
 }  // namespace votess::cpu

@@ -30,8 +30,8 @@ namespace votess::cpu {
 struct Avx2 {};
 template class StarWalk<Avx2>;
 
-std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box) {
-    return std::make_unique<StarWalk<Avx2>>(seeds, hierarchy, box, star_kernels("avx2"));
+std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
+    return std::make_unique<StarWalk<Avx2>>(seeds, hierarchy, star_kernels("avx2"));
 }
 
 }  // namespace votess::cpu

@@ -30,8 +30,8 @@ namespace votess::cpu {
 struct Avx512 {};
 template class StarWalk<Avx512>;
 
-std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box) {
-    return std::make_unique<StarWalk<Avx512>>(seeds, hierarchy, box, star_kernels("avx512"));
+std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
+    return std::make_unique<StarWalk<Avx512>>(seeds, hierarchy, star_kernels("avx512"));
 }
 
 }  // namespace votess::cpu

@@ -146,9 +146,12 @@ VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, const 
     return -1;
 }
 
-void sort_row_plain(const std::int32_t* ids, int count, std::int32_t* sorted) {
-    std::copy_n(ids, count, sorted);
-    std::sort(sorted, sorted + count);
+VOTESS_INLINE void rank_body(const std::int32_t* ids, int count, std::uint16_t* places) {
+    for (int i = 0; i < count; ++i) {
+        int smaller = 0;
+        for (int k = 0; k < count; ++k) smaller += ids[k] < ids[i] ? 1 : 0;
+        places[i] = static_cast<std::uint16_t>(smaller);
+    }
 }
 
 #if defined(__x86_64__)
@@ -419,9 +422,12 @@ VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, cons
     return -1;
 }
 
-// The place of an id is the number of smaller ones.
-VOTESS_AVX512 void sort_row_avx512(const std::int32_t* ids, int count, std::int32_t* sorted) {
-    if (count > 32) return sort_row_plain(ids, count, sorted);
+VOTESS_AVX2 void rank_avx2(const std::int32_t* ids, int count, std::uint16_t* places) {
+    rank_body(ids, count, places);
+}
+
+VOTESS_AVX512 void rank_avx512(const std::int32_t* ids, int count, std::uint16_t* places) {
+    if (count > 32) return rank_body(ids, count, places);
     const auto first = static_cast<__mmask16>(count >= 16 ? 0xffff : (1 << count) - 1);
     const auto second = static_cast<__mmask16>(count >= 32 ? 0xffff : (count > 16 ? (1 << (count - 16)) - 1 : 0));
     const __m512i largest = _mm512_set1_epi32(std::numeric_limits<std::int32_t>::max());
@@ -429,18 +435,19 @@ VOTESS_AVX512 void sort_row_avx512(const std::int32_t* ids, int count, std::int3
     const __m512i b = _mm512_mask_loadu_epi32(largest, second, ids + 16);
     for (int i = 0; i < count; ++i) {
         const __m512i id = _mm512_set1_epi32(ids[i]);
-        const unsigned smaller = _mm512_cmplt_epi32_mask(a, id) | static_cast<unsigned>(_mm512_cmplt_epi32_mask(b, id)) << 16;
-        sorted[std::popcount(smaller)] = ids[i];
+        const unsigned smaller =
+            _mm512_cmplt_epi32_mask(a, id) | static_cast<unsigned>(_mm512_cmplt_epi32_mask(b, id)) << 16;
+        places[i] = static_cast<std::uint16_t>(std::popcount(smaller));
     }
 }
 
-constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, inside_ball_avx2, to_window_avx2, select_avx2, first_hits_avx2, touching_avx2, sort_row_plain};
+constexpr StarKernels kernels_avx2{"avx2", near_boxes_avx2, inside_ball_avx2, to_window_avx2, select_avx2, first_hits_avx2, touching_avx2, rank_avx2};
 constexpr StarKernels kernels_avx512{"avx512",      near_boxes_avx512, inside_ball_avx512, to_window_avx512,
-                                     select_avx512, first_hits_avx512, touching_avx512, sort_row_avx512};
+                                     select_avx512, first_hits_avx512, touching_avx512, rank_avx512};
 #endif
 
 constexpr StarKernels kernels_baseline{"baseline",     near_boxes_body, inside_ball_body, to_window_body,
-                                       select_body<4>, first_hits_body<4>, touching_body<4>, sort_row_plain};
+                                       select_body<4>, first_hits_body<4>, touching_body<4>, rank_body};
 
 }  // namespace
 

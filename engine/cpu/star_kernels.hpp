@@ -44,8 +44,6 @@ struct CandidatePlanes {
     int count = 0;
 };
 
-inline constexpr int most_row = 64;
-
 struct Ray {  // o + t d
     float o[3], d[3];
     float least;
@@ -74,8 +72,8 @@ struct StarKernels {
     void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
     // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none.
     int (*touching)(const CandidatePlanes&, const float* v, const std::int32_t* three, int begin);
-    // Sorts different ids: count of them, at most most_row; both arrays have room for most_row.
-    void (*sort_row)(const std::int32_t* ids, int count, std::int32_t* sorted);
+    // places[k] = how many of `count` different ids are smaller than ids[k].
+    void (*rank)(const std::int32_t* ids, int count, std::uint16_t* places);
 };
 
 // The one of that name, see supported_kernels().

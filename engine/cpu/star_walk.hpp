@@ -26,9 +26,12 @@ namespace votess::cpu {
 template <class Isa>
 class StarWalk final : public Star {
 public:
-    StarWalk(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Box& box, const StarKernels& kernels)
-        : seeds_(seeds), hierarchy_(hierarchy), box_(box), kernels_(kernels), window_(seeds, hierarchy, kernels) {}
+    StarWalk(const SortedSeeds& seeds, const Hierarchy& hierarchy, const StarKernels& kernels)
+        : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels), window_(seeds, hierarchy, kernels) {
+        static_assert(alignment % Window::home_seeds == 0);
+    }
 
+    void begin_job(const Box& scaled_box) override { box_ = scaled_box; }
     void begin(std::size_t first, std::size_t last, bool measure) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
@@ -127,7 +130,7 @@ private:
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
-    const Box box_;
+    Box box_;
     const StarKernels& kernels_;
     Neighborhood cells_;
     Window window_;

@@ -22,12 +22,15 @@ std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& setting
 }  // namespace
 
 VkDeviceSize Chunk::bytes_per_cell(const PassSettings& s) {
-    // List, rows and rows out, of both tiers; then the words of the constructor below, geometry as float64 twice.
-    return 4 * (VkDeviceSize{s.k} + 2 * s.tiers[0].planes + 2 * s.tiers[1].planes + 10 + 2 * 2 * geometry_components);
+    // List, rows and rows out, of both tiers; then the words of the constructor below, geometry as float64 twice, and
+    // areas as float64 beside the rows.
+    const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
+    return 4 * (s.k + 2 * planes + 10 + 2 * 2 * geometry_components + (s.areas ? 2 * 2 * planes : 0));
 }
 
 VkDeviceSize Chunk::largest_bytes_per_cell(const PassSettings& s) {
-    return 4 * VkDeviceSize{std::max({s.k, s.tiers[0].planes + s.tiers[1].planes})};
+    const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
+    return 4 * std::max<VkDeviceSize>(s.k, (s.areas ? 2 : 1) * planes);
 }
 
 Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells, const PassSettings& settings)
@@ -35,6 +38,7 @@ Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells
       todo_capacity_(second_tier_cells(cells, settings)),
       float64_geometry_(device.has_float64()),
       measure_(settings.measure),
+      areas_wanted_(settings.areas),
       commands_(device, 4) {
     const VkDeviceSize n = cells, t = todo_capacity_;
     const auto words_on = [&](VkDeviceSize count, MemoryKind kind, const char* name) {
@@ -50,6 +54,9 @@ Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells
     list_info_ = memory.buffer(n * sizeof(ListInfo), MemoryKind::device, "list info");
     rows_ = on_device(n * settings.tiers[0].planes, "rows");
     second_rows_ = on_device(t * settings.tiers[1].planes, "second rows");
+    const VkDeviceSize area_words = settings.areas ? (float64_geometry_ ? 2 : 1) : 0;
+    areas_ = on_device(n * settings.tiers[0].planes * area_words, "areas");
+    second_areas_ = on_device(t * settings.tiers[1].planes * area_words, "second areas");
     info_ = on_device(n, "info");
     row_length_ = on_device(n, "row length");
     row_place_ = on_device(n, "row place");
@@ -65,8 +72,10 @@ Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells
     geometry_host_ = on_host(geometry_words, "geometry, host");
     state_host_ = memory.buffer(sizeof(ChunkState), MemoryKind::download, "chunk state, host");
     // A cell of the second tier has no row in the first.
-    rows_out_ =
-        on_host(n * settings.tiers[0].planes + t * (settings.tiers[1].planes - settings.tiers[0].planes), "rows out");
+    const VkDeviceSize entries =
+        n * settings.tiers[0].planes + t * (settings.tiers[1].planes - settings.tiers[0].planes);
+    rows_out_ = on_host(entries, "rows out");
+    areas_out_ = on_host(entries * area_words, "areas out");
 }
 
 void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& job, std::uint32_t first,
@@ -108,6 +117,9 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     bindings.set(BINDING_SECOND_ROWS, second_rows_);
     bindings.set(BINDING_ROW_OFFSETS, row_offsets_);
     bindings.set(BINDING_ROWS_OUT, rows_out_);
+    bindings.set(BINDING_AREAS, areas_);
+    bindings.set(BINDING_SECOND_AREAS, second_areas_);
+    bindings.set(BINDING_AREAS_OUT, areas_out_);
 
     commands_.begin();
     std::optional<Commands::Label> label(std::in_place, commands_, "knn");
@@ -126,6 +138,7 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
         commands_.barrier();
         Bindings second = bindings;
         second.set(BINDING_ROWS, second_rows_);
+        second.set(BINDING_AREAS, second_areas_);
         clip.row_stride = todo_capacity_;
         commands_.dispatch_indirect(passes.clip_cells[1], second.list(), push_bytes(clip), state_,
                                     offsetof(ChunkState, groups_x));
@@ -154,8 +167,12 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
 
 void Chunk::wait() {
     commands_.wait();
-    for (const Buffer* buffer : {&info_host_, &length_host_, &geometry_host_, &state_host_, &rows_out_})
+    for (const Buffer* buffer : {&info_host_, &length_host_, &geometry_host_, &state_host_, &rows_out_, &areas_out_})
         buffer->invalidate();
+}
+
+double Chunk::area(std::size_t entry) const {
+    return float64_geometry_ ? areas_out_.as<double>()[entry] : static_cast<double>(areas_out_.as<float>()[entry]);
 }
 
 double Chunk::geometry(std::uint32_t cell, std::uint32_t component) const {

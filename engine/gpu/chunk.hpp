@@ -44,6 +44,8 @@ public:
     [[nodiscard]] std::span<const std::int32_t> rows(std::size_t size) const {
         return rows_out_.as<std::int32_t>().first(size);
     }
+    // Area `entry` of those beside the rows, in the square of its cell's own unit of length.
+    [[nodiscard]] double area(std::size_t entry) const;
     // Volume and centroid of a cell in its own unit of length.
     [[nodiscard]] double geometry(std::uint32_t cell, std::uint32_t component) const;
     [[nodiscard]] std::uint32_t todo_count() const { return state_host_.as<ChunkState>()[0].todo_count; }
@@ -61,10 +63,10 @@ private:
     std::uint32_t cells_;
     std::uint32_t todo_capacity_;
     bool float64_geometry_;
-    bool measure_;
-    Buffer list_, list_info_, rows_, second_rows_;
+    bool measure_, areas_wanted_;
+    Buffer list_, list_info_, rows_, second_rows_, areas_, second_areas_;
     Buffer info_, row_length_, row_place_, row_offsets_, geometry_, todo_, state_;
-    Buffer info_host_, length_host_, geometry_host_, state_host_, rows_out_;
+    Buffer info_host_, length_host_, geometry_host_, state_host_, rows_out_, areas_out_;
     Scan scan_;
     Commands commands_;
     std::uint32_t stamps_[4]{};

@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 namespace votess::gpu {
@@ -53,7 +54,8 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     second.planes = 64;
     second.vertices = 128;
     second.float64 = float64;
-    s.measure = options.want.volumes || options.want.centroids;
+    s.measure = options.want.volumes || options.want.centroids || options.want.areas;
+    s.areas = options.want.areas;
     if (limits_.local_size != 0) s.local_size = limits_.local_size;
     return s;
 }
@@ -86,7 +88,7 @@ void GpuEngine::upload(const Job& job) {
     for (auto& chunk : chunks_)
         if (chunk) chunk->wait();
     clipper_.begin(job_);
-    result_.begin(job_);
+    result_.begin(job_, clipper_.pool());
     if (job_.points.count() == 0) return;
     const PassSettings settings = pass_settings(job_.options);
     if (!passes_ || passes_->settings != settings) {
@@ -206,14 +208,15 @@ void GpuEngine::collect(const Chunk& chunk) {
     const auto infos = chunk.info();
     const auto lengths = chunk.row_lengths();
     const std::size_t blocks = (chunk.count() + block_cells - 1) / block_cells;
-    std::vector<std::int32_t> cells(chunk.count());
-    std::vector<std::size_t> row_begin(blocks + 1, 0);
+    auto& cells = chunk_inputs_;
+    auto& row_begin = row_begin_;
+    cells.resize(chunk.count());
+    row_begin.assign(blocks + 1, 0);
     for (std::uint32_t i = 0; i < chunk.count(); ++i) {
         cells[i] = input_of(order[i] & INDEX_MASK);
         row_begin[i / block_cells + 1] += lengths[i];
     }
     for (std::size_t b = 0; b < blocks; ++b) row_begin[b + 1] += row_begin[b];
-    const auto rows = chunk.rows(job_.options.want.neighbors ? row_begin[blocks] : 0);
 
     std::mutex mutex;
     std::size_t left = 0, beside = 0;
@@ -234,20 +237,7 @@ void GpuEngine::collect(const Chunk& chunk) {
             }
         }
         result_.count(counters);
-        if (job_.options.want.neighbors) {
-            const auto part = std::span(cells).subspan(begin, end - begin);
-            const auto part_rows = rows.subspan(row_begin[block], row_begin[block + 1] - row_begin[block]);
-            if (part_.members.empty()) {
-                result_.copy_rows(part, lengths.subspan(begin, end - begin), part_rows);
-            } else {
-                std::vector<std::int32_t> named(part_rows.begin(), part_rows.end());
-                for (auto& id : named)
-                    if (id >= 0) id = input_of(static_cast<std::uint32_t>(id));
-                auto row = named.begin();
-                for (std::size_t i = begin; i < end; row += lengths[i++]) std::sort(row, row + lengths[i]);
-                result_.copy_rows(part, lengths.subspan(begin, end - begin), named);
-            }
-        }
+        if (job_.options.want.neighbors) collect_rows(chunk, cells, begin, end, row_begin[block]);
         const std::lock_guard lock(mutex);
         left += pending.size();
         beside += outside;
@@ -265,6 +255,41 @@ void GpuEngine::collect(const Chunk& chunk) {
         static_cast<double>(left) > hopeless * todo)
         second_tier_ = false;
     skip_ = of_all > hopeless ? std::min(2 * skip_ + 1, most_skipped) : 0;
+}
+
+// Of the chunk's cells begin .. end - 1; their rows begin at entry `first_entry`.
+void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin,
+                             std::size_t end, std::size_t first_entry) {
+    const auto lengths = chunk.row_lengths().subspan(begin, end - begin);
+    const std::size_t size = std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
+    std::vector<std::int32_t> named;
+    std::vector<double> areas;
+    std::span<const std::int32_t> rows = chunk.rows(first_entry + size).subspan(first_entry);
+    if (job_.options.want.areas) {
+        areas.reserve(size);
+        for (std::size_t i = begin; i < end; ++i) {
+            const int exponent = static_cast<int>(chunk.info()[i] >> INFO_EXPONENT_SHIFT) - seeds_.units().shift;
+            for (std::uint32_t k = 0; k < lengths[i - begin]; ++k)
+                areas.push_back(std::ldexp(chunk.area(first_entry + areas.size()), 2 * exponent));
+        }
+    }
+    if (!part_.members.empty()) {  // the device knows them by other names, and another order
+        std::vector<std::pair<std::int32_t, double>> row;
+        named.assign(rows.begin(), rows.end());
+        for (std::size_t at = 0, i = 0; i < lengths.size(); at += lengths[i++]) {
+            row.clear();
+            for (std::size_t e = at; e < at + lengths[i]; ++e)
+                row.emplace_back(named[e] < 0 ? named[e] : input_of(static_cast<std::uint32_t>(named[e])),
+                                 areas.empty() ? 0 : areas[e]);
+            std::sort(row.begin(), row.end());
+            for (std::size_t k = 0; k < row.size(); ++k) {
+                named[at + k] = row[k].first;
+                if (!areas.empty()) areas[at + k] = row[k].second;
+            }
+        }
+        rows = named;
+    }
+    result_.copy_rows(cells.subspan(begin, end - begin), lengths, rows, areas);
 }
 
 void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input) {
@@ -304,10 +329,7 @@ void GpuEngine::fallback() {
 }
 
 void GpuEngine::download(detail::Result& result) {
-    if (duplicates_) {
-        const auto duplicate_of = clipper_.duplicate_of();
-        result_.set_duplicates({duplicate_of.begin(), duplicate_of.end()});
-    }
+    if (duplicates_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     // clip() did more than its name says: upload and sort of parts, and the CPU's share beside the device's passes.
     StageSeconds& seconds = result.stats.seconds;
     const double overlapped = std::max(0.0, spent_.fallback - seconds.fallback);

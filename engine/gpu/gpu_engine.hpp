@@ -53,6 +53,8 @@ private:
     void clip_part(std::size_t index);
     // Takes over the cells of a finished chunk; those not certified are added to the pending ones.
     void collect(const Chunk& chunk);
+    void collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin, std::size_t end,
+                      std::size_t first_entry);
     void collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input);
     void leave_to_cpu(std::uint32_t first, std::uint32_t count);
     void clip_pending(double progress);
@@ -74,10 +76,12 @@ private:
     ResultBuilder result_;
     std::optional<Parts> parts_;
     Part part_;
-    bool duplicates_ = false;            // there are some, or there may be
-    bool second_tier_ = true;            // worth its time
-    std::uint32_t skip_ = 0;             // chunks to leave to the CPU after hopeless ones
-    std::vector<std::int32_t> pending_;  // cells (input index) for the CPU
+    bool duplicates_ = false;                 // there are some, or there may be
+    bool second_tier_ = true;                 // worth its time
+    std::uint32_t skip_ = 0;                  // chunks to leave to the CPU after hopeless ones
+    std::vector<std::int32_t> pending_;       // cells (input index) for the CPU
+    std::vector<std::int32_t> chunk_inputs_;  // of the cells of the chunk being collected
+    std::vector<std::size_t> row_begin_;      // of its blocks of cells
     std::size_t done_cells_ = 0;
     Spent spent_;
 };

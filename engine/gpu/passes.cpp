@@ -29,13 +29,24 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
     const auto spirv =
         limits.float64 ? shaders::clip_f64
                        : (device.has_float64() && settings.measure ? shaders::clip_f32_measure_f64 : shaders::clip_f32);
-    return make<ClipPush>(device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv,
-                          {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE,
-                           BINDING_NODES, BINDING_LIST, BINDING_LIST_INFO, BINDING_INFO, BINDING_ROW_LENGTH,
-                           BINDING_ROW_PLACE, BINDING_ROWS, BINDING_GEOMETRY, BINDING_TODO, BINDING_CHUNK_STATE},
-                          settings.local_size,
-                          {limits.planes, limits.vertices, tier, settings.measure ? 1u : 0u,
-                           std::bit_cast<std::uint32_t>(float_unit(device))});
+    return make<ClipPush>(
+        device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv,
+        {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE, BINDING_NODES,
+         BINDING_LIST, BINDING_LIST_INFO, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_PLACE, BINDING_ROWS,
+         BINDING_GEOMETRY, BINDING_TODO, BINDING_CHUNK_STATE, BINDING_AREAS},
+        settings.local_size,
+        {limits.planes, limits.vertices, tier, settings.measure ? (settings.areas ? 2u : 1u) : 0u,
+         std::bit_cast<std::uint32_t>(float_unit(device))});
+}
+
+Pass download_rows(Device& device, const PassSettings& settings) {
+    std::vector<std::uint32_t> bindings{BINDING_ROW_LENGTH,  BINDING_ROW_PLACE,   BINDING_ROWS,
+                                        BINDING_SECOND_ROWS, BINDING_ROW_OFFSETS, BINDING_ROWS_OUT};
+    if (!settings.areas)
+        return make<RowsPush>(device, "download_rows", shaders::download_rows, bindings, settings.local_size);
+    bindings.insert(bindings.end(), {BINDING_AREAS, BINDING_SECOND_AREAS, BINDING_AREAS_OUT});
+    const auto spirv = device.has_float64() ? shaders::download_rows_areas_f64 : shaders::download_rows_areas_f32;
+    return make<RowsPush>(device, "download_rows areas", spirv, bindings, settings.local_size);
 }
 
 }  // namespace
@@ -70,9 +81,6 @@ Passes::Passes(Device& device, const PassSettings& s)
                                s.local_size, {s.k})),
       clip_cells{gpu::clip_cells(device, s, 0), gpu::clip_cells(device, s, 1)},
       clip_todo(make<ClipPush>(device, "clip_todo", shaders::clip_todo, {BINDING_CHUNK_STATE}, 1, {s.local_size})),
-      download_rows(make<RowsPush>(device, "download_rows", shaders::download_rows,
-                                   {BINDING_ROW_LENGTH, BINDING_ROW_PLACE, BINDING_ROWS, BINDING_SECOND_ROWS,
-                                    BINDING_ROW_OFFSETS, BINDING_ROWS_OUT},
-                                   s.local_size)) {}
+      download_rows(gpu::download_rows(device, s)) {}
 
 }  // namespace votess::gpu

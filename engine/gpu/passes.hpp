@@ -21,6 +21,7 @@ struct PassSettings {
     std::uint32_t most_visits = 4000;        // boxes looked at in a search
     std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
     bool measure = true;                     // volumes and centroids
+    bool areas = false;                      // and areas beside the rows
     std::uint32_t local_size = 64;           // of passes without shared memory
     bool operator==(const PassSettings&) const = default;
 };

@@ -45,6 +45,7 @@ typedef enum votess_cell_status {
 #define VOTESS_WANT_VOLUMES 2u
 #define VOTESS_WANT_CENTROIDS 4u
 #define VOTESS_WANT_COUNTS 8u
+#define VOTESS_WANT_AREAS 16u  // adds neighbors
 
 // Checks that votess_verify can skip, see VerifyReport::skipped in votess.hpp.
 #define VOTESS_CHECK_VOLUMES 1u
@@ -55,7 +56,7 @@ typedef enum votess_cell_status {
 #define VOTESS_DUPLICATES_MERGE 0
 #define VOTESS_DUPLICATES_ERROR 1
 
-// What volumes and centroids hold; see Precision in votess.hpp.
+// What volumes, centroids and areas hold; see Precision in votess.hpp.
 typedef enum votess_precision {
     VOTESS_PRECISION_SINGLE = 0,  // relative error 1e-5 from a GPU, 1e-10 from the CPU
     VOTESS_PRECISION_DOUBLE = 1   // relative error 1e-10
@@ -95,7 +96,7 @@ typedef struct votess_stats {
     double mean_faces, volume_sum, box_volume;
     double seconds_upload, seconds_sort, seconds_knn, seconds_clip, seconds_fallback, seconds_download, seconds_total;
     char device[256];   // zero-terminated
-    int32_t precision;  // VOTESS_PRECISION_*: what volumes and centroids hold; the CPU always gives double
+    int32_t precision;  // VOTESS_PRECISION_*: what volumes, centroids and areas hold; the CPU always gives double
     uint32_t reserved;  // 0
 } votess_stats;
 
@@ -115,6 +116,8 @@ VOTESS_API const char* votess_last_error(void);
 // the library writes no byte beyond it.
 VOTESS_API votess_status votess_options_init(votess_options* options, size_t size);
 
+// Keeps device, threads and buffers between calls, and the memory of a result that was freed for the next one;
+// votess_tessellator_free gives all of it back. Results that are held stay valid.
 VOTESS_API votess_status votess_tessellator_new(votess_tessellator** out);
 VOTESS_API void votess_tessellator_free(votess_tessellator* tessellator);
 
@@ -132,6 +135,7 @@ VOTESS_API void votess_result_free(votess_result* result);
 VOTESS_API size_t votess_result_size(const votess_result* result);  // N
 VOTESS_API const int64_t* votess_result_indptr(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_indices(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_face_areas(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_volumes(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_centroids(const votess_result* result, size_t* length);
 VOTESS_API const uint32_t* votess_result_face_counts(const votess_result* result, size_t* length);

@@ -73,7 +73,7 @@ enum class Duplicates : std::uint8_t {
     error = 1,  // refuse the input
 };
 
-// Of volumes and centroids: the relative error that is promised. The lists are exact either way.
+// Of volumes, centroids and areas: the relative error that is promised. The lists are exact either way.
 enum class Precision : std::uint8_t {
     single = 0,   // 1e-5 on a GPU; the CPU gives 1e-10 always
     double_ = 1,  // 1e-10; on a GPU that lacks float64 arithmetic `unsupported`
@@ -85,6 +85,7 @@ struct Want {
     bool volumes = true;     // volumes
     bool centroids = false;  // centroids
     bool counts = false;     // face_counts, edge_counts, vertex_counts
+    bool areas = false;      // face_areas; and neighbors, whose entries they belong to
 };
 
 // Called from the thread that runs tessellate(), at most some ten times a second. `fraction` grows from 0 to 1.
@@ -140,7 +141,7 @@ struct Stats {
     unsigned threads = 0;              // CPU threads used
     StageSeconds seconds;
     std::uint64_t peak_memory_bytes = 0;  // peak resident memory of the process so far
-    // What volumes and centroids hold; the CPU always gives double_.
+    // What volumes, centroids and areas hold; the CPU always gives double_.
     Precision precision = Precision::double_;
 };
 
@@ -160,8 +161,13 @@ public:
     [[nodiscard]] std::size_t size() const noexcept;  // N
     // Row i: ids of the neighbors of seed i in ascending order (walls first, being negative).
     [[nodiscard]] std::span<const std::int32_t> neighbors(std::size_t i) const noexcept;
-    [[nodiscard]] std::span<const std::int64_t> indptr() const noexcept;          // N+1, CSR row starts, indptr[0] = 0
-    [[nodiscard]] std::span<const std::int32_t> indices() const noexcept;         // indptr[N], CSR columns
+    [[nodiscard]] std::span<const std::int64_t> indptr() const noexcept;   // N+1, CSR row starts, indptr[0] = 0
+    [[nodiscard]] std::span<const std::int32_t> indices() const noexcept;  // indptr[N], CSR columns
+    // indptr[N], length unit squared: area of the face behind each entry of indices, in the same order; those of walls
+    // only when the rows list walls. Each with an absolute error of at most 1e-10 of the area of the cell's whole
+    // surface (1e-5 with stats().precision single), so a face that is no tiny part of it has that relative error, and
+    // one too small to measure may have area 0.
+    [[nodiscard]] std::span<const double> face_areas() const noexcept;
     [[nodiscard]] std::span<const double> volumes() const noexcept;               // N, length unit cubed
     [[nodiscard]] std::span<const double> centroids() const noexcept;             // 3N, x y z absolute; NaN when empty
     [[nodiscard]] std::span<const std::uint32_t> face_counts() const noexcept;    // N, walls included
@@ -178,7 +184,9 @@ private:
     std::shared_ptr<const detail::Result> result_;
 };
 
-// Keeps device, threads and buffers between calls. One call at a time per object; different objects are independent.
+// Keeps device, threads and buffers between calls, and takes back the arrays of a Tessellation that nobody holds any
+// more: calls of the same size take no new memory. Destroying the Tessellator frees what it keeps; results that are
+// held stay valid. One call at a time per object; different objects are independent.
 class VOTESS_API Tessellator {
 public:
     Tessellator();

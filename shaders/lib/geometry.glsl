@@ -1,12 +1,18 @@
-// Volume and centroid of a finished cell, from its planes and vertices alone. Feet of the seed on a face's plane (r_a)
+// Volume, centroid and areas of the faces of a finished cell, from its planes and vertices alone. Feet of the seed on a face's plane (r_a)
 // and on an edge's line (r_ab) split the cell into tetrahedra (seed, r_a, r_ab, vertex), signed, six a vertex:
 //     6 V = sum over vertices (a,b,c) and their edges (a,b), (b,c), (c,a) of det(r_a - r_b, r_ab, vertex) .
 //
+// and the area of face a is 1/2 sum over its vertices and edges of +- n_a . (r_ab x vertex) / |n_a|.
+//
 // A term is right to u R^3 (45 / sin^2(a,b) + 60 condition + 10), R the farthest vertex.
 //
-// Needs geometry_real, geometry_unit, geometry_difference() and what lib/cell.glsl defines.
+// The areas are right to volume_error 3 / R altogether: relative to the surface that is better than the volume, which
+// is at most surface R / 3.
+//
+// Needs want_geometry, geometry_real, geometry_unit, geometry_difference() and what lib/cell.glsl defines.
 
 geometry_real exact_x[most_planes], exact_y[most_planes], exact_z[most_planes];
+geometry_real area[most_planes];  // when want_geometry is 2
 geometry_real volume, centroid_x, centroid_y, centroid_z, volume_error;
 
 void measure_cell() {
@@ -14,6 +20,7 @@ void measure_cell() {
     for (int w = 0; w < plane_words; ++w)
         for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {
             const int p = 32 * w + findLSB(rest);
+            area[p] = geometry_real(0);
             exact_x[p] = geometry_real(plane_x[p]);
             exact_y[p] = geometry_real(plane_y[p]);
             exact_z[p] = geometry_real(plane_z[p]);
@@ -60,8 +67,14 @@ void measure_cell() {
             const geometry_real ez = (h[k] * (nx[l] * ty[k] - ny[l] * tx[k]) + h[l] * (tx[k] * ny[k] - ty[k] * nx[k])) * over;
             const geometry_real cx = ey * z - ez * y, cy = ez * x - ex * z, cz = ex * y - ey * x;
             const geometry_real foot_a = h[k] / nn[k], foot_b = h[l] / nn[l];
-            const geometry_real part_a = foot_a * (nx[k] * cx + ny[k] * cy + nz[k] * cz);
-            const geometry_real part_b = foot_b * (nx[l] * cx + ny[l] * cy + nz[l] * cz);
+            const geometry_real doubled_a = nx[k] * cx + ny[k] * cy + nz[k] * cz;  // area times |n|
+            const geometry_real doubled_b = nx[l] * cx + ny[l] * cy + nz[l] * cz;
+            const geometry_real part_a = foot_a * doubled_a;
+            const geometry_real part_b = foot_b * doubled_b;
+            if (want_geometry == 2u) {
+                area[plane_of(vertex_planes[v], k)] += geometry_real(0.5) * doubled_a / sqrt(nn[k]);
+                area[plane_of(vertex_planes[v], l)] -= geometry_real(0.5) * doubled_b / sqrt(nn[l]);
+            }
             const geometry_real part = part_a - part_b;
             sum += part;
             sum_x += part * (ex + x) + part_a * foot_a * nx[k] - part_b * foot_b * nx[l];

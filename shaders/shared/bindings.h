@@ -28,8 +28,11 @@
 #define BINDING_GEOMETRY 22    // C x 4: volume and centroid, units of the cell, relative to the seed
 #define BINDING_TODO 23        // T uint: cells (in the chunk) left by the first tier
 #define BINDING_CHUNK_STATE 24
-#define BINDING_SECOND_ROWS 25  // as ROWS, of the second tier
-#define BINDING_ROW_OFFSETS 26  // C uint
-#define BINDING_ROWS_OUT 27     // int: the chunk's rows one after the other, each ascending
+#define BINDING_SECOND_ROWS 25   // as ROWS, of the second tier
+#define BINDING_ROW_OFFSETS 26   // C uint
+#define BINDING_ROWS_OUT 27      // int: the chunk's rows one after the other, each ascending
+#define BINDING_AREAS 28         // as ROWS: areas, units of the cell squared; float32, or float64 as geometry is
+#define BINDING_SECOND_AREAS 29  // as AREAS, of the second tier
+#define BINDING_AREAS_OUT 30     // beside ROWS_OUT
 
 #endif

@@ -62,7 +62,7 @@
 #define CONSTANT_MOST_PLANES 1    // clip: a multiple of 32
 #define CONSTANT_MOST_VERTICES 2  // clip: a multiple of 32
 #define CONSTANT_TIER 3           // clip: 0 or 1
-#define CONSTANT_GEOMETRY 4       // clip: 1 computes volume and centroid
+#define CONSTANT_GEOMETRY 4       // clip: 1 computes volume and centroid, 2 areas too
 #define CONSTANT_UNIT_ROUNDOFF 5  // clip: float32's, as float bits
 #define CONSTANT_TODO_GROUP 1     // todo: local size of the second tier
 

@@ -118,10 +118,10 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu: what is wanted changes nothing in the rest") {
         votess::Tessellator tessellator;
         const PointSet set = test::with_duplicates(test::by_size(300, 100), 20, 73);
-        for (unsigned bits = 0; bits < 32; ++bits) {
+        for (unsigned bits = 0; bits < 64; ++bits) {
             CAPTURE(bits);
             Options options = test::all_options();
-            options.want = {(bits & 1) != 0, (bits & 8) != 0, (bits & 16) != 0, (bits & 2) != 0};
+            options.want = {(bits & 1) != 0, (bits & 8) != 0, (bits & 16) != 0, (bits & 2) != 0, (bits & 32) != 0};
             options.walls = (bits & 4) != 0;
             CHECK(compare(tessellator, set, options) == "");
         }
@@ -201,7 +201,8 @@ TEST_SUITE("cases") {
             const std::size_t n = test::by_size(full, full / 10);
             Options options = test::all_options();
             options.walls = random.chance(0.5);
-            options.want = {random.chance(0.8), random.chance(0.8), random.chance(0.5), random.chance(0.5)};
+            options.want = {random.chance(0.8), random.chance(0.8), random.chance(0.5), random.chance(0.5),
+                            random.chance(0.5)};
             options.threads = 1 + static_cast<unsigned>(random.below(3));
             options.k_init = random.chance(0.3) ? 20 : 0;
             options.chunk_size = random.chance(0.3) ? 300 : 0;

@@ -12,13 +12,17 @@ namespace {
 
 // The result of an engine with another precision, whose volumes are all larger by this factor.
 votess::Tessellation with_error(const votess::Tessellation& t, votess::Precision precision, double factor) {
-    const auto copy = [](auto& to, const auto& from) { to.assign(from.begin(), from.end()); };
+    const auto copy = [](auto& to, const auto& from) {
+        to.resize_uninitialized(from.size());
+        std::ranges::copy(from, to.begin());
+    };
     auto result = std::make_shared<votess::detail::Result>();
     result->box = t.box();
     copy(result->indptr, t.indptr());
     copy(result->indices, t.indices());
     copy(result->status, t.status());
-    for (const double volume : t.volumes()) result->volumes.push_back(volume * factor);
+    copy(result->volumes, t.volumes());
+    for (double& volume : result->volumes) volume *= factor;
     result->stats = t.stats();
     result->stats.volume_sum *= factor;
     result->stats.precision = precision;

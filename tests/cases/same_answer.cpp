@@ -106,17 +106,19 @@ TEST_SUITE("cases") {
     TEST_CASE("what is wanted changes nothing in the rest") {
         const test::PointSet set = test::uniform(test::by_size(2000, 300), 53);
         const auto full = test::run(set);
-        for (int bits = 0; bits < 16; ++bits) {
+        for (int bits = 0; bits < 32; ++bits) {
             votess::Options options = test::all_options();
-            options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0};
+            options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0, (bits & 16) != 0};
             CAPTURE(bits);
             const auto t = test::run(set, options);
             CHECK(t.size() == set.size());
             CHECK(t.status().size() == set.size());
-            if (bits & 1)
+            if (bits & 17)  // areas add neighbors
                 CHECK(same_rows(full, t));
             else
                 CHECK(t.indices().empty());
+            CHECK(t.face_areas().size() == (bits & 16 ? full.indices().size() : 0));
+            CHECK(std::equal(t.face_areas().begin(), t.face_areas().end(), full.face_areas().begin()));
             CHECK(t.volumes().size() == (bits & 2 ? set.size() : 0));
             CHECK(std::equal(t.volumes().begin(), t.volumes().end(), full.volumes().begin()));
             CHECK(t.centroids().size() == (bits & 4 ? 3 * set.size() : 0));

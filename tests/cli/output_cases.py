@@ -58,6 +58,26 @@ class TextOutput(CliTest):
         with np.load(self.folder / "out.npz") as arrays:
             self.assertEqual(arrays["indices"].tolist(), sum(CUBE_NEIGHBORS, []))
 
+    def test_areas(self):
+        # A seed beside two others, whose ids are the other way round than their rows.
+        self.put("a.txt", "7 0.5 0.5 0.5\n9 2 0.5 0.5\n8 0.5 2.5 0.5\n")
+        box = ["--box", "0,0,0,4,4,1"]
+        rows = self.rows("a.txt", *box, "--format", "%n|%f")
+        areas = [dict(zip(n.split(), map(float, f.split()))) for n, f in (row.split("|") for row in rows)]
+        self.assertEqual(rows[0].split("|")[0], "8 9")
+        self.assertAlmostEqual(areas[0]["8"], 1.25)
+        self.assertAlmostEqual(areas[0]["9"], 1.5)
+        self.assertAlmostEqual(areas[1]["7"], 1.5)
+        self.run_cli("a.txt", *box, "-o", "out.npz", "--want", "areas")
+        with np.load(self.folder / "out.npz") as arrays:
+            np.testing.assert_allclose(arrays["face_areas"][:2], [1.5, 1.25], rtol=1e-13)
+            self.assertEqual(arrays["indices"][:2].tolist(), [1, 2])
+        rows = self.rows("a.txt", *box, "--walls", "--format", "%F %f")
+        for row in rows:
+            total, *parts = map(float, row.split())
+            self.assertAlmostEqual(total, sum(parts), places=12)
+        self.assertAlmostEqual(float(rows[0].split()[0]), 2 * 1.25 * 1.5 + 2 * (1.25 + 1.5), places=12)
+
     def test_numbers_read_back(self):
         points = random_points(300)
         self.put("a.npy", points)
@@ -83,9 +103,9 @@ class TextOutput(CliTest):
             self.skipTest("no voro++")
         self.put("v", "".join(f"{i} {row}" for i, row in enumerate(text_of(random_points(400)).splitlines(True))))
         shutil.copy(self.folder / "v", self.folder / "v.txt")
-        subprocess.run([voropp, "-c", "%i|%q|%w|%s|%n|%v|%c", *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True,
+        subprocess.run([voropp, "-c", "%i|%q|%w|%s|%n|%v|%c|%F|%f", *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True,
                        capture_output=True)
-        rows = self.rows("v.txt", "--walls", "--box", "0,0,0,1,1,1", "--format", "%i|%q|%w|%s|%n|%v|%c")
+        rows = self.rows("v.txt", "--walls", "--box", "0,0,0,1,1,1", "--format", "%i|%q|%w|%s|%n|%v|%c|%F|%f")
         theirs = {int(row.split("|")[0]): row.split("|") for row in (self.folder / "v.vol").read_text().splitlines()}
         self.assertEqual(len(theirs), 400)
         for row in rows:
@@ -93,7 +113,10 @@ class TextOutput(CliTest):
             other = theirs[int(mine[0])]
             self.assertEqual(mine[2:4], other[2:4])
             self.assertEqual(sorted(map(int, mine[4].split())), sorted(map(int, other[4].split())))
-            for column in [1, 5, 6]:
+            areas = dict(zip(other[4].split(), map(float, other[8].split())))
+            np.testing.assert_allclose(np.array(mine[8].split(), float), [areas[id] for id in mine[4].split()],
+                                       rtol=1e-4, atol=1e-6)
+            for column in [1, 5, 6, 7]:
                 np.testing.assert_allclose(np.array(mine[column].split(), float), np.array(other[column].split(), float),
                                            rtol=1e-4, atol=1e-6)
 
@@ -137,6 +160,7 @@ class ArrayOutput(CliTest):
         for want, names in [([], ["indptr", "indices", "volumes", "status"]),
                             (["--want", "neighbors"], ["indptr", "indices", "status"]),
                             (["--want", "volumes"], ["volumes", "status"]),
+                            (["--want", "areas"], ["indptr", "indices", "face_areas", "status"]),
                             (["--want=centroids,volumes"], ["volumes", "centroids", "status"])]:
             self.assertEqual(sorted(self.load("--random", "50", *want)), sorted(names))
         # Text that needs more adds it.

@@ -46,10 +46,11 @@ class Usage(CliTest):
                                 (["a.txt", "-g", "-1"], "--grid-resolution"), (["a.txt", "-g", "1048577"], "1048576"),
                                 (["a.txt", "-g", "99999999999999999999"], "--grid-resolution"),
                                 (["a.txt", "--duplicates", "maybe"], "'maybe'"),
-                                (["a.txt", "--want", "areas"], ["'areas'", "neighbors, volumes and centroids"]),
+                                (["a.txt", "--want", "faces"], ["'faces'", "neighbors, volumes, centroids and areas"]),
                                 (["a.txt", "--want", "volumes,vertices"], "'vertices'"), (["a.txt", "--want", ""], "''"),
                                 (["a.txt", "--format", "%i"], "text output"),
                                 (["a.txt", "-o", "c.npz", "--format", "%i"], "text output"),
+                                (["a.txt", "-o", "-", "--format", "%F"], "--walls"),
                                 (["a.txt", "-o", "-", "--json"], "stdout"), (["a.txt", "-o", "-", "-o", "-"], "twice"),
                                 (["a.txt", "--quiet=maybe"], "quiet"), (["a.txt", "-o"], "output")]:
             with self.subTest(arguments):

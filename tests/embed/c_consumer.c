@@ -72,7 +72,8 @@ static void check_version(void) {
 
 static void check_cube(votess_tessellator* tessellator) {
     votess_options options = options_with_box(2);
-    options.want = VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_COUNTS;
+    options.want =
+        VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_COUNTS | VOTESS_WANT_AREAS;
     votess_result* result = NULL;
     CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
     if (result == NULL) return;
@@ -84,6 +85,9 @@ static void check_cube(votess_tessellator* tessellator) {
     const int32_t* indices = votess_result_indices(result, &length);
     CHECK(length == 24);
     CHECK(indices == votess_result_indices(result, NULL));
+    const double* areas = votess_result_face_areas(result, &length);
+    CHECK(length == 24);
+    for (int k = 0; areas != NULL && k < 24; ++k) CHECK(areas[k] == 1);
     const double* volumes = votess_result_volumes(result, &length);
     CHECK(length == 8);
     const double* centroids = votess_result_centroids(result, &length);
@@ -175,6 +179,7 @@ static void check_null_result(void) {
     length = 99;
     CHECK(votess_result_status(NULL, &length) == NULL && length == 0);
     CHECK(votess_result_volumes(NULL, NULL) == NULL);
+    CHECK(votess_result_face_areas(NULL, NULL) == NULL);
     votess_result_free(NULL);
     votess_tessellator_free(NULL);
 }
@@ -193,6 +198,19 @@ static void check_walls_and_defaults(void) {
         CHECK(length == 12 && indices != NULL && memcmp(indices, expected, sizeof expected) == 0);
         CHECK(votess_result_lists_walls(result) == 1);
         CHECK(votess_result_centroids(result, &length) == NULL && length == 0);  // not wanted
+        CHECK(votess_result_face_areas(result, &length) == NULL && length == 0);
+        votess_result_free(result);
+    }
+    result = NULL;
+    options.want = VOTESS_WANT_AREAS;
+    CHECK(votess_tessellate(NULL, points, 2, &options, &result) == VOTESS_OK);
+    if (result != NULL) {
+        const double expected[12] = {0.5, 0.5, 0.5, 0.5, 1, 1, 0.5, 0.5, 0.5, 0.5, 1, 1};
+        size_t length = 0;
+        const double* areas = votess_result_face_areas(result, &length);
+        CHECK(length == 12 && areas != NULL && memcmp(areas, expected, sizeof expected) == 0);
+        CHECK(votess_result_indices(result, &length) != NULL && length == 12);  // areas add neighbors
+        CHECK(votess_result_volumes(result, &length) == NULL && length == 0);
         votess_result_free(result);
     }
 

@@ -36,12 +36,12 @@ Tessellation clip_parts(ExactClipper& clipper, const votess::Points& points, con
                         const std::vector<Cells>& parts) {
     const votess::Job job = validate(points, options);
     ResultBuilder builder;
-    builder.begin(job);
     clipper.begin(job);
+    builder.begin(job, clipper.pool());
     std::ranges::fill(builder.status(), CellStatus::needs_exact);
     for (const Cells& part : parts) clipper.clip(part, builder, whole);
     const auto duplicate_of = clipper.duplicate_of();
-    builder.set_duplicates({duplicate_of.begin(), duplicate_of.end()});
+    builder.set_duplicates(duplicate_of, clipper.pool());
     auto result = std::make_shared<votess::detail::Result>();
     builder.finish(*result, clipper.pool());
     clipper.end();
@@ -111,10 +111,10 @@ TEST_SUITE("stages") {
     TEST_CASE("exact clipper: every choice of arrays") {
         const auto set = test::with_duplicates(test::by_size(800, 200), 50, 11);
         votess::cpu::CpuClipper clipper;
-        for (unsigned bits = 0; bits < 32; ++bits) {
+        for (unsigned bits = 0; bits < 64; ++bits) {
             CAPTURE(bits);
             auto options = test::all_options();
-            options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0};
+            options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0, (bits & 32) != 0};
             options.walls = (bits & 16) != 0;
             CHECK(compare(test::run(set, options),
                           clip_parts(clipper, set, options, random_parts(set.size(), 3, bits))) == "");
@@ -149,7 +149,7 @@ TEST_SUITE("stages") {
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         clipper.begin(job);
-        builder.begin(job);
+        builder.begin(job, clipper.pool());
         clipper.clip({}, builder, whole);
         const auto full = test::run(set);
         CHECK(std::ranges::equal(clipper.duplicate_of(), full.duplicate_of()));
@@ -179,7 +179,7 @@ TEST_SUITE("stages") {
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         clipper.begin(job);
-        builder.begin(job);
+        builder.begin(job, clipper.pool());
         Cells all(set.size());
         std::iota(all.begin(), all.end(), 0);
         CHECK_THROWS_AS(clipper.clip(all, builder, {0.5, 0.75}), votess::Error);
@@ -198,19 +198,25 @@ TEST_SUITE("stages") {
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         for (const bool copied : {false, true}) {
-            builder.begin(job);
             clipper.begin(job);
+            builder.begin(job, clipper.pool());
             // The other engine knows the rows of all cells but every seventh; two chunks of unequal size.
             test::Random random(19);
             Cells order, unresolved;
             for (const std::size_t i : test::permutation(set.size(), random))
                 order.push_back(static_cast<std::int32_t>(i));
-            const auto cells = copied ? std::span<const std::int32_t>(order) : builder.keep(order);
+            std::span<const std::int32_t> cells = order;
+            if (!copied) {
+                const auto kept = builder.keep(order.size());
+                std::ranges::copy(order, kept.begin());
+                cells = kept;
+            }
             std::uint64_t faces = 0;
             for (std::size_t begin = 0, size = set.size() / 5; begin < set.size(); begin += size, size *= 8) {
                 const auto chunk = cells.subspan(begin, std::min(size, set.size() - begin));
                 std::vector<std::uint32_t> lengths;
                 Cells ids;
+                std::vector<double> areas;
                 for (const std::int32_t cell : chunk) {
                     const auto i = static_cast<std::size_t>(cell);
                     const auto row = full.neighbors(i);
@@ -222,6 +228,9 @@ TEST_SUITE("stages") {
                     }
                     lengths.push_back(static_cast<std::uint32_t>(row.size()));
                     ids.insert(ids.end(), row.begin(), row.end());
+                    const auto row_areas =
+                        full.face_areas().subspan(static_cast<std::size_t>(full.indptr()[i]), row.size());
+                    areas.insert(areas.end(), row_areas.begin(), row_areas.end());
                     faces += row.size();
                     builder.volumes()[i] = full.volumes()[i];
                     std::copy_n(full.centroids().data() + 3 * i, 3, builder.centroids().data() + 3 * i);
@@ -230,9 +239,9 @@ TEST_SUITE("stages") {
                     builder.vertex_counts()[i] = full.vertex_counts()[i];
                 }
                 if (copied)
-                    builder.copy_rows(chunk, lengths, ids);
+                    builder.copy_rows(chunk, lengths, ids, areas);
                 else
-                    builder.add_rows(chunk, lengths, std::move(ids));
+                    builder.add_rows(chunk, lengths, ids, areas);
             }
             builder.count({.faces = faces});
             order.assign(order.size(), -1);
@@ -251,23 +260,34 @@ TEST_SUITE("stages") {
 
     TEST_CASE("result builder: an engine's bug is an error") {
         const auto set = test::uniform(10, 20);
-        const votess::Job job = validate({set.points, {}}, test::all_options(set.box));
+        votess::Job job = validate({set.points, {}}, test::all_options(set.box));
+        const std::vector<double> two_areas{1, 2}, three_areas{1, 2, 3};
+        votess::ThreadPool pool(1);
+        ResultBuilder measuring;
+        measuring.begin(job, pool);
+        CHECK_THROWS_AS(measuring.add_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, two_areas),
+                        votess::Error);
+        measuring.begin(job, pool);
+        CHECK_THROWS_AS(measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}),
+                        votess::Error);
+        measuring.begin(job, pool);
+        measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, three_areas);
+        job.options.want.areas = false;
         const Cells cells{3, 4}, beyond{3, 10}, negative{-1, 4};
         const std::vector<std::uint32_t> lengths{1, 2};
         ResultBuilder builder;
-        builder.begin(job);
-        CHECK_THROWS_AS(builder.add_rows(cells, lengths, {1, 2}), votess::Error);
-        builder.begin(job);
+        builder.begin(job, pool);
+        CHECK_THROWS_AS(builder.add_rows(cells, lengths, Cells{1, 2}), votess::Error);
+        builder.begin(job, pool);
         CHECK_THROWS_AS(builder.copy_rows(cells, lengths, Cells{1, 2, 3, 4}), votess::Error);
-        CHECK_THROWS_AS(builder.add_rows(beyond, lengths, {1, 2, 3}), votess::Error);
-        builder.begin(job);
-        CHECK_THROWS_AS(builder.add_rows(negative, lengths, {1, 2, 3}), votess::Error);
-        builder.begin(job);
-        builder.add_rows(cells, lengths, {1, 2, 3});
-        CHECK_THROWS_AS(builder.add_rows(cells, lengths, {1, 2, 3}), votess::Error);
-        builder.begin(job);
+        CHECK_THROWS_AS(builder.add_rows(beyond, lengths, Cells{1, 2, 3}), votess::Error);
+        builder.begin(job, pool);
+        CHECK_THROWS_AS(builder.add_rows(negative, lengths, Cells{1, 2, 3}), votess::Error);
+        builder.begin(job, pool);
+        builder.add_rows(cells, lengths, Cells{1, 2, 3});
+        CHECK_THROWS_AS(builder.add_rows(cells, lengths, Cells{1, 2, 3}), votess::Error);
+        builder.begin(job, pool);
         builder.status()[7] = CellStatus::candidates_exhausted;
-        votess::ThreadPool pool(1);
         votess::detail::Result result;
         CHECK_THROWS_AS(builder.finish(result, pool), votess::Error);
         votess::cpu::CpuClipper clipper;

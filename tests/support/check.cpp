@@ -123,7 +123,7 @@ votess::Options all_options(const std::optional<votess::Box>& box) {
     options.device = "cpu";
     options.box = box;
     options.walls = true;
-    options.want = {true, true, true, true};
+    options.want = {true, true, true, true, true};
     options.threads = 1;
     return options;
 }
@@ -157,6 +157,10 @@ std::string check_invariants(const votess::Tessellation& t, std::span<const doub
         if (!std::is_sorted(t.indptr().begin(), t.indptr().end())) return "indptr does not ascend";
         if (static_cast<std::size_t>(t.indptr()[n]) != t.indices().size())
             return "indptr does not end at indices.size()";
+        if (!t.face_areas().empty() && t.face_areas().size() != t.indices().size())
+            return "face_areas has a wrong size";
+        for (const double area : t.face_areas())
+            if (!(area >= 0)) return text("a face has area ", area);
     }
     std::uint64_t faces = 0, duplicates = 0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -190,6 +194,7 @@ std::string check_identical(const votess::Tessellation& a, const votess::Tessell
                 return text("row ", i, ": ", text_row(a.neighbors(i)), " and ", text_row(b.neighbors(i)));
         return "rows differ in number";
     }
+    if (!equal(a.face_areas(), b.face_areas())) return "face areas differ";
     if (!equal(a.volumes(), b.volumes())) return "volumes differ";
     if (!equal(a.centroids(), b.centroids())) return "centroids differ";
     if (!equal(a.face_counts(), b.face_counts())) return "face counts differ";

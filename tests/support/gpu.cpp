@@ -60,6 +60,20 @@ std::string check_cell(const votess::Tessellation& gpu, const votess::Tessellati
          gpu.vertex_counts()[i] != cpu.vertex_counts()[i]))
         return text("counts of ", i, ": ", gpu.face_counts()[i], ' ', gpu.edge_counts()[i], ' ', gpu.vertex_counts()[i],
                     " instead of ", cpu.face_counts()[i], ' ', cpu.edge_counts()[i], ' ', cpu.vertex_counts()[i]);
+    if (!cpu.face_areas().empty()) {
+        const auto first = static_cast<std::size_t>(cpu.indptr()[i]),
+                   end = static_cast<std::size_t>(cpu.indptr()[i + 1]);
+        double surface = 0;
+        for (std::size_t e = first; e < end; ++e) surface += cpu.face_areas()[e];
+        for (std::size_t e = first; e < end; ++e) {
+            const double area = gpu.face_areas()[e], exact = cpu.face_areas()[e];
+            const double wall = cpu.lists_walls() ? 0 : 6 * std::pow(size_of(cpu, points, i), 2);
+            if (area != exact && !(std::abs(area - exact) <=
+                                   tolerance * (surface + wall) + 64 * std::numeric_limits<double>::denorm_min()))
+                return text("area of the face of ", i, " with ", cpu.indices()[e], " is ", area, " instead of ", exact,
+                            ", surface ", surface);
+        }
+    }
     if (!cpu.volumes().empty()) {
         const double v = gpu.volumes()[i], exact = cpu.volumes()[i];
         if (v != exact && !(std::abs(v - exact) <= tolerance * exact + 64 * std::numeric_limits<double>::denorm_min()))
@@ -84,7 +98,7 @@ std::string check_same(const votess::Tessellation& gpu, const votess::Tessellati
     if (gpu.size() != cpu.size()) return text("size ", gpu.size(), " instead of ", cpu.size());
     if (gpu.indptr().size() != cpu.indptr().size() || gpu.volumes().size() != cpu.volumes().size() ||
         gpu.centroids().size() != cpu.centroids().size() || gpu.face_counts().size() != cpu.face_counts().size() ||
-        gpu.edge_counts().size() != cpu.edge_counts().size() ||
+        gpu.face_areas().size() != cpu.face_areas().size() || gpu.edge_counts().size() != cpu.edge_counts().size() ||
         gpu.vertex_counts().size() != cpu.vertex_counts().size() || gpu.status().size() != cpu.status().size())
         return "an array has a wrong size";
     for (std::size_t i = 0; i < cpu.size(); ++i) {

@@ -1,4 +1,4 @@
-// Benchmark of votess against its peers: what an input, a peer and a measurement are.
+// Benchmark of votess against its peers: what an input and a peer are.
 #pragma once
 
 #include <chrono>
@@ -18,16 +18,23 @@ struct Input {
     std::string name;
     std::vector<double> points;  // x0 y0 z0 x1 ...
     votess::Box box;
+    // Sum of the lengths of the neighbor lists, where it is known: what ties must not change.
+    std::optional<std::uint64_t> links = std::nullopt;
     [[nodiscard]] std::size_t size() const { return points.size() / 3; }
 };
 
-// The inputs that make_input knows.
+// The inputs that make_input makes by itself.
 const std::vector<std::string>& input_names();
-// About n points (a lattice takes the nearest cube); the same for the same arguments on every machine.
-// Throws std::invalid_argument for an unknown name.
+bool is_file(std::string_view name);  // file:PATH, which has as many points as it has
+// What reports call an input: the name, of a file without folders, which say nothing on another machine.
+std::string label_of(std::string_view name);
+// About n points (a lattice takes the nearest number it can have); the same for the same arguments on every machine.
+// Throws std::invalid_argument for an unknown name, std::runtime_error for a file that cannot be used.
 Input make_input(std::string_view name, std::size_t n, std::uint64_t rng_seed);
+// Text, a point a line: x y z or id x y z, '#' begins a comment. The box is the one that votess takes by default.
+Input read_points(const std::string& path);
 
-enum class Want { neighbors, full };  // full: volumes and centroids too
+enum class Want { neighbors, full };  // full: volumes, centroids and face areas too
 std::string_view name_of(Want want);
 
 // What a peer found, so that it cannot win by computing less.
@@ -35,6 +42,7 @@ struct Answer {
     double seconds = 0;
     std::uint64_t links = 0;                            // sum of the lengths of the neighbor lists, walls left out
     double volume = 0;                                  // sum of the volumes; 0 when not computed
+    double area = 0;                                    // sum of the face areas of all lists; 0 when not computed
     std::optional<votess::Stats> stats = std::nullopt;  // of votess
 };
 
@@ -64,6 +72,8 @@ std::unique_ptr<Peer> make_voropp();
 std::unique_ptr<Peer> make_qhull();
 std::unique_ptr<Peer> make_cgal();
 
+using Peers = std::vector<std::unique_ptr<Peer>>;
+
 // Both directions of each pair as compressed rows, for peers that deliver pairs. A user who wants neighbor lists has
 // to do this, so it is timed.
 struct Rows {
@@ -82,51 +92,7 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// One line of the report: a peer on an input.
-struct Measurement {
-    std::string input;
-    std::size_t n = 0;
-    Want want = Want::neighbors;
-    std::string peer;
-    bool bounded = true;
-    unsigned threads = 1;
-    std::vector<double> seconds;  // each repeat; empty: failed or skipped
-    Answer answer;                // of the last repeat
-    double box_volume = 0, volume_error = 0;
-    std::vector<votess::StageSeconds> stages;  // each repeat, of votess
-    std::string note;                          // why there is no time
-};
-
-double median(std::vector<double> values);
-
-// The fields of StageSeconds but the total, in their order.
-struct Stage {
-    const char* name;
-    double votess::StageSeconds::*seconds;
-};
-inline constexpr Stage stages[] = {
-    {"upload", &votess::StageSeconds::upload},     {"sort", &votess::StageSeconds::sort},
-    {"knn", &votess::StageSeconds::knn},           {"clip", &votess::StageSeconds::clip},
-    {"fallback", &votess::StageSeconds::fallback}, {"download", &votess::StageSeconds::download}};
-double median_of(const Stage& stage, const std::vector<votess::StageSeconds>& runs);
-
 // The device of that name among votess::devices(), for Stats::device and what Options::device accepts.
 votess::DeviceInfo describe(const std::string& device, const std::string& name);
-
-struct PeerVersion {
-    std::string name, version;
-};
-void print_table(const std::vector<Measurement>& group);
-// Written whole or not at all. Throws std::runtime_error.
-void write_json(const std::string& file, const std::vector<PeerVersion>& peers,
-                const std::vector<Measurement>& measurements);
-void print_machine();
-
-// For other JSON files.
-std::string in_quotes(std::string_view text);
-std::string machine_json();
-// {"upload": [seconds of each run], ...}
-std::string stages_json(const std::vector<votess::StageSeconds>& runs);
-void write_whole(const std::string& file, const std::string& text);  // or not at all: throws std::runtime_error
 
 }  // namespace bench

@@ -12,6 +12,8 @@
 #include <sstream>
 
 #include "bench.hpp"
+#include "machine.hpp"
+#include "measure.hpp"
 
 namespace bench {
 namespace {
@@ -251,7 +253,7 @@ int run_gpu_table(const GpuTable& table) {
     bool good = true;
     for (const std::string& name : table.inputs) {
         std::map<std::string, double> paces;  // seconds per seed, by want
-        for (const std::size_t n : table.sizes) {
+        for (const std::size_t n : is_file(name) ? std::vector<std::size_t>{0} : table.sizes) {
             const Input input = make_input(name, n, table.rng_seed);
             for (const std::string& want : table.wants) {
                 Row row;
@@ -263,7 +265,7 @@ int run_gpu_table(const GpuTable& table) {
                     row.note = "left out: over --limit";
                 } else {
                     try {
-                        measure(row, table, input, static_cast<double>(n) <= table.check_limit);
+                        measure(row, table, input, static_cast<double>(row.n) <= table.check_limit);
                         pace = std::max(pace, median(row.seconds) / static_cast<double>(row.n));
                     } catch (const std::exception& error) {
                         row.note = std::string("failed: ") + error.what();

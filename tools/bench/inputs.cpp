@@ -1,4 +1,10 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <random>
 #include <stdexcept>
@@ -56,21 +62,56 @@ Input clustered(std::size_t n, Random& random) {
     return input;
 }
 
-// Half-integers in an integer box, so that eight seeds lie on one sphere exactly around every inner cell vertex.
-Input lattice(std::size_t n, Random&) {
-    const auto side = static_cast<std::size_t>(std::max(1.0, std::round(std::cbrt(static_cast<double>(n)))));
+// Seeds of a unit cell, repeated. Their coordinates are multiples of a quarter, so that ties are ties: many cells meet
+// in a vertex, and some touch in no more than a point or an edge.
+Input lattice(std::string name, std::size_t n, const std::vector<std::array<double, 3>>& basis) {
+    const double cells = static_cast<double>(n) / static_cast<double>(basis.size());
+    const auto side = static_cast<std::uint64_t>(std::max(1.0, std::round(std::cbrt(cells))));
     const double length = static_cast<double>(side);
-    Input input{"lattice", {}, {{0, 0, 0}, {length, length, length}}};
-    input.points.reserve(3 * side * side * side);
-    for (std::size_t z = 0; z < side; ++z) {
-        for (std::size_t y = 0; y < side; ++y) {
-            for (std::size_t x = 0; x < side; ++x) {
-                for (const std::size_t coordinate : {x, y, z}) {
-                    input.points.push_back(static_cast<double>(coordinate) + 0.5);
+    Input input{std::move(name), {}, {{0, 0, 0}, {length, length, length}}};
+    input.points.reserve(3 * basis.size() * side * side * side);
+    for (std::uint64_t z = 0; z < side; ++z) {
+        for (std::uint64_t y = 0; y < side; ++y) {
+            for (std::uint64_t x = 0; x < side; ++x) {
+                for (const auto& seed : basis) {
+                    input.points.insert(input.points.end(),
+                                        {static_cast<double>(x) + seed[0], static_cast<double>(y) + seed[1],
+                                         static_cast<double>(z) + seed[2]});
                 }
             }
         }
     }
+    // Twice the pairs of seeds at the distances of the lattice's faces; in fcc, where walls meet, the next ones too.
+    const std::uint64_t s = side, odd = 2 * side - 1;
+    if (basis.size() == 1) {
+        input.links = 6 * s * s * (s - 1);
+    } else if (basis.size() == 2) {
+        input.links = 2 * odd * odd * odd + 12 * s * s * (s - 1);
+    } else {
+        input.links = 12 * s * odd * odd + 24 * (s - 1);
+    }
+    return input;
+}
+
+Input cubic(std::size_t n, Random&) {
+    return lattice("lattice", n, {{0.5, 0.5, 0.5}});
+}
+
+Input bcc(std::size_t n, Random&) {
+    return lattice("bcc", n, {{0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}});
+}
+
+Input fcc(std::size_t n, Random&) {
+    return lattice("fcc", n, {{0.25, 0.25, 0.25}, {0.75, 0.75, 0.25}, {0.75, 0.25, 0.75}, {0.25, 0.75, 0.75}});
+}
+
+// A cubic lattice whose seeds moved by up to a quarter of the spacing along each axis.
+Input jittered(std::size_t n, Random& random) {
+    Input input = lattice("jittered", n, {{0.5, 0.5, 0.5}});
+    for (double& x : input.points) {
+        x += 0.25 * (2 * random.uniform() - 1);
+    }
+    input.links.reset();
     return input;
 }
 
@@ -88,28 +129,116 @@ Input sphere(std::size_t n, Random& random) {
     return input;
 }
 
+struct Maker {
+    const char* name;
+    Input (*make)(std::size_t n, Random& random);
+};
+constexpr Maker makers[] = {{"uniform", uniform}, {"clustered", clustered}, {"lattice", cubic}, {"bcc", bcc},
+                            {"fcc", fcc},         {"jittered", jittered},   {"sphere", sphere}};
+constexpr std::string_view file_prefix = "file:";
+
+// The numbers of a line, without its comment; what is no number throws.
+std::vector<double> numbers_of(std::string line, const std::string& where) {
+    line.resize(std::min(line.find('#'), line.size()));
+    std::vector<double> numbers;
+    for (const char* at = line.c_str();;) {
+        at += std::strspn(at, " \t\r,");
+        if (*at == '\0') {
+            return numbers;
+        }
+        char* end = nullptr;
+        const double number = std::strtod(at, &end);
+        if (end == at || !std::isfinite(number)) {
+            throw std::runtime_error(where + ": no number: " + at);
+        }
+        numbers.push_back(number);
+        at = end;
+    }
+}
+
+// The bounds, each side moved out by half of the mean spacing, as in votess::Options::box.
+votess::Box box_around(const std::vector<double>& points) {
+    votess::Box box;
+    std::copy_n(points.begin(), 3, box.lower.begin());
+    box.upper = box.lower;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        box.lower[i % 3] = std::min(box.lower[i % 3], points[i]);
+        box.upper[i % 3] = std::max(box.upper[i % 3], points[i]);
+    }
+    double longest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        longest = std::max(longest, box.upper[axis] - box.lower[axis]);
+    }
+    const double margin = longest / std::cbrt(static_cast<double>(points.size() / 3)) / 2;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] -= margin;
+        box.upper[axis] += margin;
+    }
+    return box;
+}
+
 }  // namespace
 
 const std::vector<std::string>& input_names() {
-    static const std::vector<std::string> names{"uniform", "clustered", "lattice", "sphere"};
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all;
+        for (const Maker& maker : makers) {
+            all.emplace_back(maker.name);
+        }
+        return all;
+    }();
     return names;
 }
 
+bool is_file(std::string_view name) {
+    return name.starts_with(file_prefix);
+}
+
+std::string label_of(std::string_view name) {
+    if (!is_file(name)) {
+        return std::string(name);
+    }
+    return std::string(file_prefix) + std::filesystem::path(name.substr(file_prefix.size())).stem().string();
+}
+
 Input make_input(std::string_view name, std::size_t n, std::uint64_t rng_seed) {
-    Random random(rng_seed);
-    if (name == "uniform") {
-        return uniform(n, random);
+    if (is_file(name)) {
+        return read_points(std::string(name.substr(file_prefix.size())));
     }
-    if (name == "clustered") {
-        return clustered(n, random);
-    }
-    if (name == "lattice") {
-        return lattice(n, random);
-    }
-    if (name == "sphere") {
-        return sphere(n, random);
+    for (const Maker& maker : makers) {
+        if (name == maker.name) {
+            Random random(rng_seed);
+            return maker.make(n, random);
+        }
     }
     throw std::invalid_argument("unknown input '" + std::string(name) + "'");
+}
+
+Input read_points(const std::string& path) {
+    std::ifstream in(path);
+    if (!in) {
+        throw std::runtime_error("cannot read " + path);
+    }
+    Input input{label_of(std::string(file_prefix) + path), {}, {}};
+    std::size_t columns = 0, number = 0;
+    for (std::string line; std::getline(in, line);) {
+        const std::string where = path + ':' + std::to_string(++number);
+        const std::vector<double> numbers = numbers_of(std::move(line), where);
+        if (numbers.empty()) {
+            continue;
+        }
+        columns = columns == 0 ? numbers.size() : columns;
+        if (numbers.size() != columns || columns < 3 || columns > 4) {
+            throw std::runtime_error(where + ": expected x y z or id x y z on every line");
+        }
+        input.points.insert(input.points.end(), numbers.end() - 3, numbers.end());
+    }
+    if (input.size() < 2) {
+        throw std::runtime_error(path + ": fewer than two points");
+    }
+    input.points.shrink_to_fit();
+    input.box = box_around(input.points);
+    return input;
 }
 
 }  // namespace bench

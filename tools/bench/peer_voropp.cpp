@@ -1,6 +1,7 @@
 // Voro++: cells clipped one by one with a search over a grid of blocks, one thread.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <voro++/voro++.hh>
 
 #include "bench.hpp"
@@ -39,13 +40,19 @@ public:
         std::vector<std::int32_t> ids;
         std::vector<std::int64_t> indptr{0};
         std::vector<std::int32_t> indices;
-        std::vector<double> volumes, centroids;
+        std::vector<double> volumes, centroids, areas;
         ids.reserve(input.size());
         indptr.reserve(input.size() + 1);
         indices.reserve(16 * input.size());
+        if (want == Want::full) {
+            volumes.reserve(input.size());
+            centroids.reserve(3 * input.size());
+            areas.reserve(16 * input.size());
+        }
 
         voro::voronoicell_neighbor cell;
         std::vector<int> faces;
+        std::vector<double> face_areas;
         voro::c_loop_all loop(container);
         if (loop.start()) {
             do {
@@ -54,9 +61,15 @@ public:
                 }
                 ids.push_back(loop.pid());
                 cell.neighbors(faces);
-                for (const int j : faces) {
-                    if (j >= 0) {
-                        indices.push_back(j);
+                if (want == Want::full) {
+                    cell.face_areas(face_areas);
+                }
+                for (std::size_t face = 0; face < faces.size(); ++face) {
+                    if (faces[face] >= 0) {  // no wall
+                        indices.push_back(faces[face]);
+                        if (want == Want::full) {
+                            areas.push_back(face_areas[face]);
+                        }
                     }
                 }
                 indptr.push_back(static_cast<std::int64_t>(indices.size()));
@@ -70,9 +83,8 @@ public:
             } while (loop.inc());
         }
         Answer answer{stopwatch.seconds(), indices.size(), 0};
-        for (const double v : volumes) {
-            answer.volume += v;
-        }
+        answer.volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
+        answer.area = std::accumulate(areas.begin(), areas.end(), 0.0);
         return answer;
     }
 };

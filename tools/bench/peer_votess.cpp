@@ -16,7 +16,7 @@ votess::Options options_for(const Input& input, Want want, unsigned threads, con
 }
 
 Answer answer_of(const votess::Tessellation& t, double seconds) {
-    return {seconds, t.indices().size(), t.stats().volume_sum, t.stats()};
+    return {.seconds = seconds, .links = t.indices().size(), .volume = t.stats().volume_sum, .stats = t.stats()};
 }
 
 class Votess final : public Peer {

@@ -1,65 +1,24 @@
 // The table on stdout and the JSON file.
-#include <sys/utsname.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <limits>
 #include <sstream>
-#include <stdexcept>
-#include <thread>
 
-#include "bench.hpp"
+#include "machine.hpp"
+#include "measure.hpp"
 
 namespace bench {
 namespace {
 
-struct Machine {
-    std::string cpu = "unknown", system = "unknown", compiler, flags;
-    unsigned logical_cores = std::thread::hardware_concurrency();
-};
-
-// The value of the first "key<separator>value" line of a file.
-std::string value_of(const char* file, std::string_view key, char separator) {
-    std::ifstream in(file);
-    for (std::string line; std::getline(in, line);) {
-        if (line.starts_with(key)) {
-            const std::size_t at = line.find(separator);
-            if (at != std::string::npos) {
-                const std::size_t first = line.find_first_not_of(" \"", at + 1);
-                const std::size_t last = line.find_last_not_of(" \"");
-                return first == std::string::npos ? "" : line.substr(first, last - first + 1);
-            }
-        }
-    }
-    return "";
+bool same_task(const Measurement& a, const Measurement& b) {
+    return a.input == b.input && a.n == b.n && a.want == b.want;
 }
 
-Machine machine() {
-    Machine m;
-    if (const std::string cpu = value_of("/proc/cpuinfo", "model name", ':'); !cpu.empty()) {
-        m.cpu = cpu;
-    }
-    utsname name{};
-    if (uname(&name) == 0) {
-        m.system = std::string(name.sysname) + ' ' + name.machine;
-        if (const std::string pretty = value_of("/etc/os-release", "PRETTY_NAME", '='); !pretty.empty()) {
-            m.system = pretty + ", " + m.system;
-        }
-    }
-#if defined(__clang__)
-    m.compiler = __VERSION__;
-#else
-    m.compiler = std::string("GCC ") + __VERSION__;
-#endif
-    m.flags = BENCH_FLAGS;
-    return m;
-}
-
-void write_measurement(std::ostream& out, const Measurement& m, const std::vector<Measurement>& all) {
+std::string measurement_json(const Measurement& m, const std::vector<Measurement>& all) {
+    std::ostringstream out;
+    out << std::setprecision(std::numeric_limits<double>::max_digits10);
     out << "{\"input\": " << in_quotes(m.input) << ", \"n\": " << m.n << ", \"want\": " << in_quotes(name_of(m.want))
         << ", \"peer\": " << in_quotes(m.peer) << ", \"threads\": " << m.threads << ", \"seconds\": [";
     for (std::size_t i = 0; i < m.seconds.size(); ++i) {
@@ -68,23 +27,23 @@ void write_measurement(std::ostream& out, const Measurement& m, const std::vecto
     out << ']';
     if (m.seconds.empty()) {
         out << ", \"note\": " << in_quotes(m.note) << '}';
-        return;
+        return out.str();
     }
     const double middle = median(m.seconds);
     out << ", \"median\": " << middle << ", \"kcells_per_second\": " << static_cast<double>(m.n) / middle / 1000
         << ", \"mean_neighbors\": " << static_cast<double>(m.answer.links) / static_cast<double>(m.n)
-        << ", \"volume_sum\": " << m.answer.volume << ", \"times_votess\": {";
+        << ", \"bounded\": " << (m.bounded ? "true" : "false") << ", \"volume_sum\": " << m.answer.volume
+        << ", \"area_sum\": " << m.answer.area << ", \"times_votess\": {";
     bool first = true;
     for (const Measurement& v : all) {
-        if (v.peer == "votess" && v.input == m.input && v.n == m.n && v.want == m.want && !v.seconds.empty()) {
+        if (v.peer == "votess" && same_task(v, m) && !v.seconds.empty()) {
             out << (first ? "" : ", ") << '"' << v.threads << "\": " << middle / median(v.seconds);
             first = false;
         }
     }
     out << '}';
     for (const Measurement& v : all) {
-        if (m.peer.starts_with("votess") && v.peer == "voro++" && v.input == m.input && v.n == m.n &&
-            v.want == m.want && !v.seconds.empty()) {
+        if (m.peer.starts_with("votess") && v.peer == "voro++" && same_task(v, m) && !v.seconds.empty()) {
             out << ", \"rate_to_voropp\": " << median(v.seconds) / middle;
         }
     }
@@ -94,6 +53,7 @@ void write_measurement(std::ostream& out, const Measurement& m, const std::vecto
             << ", \"fallback_cells\": " << stats.fallback_cells << ", \"exact_cells\": " << stats.exact_cells;
     }
     out << '}';
+    return out.str();
 }
 
 // What a run on a device is made of, and how it compares. The seconds are the medians of the stages.
@@ -115,29 +75,6 @@ void print_device(const Measurement& m, const std::vector<Measurement>& group) {
 }
 
 }  // namespace
-
-std::string in_quotes(std::string_view text) {
-    std::ostringstream out;
-    out << '"';
-    for (const char c : text) {
-        if (c == '"' || c == '\\') {
-            out << '\\' << c;
-        } else if (static_cast<unsigned char>(c) < 0x20) {
-            out << "\\u00" << std::hex << std::setw(2) << std::setfill('0') << static_cast<int>(c) << std::dec;
-        } else {
-            out << c;
-        }
-    }
-    out << '"';
-    return out.str();
-}
-
-std::string machine_json() {
-    const Machine m = machine();
-    return "{\"cpu\": " + in_quotes(m.cpu) + ", \"logical_cores\": " + std::to_string(m.logical_cores) +
-           ", \"system\": " + in_quotes(m.system) + ", \"compiler\": " + in_quotes(m.compiler) +
-           ", \"flags\": " + in_quotes(m.flags) + '}';
-}
 
 double median_of(const Stage& stage, const std::vector<votess::StageSeconds>& runs) {
     std::vector<double> seconds;
@@ -163,12 +100,6 @@ std::string stages_json(const std::vector<votess::StageSeconds>& runs) {
 
 std::string_view name_of(Want want) {
     return want == Want::full ? "full" : "neighbors";
-}
-
-void print_machine() {
-    const Machine m = machine();
-    std::printf("%s, %u logical cores, %s\n%s, flags:%s\n", m.cpu.c_str(), m.logical_cores, m.system.c_str(),
-                m.compiler.c_str(), m.flags.c_str());
 }
 
 void print_table(const std::vector<Measurement>& group) {
@@ -217,33 +148,74 @@ void print_table(const std::vector<Measurement>& group) {
     }
 }
 
-void write_json(const std::string& file, const std::vector<PeerVersion>& peers,
-                const std::vector<Measurement>& measurements) {
+std::string short_number(std::size_t n) {
+    int zeros = 0;
+    std::size_t digits = n;
+    for (; digits > 0 && digits % 10 == 0; digits /= 10) {
+        ++zeros;
+    }
+    return zeros >= 3 ? std::to_string(digits) + 'e' + std::to_string(zeros) : std::to_string(n);
+}
+
+void print_ratios(const std::vector<Measurement>& measurements) {
+    std::vector<std::string> peers;
+    for (const Measurement& m : measurements) {
+        if (m.peer != "votess" && std::find(peers.begin(), peers.end(), m.peer) == peers.end()) {
+            peers.push_back(m.peer);
+        }
+    }
+    if (peers.empty()) {
+        return;
+    }
+    std::printf("\n%-44s", "votess on one thread: times as fast as");
+    for (const std::string& peer : peers) {
+        std::printf(" %8s", peer.c_str());
+    }
+    std::printf("\n");
+    for (const Measurement& mine : measurements) {
+        if (mine.peer != "votess" || mine.threads != 1 || mine.seconds.empty()) {
+            continue;
+        }
+        const std::string task = mine.input + ", " + short_number(mine.n) + ", " + std::string(name_of(mine.want));
+        std::printf("%-44s", task.c_str());
+        for (const std::string& peer : peers) {
+            const auto theirs = std::find_if(measurements.begin(), measurements.end(), [&](const Measurement& m) {
+                return m.peer == peer && same_task(m, mine) && !m.seconds.empty();
+            });
+            if (theirs == measurements.end()) {
+                std::printf(" %8s", "-");
+            } else {
+                std::printf(" %8.2f", theirs->seconds_per_cell() / mine.seconds_per_cell());
+            }
+        }
+        std::printf("\n");
+    }
+}
+
+Section section_of(const std::vector<Measurement>& measurements) {
+    Section section{"measurements", {}};
+    for (const Measurement& m : measurements) {
+        section.items.push_back(measurement_json(m, measurements));
+    }
+    return section;
+}
+
+void write_json(const std::string& file, const std::vector<PeerVersion>& peers, const std::vector<Section>& sections) {
     std::ostringstream out;
-    out << std::setprecision(std::numeric_limits<double>::max_digits10);
     out << "{\n  \"machine\": " << machine_json() << ",\n  \"versions\": {";
     for (std::size_t i = 0; i < peers.size(); ++i) {
         out << (i > 0 ? ", " : "") << in_quotes(peers[i].name) << ": " << in_quotes(peers[i].version);
     }
-    out << "},\n  \"measurements\": [";
-    for (std::size_t i = 0; i < measurements.size(); ++i) {
-        out << (i > 0 ? ",\n    " : "\n    ");
-        write_measurement(out, measurements[i], measurements);
+    out << '}';
+    for (const Section& section : sections) {
+        out << ",\n  " << in_quotes(section.name) << ": [";
+        for (std::size_t i = 0; i < section.items.size(); ++i) {
+            out << (i > 0 ? ",\n    " : "\n    ") << section.items[i];
+        }
+        out << "\n  ]";
     }
-    out << "\n  ]\n}\n";
+    out << "\n}\n";
     write_whole(file, out.str());
-}
-
-void write_whole(const std::string& file, const std::string& text) {
-    const std::string temporary = file + ".part";
-    std::ofstream stream(temporary);
-    stream << text;
-    stream.close();
-    std::error_code error;
-    if (stream.fail() || (std::filesystem::rename(temporary, file, error), error)) {
-        std::filesystem::remove(temporary, error);
-        throw std::runtime_error("cannot write " + file);
-    }
 }
 
 }  // namespace bench

@@ -46,7 +46,7 @@ class CellStatus(IntEnum):
     OUTSIDE = 7  #: the seed lies outside the domain
 
 
-WANT_BITS: Dict[str, int] = {"neighbors": 1, "volumes": 2, "centroids": 4, "counts": 8}
+WANT_BITS: Dict[str, int] = {"neighbors": 1, "volumes": 2, "centroids": 4, "counts": 8, "areas": 16}
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
@@ -130,6 +130,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_size": (c_size_t, (_HANDLE,)),
     "votess_result_indptr": _ARRAY,  # int64
     "votess_result_indices": _ARRAY,  # int32
+    "votess_result_face_areas": _ARRAY,  # float64
     "votess_result_volumes": _ARRAY,  # float64
     "votess_result_centroids": _ARRAY,  # float64
     "votess_result_face_counts": _ARRAY,  # uint32

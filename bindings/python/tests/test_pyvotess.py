@@ -29,7 +29,7 @@ import pyvotess as vt  # noqa: E402
 from pyvotess import _c_api, _library, tessellation  # noqa: E402
 
 UNIT_BOX = (0, 0, 0, 1, 1, 1)
-EVERYTHING = ("neighbors", "volumes", "centroids", "counts")
+EVERYTHING = ("neighbors", "volumes", "centroids", "counts", "areas")
 
 try:
     import scipy.sparse  # noqa: F401
@@ -193,8 +193,30 @@ class Want(unittest.TestCase):
                 np.testing.assert_array_equal(getattr(t, name), getattr(everything, name))
             with self.assertRaisesRegex(AttributeError, "'neighbors'"):
                 t.neighbors
-        t = vt.tessellate(uniform(100), want="neighbors")
+        t = vt.tessellate(uniform(100), want="areas")
+        np.testing.assert_array_equal(t.face_areas, everything.face_areas)
         np.testing.assert_array_equal(t.neighbors.indices, everything.neighbors.indices)
+        t = vt.tessellate(uniform(100), want="neighbors")
+        self.assertFalse(hasattr(t, "face_areas"))
+        np.testing.assert_array_equal(t.neighbors.indices, everything.neighbors.indices)
+
+    def test_areas(self):
+        t = vt.tessellate(lattice(4), box=(0, 0, 0, 4, 4, 4), want="areas", walls=True)
+        np.testing.assert_array_equal(t.face_areas, np.ones(6 * 64))
+        t = vt.tessellate(lattice(4), box=(0, 0, 0, 4, 4, 4), want="areas")
+        np.testing.assert_array_equal(t.face_areas, np.ones(6 * 64 - 6 * 16))
+        # A closed surface: normals times areas sum to zero.
+        points = uniform(500)
+        t = vt.tessellate(points, want="areas,volumes")
+        for i in range(500):
+            row = slice(t.neighbors.indptr[i], t.neighbors.indptr[i + 1])
+            to = points[t.neighbors[i]] - points[i]
+            if len(to) == 0 or np.abs(points[i] - 0.5).max() > 0.2:
+                continue
+            length = np.linalg.norm(to, axis=1)
+            area = t.face_areas[row]
+            np.testing.assert_allclose((to / length[:, None] * area[:, None]).sum(axis=0), 0, atol=1e-12)
+            self.assertAlmostEqual((area * length).sum() / 6, t.volumes[i], places=13)
 
     def test_text_with_commas_and_nothing(self):
         t = vt.tessellate(uniform(10), want="centroids, counts")
@@ -361,7 +383,7 @@ class BadInput(unittest.TestCase):
 
     def test_options(self):
         points = uniform(4)
-        self.refused("'areas'.*neighbors, volumes", points, want=["areas"])
+        self.refused("'faces'.*neighbors, volumes", points, want=["faces"])
         self.refused("'keep'.*merge, error", points, duplicates="keep")
         self.refused("threads is -1", points, threads=-1)
         self.refused("grid_resolution is 4294967296", points, grid_resolution=2**32)
@@ -406,6 +428,7 @@ class Memory(unittest.TestCase):
         return {
             "indptr": t.neighbors.indptr,
             "indices": t.neighbors.indices,
+            "face_areas": t.face_areas,
             "volumes": t.volumes,
             "centroids": t.centroids,
             "face_counts": t.face_counts,
@@ -630,7 +653,7 @@ class TessellatorTest(unittest.TestCase):
         with self.assertRaises(ValueError):
             tessellator.tessellate([[np.nan, 0, 0]])
         with self.assertRaises(ValueError):
-            tessellator.tessellate(uniform(3), want="areas")
+            tessellator.tessellate(uniform(3), want="faces")
         with self.assertRaises(vt.VotessError):
             tessellator.tessellate(long_run_points(), progress=lambda fraction: False)
         self.assertTrue(tessellator.tessellate(uniform(500)).verify())

@@ -7,7 +7,7 @@
 namespace votess::gpu::vulkan {
 namespace {
 
-constexpr std::uint32_t least_storage_buffers = 15;  // of clip_cells
+constexpr std::uint32_t least_storage_buffers = 16;  // of clip_cells
 constexpr std::uint32_t least_push_bytes = 128;
 constexpr std::uint32_t least_invocations = 128;  // TILE_GROUP of the shaders
 

@@ -1,0 +1,175 @@
+// Face areas: known ones, what ties them to the volumes, and that both cells of a face agree.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "../support/check.hpp"
+
+namespace {
+
+std::span<const double> areas_of(const votess::Tessellation& t, std::size_t i) {
+    return t.face_areas().subspan(static_cast<std::size_t>(t.indptr()[i]), t.neighbors(i).size());
+}
+
+double surface_of(const votess::Tessellation& t, std::size_t i) {
+    const auto areas = areas_of(t, i);
+    return std::accumulate(areas.begin(), areas.end(), 0.0);
+}
+
+// Distance of the seed to the plane of a face.
+double height(const votess::Tessellation& t, const test::PointSet& set, std::size_t i, std::int32_t j) {
+    const double* p = set.points.data() + 3 * i;
+    if (j < 0) {
+        const auto axis = static_cast<std::size_t>(-1 - j) / 2;
+        return std::abs(((-1 - j) % 2 == 0 ? t.box().lower[axis] : t.box().upper[axis]) - p[axis]);
+    }
+    const double* q = set.points.data() + 3 * static_cast<std::size_t>(j);
+    return std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]) / 2;
+}
+
+// A cell is the pyramids over its faces, and its surface is closed only if no face is missing.
+void check_pyramids(const votess::Tessellation& t, const test::PointSet& set) {
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        double volume = 0, error = 0;
+        const double surface = surface_of(t, i);
+        for (std::size_t k = 0; k < t.neighbors(i).size(); ++k) {
+            const double h = height(t, set, i, t.neighbors(i)[k]);
+            volume += areas_of(t, i)[k] * h / 3;
+            error += 1e-10 * surface * h / 3 + 1e-15 * h * areas_of(t, i)[k];
+        }
+        REQUIRE(std::abs(volume - t.volumes()[i]) <= error + 1e-10 * t.volumes()[i]);
+    }
+}
+
+void check_symmetry(const votess::Tessellation& t) {
+    for (std::size_t i = 0; i < t.size(); ++i)
+        for (std::size_t k = 0; k < t.neighbors(i).size(); ++k) {
+            const auto j = static_cast<std::size_t>(t.neighbors(i)[k]);
+            if (t.neighbors(i)[k] < 0 || j < i) continue;
+            const auto row = t.neighbors(j);
+            const auto back = std::lower_bound(row.begin(), row.end(), static_cast<std::int32_t>(i)) - row.begin();
+            const double here = areas_of(t, i)[k], there = areas_of(t, j)[static_cast<std::size_t>(back)];
+            REQUIRE(std::abs(here - there) <= 1e-10 * (surface_of(t, i) + surface_of(t, j)));
+            if (here > 1e-3 * surface_of(t, i)) REQUIRE(std::abs(here - there) <= 1e-9 * here);
+        }
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("areas: the unit cubes of a lattice") {
+        const auto t = test::run(test::cubic(6));
+        CHECK(t.face_areas().size() == 6 * 216);
+        for (const double area : t.face_areas()) REQUIRE(area == 1);
+    }
+
+    TEST_CASE("areas: faces of the BCC and FCC lattices") {
+        // In the cube of side 2 around a point of BCC: 8 hexagons, edges sqrt(2) / 2, and 6 squares.
+        const test::PointSet bcc = test::bcc(6);
+        const auto t = test::run(bcc);
+        std::size_t inner = 0;
+        for (std::size_t i = 0; i < t.size(); ++i) {
+            const auto row = t.neighbors(i);
+            if (row.size() != 14 || row[0] < 0) continue;
+            ++inner;
+            double least = 1e300, most = 0;
+            for (const double area : areas_of(t, i)) least = std::min(least, area), most = std::max(most, area);
+            // Edge e: squares e^2, hexagons 3 sqrt(3) / 2 e^2.
+            CHECK(std::abs(most / least - 1.5 * std::sqrt(3.0)) <= 1e-13);
+        }
+        CHECK(inner > 0);
+        const auto fcc = test::run(test::fcc(6));  // rhombic dodecahedra: all faces alike
+        inner = 0;
+        for (std::size_t i = 0; i < fcc.size(); ++i) {
+            const auto row = fcc.neighbors(i);
+            if (row.size() != 12 || row[0] < 0) continue;
+            ++inner;
+            for (const double area : areas_of(fcc, i)) CHECK(std::abs(area - areas_of(fcc, i)[0]) <= 1e-14 * area);
+        }
+        CHECK(inner > 0);
+    }
+
+    TEST_CASE("areas: a seed on three walls of the box") {
+        const auto t =
+            votess::tessellate(std::array{0.0, 2.0, 0.0}, test::all_options(votess::Box{{0, 0, 0}, {1, 2, 4}}));
+        CHECK(std::ranges::equal(t.face_areas(), std::array{2.0, 2.0, 4.0, 4.0, 8.0, 8.0}));
+    }
+
+    TEST_CASE("areas: every family, pyramids over the faces fill the cells and both cells of a face agree") {
+        for (const test::PointSet& set : test::families(test::by_size(1500, 200), 30)) {
+            CAPTURE(set.name);
+            const auto t = test::run(set);
+            check_pyramids(t, set);
+            check_symmetry(t);
+            CHECK(votess::verify(t, set.points, {30, 1}).failure == "");
+        }
+    }
+
+    TEST_CASE("areas: coordinates times a power of two, and 1e-10 and 1e10 times as large") {
+        const test::PointSet set = test::uniform(test::by_size(2000, 300), 31);
+        const auto t = test::run(set);
+        for (const double factor : {0x1p-300, 0x1p-30, 0x1p30, 0x1p300}) {
+            const auto u = test::run(test::scaled(set, factor));
+            for (std::size_t k = 0; k < t.face_areas().size(); ++k)
+                REQUIRE(u.face_areas()[k] == t.face_areas()[k] * factor * factor);
+        }
+        for (const double factor : {1e-10, 1e10}) {
+            CAPTURE(factor);
+            const test::PointSet other = test::scaled(set, factor);
+            const auto u = test::run(other);
+            check_pyramids(u, other);
+            check_symmetry(u);
+            REQUIRE(u.face_areas().size() == t.face_areas().size());
+            // Rounded products move the seeds a little.
+            for (std::size_t i = 0; i < t.size(); ++i)
+                for (std::size_t k = 0; k < t.neighbors(i).size(); ++k)
+                    REQUIRE(std::abs(areas_of(u, i)[k] / factor / factor - areas_of(t, i)[k]) <=
+                            1e-9 * surface_of(t, i));
+        }
+    }
+
+    TEST_CASE("areas: without walls in the rows there are none of walls; areas add neighbors") {
+        const test::PointSet set = test::uniform(test::by_size(1000, 200), 32);
+        const auto full = test::run(set);
+        votess::Options options = test::all_options();
+        options.walls = false;
+        options.want = {.neighbors = false, .volumes = false, .areas = true};
+        const auto t = test::run(set, options);
+        CHECK(t.indptr().size() == set.size() + 1);
+        CHECK(t.volumes().empty());
+        REQUIRE(t.face_areas().size() == t.indices().size());
+        for (std::size_t i = 0; i < set.size(); ++i) {
+            const auto with = areas_of(full, i), without = areas_of(t, i);
+            REQUIRE(std::ranges::equal(with.last(without.size()), without));  // walls come first
+        }
+        options.want.areas = false;
+        CHECK(test::run(set, options).face_areas().empty());
+    }
+
+    TEST_CASE("areas and volumes beyond the largest double are infinite, not NaN") {
+        for (const double factor : {0x1p341, 0x1p360, 0x1p600}) {
+            const test::PointSet set = test::scaled(test::uniform(300, 33), factor);
+            const auto t = test::run(set);
+            CHECK_FALSE(std::isnan(t.stats().volume_sum));
+            CHECK(t.stats().volume_sum == t.stats().box_volume);
+            for (const double volume : t.volumes()) REQUIRE(volume > 0);
+            for (const double area : t.face_areas()) REQUIRE(area >= 0);
+            CHECK(votess::verify(t, set.points).failure == "");
+        }
+    }
+
+    TEST_CASE("areas: verify finds a wrong one") {
+        const test::PointSet set = test::uniform(200, 34);
+        const auto t = test::run(set);
+        test::PointSet moved = set;  // the same lists, other areas
+        moved.points[0] += 1e-7;
+        votess::Options options = test::all_options(set.box);
+        options.want = {.volumes = false, .areas = true};
+        const auto u = votess::tessellate(moved.points, options);
+        REQUIRE(std::ranges::equal(t.indices(), u.indices()));
+        CHECK(votess::verify(u, moved.points, {200, 1}).passed);
+        CHECK(votess::verify(u, set.points, {200, 1}).failure.find("area") != std::string::npos);
+    }
+}

@@ -1,0 +1,23 @@
+// The speeds that votess sets out to reach, each a ratio of two medians.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "measure.hpp"
+
+namespace bench {
+
+struct Goals {
+    std::size_t small = 100'000, large = 1'000'000;  // seeds; other numbers only try the program out
+    std::string file;                                // file:PATH, or empty
+    Repeats repeats;
+    std::uint64_t rng_seed = 1;
+    std::string json;     // empty: none
+    bool strict = false;  // a goal that is not met, or could not be measured, makes the exit code 1
+};
+
+// Prints a line a goal. Returns the exit code.
+int run_goals(const Goals& goals, const Peers& peers, const std::vector<PeerVersion>& versions);
+
+}  // namespace bench
