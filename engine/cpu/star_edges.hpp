@@ -210,9 +210,10 @@ bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
     // Planes that are too near to parallel, or too large or small to square.
     if (!(ha > smallest_h && hb > smallest_h && edge.norms2 < largest_h && square * worst_condition2 > edge.norms2))
         return false;
+    // e x ab / square is the point of the line that is nearest to the seed. Not divided, but in the range of floats.
     cross(e, ab, across);
-    across *= 1 / square;  // the point of the line that is nearest to the seed
-    narrow(across, ray.o);
+    narrow(across * ray_scale, ray.o);
+    ray.s = static_cast<float>(square * ray_scale);
     narrow(-ab, ray.d);
     ray.least = parallel * std::sqrt(static_cast<float>(square)) * static_cast<float>(longest_);
     return true;

@@ -115,7 +115,7 @@ VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, in
     using Index = Vector<std::int32_t, L>;
     const float infinity = std::numeric_limits<float>::infinity();
     for (int r = 0; r < 2; ++r) {
-        const auto& [o, d, least] = rays[r];
+        const auto& [o, d, s, least] = rays[r];
         Real best = Real{} + infinity;
         Index at = Index{} - 1;
         Index index;
@@ -127,7 +127,7 @@ VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, in
             std::memcpy(&nz, c.nz + i, sizeof nz);
             std::memcpy(&h, c.h + i, sizeof h);
             const Real leaving = nx * d[0] + ny * d[1] + nz * d[2];
-            const Real t = (h - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
+            const Real t = (h * s - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
             const Index better = (leaving > least) & (t < best);
             best = better ? t : best;
             at = better ? index : at;
@@ -264,7 +264,7 @@ VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {
 VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int* hits) {
     const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
     for (int r = 0; r < 2; ++r) {
-        const auto& [o, d, least] = rays[r];
+        const auto& [o, d, s, least] = rays[r];
         const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
         const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
         const __m256 limit = _mm256_set1_ps(least);
@@ -273,8 +273,8 @@ VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int*
         for (int i = 0; i < c.count; i += 8) {
             const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i), nz = _mm256_load_ps(c.nz + i);
             const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
-            const __m256 gap = _mm256_fnmadd_ps(
-                nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, _mm256_load_ps(c.h + i))));
+            const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
+            const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
             const __m256 t = _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving),
                                               _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
             const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
@@ -390,37 +390,33 @@ VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, fl
     return true;
 }
 
-// The best planes of one ray so far.
+// The best planes of one ray so far: t in the high bits, as integers of the same order, over the index.
 struct Best {
-    __m512 ox, oy, oz, dx, dy, dz, limit, t;
-    __m512i at;
+    __m512 ox, oy, oz, dx, dy, dz, s, limit;
+    __m512i key;
 };
+constexpr int index_bits = 0x1ff;  // of CandidatePlanes::capacity
 
 VOTESS_AVX512 VOTESS_INLINE Best start(const Ray& ray) {
     return {_mm512_set1_ps(ray.o[0]), _mm512_set1_ps(ray.o[1]), _mm512_set1_ps(ray.o[2]),
             _mm512_set1_ps(ray.d[0]), _mm512_set1_ps(ray.d[1]), _mm512_set1_ps(ray.d[2]),
-            _mm512_set1_ps(ray.least), _mm512_set1_ps(std::numeric_limits<float>::infinity()),
-            _mm512_set1_epi32(-1)};
+            _mm512_set1_ps(ray.s),    _mm512_set1_ps(ray.least), _mm512_set1_epi32(-1 ^ (1 << 31))};
 }
 
 VOTESS_AVX512 VOTESS_INLINE void update(Best& b, __m512 nx, __m512 ny, __m512 nz, __m512 h, __m512i index) {
     const __m512 leaving = _mm512_fmadd_ps(nx, b.dx, _mm512_fmadd_ps(ny, b.dy, _mm512_mul_ps(nz, b.dz)));
-    const __m512 gap = _mm512_fnmadd_ps(nx, b.ox, _mm512_fnmadd_ps(ny, b.oy, _mm512_fnmadd_ps(nz, b.oz, h)));
-    // 14 bits, improved once: which plane is tried needs no more, the vertex is solved in double and checked.
-    const __m512 inverse = _mm512_rcp14_ps(leaving);
-    __m512 t = _mm512_mul_ps(gap, inverse);
-    t = _mm512_fmadd_ps(_mm512_fnmadd_ps(t, leaving, gap), inverse, t);
-    const __mmask16 better =
-        _mm512_mask_cmp_ps_mask(_mm512_cmp_ps_mask(leaving, b.limit, _CMP_GT_OQ), t, b.t, _CMP_LT_OQ);
-    b.t = _mm512_mask_mov_ps(b.t, better, t);
-    b.at = _mm512_mask_mov_epi32(b.at, better, index);
+    const __m512 gap =
+        _mm512_fnmadd_ps(nx, b.ox, _mm512_fnmadd_ps(ny, b.oy, _mm512_fnmadd_ps(nz, b.oz, _mm512_mul_ps(h, b.s))));
+    const __m512i t = _mm512_castps_si512(_mm512_mul_ps(gap, _mm512_rcp14_ps(leaving)));
+    // Negative floats order the other way round.
+    const __m512i ordered = _mm512_xor_si512(t, _mm512_srli_epi32(_mm512_srai_epi32(t, 31), 1));
+    const __m512i key = _mm512_or_si512(_mm512_andnot_si512(_mm512_set1_epi32(index_bits), ordered), index);
+    b.key = _mm512_mask_min_epi32(b.key, _mm512_cmp_ps_mask(leaving, b.limit, _CMP_GT_OQ), b.key, key);
 }
 
 VOTESS_AVX512 VOTESS_INLINE int hit_of(const Best& b) {
-    alignas(64) std::int32_t found[16];
-    _mm512_store_si512(found, b.at);
-    const __m512 nearest = _mm512_set1_ps(_mm512_reduce_min_ps(b.t));
-    return found[std::countr_zero(static_cast<unsigned>(_mm512_cmp_ps_mask(b.t, nearest, _CMP_EQ_OQ))) & 15];
+    const int key = _mm512_reduce_min_epi32(b.key) & index_bits;
+    return key == index_bits ? -1 : key;
 }
 
 VOTESS_AVX512 void first_hits_avx512(const CandidatePlanes& c, const Ray* rays, int* hits) {

@@ -44,9 +44,9 @@ struct CandidatePlanes {
     int count = 0;
 };
 
-struct Ray {  // o + t d; the fourth is free
+struct Ray {  // (o + t d) / s; o[3] and d[3] are free
     float o[4], d[4];
-    float least;
+    float s, least;
 };
 
 // Seeds q that may lie in the ball around p + v / scale through p: n.v >= |n|^2 / 2 but for the slack.
@@ -79,7 +79,8 @@ struct StarKernels {
     int (*to_window)(const GroupSource&, const WindowFrame&, std::int32_t* const* out, std::int32_t* ids);
     // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
-    // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none.
+    // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none. A guess:
+    // which of those within 2^-13 of the least t it is may vary.
     void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
     // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none.
     int (*touching)(const CandidatePlanes&, const float* v, const std::int32_t* three, int begin);

@@ -48,6 +48,7 @@ private:
     static constexpr double reach_margin = 1.9;     // of the squared security radius that is typical
     static constexpr int most_candidates = 160;     // at first; room for others is left
     static constexpr int most_picks = 64;           // planes tried for one vertex
+    static constexpr double ray_scale = 0x1p-112;   // (2^28 units)^-4
     static constexpr float parallel = 0x1p-18f;     // rays nearly along a plane do not leave it
     static constexpr int most_new = 24;             // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
