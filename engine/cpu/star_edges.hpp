@@ -255,7 +255,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         const std::int32_t id = candidates_.id[lane];
         const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
         Third third;
-        Four x;
+        alignas(32) Four x;
         plane_through(id, third.n, third.h);
         if (!solve(edge, third, x)) return false;
         const double x2 = dot(wide(x), wide(x));
