@@ -287,6 +287,11 @@ TEST_SUITE("stages") {
         CHECK(Delaunay(many, [&](double done) { return last < done && (last = done) < 1; }).valid());
         CHECK(last > 0.5);
         CHECK_FALSE(Delaunay(many, [](double) { return false; }).valid());
+        if (test::reduced()) return;
+        // Two skew lines: each pair of neighbors on one and on the other is a tetrahedron.
+        test::PointSet lines{"skew lines", {}, std::nullopt};
+        for (int i = 0; i < 2500; ++i) lines.points.insert(lines.points.end(), {1.0 * i, 0, 0, 0, 1.0 * i, 1});
+        CHECK_FALSE(Delaunay(sorted_seeds(lines, pool)).valid());
     }
 
     TEST_CASE("hard cells: spheres equal the unbounded search") {

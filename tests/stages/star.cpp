@@ -206,7 +206,8 @@ TEST_SUITE("stages") {
                 check(sorted, cells, some, some.size(), *kernels);
             }
         }
-        const test::PointSet more = test::uniform(test::by_size(9000, 4500), 20);
+        const test::PointSet more =
+            test::uniform(test::by_size(2 * Star::most_seeds + 1000, Star::most_seeds + 500), 20);
         for (const std::size_t length : {Star::most_seeds, Star::most_seeds - 1, std::size_t{1000}})
             CHECK(check_all(more, length).built >= 0.999);
     }
@@ -222,7 +223,7 @@ TEST_SUITE("stages") {
             REQUIRE(cells[center].faces.size() == n);
             for (const Kernels* kernels : supported_kernels()) {
                 INFO(std::string(kernels->name));
-                check(sorted, cells, all_of(sorted), 4096, *kernels);
+                check(sorted, cells, all_of(sorted), Star::most_seeds, *kernels);
                 // Alone, and with others in front that hand it vertices.
                 for (const std::size_t begin : {center, center / 2, std::size_t{0}}) {
                     const auto star = make_star(kernels->name, sorted.seeds, sorted.hierarchy);

@@ -136,39 +136,56 @@ TEST_SUITE("stages") {
         }
     }
 
-    TEST_CASE("star kernels: to_window rounds, clamps and names the seeds") {
+    TEST_CASE("star kernels: to_window selects, rounds and clamps") {
         Random random(3);
         constexpr double range = window_range;
-        for (int round = 0; round < 200; ++round) {
+        for (int round = 0; round < 400; ++round) {
             const std::size_t all = 40;
+            const bool integers = round % 2 == 0;  // distances are exact, so that the limit is too
             std::array<std::vector<double>, 3> seeds;
-            double origin[3];
-            const double scale = std::ldexp(1.0, static_cast<int>(random.integer(0, 28)));
+            WindowFrame frame{{}, integers ? static_cast<double>(random.below(200)) : random.uniform(0, 200), {}, 1};
+            frame.scale = std::ldexp(1.0, static_cast<int>(random.integer(0, 28)));
+            auto draw = [&](double size) {
+                return integers ? static_cast<double>(random.integer(-10, 10)) : random.uniform(-size, size);
+            };
             for (int k = 0; k < 3; ++k) {
-                origin[k] = random.uniform(-10, 10);
-                for (std::size_t i = 0; i < all * box_fan; ++i)
-                    seeds[k].push_back(
-                        origin[k] + (random.chance(0.2) ? random.uniform(-1e3, 1e3) : random.uniform(-40, 40) / scale));
+                frame.origin[k] = random.uniform(-10, 10);
+                std::tie(frame.home.lower[k], frame.home.upper[k]) = std::minmax({draw(5), draw(5)});
+                for (std::size_t i = 0; i < all * box_fan; ++i) seeds[k].push_back(draw(random.chance(0.2) ? 1e3 : 10));
             }
             for (std::size_t i = all * box_fan - 3; i < all * box_fan; ++i)
                 for (auto& axis : seeds) axis[i] = infinity;
             std::vector<std::uint32_t> groups(random.below(all + 1));
             for (auto& group : groups) group = static_cast<std::uint32_t>(random.below(all));
+            const std::size_t kept = random.below(std::min<std::size_t>(groups.size(), 2) + 1);
+            std::vector<std::int32_t> expected;
+            for (std::size_t i = 0; i < groups.size() * box_fan; ++i) {
+                const std::size_t seed = groups[i / box_fan] * box_fan + i % box_fan;
+                double sum = 0;
+                for (int k = 0; k < 3; ++k) {
+                    const double x = seeds[k][seed];
+                    const double gap = std::max({0.0, frame.home.lower[k] - x, x - frame.home.upper[k]});
+                    sum += gap * gap;
+                }
+                if (i / box_fan < kept || sum < frame.distance_squared) expected.push_back(static_cast<int>(seed));
+                if (!integers) REQUIRE(std::abs(sum - frame.distance_squared) > 1e-12);  // no matter of rounding
+            }
             for_each_set([&](const StarKernels& kernels) {
-                // Exactly as long as needed, for the address sanitizer.
+                // Exactly as long as the window makes them, for the address sanitizer.
+                const std::size_t room = groups.size() * box_fan + 16;
                 std::array<std::vector<std::int32_t>, 3> out;
-                for (auto& axis : out) axis.resize(groups.size() * box_fan);
-                std::vector<std::int32_t> ids(groups.size() * box_fan);
-                kernels.to_window({seeds[0].data(), seeds[1].data(), seeds[2].data()}, groups, origin, scale,
-                                  {out[0].data(), out[1].data(), out[2].data()}, ids.data());
-                for (std::size_t i = 0; i < ids.size(); ++i) {
-                    const std::size_t from = groups[i / box_fan] * box_fan + i % box_fan;
-                    REQUIRE(ids[i] == static_cast<std::int32_t>(from));
+                for (auto& axis : out) axis.resize(room);
+                std::vector<std::int32_t> ids(room);
+                std::int32_t* const to[3] = {out[0].data(), out[1].data(), out[2].data()};
+                const int count = kernels.to_window({{seeds[0].data(), seeds[1].data(), seeds[2].data()}, groups, kept},
+                                                    frame, to, ids.data());
+                REQUIRE(std::equal(expected.begin(), expected.end(), ids.begin(), ids.begin() + count));
+                for (int i = 0; i < count; ++i)
                     for (int k = 0; k < 3; ++k) {
-                        const double exact = std::clamp((seeds[k][from] - origin[k]) * scale, -range, range);
+                        const double x = seeds[k][static_cast<std::size_t>(ids[i])];
+                        const double exact = std::clamp((x - frame.origin[k]) * frame.scale, -range, range);
                         REQUIRE(std::abs(out[k][i] - exact) <= 0.5 + 1e-7);  // ties go either way
                     }
-                }
             });
         }
     }
@@ -176,7 +193,7 @@ TEST_SUITE("stages") {
     TEST_CASE("star kernels: select keeps the order, the capacity and the padding") {
         Random random(4);
         for (int round = 0; round < 600; ++round) {
-            const int count = 8 * static_cast<int>(random.below(81));
+            const int count = static_cast<int>(random.below(641));
             const std::size_t readable = static_cast<std::size_t>(round_up(count, 16));
             const int size = random.chance(0.5) ? 20 : window_range;
             std::array<std::vector<std::int32_t>, 3> x;
@@ -274,7 +291,9 @@ TEST_SUITE("stages") {
             const CandidatePlanes& c = *planes.c;
             Ray rays[2];
             for (Ray& ray : rays) {
+                ray = {};
                 for (int k = 0; k < 3; ++k) ray.o[k] = draw(), ray.d[k] = draw();
+                ray.s = static_cast<float>(1 + random.below(4));
                 ray.least = integers ? static_cast<float>(random.below(3)) : static_cast<float>(random.uniform(0, 2));
                 // Among planes that are all parallel to the ray, or met from behind, there is none to hit.
                 if (random.chance(0.1)) ray.d[0] = ray.d[1] = ray.d[2] = 0;
@@ -284,23 +303,24 @@ TEST_SUITE("stages") {
                 int hits[2] = {-7, -7};
                 kernels.first_hits(c, rays, hits);
                 for (int r = 0; r < 2; ++r) {
-                    const auto& [o, d, least] = rays[r];
+                    const auto& [o, d, s, least] = rays[r];
                     auto leaving = [&](int i) {
                         return double{c.nx[i]} * d[0] + double{c.ny[i]} * d[1] + double{c.nz[i]} * d[2];
                     };
+                    // (o + t d) / s is on the plane.
+                    auto time = [&](int i) { return (gap(c, i, o) + (double{s} - 1) * c.h[i]) / leaving(i); };
                     const double doubt = integers ? 0 : 1e-4;
                     double nearest = infinity;
                     for (int i = 0; i < count; ++i)
-                        if (leaving(i) > least + doubt) nearest = std::min(nearest, gap(c, i, o) / leaving(i));
+                        if (leaving(i) > least + doubt) nearest = std::min(nearest, time(i));
                     if (hits[r] == -1) {
                         REQUIRE(nearest == infinity);
                         continue;
                     }
                     REQUIRE((hits[r] >= 0 && hits[r] < count));
                     REQUIRE(leaving(hits[r]) > least - doubt);
-                    const double t = gap(c, hits[r], o) / leaving(hits[r]);
-                    const double rounding = 1e-5 * (std::abs(t) + 100 / leaving(hits[r]));
-                    REQUIRE(t <= nearest + rounding);
+                    const double rounding = 0x1p-12 * std::abs(nearest) + 1e-3 / leaving(hits[r]);
+                    REQUIRE(time(hits[r]) <= nearest + rounding);
                 }
             });
         }
