@@ -251,9 +251,12 @@ TEST_SUITE("stages") {
     TEST_CASE("star window: the radius shrinks where seeds are many and grows where they are few") {
         const Sorted dense(test::uniform(20000, 12).points);
         const Neighborhood dense_cells = fresh(dense);
-        test::Coordinates clusters;  // far from each other
-        for (const double offset : {0, 20, 40, 60, 80})
-            for (double x : test::uniform(Window::home_seeds, 13).points) clusters.push_back(x + offset);
+        test::Coordinates clusters;  // of a home each, far from each other
+        for (int i = 0; i < 64; ++i) {
+            const auto cluster = test::uniform(Window::home_seeds, 13).points;
+            const int place[3] = {i % 4, i / 4 % 4, i / 16};
+            for (std::size_t k = 0; k < cluster.size(); ++k) clusters.push_back(cluster[k] + 20 * place[k % 3]);
+        }
         const Sorted sparse(clusters);
         const Neighborhood sparse_cells = fresh(sparse);
         for (const Kernels* supported : supported_kernels()) {
@@ -265,7 +268,7 @@ TEST_SUITE("stages") {
             CHECK(window.seeds().count <= 160 * 8);
             CHECK(window.seeds().count > 30 * 8);
             Window few(sparse.seeds, sparse.hierarchy, star_kernels(supported->name));
-            for (std::size_t home = 0; home < 5; ++home) {
+            for (std::size_t home = 0; home < 64; ++home) {
                 CHECK(check_window(sparse, few, home, 2, sparse_cells) > 2);
                 CHECK(few.seeds().count > static_cast<int>(Window::home_seeds));
             }
