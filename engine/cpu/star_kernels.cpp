@@ -7,7 +7,12 @@
 #include <limits>
 
 #if defined(__x86_64__)
+// GCC 12 takes the undefined operands that its own header passes to masked instructions for mistakes (GCC bug 105593).
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <immintrin.h>
+#pragma GCC diagnostic pop
 #endif
 
 namespace votess::cpu {

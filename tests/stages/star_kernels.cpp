@@ -210,7 +210,7 @@ TEST_SUITE("stages") {
             std::vector<double> square;
             for (int i = 0; i < count; ++i) {
                 double sum = 0;
-                for (int k = 0; k < 3; ++k) sum += std::pow(double{x[k][i] - p[k]}, 2);
+                for (int k = 0; k < 3; ++k) sum += std::pow(static_cast<double>(x[k][i] - p[k]), 2);
                 square.push_back(sum);
             }
             // A limit that so many are below; half of the time about as many as there is room for.

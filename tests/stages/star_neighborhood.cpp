@@ -92,7 +92,7 @@ double check_window(const Sorted& sorted, Window& window, std::size_t home, doub
         for (std::size_t s = own; clamped && s < std::min(own + Window::home_seeds, sorted.seeds.size()); ++s) {
             const auto p = window.position(s);
             double square = 0;
-            for (int k = 0; k < 3; ++k) square += std::pow(double{at[k]} - p[k], 2);
+            for (int k = 0; k < 3; ++k) square += std::pow(static_cast<double>(at[k]) - p[k], 2);
             REQUIRE(std::sqrt(square) > window.reach() * window.scale());
         }
     }
