@@ -41,6 +41,8 @@ std::vector<std::int32_t> row_of(const votess::Tessellation& t, std::size_t i);
 std::string check_invariants(const votess::Tessellation& t, std::span<const double> points, bool may_underflow = false);
 // Exact equality of every array.
 std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b);
+// The same cells, however they were found: geometry equal to the digits promised, all else exactly.
+std::string check_same_cells(const votess::Tessellation& a, const votess::Tessellation& b);
 // Equal to the exact diagram: rows, counts, statuses; volumes and centroids to 1e-10. Needs all_options().
 std::string check_exact(const votess::Tessellation& t, std::span<const double> points);
 
