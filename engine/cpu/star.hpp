@@ -20,12 +20,34 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "cpu/hierarchy.hpp"
 #include "cpu/sort.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::cpu {
+
+// Vertices that the cells of a stretch have found by walking, each as three neighbors in positive orientation (sorted
+// seeds, or walls -1..-6), for a job whose seeds lie nearly the same.
+struct StarHints {
+    std::vector<std::int32_t> ids;
+    std::vector<std::uint32_t> first;  // by seed of the stretch: place in ids; the last seeds may be missing
+
+    void clear() {
+        ids.clear();
+        first.clear();
+    }
+    // Before the vertices of a seed are added; s: its place in the stretch.
+    void begin_seed(std::size_t s) {
+        while (first.size() <= s) first.push_back(static_cast<std::uint32_t>(ids.size()));
+    }
+    [[nodiscard]] std::span<const std::int32_t> of(std::size_t s) const {
+        if (s >= first.size()) return {};
+        const std::size_t end = s + 1 < first.size() ? first[s + 1] : ids.size();
+        return {ids.data() + first[s], end - first[s]};
+    }
+};
 
 class Star {
 public:
@@ -40,8 +62,12 @@ public:
     // The box of the seeds, once a job and before begin().
     virtual void begin_job(const Box& scaled_box) = 0;
     // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
-    virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
-    // False when the cell is beyond what this class handles: the caller clips it.
+    // hints: of the same seeds in an earlier job, may be null; they change how fast vertices are found. found: becomes
+    // those for the next job, if it is not null.
+    virtual void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints = nullptr,
+                       StarHints* found = nullptr) = 0;
+    // False when the cell is beyond what this class handles: the caller clips it. Throws NeedsSort when it meets equal
+    // seeds.
     virtual bool build(std::size_t seed) = 0;
 
     // Of the last cell built. Faces in no particular order: sorted seeds, or walls -1..-6.
@@ -54,7 +80,7 @@ public:
 
     struct Geometry {
         double volume = 0;
-        std::array<double, 3> centroid{};  // relative to the seed
+        std::array<double, 3> centroid{};         // relative to the seed
         std::array<double, most_planes> areas{};  // in the order of faces()
     };
     // After begin(.., measure = true). False when rounding might spoil the digits promised.

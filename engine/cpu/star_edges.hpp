@@ -74,7 +74,12 @@ exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
 }
 
 template <class Isa>
-void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
+void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints, StarHints* found) {
+    first_ = first;
+    hints_ = hints;
+    found_ = found;
+    if (found != nullptr) found->clear();
+    hints_tried_ = hints_proven_ = 0;
     for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;
     planes_ = 0;
     cells_.begin(seeds_, first, last, measure);
@@ -105,6 +110,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     in_.fill(0);
     scale_ = unscale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
+    if (found_ != nullptr) found_->begin_seed(seed - first_);
     const bool done = complete();
     if (done) cells_.set_done(seed);
     if (have_candidates_ && !done) window_.show(seed, own_x_);
@@ -118,6 +124,7 @@ bool StarWalk<Isa>::complete() {
     if (vertices_ == 0 && !begin_anywhere()) return false;
     if (active_ != 0 && !have_candidates_ && !gather_candidates()) return false;
     reached_ = 0;
+    if (active_ != 0 && hints_ != nullptr && !take_hints()) return false;
     while (active_ != 0) {
         // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
         // been closed by the vertex of the first.
@@ -193,24 +200,30 @@ bool StarWalk<Isa>::collect_faces() {
 }
 
 template <class Isa>
-bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
+bool StarWalk<Isa>::span(int a, int b, OpenEdge& edge) {
     need_plane(a);
     need_plane(b);
     const Wide &na = wide(n_[a]), &nb = wide(n_[b]);
     const double ha = h_[a], hb = h_[b];
-    Wide ab, across;
+    Wide ab;
     cross(na, nb, ab);
-    const Wide e = ha * nb - hb * na;
-    const double square = dot(ab, ab);
     edge.a = a;
     edge.b = b;
     edge.norms2 = 4 * ha * hb;
     wide(edge.ab) = ab;
-    wide(edge.e) = e;
+    wide(edge.e) = ha * nb - hb * na;
     // Planes that are too near to parallel, or too large or small to square.
-    if (!(ha > smallest_h && hb > smallest_h && edge.norms2 < largest_h && square * worst_condition2 > edge.norms2))
-        return false;
-    cross(e, ab, across);
+    return ha > smallest_h && hb > smallest_h && edge.norms2 < largest_h &&
+           dot(ab, ab) * worst_condition2 > edge.norms2;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
+    if (!span(a, b, edge)) return false;
+    const Wide& ab = wide(edge.ab);
+    const double square = dot(ab, ab);
+    Wide across;
+    cross(wide(edge.e), ab, across);
     across *= 1 / square;  // the point of the line that is nearest to the seed
     for (int k = 0; k < 3; ++k) {
         ray.o[k] = static_cast<float>(across[k]);
@@ -318,6 +331,7 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
         const double bound = std::sqrt(2 * h * length2) * unit * (64 * condition + 8) + 12 * unit * h;
         if (excess > bound) return lane;
         if (!(excess < -bound)) {
+            refuse_equal(id, three);
             used_exact_ = true;
             if (!vertex) vertex.emplace(p_, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
             const int side = vertex->side(exact_plane(id));
@@ -327,6 +341,20 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
         lane = kernels_.touching(candidates_, v, three, lane + 1);
     }
     return -1;
+}
+
+// Of two equal seeds, the first that gets a vertex has the other one touch it: neither is done before. So none of them
+// gets a wrong one.
+template <class Isa>
+void StarWalk<Isa>::refuse_equal(std::int32_t id, const std::int32_t* three) const {
+    if (id < 0) return;
+    const auto i = static_cast<std::size_t>(id);
+    auto equals = [&](std::int32_t other) {
+        const auto o = static_cast<std::size_t>(other);
+        return other >= 0 && seeds_.x[i] == seeds_.x[o] && seeds_.y[i] == seeds_.y[o] && seeds_.z[i] == seeds_.z[o];
+    };
+    if (equals(static_cast<std::int32_t>(seed_)) || equals(three[0]) || equals(three[1]) || equals(three[2]))
+        throw NeedsSort();
 }
 
 template <class Isa>
@@ -345,6 +373,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
     wide(n_[c]) = wide(third.n);
     h_[c] = third.h;
     if (measure_) keep_position(third, x);
+    note_found(edge, id);
     cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
     link_corner(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
@@ -359,6 +388,7 @@ template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > most_vertices - 4) return false;
     if (measure_) keep_position(third, x);
+    note_found(edge, id);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
     cells_.add_tie(tied_cells_, position_[vertices_]);

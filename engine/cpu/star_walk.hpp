@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cpu/hierarchy.hpp"
+#include "cpu/kept_order.hpp"
 #include "cpu/neighborhood.hpp"
 #include "cpu/star.hpp"
 #include "cpu/star_kernels.hpp"
@@ -32,24 +33,24 @@ public:
     }
 
     void begin_job(const Box& scaled_box) override { box_ = scaled_box; }
-    void begin(std::size_t first, std::size_t last, bool measure) override;
+    void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints, StarHints* found) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
 
 private:
     static constexpr double unit = 0x1p-53;
     static constexpr double float_unit = 0x1p-24;
-    static constexpr double quantum = 2;  // of window integers: more than q in star.hpp
+    static constexpr double quantum = 2;              // of window integers: more than q in star.hpp
     static constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
-    static constexpr double margin = 2e-8;  // more than the relative error of a vertex that is accepted
+    static constexpr double margin = 2e-8;            // more than the relative error of a vertex that is accepted
     static constexpr double solved_factor = 64 * unit;
     static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.9;     // of the squared security radius that is typical
-    static constexpr int most_candidates = 160;     // at first; room for others is left
-    static constexpr int most_picks = 64;           // planes tried for one vertex
-    static constexpr float parallel = 0x1p-18f;     // rays nearly along a plane do not leave it
-    static constexpr int most_new = 24;             // seeds taken at once from beyond the window
+    static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.9;                    // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;                    // at first; room for others is left
+    static constexpr int most_picks = 64;                          // planes tried for one vertex
+    static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
+    static constexpr int most_new = 24;                            // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
     static constexpr std::uint16_t no_slot = 255;
 
@@ -70,9 +71,9 @@ private:
     }
 
     struct OpenEdge {
-        int a, b;  // slots of its planes
-        Four ab;   // n_a x n_b
-        Four e;    // h_a n_b - h_b n_a
+        int a, b;       // slots of its planes
+        Four ab;        // n_a x n_b
+        Four e;         // h_a n_b - h_b n_a
         double norms2;  // |n_a|^2 |n_b|^2
     };
     struct Third {  // the plane that ends an edge
@@ -87,12 +88,14 @@ private:
     bool take_known();
     bool take_tie(const KnownVertex& known);
     bool collect_faces();
+    bool span(int a, int b, OpenEdge& edge);
     bool aim(int a, int b, OpenEdge& edge, Ray& ray);
     [[nodiscard]] int first_hit(const Ray& ray) const;
     [[nodiscard]] bool solve(const OpenEdge& edge, Third& third, Four& x) const;
     // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
     bool close(const OpenEdge& edge, const Ray& ray, int lane);
     int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane);
+    void refuse_equal(std::int32_t id, const std::int32_t* three) const;
     void keep_position(const Third& third, const Four& x);
     bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
@@ -117,6 +120,14 @@ private:
         return slot_of(local, planes_);
     }
 
+    // star_hints.hpp
+    bool take_hints();
+    bool try_vertex(const OpenEdge& edge, std::int32_t id);
+    [[nodiscard]] unsigned known_slot(std::int32_t id);
+    void note_found(const OpenEdge& edge, std::int32_t id) {
+        if (found_ != nullptr) found_->ids.insert(found_->ids.end(), {id_[edge.b], id_[edge.a], id});
+    }
+
     // star_candidates.hpp
     bool gather_candidates();
     bool begin_anywhere();
@@ -138,17 +149,22 @@ private:
     bool window_open_ = false, measure_ = false;
     double typical_reach_ = 0;  // squared security radius that vertices of late needed
 
+    std::size_t first_ = 0;  // of the stretch
+    const StarHints* hints_ = nullptr;
+    StarHints* found_ = nullptr;
+    std::size_t hints_tried_ = 0, hints_proven_ = 0;
+
     std::size_t seed_ = 0;
     std::int32_t own_local_ = 0;
     exact::Point p_{};
     bool have_candidates_ = false, have_walls_ = false;
     std::int32_t own_x_ = 0;  // in the window
     CandidatePlanes candidates_;
-    int extras_ = 0;           // candidates from here on are no seeds of the window
-    double covered_ = 0;       // squared distance within which all seeds not done are candidates
-    double longest_ = 0;       // at least the length of the longest candidate normal
+    int extras_ = 0;      // candidates from here on are no seeds of the window
+    double covered_ = 0;  // squared distance within which all seeds not done are candidates
+    double longest_ = 0;  // at least the length of the longest candidate normal
     double inverse_longest_ = 0;
-    double reached_ = 0;       // largest squared security radius of the vertices found
+    double reached_ = 0;              // largest squared security radius of the vertices found
     double scale_ = 1, unscale_ = 1;  // planes and vertices times this: window units, or 1 without a window
 
     // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b; the vertex at its
@@ -183,3 +199,4 @@ private:
 #include "cpu/star_candidates.hpp"
 #include "cpu/star_edges.hpp"
 #include "cpu/star_geometry.hpp"
+#include "cpu/star_hints.hpp"
