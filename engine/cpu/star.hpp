@@ -31,21 +31,25 @@ namespace votess::cpu {
 // Vertices that the cells of a stretch have found by walking, each as three neighbors in positive orientation (sorted
 // seeds, or walls -1..-6), for a job whose seeds lie nearly the same.
 struct StarHints {
+    struct Seed {
+        std::uint32_t first;  // place in ids
+        float reach2;         // largest squared security radius of its vertices; 0 when not known
+    };
     std::vector<std::int32_t> ids;
-    std::vector<std::uint32_t> first;  // by seed of the stretch: place in ids; the last seeds may be missing
+    std::vector<Seed> seeds;  // of the stretch; the last ones may be missing
 
     void clear() {
         ids.clear();
-        first.clear();
+        seeds.clear();
     }
     // Before the vertices of a seed are added; s: its place in the stretch.
     void begin_seed(std::size_t s) {
-        while (first.size() <= s) first.push_back(static_cast<std::uint32_t>(ids.size()));
+        while (seeds.size() <= s) seeds.push_back({static_cast<std::uint32_t>(ids.size()), 0});
     }
     [[nodiscard]] std::span<const std::int32_t> of(std::size_t s) const {
-        if (s >= first.size()) return {};
-        const std::size_t end = s + 1 < first.size() ? first[s + 1] : ids.size();
-        return {ids.data() + first[s], end - first[s]};
+        if (s >= seeds.size()) return {};
+        const std::size_t end = s + 1 < seeds.size() ? seeds[s + 1].first : ids.size();
+        return {ids.data() + seeds[s].first, end - seeds[s].first};
     }
 };
 

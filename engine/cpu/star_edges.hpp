@@ -80,6 +80,7 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure, con
     found_ = found;
     if (found != nullptr) found->clear();
     hints_tried_ = hints_proven_ = 0;
+    hint_growth_ = 1.1;
     for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;
     planes_ = 0;
     cells_.begin(seeds_, first, last, measure);
@@ -140,6 +141,7 @@ bool StarWalk<Isa>::complete() {
         if (!close(edges[1], rays[1], hits[1]) || ((open(c) >> d) & 1) != 0) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
+    if (found_ != nullptr) found_->seeds.back().reach2 = static_cast<float>(needed);
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
     return collect_faces();
 }
@@ -372,15 +374,21 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
     id_[c] = id;
     wide(n_[c]) = wide(third.n);
     h_[c] = third.h;
-    if (measure_) keep_position(third, x);
-    note_found(edge, id);
-    cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
-    link_corner(edge.b, edge.a, c, vertices_++);
-    ends_ += 3;
-    update_active(edge.a);
-    update_active(edge.b);
-    update_active(c);
+    add_corner(edge.b, edge.a, c, third, x);
     return true;
+}
+
+// c: the plane that `third` is.
+template <class Isa>
+void StarWalk<Isa>::add_corner(int a, int b, int c, const Third& third, const Four& x) {
+    if (measure_) keep_position(third, x);
+    note_found(id_[a], id_[b], id_[c]);
+    cells_.add({own_local_, local_[a], local_[b], local_[c]}, position_[vertices_]);
+    link_corner(a, b, c, vertices_++);
+    ends_ += 3;
+    update_active(a);
+    update_active(b);
+    update_active(c);
 }
 
 // A vertex of more than three planes: each of its cells sorts out by itself which of the others it has an edge with.
@@ -388,7 +396,7 @@ template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > most_vertices - 4) return false;
     if (measure_) keep_position(third, x);
-    note_found(edge, id);
+    note_found(id_[edge.b], id_[edge.a], id);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
     cells_.add_tie(tied_cells_, position_[vertices_]);

@@ -1,49 +1,118 @@
 // StarWalk: vertices that the cell had in an earlier job, when its seeds lay nearly the same. They are proven as any
-// other, but need no search.
+// other, but need no search, and many at a time.
 #pragma once
 
 #include "cpu/star_walk.hpp"
 
 namespace votess::cpu {
 
-// no_slot when the cell has no such plane yet.
+// Squared, of all candidates that the vertices hinted at need.
 template <class Isa>
-unsigned StarWalk<Isa>::known_slot(std::int32_t id) {
-    const std::int32_t local = cells_.local(id);
-    make_room(local);
-    return slot_[static_cast<std::size_t>(local)];
+double StarWalk<Isa>::hinted_reach() const {
+    constexpr float smallest = 1e-30f;
+    const std::size_t s = seed_ - first_;
+    if (s >= hints_->seeds.size() || !(hints_->seeds[s].reach2 > smallest)) return largest_h;
+    return hint_growth_ * hints_->seeds[s].reach2;
 }
 
-// A hint counts only where it closes an open edge: elsewhere done seeds would have to be looked at, see star.hpp. What
-// is left open is for the walk.
+// Loop by loop over all hints, for what comes out of one is hard to predict. False when the cell is beyond this class.
 template <class Isa>
 bool StarWalk<Isa>::take_hints() {
-    constexpr std::size_t first_tries = 64;
+    constexpr double first_tries = 64, least_proven = 0.8;
+    constexpr double least_growth = 1.05, most_growth = 4;
     const std::span<const std::int32_t> ids = hints_->of(seed_ - first_);
-    const auto is_open = [this](unsigned a, unsigned b) {
-        return a != no_slot && b != no_slot && ((open(static_cast<int>(a)) >> b) & 1) != 0;
-    };
-    for (std::size_t k = 0; k < ids.size() && active_ != 0; k += 3) {
-        const std::int32_t* three = &ids[k];
-        const unsigned slots[3] = {known_slot(three[0]), known_slot(three[1]), known_slot(three[2])};
+    std::uint64_t used = 0;
+    int count = 0;
+    for (std::size_t k = 0; k < ids.size() && count < most_hints && planes_ < most_planes - 8; k += 3) {
+        Hint& hint = hint_[count++];
         for (int i = 0; i < 3; ++i) {
-            const int j = i == 2 ? 0 : i + 1;
-            if (!is_open(slots[j], slots[i])) continue;
-            OpenEdge edge;
-            ++hints_tried_;
-            if (!span(static_cast<int>(slots[j]), static_cast<int>(slots[i]), edge)) return false;
-            const int before = vertices_;
-            if (!try_vertex(edge, three[3 - i - j])) return false;
-            hints_proven_ += vertices_ > before ? 1 : 0;
-            break;
+            const int slot = new_slot(ids[k + i]);
+            hint.slot[i] = slot;
+            id_[slot] = ids[k + i];
+            used |= 1ull << slot;
         }
     }
-    // Seeds that have moved far.
-    if (hints_tried_ >= first_tries && 5 * hints_proven_ < 2 * hints_tried_) hints_ = nullptr;
+    for (std::uint64_t m = used & ~planes_known_; m != 0; m &= m - 1) {
+        const int slot = std::countr_zero(m);
+        plane_through(id_[slot], n_[slot], h_[slot]);
+    }
+    planes_known_ |= used;
+    int uncovered = 0;
+    for (int k = 0; k < count; ++k) {
+        Hint& hint = hint_[k];
+        const auto& [a, b, c] = hint.slot;
+        OpenEdge edge;
+        hint.third.n = n_[c];
+        hint.third.h = h_[c];
+        hint.solved = span(b, a, edge) && solve(edge, hint.third, hint.x);
+        const double x2 = dot(wide(hint.x), wide(hint.x));
+        hint.needed = 4 * x2;
+        reinterpret_cast<Narrow&>(hint.v) = __builtin_convertvector(wide(hint.x), Narrow);
+        hint.v[3] = rounding_of(x2);
+        const bool covered = hint.needed * (1 + margin) <= covered_;
+        uncovered += hint.solved && !covered ? 1 : 0;
+        hint.solved &= covered;
+    }
+    hint_growth_ = std::clamp(hint_growth_ * (uncovered > 0 ? 1.1 : 0.997), least_growth, most_growth);
+    std::uint64_t proven = 0, touched = 0;
+    for (int k = 0; k < count; ++k) {
+        Hint& hint = hint_[k];
+        if (!hint.solved) continue;
+        const std::int32_t three[3] = {id_[hint.slot[0]], id_[hint.slot[1]], id_[hint.slot[2]]};
+        hint.touching = kernels_.touching(candidates_, hint.v, three, 0);
+        (hint.touching < 0 ? proven : touched) |= 1ull << k;
+    }
+    hints_tried_ += count;
+    hints_proven_ += std::popcount(proven);
+    // Seeds that have moved far: to fail costs more than to search.
+    if (hints_tried_ >= first_tries && hints_proven_ < least_proven * hints_tried_) hints_ = nullptr;
+    return add_hinted(proven) && try_near(touched);
+}
+
+// A vertex counts only where it closes an open edge: elsewhere done seeds would have to be looked at, see star.hpp. What
+// is left open is for the walk.
+template <class Isa>
+int StarWalk<Isa>::open_side(const Hint& hint) const {
+    const auto& [a, b, c] = hint.slot;
+    if ((open(b) >> a) & 1) return 0;
+    if ((open(c) >> b) & 1) return 1;
+    return (open(a) >> c) & 1 ? 2 : -1;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::add_hinted(std::uint64_t proven) {
+    for (bool again = true; again && active_ != 0;) {
+        again = false;
+        for (std::uint64_t m = proven; m != 0; m &= m - 1) {
+            const int k = std::countr_zero(m);
+            const Hint& hint = hint_[k];
+            if (open_side(hint) < 0) continue;
+            proven &= ~(1ull << k);
+            again = true;
+            const auto& [a, b, c] = hint.slot;
+            if (vertices_ > most_vertices - 4) return false;
+            reached_ = std::max(reached_, hint.needed);
+            add_corner(a, b, c, hint.third, hint.x);
+        }
+    }
     return true;
 }
 
-// False when the cell is beyond this class; a vertex that cannot be proven is not added.
+// What cuts off the old vertex often has the new one.
+template <class Isa>
+bool StarWalk<Isa>::try_near(std::uint64_t touched) {
+    for (; touched != 0; touched &= touched - 1) {
+        const Hint& hint = hint_[std::countr_zero(touched)];
+        const int side = open_side(hint);
+        if (side < 0) continue;
+        const int next = side == 2 ? 0 : side + 1;
+        OpenEdge edge;
+        if (!span(hint.slot[next], hint.slot[side], edge)) return false;
+        if (!try_vertex(edge, candidates_.id[hint.touching])) return false;
+    }
+    return true;
+}
+
 template <class Isa>
 bool StarWalk<Isa>::try_vertex(const OpenEdge& edge, std::int32_t id) {
     const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};

@@ -52,9 +52,11 @@ private:
     static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
     static constexpr int most_new = 24;                            // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
+    static constexpr int most_hints = 32;  // of a cell
     static constexpr std::uint16_t no_slot = 255;
 
     using Wide = double __attribute__((vector_size(32), aligned(8), may_alias));
+    using Narrow = float __attribute__((vector_size(16), aligned(4), may_alias));
     using Lanes = std::int64_t __attribute__((vector_size(32)));
     static constexpr Lanes turn{1, 2, 0, 3}, turn_twice{2, 0, 1, 3};
 
@@ -98,6 +100,7 @@ private:
     void refuse_equal(std::int32_t id, const std::int32_t* three) const;
     void keep_position(const Third& third, const Four& x);
     bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
+    void add_corner(int a, int b, int c, const Third& third, const Four& x);
     bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex);
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
@@ -121,11 +124,23 @@ private:
     }
 
     // star_hints.hpp
+    [[nodiscard]] double hinted_reach() const;
+    struct Hint {
+        std::array<int, 3> slot;  // of its planes
+        bool solved;
+        int touching;   // the first candidate that touches it
+        double needed;  // squared security radius
+        Third third;    // the last of the planes
+        Four x;
+        float v[4];
+    };
     bool take_hints();
+    [[nodiscard]] int open_side(const Hint& hint) const;
+    bool add_hinted(std::uint64_t proven);
+    bool try_near(std::uint64_t touched);
     bool try_vertex(const OpenEdge& edge, std::int32_t id);
-    [[nodiscard]] unsigned known_slot(std::int32_t id);
-    void note_found(const OpenEdge& edge, std::int32_t id) {
-        if (found_ != nullptr) found_->ids.insert(found_->ids.end(), {id_[edge.b], id_[edge.a], id});
+    void note_found(std::int32_t a, std::int32_t b, std::int32_t c) {
+        if (found_ != nullptr) found_->ids.insert(found_->ids.end(), {a, b, c});
     }
 
     // star_candidates.hpp
@@ -152,7 +167,9 @@ private:
     std::size_t first_ = 0;  // of the stretch
     const StarHints* hints_ = nullptr;
     StarHints* found_ = nullptr;
-    std::size_t hints_tried_ = 0, hints_proven_ = 0;
+    double hints_tried_ = 0, hints_proven_ = 0;
+    double hint_growth_ = 0;  // of the squared security radius since the last job, about
+    std::array<Hint, most_hints> hint_;
 
     std::size_t seed_ = 0;
     std::int32_t own_local_ = 0;
