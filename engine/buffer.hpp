@@ -22,21 +22,27 @@ class Buffer {
 
 public:
     Buffer() = default;
+    // Scattered writes to small pages are slow, for their addresses do not fit the processor's tables; but large ones are
+    // slow to come by, so only for what is written everywhere at once.
+    enum class Pages : std::uint8_t { usual, huge };
+    explicit Buffer(Pages pages) : pages_(pages) {}
     Buffer(Buffer&& other) noexcept { *this = std::move(other); }
     Buffer& operator=(Buffer&& other) noexcept {
         memory_ = std::move(other.memory_);
         size_ = std::exchange(other.size_, 0);
         capacity_ = std::exchange(other.capacity_, 0);
+        pages_ = other.pages_;
         return *this;
     }
 
     // The elements that fit the memory at hand keep their values; when it has to grow, all are lost.
     void resize_uninitialized(std::size_t count) {
         if (count > capacity_) {
-            *this = {};
+            memory_.reset();
+            size_ = capacity_ = 0;
             const std::size_t room = count + count / 8;  // costs nothing until it is touched
             if (room > std::size_t{PTRDIFF_MAX} / sizeof(T)) throw std::bad_array_new_length();
-            memory_.reset(allocate(room * sizeof(T)));
+            memory_.reset(allocate(room * sizeof(T), pages_));
             capacity_ = room;
         }
         size_ = count;
@@ -60,12 +66,11 @@ private:
     static constexpr std::size_t alignment = 64;
     static constexpr std::size_t huge_page = std::size_t{2} << 20;
 
-    static T* allocate(std::size_t bytes) {
+    static T* allocate(std::size_t bytes, [[maybe_unused]] Pages pages) {
         auto* memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{alignment}));
 #if defined(__linux__)
-        // Scattered writes to small pages are slow, for their addresses do not fit the processor's tables.
         const std::size_t before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
-        if (bytes >= before + huge_page)
+        if (pages == Pages::huge && bytes >= before + huge_page)
             madvise(memory + before, (bytes - before) / huge_page * huge_page, MADV_HUGEPAGE);
 #endif
         return reinterpret_cast<T*>(memory);
@@ -76,6 +81,7 @@ private:
     };
     std::unique_ptr<T[], Free> memory_;
     std::size_t size_ = 0, capacity_ = 0;
+    Pages pages_ = Pages::usual;
 };
 
 }  // namespace votess

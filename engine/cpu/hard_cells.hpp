@@ -16,7 +16,7 @@ class SearchBudget {
 public:
     static constexpr std::size_t most_tests = 2000;  // for one cell
     static constexpr std::size_t usual_tests = 128;  // these are free
-    static constexpr std::size_t tests_per_cell = 16, least_cells = 256;
+    static constexpr std::size_t tests_per_cell = 8, least_cells = 256;
     static constexpr std::size_t long_streak = 8;
 
     void begin(std::size_t cells) {

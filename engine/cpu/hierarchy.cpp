@@ -22,7 +22,7 @@ void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
         counts_.push_back(count);
         if (count <= 1) break;
     }
-    if (levels_.size() < counts_.size()) levels_.resize(counts_.size());
+    while (levels_.size() < counts_.size()) levels_.emplace_back(Buffer<BoxBlock>::Pages::huge);
     for (std::size_t level = 0; level < counts_.size(); ++level) {
         const std::size_t blocks = std::max<std::size_t>(1, divide_up(counts_[level], fan));
         levels_[level].resize_uninitialized(blocks);

@@ -66,7 +66,7 @@ private:
     std::vector<std::uint32_t> totals_;   // by bucket: seeds; then where it begins
     std::vector<std::size_t> crowded_;    // seeds in each bucket that is being split
     std::vector<Stretch> stretches_;
-    Buffer<SeedRecord> records_;
+    Buffer<SeedRecord> records_{Buffer<SeedRecord>::Pages::huge};
     std::vector<BlockSorter> workers_;
     std::vector<std::size_t> kept_;  // by chunk
 };

@@ -11,7 +11,9 @@ namespace votess::cpu {
 inline constexpr std::size_t group_size = 8;  // consecutive seeds that share a candidate window
 
 struct SortedSeeds {
-    Buffer<double> x, y, z;                  // scaled coordinates, M seeds without duplicates, padded by group_size
+    // Scaled coordinates, M seeds without duplicates, padded by group_size. Read and written everywhere at once.
+    static constexpr auto pages = Buffer<double>::Pages::huge;
+    Buffer<double> x{pages}, y{pages}, z{pages};
     Buffer<std::int32_t> input;              // M: index in the input
     std::vector<std::int32_t> duplicate_of;  // N when there are duplicates, else empty; -1 for the others
     std::size_t duplicates = 0;

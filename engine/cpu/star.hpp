@@ -55,7 +55,7 @@ struct StarHints {
 
 class Star {
 public:
-    static constexpr std::size_t most_seeds = 4096;  // of a stretch
+    static constexpr std::size_t most_seeds = 8192;  // of a stretch
     static constexpr int most_planes = 64;
     static constexpr int most_vertices = 2 * most_planes;
 

@@ -107,6 +107,7 @@ bool StarWalk<Isa>::begin_anywhere() {
         ray.d[k] = static_cast<float>(n[i] * skew[j] - n[j] * skew[i]);
         size += std::abs(ray.d[k]);
     }
+    ray.s = 1;
     ray.least = parallel * size * static_cast<float>(longest_);
     int hit = first_hit(ray);
     if (hit < 0 && !have_walls_) {

@@ -225,12 +225,11 @@ bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
     const Wide& ab = wide(edge.ab);
     const double square = dot(ab, ab);
     Wide across;
+    // e x ab / square is the point of the line that is nearest to the seed. Not divided, but in the range of floats.
     cross(wide(edge.e), ab, across);
-    across *= 1 / square;  // the point of the line that is nearest to the seed
-    for (int k = 0; k < 3; ++k) {
-        ray.o[k] = static_cast<float>(across[k]);
-        ray.d[k] = static_cast<float>(-ab[k]);
-    }
+    narrow(across * ray_scale, ray.o);
+    ray.s = static_cast<float>(square * ray_scale);
+    narrow(-ab, ray.d);
     ray.least = parallel * std::sqrt(static_cast<float>(square)) * static_cast<float>(longest_);
     return true;
 }
@@ -271,7 +270,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         const std::int32_t id = candidates_.id[lane];
         const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
         Third third;
-        Four x;
+        alignas(32) Four x;
         plane_through(id, third.n, third.h);
         if (!solve(edge, third, x)) return false;
         const double x2 = dot(wide(x), wide(x));
@@ -280,8 +279,9 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             lane = -1;
             continue;
         }
-        const float v[4] = {static_cast<float>(x.x[0]), static_cast<float>(x.x[1]), static_cast<float>(x.x[2]),
-                            rounding_of(x2)};
+        float v[4];
+        narrow(wide(x), v);
+        v[3] = rounding_of(x2);
         const int touching = kernels_.touching(candidates_, v, three, 0);
         tied_.clear();
         if (touching >= 0) {

@@ -13,7 +13,7 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     constexpr double accepted_error = 5e-11;  // the promise is 1e-10
     constexpr double smallest_volume = 1e-140;
     // A cross product comes out as z, x, y; what is multiplied with it is kept in that order.
-    Wide normal[most_planes], area[most_planes];
+    alignas(64) Wide normal[most_planes], area[most_planes];
     double longest = 0;
     for (int p = 0; p < planes_; ++p) {
         need_plane(p);
@@ -21,26 +21,35 @@ bool StarWalk<Isa>::measure(Geometry& out) {
         area[p] = Wide{};
         longest = std::max(longest, h_[p]);
     }
-    Wide moment{}, farthest{}, error{};
+    Wide moments[3] = {}, farthest{}, error{};  // three sums, for each has to wait for its last addition
     int corner = 0;
     for (int v = 0; v < vertices_; ++v) {
         const Wide from = wide(position_[v]);
         const Wide from_turned = __builtin_shuffle(from, turn);
-        const int begin = corner, end = first_corner_[v + 1];
-        for (; corner < end; ++corner) {
-            // The edge along planes a, b is counterclockwise around b; its other end has it around a.
-            const int a = corners_[corner], b = corners_[corner + 1 == end ? begin : corner + 1];
+        // The edge along planes a, b is counterclockwise around b; its other end has it around a.
+        auto add_edge = [&](int a, int b, Wide& moment) __attribute__((always_inline)) {
             const Wide to = wide(position_[from_vertex_[b][a]]);
             const Wide across = from * __builtin_shuffle(to, turn) - from_turned * to;
             area[b] += across;
             Wide part = across * normal[b];
             part += __builtin_shuffle(part, turn) + __builtin_shuffle(part, turn_twice);
             moment += part * (from + to);
+        };
+        const std::uint8_t* planes = corners_.data() + corner;
+        const int count = first_corner_[v + 1] - corner;
+        corner += count;
+        if (count == 3) {
+            add_edge(planes[0], planes[1], moments[0]);
+            add_edge(planes[1], planes[2], moments[1]);
+            add_edge(planes[2], planes[0], moments[2]);
+        } else {
+            for (int k = 0; k < count; ++k) add_edge(planes[k], planes[k + 1 == count ? 0 : k + 1], moments[0]);
         }
         const Wide square = from * from;
         farthest = square > farthest ? square : farthest;
         error = from > error ? from : error;
     }
+    Wide moment = moments[0] + moments[1] + moments[2];
     double volume = 0;
     for (int p = 0; p < planes_; ++p) {
         const double part = dot(normal[p], area[p]);

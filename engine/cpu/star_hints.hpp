@@ -47,7 +47,7 @@ bool StarWalk<Isa>::take_hints() {
         hint.solved = span(b, a, edge) && solve(edge, hint.third, hint.x);
         const double x2 = dot(wide(hint.x), wide(hint.x));
         hint.needed = 4 * x2;
-        reinterpret_cast<Narrow&>(hint.v) = __builtin_convertvector(wide(hint.x), Narrow);
+        narrow(wide(hint.x), hint.v);
         hint.v[3] = rounding_of(x2);
         const bool covered = hint.needed * (1 + margin) <= covered_;
         uncovered += hint.solved && !covered ? 1 : 0;

@@ -54,21 +54,29 @@ VOTESS_INLINE unsigned inside_ball_body(const double* x, const double* y, const 
     return mask;
 }
 
-VOTESS_INLINE void to_window_body(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
-                                  const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
-                                  std::int32_t* ids) {
+VOTESS_INLINE int to_window_body(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                                 std::int32_t* ids) {
     constexpr double range = window_range;
-    for (std::size_t g = 0; g < groups.size(); ++g)
+    int count = 0;
+    for (std::size_t g = 0; g < from.groups.size(); ++g)
         for (std::size_t i = 0; i < box_fan; ++i) {
-            const std::size_t from = std::size_t{groups[g]} * box_fan + i, to = g * box_fan + i;
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan + i;
+            double sum = 0;
             for (int k = 0; k < 3; ++k) {
-                double v = (seeds[k][from] - origin[k]) * scale;
+                const double x = from.seeds[k][seed];
+                const double below = frame.home.lower[k] - x, above = x - frame.home.upper[k];
+                double gap = below > above ? below : above;
+                gap = gap > 0 ? gap : 0;
+                sum += gap * gap;
+                double v = (x - frame.origin[k]) * frame.scale;
                 v = v > -range ? v : -range;
                 v = v < range ? v : range;
-                out[k][to] = static_cast<std::int32_t>(v);
+                out[k][count] = static_cast<std::int32_t>(v);
             }
-            ids[to] = static_cast<std::int32_t>(from);
+            ids[count] = static_cast<std::int32_t>(seed);
+            count += static_cast<int>(g < from.kept) | static_cast<int>(sum < frame.distance_squared);
         }
+    return count;
 }
 
 template <int L>
@@ -107,7 +115,7 @@ VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, in
     using Index = Vector<std::int32_t, L>;
     const float infinity = std::numeric_limits<float>::infinity();
     for (int r = 0; r < 2; ++r) {
-        const auto& [o, d, least] = rays[r];
+        const auto& [o, d, s, least] = rays[r];
         Real best = Real{} + infinity;
         Index at = Index{} - 1;
         Index index;
@@ -119,7 +127,7 @@ VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, in
             std::memcpy(&nz, c.nz + i, sizeof nz);
             std::memcpy(&h, c.h + i, sizeof h);
             const Real leaving = nx * d[0] + ny * d[1] + nz * d[2];
-            const Real t = (h - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
+            const Real t = (h * s - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
             const Index better = (leaving > least) & (t < best);
             best = better ? t : best;
             at = better ? index : at;
@@ -179,22 +187,35 @@ VOTESS_AVX2 unsigned inside_ball_avx2(const double* x, const double* y, const do
     return inside_ball_body(x, y, z, t, least);
 }
 
-VOTESS_AVX2 void to_window_avx2(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
-                                const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
-                                std::int32_t* ids) {
+VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                               std::int32_t* ids) {
     const __m256d range = _mm256_set1_pd(window_range), least = _mm256_set1_pd(-window_range);
-    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        const std::size_t from = std::size_t{groups[g]} * box_fan, to = g * box_fan;
-        for (int k = 0; k < 3; ++k)
-            for (std::size_t i = 0; i < box_fan; i += 4) {
-                __m256d v = _mm256_sub_pd(_mm256_loadu_pd(seeds[k] + from + i), _mm256_set1_pd(origin[k]));
-                v = _mm256_min_pd(_mm256_max_pd(_mm256_mul_pd(v, _mm256_set1_pd(scale)), least), range);
-                _mm_storeu_si128(reinterpret_cast<__m128i*>(out[k] + to + i), _mm256_cvtpd_epi32(v));
+    const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
+    int count = 0;
+    for (std::size_t g = 0; g < from.groups.size(); ++g)
+        for (std::size_t i = 0; i < box_fan; i += 4) {
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan + i;
+            __m256d sum = _mm256_setzero_pd();
+            alignas(16) std::int32_t at[3][4];
+            for (int k = 0; k < 3; ++k) {
+                const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed);
+                __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x),
+                                            _mm256_sub_pd(x, _mm256_set1_pd(frame.home.upper[k])));
+                gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+                sum = _mm256_add_pd(sum, _mm256_mul_pd(gap, gap));
+                __m256d v = _mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale);
+                v = _mm256_min_pd(_mm256_max_pd(v, least), range);
+                _mm_store_si128(reinterpret_cast<__m128i*>(at[k]), _mm256_cvtpd_epi32(v));
             }
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + to),
-                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(from)), iota));
-    }
+            auto inside = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ)));
+            if (g < from.kept) inside = 15;
+            for (; inside != 0; inside &= inside - 1, ++count) {
+                const int lane = std::countr_zero(inside);
+                for (int k = 0; k < 3; ++k) out[k][count] = at[k][lane];
+                ids[count] = static_cast<std::int32_t>(seed) + lane;
+            }
+        }
+    return count;
 }
 
 VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float distance_squared, CandidatePlanes& c) {
@@ -243,7 +264,7 @@ VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {
 VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int* hits) {
     const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
     for (int r = 0; r < 2; ++r) {
-        const auto& [o, d, least] = rays[r];
+        const auto& [o, d, s, least] = rays[r];
         const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
         const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
         const __m256 limit = _mm256_set1_ps(least);
@@ -252,8 +273,8 @@ VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int*
         for (int i = 0; i < c.count; i += 8) {
             const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i), nz = _mm256_load_ps(c.nz + i);
             const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
-            const __m256 gap = _mm256_fnmadd_ps(
-                nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, _mm256_load_ps(c.h + i))));
+            const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
+            const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
             const __m256 t = _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving),
                                               _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
             const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
@@ -313,21 +334,35 @@ VOTESS_AVX512 unsigned inside_ball_avx512(const double* x, const double* y, cons
                                    _mm512_setzero_pd(), _CMP_GE_OQ);
 }
 
-VOTESS_AVX512 void to_window_avx512(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
-                                    const double* origin, double scale, const std::array<std::int32_t*, 3>& out,
-                                    std::int32_t* ids) {
+VOTESS_AVX512 int to_window_avx512(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                                   std::int32_t* ids) {
     const __m512d range = _mm512_set1_pd(window_range), least = _mm512_set1_pd(-window_range);
+    const __m512d scale = _mm512_set1_pd(frame.scale), limit = _mm512_set1_pd(frame.distance_squared);
     const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        const std::size_t from = std::size_t{groups[g]} * box_fan, to = g * box_fan;
+    int count = 0;
+    for (std::size_t g = 0; g < from.groups.size(); ++g) {
+        const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
+        __m512d sum = _mm512_setzero_pd();
+        __m256i at[3];
         for (int k = 0; k < 3; ++k) {
-            __m512d v = _mm512_sub_pd(_mm512_loadu_pd(seeds[k] + from), _mm512_set1_pd(origin[k]));
-            v = _mm512_min_pd(_mm512_max_pd(_mm512_mul_pd(v, _mm512_set1_pd(scale)), least), range);
-            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out[k] + to), _mm512_cvtpd_epi32(v));
+            const __m512d x = _mm512_loadu_pd(from.seeds[k] + seed);
+            __m512d gap = _mm512_max_pd(_mm512_sub_pd(_mm512_set1_pd(frame.home.lower[k]), x),
+                                        _mm512_sub_pd(x, _mm512_set1_pd(frame.home.upper[k])));
+            gap = _mm512_max_pd(gap, _mm512_setzero_pd());
+            sum = _mm512_fmadd_pd(gap, gap, sum);
+            __m512d v = _mm512_mul_pd(_mm512_sub_pd(x, _mm512_set1_pd(frame.origin[k])), scale);
+            v = _mm512_min_pd(_mm512_max_pd(v, least), range);
+            at[k] = _mm512_cvtpd_epi32(v);
         }
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + to),
-                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(from)), iota));
+        __mmask8 inside = _mm512_cmp_pd_mask(sum, limit, _CMP_LT_OQ);
+        if (g < from.kept) inside = 0xff;
+        for (int k = 0; k < 3; ++k)
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(out[k] + count), _mm256_maskz_compress_epi32(inside, at[k]));
+        const __m256i id = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota);
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids + count), _mm256_maskz_compress_epi32(inside, id));
+        count += std::popcount(static_cast<unsigned>(inside));
     }
+    return count;
 }
 
 VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float distance_squared,
@@ -355,37 +390,33 @@ VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, fl
     return true;
 }
 
-// The best planes of one ray so far.
+// The best planes of one ray so far: t in the high bits, as integers of the same order, over the index.
 struct Best {
-    __m512 ox, oy, oz, dx, dy, dz, limit, t;
-    __m512i at;
+    __m512 ox, oy, oz, dx, dy, dz, s, limit;
+    __m512i key;
 };
+constexpr int index_bits = 0x1ff;  // of CandidatePlanes::capacity
 
 VOTESS_AVX512 VOTESS_INLINE Best start(const Ray& ray) {
     return {_mm512_set1_ps(ray.o[0]), _mm512_set1_ps(ray.o[1]), _mm512_set1_ps(ray.o[2]),
             _mm512_set1_ps(ray.d[0]), _mm512_set1_ps(ray.d[1]), _mm512_set1_ps(ray.d[2]),
-            _mm512_set1_ps(ray.least), _mm512_set1_ps(std::numeric_limits<float>::infinity()),
-            _mm512_set1_epi32(-1)};
+            _mm512_set1_ps(ray.s),    _mm512_set1_ps(ray.least), _mm512_set1_epi32(-1 ^ (1 << 31))};
 }
 
 VOTESS_AVX512 VOTESS_INLINE void update(Best& b, __m512 nx, __m512 ny, __m512 nz, __m512 h, __m512i index) {
     const __m512 leaving = _mm512_fmadd_ps(nx, b.dx, _mm512_fmadd_ps(ny, b.dy, _mm512_mul_ps(nz, b.dz)));
-    const __m512 gap = _mm512_fnmadd_ps(nx, b.ox, _mm512_fnmadd_ps(ny, b.oy, _mm512_fnmadd_ps(nz, b.oz, h)));
-    // 14 bits, improved once: which plane is tried needs no more, the vertex is solved in double and checked.
-    const __m512 inverse = _mm512_rcp14_ps(leaving);
-    __m512 t = _mm512_mul_ps(gap, inverse);
-    t = _mm512_fmadd_ps(_mm512_fnmadd_ps(t, leaving, gap), inverse, t);
-    const __mmask16 better =
-        _mm512_mask_cmp_ps_mask(_mm512_cmp_ps_mask(leaving, b.limit, _CMP_GT_OQ), t, b.t, _CMP_LT_OQ);
-    b.t = _mm512_mask_mov_ps(b.t, better, t);
-    b.at = _mm512_mask_mov_epi32(b.at, better, index);
+    const __m512 gap =
+        _mm512_fnmadd_ps(nx, b.ox, _mm512_fnmadd_ps(ny, b.oy, _mm512_fnmadd_ps(nz, b.oz, _mm512_mul_ps(h, b.s))));
+    const __m512i t = _mm512_castps_si512(_mm512_mul_ps(gap, _mm512_rcp14_ps(leaving)));
+    // Negative floats order the other way round.
+    const __m512i ordered = _mm512_xor_si512(t, _mm512_srli_epi32(_mm512_srai_epi32(t, 31), 1));
+    const __m512i key = _mm512_or_si512(_mm512_andnot_si512(_mm512_set1_epi32(index_bits), ordered), index);
+    b.key = _mm512_mask_min_epi32(b.key, _mm512_cmp_ps_mask(leaving, b.limit, _CMP_GT_OQ), b.key, key);
 }
 
 VOTESS_AVX512 VOTESS_INLINE int hit_of(const Best& b) {
-    alignas(64) std::int32_t found[16];
-    _mm512_store_si512(found, b.at);
-    const __m512 nearest = _mm512_set1_ps(_mm512_reduce_min_ps(b.t));
-    return found[std::countr_zero(static_cast<unsigned>(_mm512_cmp_ps_mask(b.t, nearest, _CMP_EQ_OQ))) & 15];
+    const int key = _mm512_reduce_min_epi32(b.key) & index_bits;
+    return key == index_bits ? -1 : key;
 }
 
 VOTESS_AVX512 void first_hits_avx512(const CandidatePlanes& c, const Ray* rays, int* hits) {

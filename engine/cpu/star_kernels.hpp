@@ -28,7 +28,7 @@ struct WindowSeeds {
     const std::int32_t* y;
     const std::int32_t* z;
     const std::int32_t* id;
-    int count;  // a multiple of 8; readable up to the next multiple of 16
+    int count;  // readable up to the next multiple of 16, where seeds are far away
 };
 
 // Candidate planes n.x = h of a cell, h = |n|^2 / 2, in window units; a wall is the bisector with the seed's mirror
@@ -44,9 +44,9 @@ struct CandidatePlanes {
     int count = 0;
 };
 
-struct Ray {  // o + t d
-    float o[3], d[3];
-    float least;
+struct Ray {  // (o + t d) / s; o[3] and d[3] are free
+    float o[4], d[4];
+    float s, least;
 };
 
 // Seeds q that may lie in the ball around p + v / scale through p: n.v >= |n|^2 / 2 but for the slack.
@@ -57,18 +57,30 @@ struct GroupTest {
     double slack;
 };
 
+struct GroupSource {
+    const double* seeds[3];  // coordinates
+    std::span<const std::uint32_t> groups;
+    std::size_t kept;
+};
+struct WindowFrame {
+    BoundingBox home;
+    double distance_squared;
+    double origin[3], scale;
+};
+
 struct StarKernels {
     const char* name;
     // Bit k: box k comes nearer than sqrt(distance_squared) to the box home; for a point, lower = upper.
     unsigned (*near_boxes)(const BoxBlock&, const BoundingBox& home, double distance_squared);
     // Bits of those of eight seeds that may lie in the ball, and not nearer to p than sqrt(least) / scale.
     unsigned (*inside_ball)(const double* x, const double* y, const double* z, const GroupTest&, double least);
-    // Coordinates of groups of eight seeds as window integers, one group after the other, and their ids.
-    void (*to_window)(const std::array<const double*, 3>& seeds, std::span<const std::uint32_t> groups,
-                      const double* origin, double scale, const std::array<std::int32_t*, 3>& out, std::int32_t* ids);
+    // The seeds of groups as window integers, and their ids: all of the first `kept` groups, of the others those nearer
+    // to the box `home` than sqrt(distance_squared). Returns their number; there is room for all.
+    int (*to_window)(const GroupSource&, const WindowFrame&, std::int32_t* const* out, std::int32_t* ids);
     // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
-    // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none.
+    // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none. A guess:
+    // which of those within 2^-13 of the least t it is may vary.
     void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
     // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none.
     int (*touching)(const CandidatePlanes&, const float* v, const std::int32_t* three, int begin);

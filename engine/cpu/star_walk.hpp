@@ -40,23 +40,23 @@ public:
 private:
     static constexpr double unit = 0x1p-53;
     static constexpr double float_unit = 0x1p-24;
-    static constexpr double quantum = 2;              // of window integers: more than q in star.hpp
+    static constexpr double quantum = 2;  // of window integers: more than q in star.hpp
     static constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
-    static constexpr double margin = 2e-8;            // more than the relative error of a vertex that is accepted
+    static constexpr double margin = 2e-8;  // more than the relative error of a vertex that is accepted
     static constexpr double solved_factor = 64 * unit;
     static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.9;                    // of the squared security radius that is typical
-    static constexpr int most_candidates = 160;                    // at first; room for others is left
-    static constexpr int most_picks = 64;                          // planes tried for one vertex
-    static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
-    static constexpr int most_new = 24;                            // seeds taken at once from beyond the window
+    static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.9;     // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;     // at first; room for others is left
+    static constexpr int most_picks = 64;           // planes tried for one vertex
+    static constexpr double ray_scale = 0x1p-112;   // (2^28 units)^-4
+    static constexpr float parallel = 0x1p-18f;     // rays nearly along a plane do not leave it
+    static constexpr int most_new = 24;             // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
     static constexpr int most_hints = 32;  // of a cell
     static constexpr std::uint16_t no_slot = 255;
 
     using Wide = double __attribute__((vector_size(32), aligned(8), may_alias));
-    using Narrow = float __attribute__((vector_size(16), aligned(4), may_alias));
     using Lanes = std::int64_t __attribute__((vector_size(32)));
     static constexpr Lanes turn{1, 2, 0, 3}, turn_twice{2, 0, 1, 3};
 
@@ -72,13 +72,18 @@ private:
         out = __builtin_shuffle(turned, turn);
     }
 
-    struct OpenEdge {
-        int a, b;       // slots of its planes
+    [[gnu::always_inline]] static void narrow(const Wide& w, float* out) {
+        using Floats = float __attribute__((vector_size(16), aligned(4), may_alias));
+        *reinterpret_cast<Floats*>(out) = __builtin_convertvector(w, Floats);
+    }
+
+    struct alignas(32) OpenEdge {
         Four ab;        // n_a x n_b
         Four e;         // h_a n_b - h_b n_a
         double norms2;  // |n_a|^2 |n_b|^2
+        int a, b;       // slots of its planes
     };
-    struct Third {  // the plane that ends an edge
+    struct alignas(32) Third {  // the plane that ends an edge
         Four n;
         double h;
         double norms2, determinant2;  // |na|^2 |nb|^2 |nc|^2 and det(na, nb, nc)^2
@@ -192,7 +197,7 @@ private:
     int ends_ = 0;                    // edges, counted at either end
     std::array<std::int32_t, most_planes> local_{}, id_{};
     int planes_ = 0;
-    std::array<Four, most_planes> n_{};
+    alignas(64) std::array<Four, most_planes> n_{};
     std::array<double, most_planes> h_{};
     std::vector<std::uint16_t> slot_;  // by local id
 
@@ -205,7 +210,7 @@ private:
     std::vector<Node> nodes_;
 
     // For measure(): vertex v has the planes corners_[first_corner_[v]..first_corner_[v + 1]), counterclockwise.
-    std::array<Four, most_vertices> position_{};
+    alignas(64) std::array<Four, most_vertices> position_{};
     std::array<std::uint16_t, most_vertices + 1> first_corner_{};
     std::array<std::uint8_t, 4 * most_vertices + most_ties> corners_{};
     std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // vertex that has the edge a -> b

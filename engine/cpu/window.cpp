@@ -61,13 +61,20 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
         else
             break;
     }
-    std::size_t kept = 0;
+    // Those of the home stay whole, in the front; those that are done are left out.
+    std::size_t kept = 0, left = 0;
     for (std::size_t i = 0; i < group_count_; ++i) {
         const std::uint32_t g = groups_[i];
-        groups_[kept] = g;
-        kept += (g / home_groups == home || !cells.group_done(g)) ? 1 : 0;
+        if (g / home_groups == home) {
+            groups_[left++] = groups_[kept];
+            groups_[kept++] = g;
+        } else {
+            groups_[left] = g;
+            left += cells.group_done(g) ? 0 : 1;
+        }
     }
-    group_count_ = kept;
+    group_count_ = left;
+    for (std::size_t i = 0; i < kept; ++i) home_places_[groups_[i] % home_groups] = i * group_size;
     double extent = 0, origin[3];
     for (int k = 0; k < 3; ++k) {
         origin[k] = 0.5 * box.lower[k] + 0.5 * box.upper[k];
@@ -79,15 +86,14 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
     scale_ = std::ldexp(1.0, 28 - std::ilogb(extent) - 1);
     reach_ = radius;
 
-    const std::size_t at = group_count_ * group_size;
+    const std::size_t most = group_count_ * group_size + 16;
     for (auto* v : {&x_, &y_, &z_, &id_})
-        if (v->size() < at + 16) v->resize(2 * at + 16);
-    for (std::size_t i = 0; i < group_count_; ++i)
-        if (groups_[i] / home_groups == home) home_places_[groups_[i] % home_groups] = i * group_size;
-    kernels_.to_window({seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, origin,
-                       scale_, {x_.data(), y_.data(), z_.data()}, id_.data());
-    for (std::size_t k = at; k < at + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
-    count_ = static_cast<int>(at);
+        if (v->size() < most) v->resize(2 * most);
+    std::int32_t* const out[3] = {x_.data(), y_.data(), z_.data()};
+    count_ = kernels_.to_window({{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, kept},
+                                {box, radius * radius * (1 + 1e-12), {origin[0], origin[1], origin[2]}, scale_}, out,
+                                id_.data());
+    for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
     return true;
 }
 

@@ -180,7 +180,9 @@ void check_cells(const test::PointSet& set) {
             box.lower[k] = std::min(box.lower[k], p[k] - 0.5);
             box.upper[k] = std::max(box.upper[k], p[k] + 0.5);
         }
-    CellBuilder search(seeds, hierarchy, box), clip(seeds, hierarchy, box);
+    CellBuilder search(seeds, hierarchy), clip(seeds, hierarchy);
+    search.begin_job(box);
+    clip.begin_job(box);
     std::vector<std::int32_t> neighbors, back;
     for (std::size_t i = 0; i < seeds.size(); ++i) {
         delaunay.neighbors(i, neighbors);
@@ -285,6 +287,11 @@ TEST_SUITE("stages") {
         CHECK(Delaunay(many, [&](double done) { return last < done && (last = done) < 1; }).valid());
         CHECK(last > 0.5);
         CHECK_FALSE(Delaunay(many, [](double) { return false; }).valid());
+        if (test::reduced()) return;
+        // Two skew lines: each pair of neighbors on one and on the other is a tetrahedron.
+        test::PointSet lines{"skew lines", {}, std::nullopt};
+        for (int i = 0; i < 2500; ++i) lines.points.insert(lines.points.end(), {1.0 * i, 0, 0, 0, 1.0 * i, 1});
+        CHECK_FALSE(Delaunay(sorted_seeds(lines, pool)).valid());
     }
 
     TEST_CASE("hard cells: spheres equal the unbounded search") {
@@ -298,7 +305,8 @@ TEST_SUITE("stages") {
             SeedSorter().sort(std::span<const double>(set.points), 1, 0, pool, seeds);
             Hierarchy hierarchy;
             hierarchy.build(seeds, pool);
-            CellBuilder search(seeds, hierarchy, t.box());
+            CellBuilder search(seeds, hierarchy);
+            search.begin_job(t.box());
             for (std::size_t i = 0; i<seeds.size(); i += n> 1000 ? 5 : 1) {
                 std::vector<std::int32_t> ids = faces_of(search.build(i));
                 for (auto& id : ids) id = id < 0 ? id : seeds.input[id];

@@ -1,3 +1,4 @@
+#include <numeric>
 #include <algorithm>
 
 #include "bench.hpp"
@@ -11,12 +12,17 @@ votess::Options options_for(const Input& input, Want want, unsigned threads, con
     options.device = device;
     options.threads = threads;
     options.want.neighbors = true;
-    options.want.volumes = options.want.centroids = want == Want::full;
+    options.want.volumes = options.want.centroids = options.want.areas = want == Want::full;
     return options;
 }
 
 Answer answer_of(const votess::Tessellation& t, double seconds) {
-    return {.seconds = seconds, .links = t.indices().size(), .volume = t.stats().volume_sum, .stats = t.stats()};
+    const auto areas = t.face_areas();
+    return {.seconds = seconds,
+            .links = t.indices().size(),
+            .volume = t.stats().volume_sum,
+            .area = std::accumulate(areas.begin(), areas.end(), 0.0),
+            .stats = t.stats()};
 }
 
 class Votess final : public Peer {
