@@ -78,7 +78,7 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure, con
     first_ = first;
     hints_ = hints;
     found_ = found;
-    if (found != nullptr) found->clear();
+    if (found != nullptr && !found->begin(hints)) hints_ = nullptr, found_ = nullptr;
     hints_tried_ = hints_proven_ = 0;
     hint_growth_ = 1.1;
     for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;
@@ -141,7 +141,7 @@ bool StarWalk<Isa>::complete() {
         if (!close(edges[1], rays[1], hits[1]) || ((open(c) >> d) & 1) != 0) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
-    if (found_ != nullptr) found_->seeds.back().reach2 = static_cast<float>(needed);
+    if (found_ != nullptr) found_->set_reach(needed);
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
     return collect_faces();
 }

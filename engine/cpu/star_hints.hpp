@@ -9,10 +9,9 @@ namespace votess::cpu {
 // Squared, of all candidates that the vertices hinted at need.
 template <class Isa>
 double StarWalk<Isa>::hinted_reach() const {
-    constexpr float smallest = 1e-30f;
-    const std::size_t s = seed_ - first_;
-    if (s >= hints_->seeds.size() || !(hints_->seeds[s].reach2 > smallest)) return largest_h;
-    return hint_growth_ * hints_->seeds[s].reach2;
+    constexpr double smallest = 1e-30;  // of a float with all digits
+    const double reach2 = hints_->reach(seed_ - first_);
+    return reach2 > smallest ? hint_growth_ * reach2 : largest_h;
 }
 
 // Loop by loop over all hints, for what comes out of one is hard to predict. False when the cell is beyond this class.
@@ -65,12 +64,16 @@ bool StarWalk<Isa>::take_hints() {
     hints_tried_ += count;
     hints_proven_ += std::popcount(proven);
     // Seeds that have moved far: to fail costs more than to search.
-    if (hints_tried_ >= first_tries && hints_proven_ < least_proven * hints_tried_) hints_ = nullptr;
+    if (hints_tried_ >= first_tries && hints_proven_ < least_proven * hints_tried_) {
+        hints_ = nullptr;
+        if (found_ != nullptr) found_->give_up();
+        found_ = nullptr;
+    }
     return add_hinted(proven) && try_near(touched);
 }
 
-// A vertex counts only where it closes an open edge: elsewhere done seeds would have to be looked at, see star.hpp. What
-// is left open is for the walk.
+// A vertex counts only where it closes an open edge: elsewhere done seeds would have to be looked at, see star.hpp.
+// What is left open is for the walk.
 template <class Isa>
 int StarWalk<Isa>::open_side(const Hint& hint) const {
     const auto& [a, b, c] = hint.slot;

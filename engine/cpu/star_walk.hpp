@@ -145,7 +145,7 @@ private:
     bool try_near(std::uint64_t touched);
     bool try_vertex(const OpenEdge& edge, std::int32_t id);
     void note_found(std::int32_t a, std::int32_t b, std::int32_t c) {
-        if (found_ != nullptr) found_->ids.insert(found_->ids.end(), {a, b, c});
+        if (found_ != nullptr) found_->add(a, b, c);
     }
 
     // star_candidates.hpp
