@@ -14,7 +14,7 @@ namespace {
 // Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
-    std::optional<std::string> threads, grid_resolution, k_init, chunk_size;
+    std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
     bool walls = false, verify = false, json = false, quiet = false;
     bool help = false, version = false, list_devices = false;
@@ -36,6 +36,7 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
     app.add_option("-k,--k-init", typed.k_init);
     app.add_option("--chunk-size", typed.chunk_size);
+    app.add_option("--instructions", typed.instructions);
     app.add_option("--precision", typed.precision);
     app.add_option("--duplicates", typed.duplicates);
     const auto add_flag = [&app](const char* names, bool& flag) { app.add_flag(names, flag)->disable_flag_override(); };
@@ -120,6 +121,11 @@ std::string read_device(const std::string& device) {
                     in_quotes(device));
 }
 
+std::string read_instructions(const std::string& word) {
+    if (word == "baseline" || word == "avx2" || word == "avx512") return word;
+    throw bad_input("--instructions must be baseline, avx2 or avx512, not " + in_quotes(word));
+}
+
 votess::Precision read_precision(const std::string& word) {
     if (word == "single") return votess::Precision::single;
     if (word == "double") return votess::Precision::double_;
@@ -192,6 +198,7 @@ Arguments read_arguments(int count, const char* const* values) {
         options.chunk_size = static_cast<unsigned>(
             whole_number("--chunk-size", *typed.chunk_size, std::numeric_limits<std::uint32_t>::max()));
     }
+    if (typed.instructions) options.instructions = read_instructions(*typed.instructions);
     if (typed.precision) options.precision = read_precision(*typed.precision);
     if (typed.duplicates) options.duplicates = read_duplicates(*typed.duplicates);
     options.walls = typed.walls;

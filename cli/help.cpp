@@ -72,6 +72,7 @@ tuning: changes speed and memory, never the answer; default 0 = automatic
                          blocks along an axis of the sorting grid, at most 1048576
   -k, --k-init N         GPU: nearest neighbors tried first for each cell, at most 1024
   --chunk-size N         GPU: cells in flight at once
+  --instructions NAME    CPU: baseline, avx2 or avx512; default the best that the processor has
 
   --list-devices         the devices of this machine: what -x accepts, name, description
   --version              the version

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <vector>
 
@@ -24,7 +25,8 @@ public:
         }
         if (current_ == segments_.size()) {
             Buffer<std::byte> segment;
-            segment.resize_uninitialized(std::max(segment_bytes_, bytes));
+            // Some more, for a piece that is a little larger when all this is used again.
+            segment.resize_uninitialized(std::max(segment_bytes_, std::bit_ceil(bytes + bytes / 8)));
             segments_.push_back(std::move(segment));
         }
         std::byte* const place = segments_[current_].data() + used_;

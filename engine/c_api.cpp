@@ -60,7 +60,7 @@ constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof
 
 // No padding at the end: whatever is added later makes the struct larger, which tells callers with and without it
 // apart.
-static_assert(sizeof(votess_options) == offsetof(votess_options, reserved2) + sizeof(votess_options::reserved2));
+static_assert(sizeof(votess_options) == offsetof(votess_options, instructions) + sizeof(votess_options::instructions));
 static_assert(sizeof(votess_stats) == offsetof(votess_stats, reserved) + sizeof(votess_stats::reserved));
 
 // The last failure of each thread. The one variable that outlives a call: thread-local, so that no thread sees or
@@ -187,6 +187,7 @@ votess::Options convert_options(const votess_options* given) {
     options.precision = static_cast<votess::Precision>(c_options.precision);
     options.k_init = c_options.k_init;
     options.chunk_size = c_options.chunk_size;
+    if (c_options.instructions != nullptr) options.instructions = c_options.instructions;
     if (c_options.progress != nullptr) {
         options.progress = [callback = c_options.progress, user = c_options.progress_user](double fraction) {
             return callback(fraction, user) != 0;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cpu/kernels.hpp"
+
 namespace votess {
 namespace {
 
@@ -27,6 +29,16 @@ std::string in_quotes(std::string text) {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
     return "'" + text + "'";
+}
+
+void check_instructions(const std::string& name) {
+    if (name.empty() || cpu::find_kernels(name) != nullptr) return;
+    if (name != "avx512" && name != "avx2")
+        refuse("instructions " + in_quotes(name) + " are not known: give baseline, avx2 or avx512");
+    std::string available;
+    for (const cpu::Kernels* kernels : cpu::supported_kernels())
+        available += (available.empty() ? "" : ", ") + std::string(kernels->name);
+    throw Error(ErrorCode::unsupported, "instructions '" + name + "': this processor has only " + available);
 }
 
 // Bounds of the seeds, moved out by half of (longest side / cbrt(N)), at least to the next double.
@@ -85,6 +97,7 @@ void check_options(const Options& options) {
     if (options.k_init > most_k_init)
         refuse("k_init = " + std::to_string(options.k_init) + " is too many: give at most " +
                std::to_string(most_k_init) + ", or 0 for automatic");
+    check_instructions(options.instructions);
     if (!names_device(options.device))
         refuse("device " + in_quotes(options.device) +
                " is not known: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");

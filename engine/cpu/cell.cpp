@@ -23,7 +23,7 @@ constexpr double smallest_radius = 1e-280;
 
 }  // namespace
 
-Cell::Cell() : kernels_(best_kernels()) {
+Cell::Cell(const Kernels& kernels) : kernels_(kernels) {
     reserve_slots(word_slots);
 }
 

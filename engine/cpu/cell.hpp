@@ -52,7 +52,7 @@ struct CellFaces {
 
 class Cell {
 public:
-    Cell();
+    explicit Cell(const Kernels& kernels = best_kernels());
 
     // Begins anew with the box around the seed; the box contains the seed.
     void start(const exact::Point& seed, const Box& box);

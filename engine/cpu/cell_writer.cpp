@@ -1,6 +1,13 @@
 #include "cpu/cell_writer.hpp"
 
+#include <algorithm>
+
 namespace votess::cpu {
+namespace {
+
+constexpr std::size_t usual_rows = std::size_t{1} << 16;  // ids of a block; memory that is not needed is not touched
+
+}  // namespace
 
 void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out) {
     kernels_ = &kernels;
@@ -73,9 +80,9 @@ void CellWriter::write_counts(std::size_t seed, std::size_t faces, std::uint32_t
 
 void CellWriter::write_row(std::span<const std::int32_t> ids, const double* areas) {
     if (rows_.size() < rows_size_ + 2 * ids.size()) {
-        rows_.resize(2 * rows_.size() + 1024 * ids.size());
-        if (want_.areas) areas_.resize(rows_.size());
+        rows_.resize(std::max(usual_rows, 2 * rows_.size()) + 2 * ids.size());
     }
+    if (areas != nullptr && areas_.size() < rows_.size()) areas_.resize(rows_.size());
     // First behind its place, in the order of the faces, then sorted into it.
     std::int32_t* row = rows_.data() + rows_size_;
     std::int32_t* unsorted = row + ids.size();

@@ -29,6 +29,10 @@ void CpuClipper::begin(const Job& job) {
     const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
     const unsigned threads = job.options.threads == 0 ? hardware : job.options.threads;
     if (!pool_ || pool_->size() != threads) pool_.emplace(threads);
+    const Kernels* kernels = find_kernels(job.options.instructions);
+    if (kernels == nullptr) throw Error(ErrorCode::internal, "the options have not been checked");
+    if (kernels != kernels_) workers_.clear();
+    kernels_ = kernels;
 }
 
 void CpuClipper::end() {
@@ -145,18 +149,18 @@ void CpuClipper::put_in_sorted_order(std::span<const std::int32_t> cells) {
     }
 }
 
-CpuClipper::Worker::Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy)
-    : builder(seeds, hierarchy), star(make_star(best_kernels().name, seeds, hierarchy)), writer(seeds) {}
+CpuClipper::Worker::Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
+    : builder(seeds, hierarchy, kernels), star(make_star(kernels.name, seeds, hierarchy)), writer(seeds) {}
 
 template <class SeedAt>
 void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
                              bool fallback, HintUse hints, ResultBuilder& out, const Stretch& stretch) {
-    while (workers_.size() < pool_->size()) workers_.emplace_back(seeds_, hierarchy_);
+    while (workers_.size() < pool_->size()) workers_.emplace_back(seeds_, hierarchy_, *kernels_);
     for (Worker& worker : workers_) {
         worker.hard.clear();  // of a job that was cancelled
         worker.builder.begin_job(job_.scaled_box);
         worker.star->begin_job(job_.scaled_box);
-        worker.writer.begin_job(job_, star_kernels(best_kernels().name), out);
+        worker.writer.begin_job(job_, star_kernels(kernels_->name), out);
     }
     const std::size_t blocks = blocks_for(cells.size(), block_cells);
     const Want& want = job_.options.want;

@@ -38,7 +38,7 @@ public:
 
 private:
     struct Worker {  // scratch of one thread
-        Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+        Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels);
 
         CellBuilder builder;
         std::unique_ptr<Star> star;
@@ -89,6 +89,7 @@ private:
     bool positions_known_ = false;
     std::vector<std::int32_t> order_;  // sorted seeds to clip
     std::vector<bool> chosen_;
+    const Kernels* kernels_ = nullptr;  // that the workers are made for
     std::deque<Worker> workers_;
     std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it
 };

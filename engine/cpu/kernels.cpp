@@ -145,9 +145,14 @@ VOTESS_KERNELS(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,prefer-v
 std::vector<const Kernels*> supported_kernels() {
     std::vector<const Kernels*> supported;
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    // All that any code of the set is compiled for: a virtual machine may hide some of it.
+    const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                          __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
+                          __builtin_cpu_supports("lzcnt") && __builtin_cpu_supports("popcnt");
+    if (has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
         supported.push_back(&kernels_avx512);
-    if (__builtin_cpu_supports("avx2")) supported.push_back(&kernels_avx2);
+    if (has_avx2) supported.push_back(&kernels_avx2);
 #endif
     supported.push_back(&kernels_baseline);
     return supported;
@@ -155,6 +160,12 @@ std::vector<const Kernels*> supported_kernels() {
 
 const Kernels& best_kernels() {
     return *supported_kernels().front();
+}
+
+const Kernels* find_kernels(std::string_view name) {
+    for (const Kernels* kernels : supported_kernels())
+        if (name.empty() || name == kernels->name) return kernels;
+    return nullptr;
 }
 
 }  // namespace votess::cpu

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace votess::cpu {
@@ -56,5 +57,7 @@ inline constexpr std::uint64_t key_distance_bits = 0xffffffff00000000ull;
 // Those of "avx512", "avx2", "baseline" that this processor has, best first.
 std::vector<const Kernels*> supported_kernels();
 const Kernels& best_kernels();
+// One of them by name, "" = the best; null when there is none.
+const Kernels* find_kernels(std::string_view name);
 
 }  // namespace votess::cpu

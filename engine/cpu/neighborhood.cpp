@@ -4,6 +4,7 @@ namespace votess::cpu {
 namespace {
 
 constexpr std::size_t least_table = 1 << 14;
+constexpr std::size_t usual_vertices = 16;  // more than a cell of a stretch finds by itself
 
 std::size_t hash(std::int32_t id) {
     return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(id)) * 0x9e3779b97f4a7c15ull) >> 32;
@@ -19,7 +20,10 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     own_end_ = walls + static_cast<std::int32_t>(count);
     keep_positions_ = positions;
     foreign_ids_.clear();
-    if (table_.empty()) table_.resize(least_table);
+    if (table_.empty()) {
+        table_.resize(least_table);
+        foreign_ids_.reserve(least_table / 2 + 1);
+    }
     std::fill(table_.begin(), table_.end(), -1);
     vertices_ = 0;
     positions_.clear();
@@ -32,6 +36,8 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     done_.assign(count, 0);
     group_done_.assign(count / group_size + 1, 0);
     if (!positions) return;
+    positions_.reserve(usual_vertices * count);  // so that later jobs allocate nothing
+    owners_.reserve(usual_vertices * count);
     seeds_.resize(count);
     for (std::size_t s = 0; s < count; ++s) seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
 }

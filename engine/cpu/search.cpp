@@ -45,8 +45,8 @@ void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit v
 
 }  // namespace
 
-CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy)
-    : kernels_(best_kernels()), seeds_(seeds), hierarchy_(hierarchy) {}
+CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
+    : kernels_(kernels), seeds_(seeds), hierarchy_(hierarchy), cell_(kernels) {}
 
 void CellBuilder::open_window(std::size_t group) {
     group_ = group;

@@ -27,7 +27,7 @@ struct QueueEntry {
 // memory.
 class CellBuilder {
 public:
-    CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+    CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
 
     // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory.
     void begin_job(const Box& scaled_box) {

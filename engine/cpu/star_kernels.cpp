@@ -7,7 +7,12 @@
 #include <limits>
 
 #if defined(__x86_64__)
+// GCC 12 takes the undefined operands that its own header passes to masked instructions for mistakes (GCC bug 105593).
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <immintrin.h>
+#pragma GCC diagnostic pop
 #endif
 
 namespace votess::cpu {
@@ -49,7 +54,9 @@ VOTESS_INLINE unsigned inside_ball_body(const double* x, const double* y, const 
         const double nx = (x[i] - t.p[0]) * t.scale, ny = (y[i] - t.p[1]) * t.scale, nz = (z[i] - t.p[2]) * t.scale;
         const double square = nx * nx + ny * ny + nz * nz;
         const double excess = nx * t.v[0] + ny * t.v[1] + nz * t.v[2] - 0.5 * square;
-        mask |= static_cast<unsigned>((excess >= -(relative_slack * square + t.slack)) & (square >= least)) << i;
+        // Not a number where the seed is padding, infinitely far away.
+        const double margin = excess + (relative_slack * square + t.slack);
+        mask |= static_cast<unsigned>((margin >= 0) & (square >= least)) << i;
     }
     return mask;
 }
@@ -71,7 +78,7 @@ VOTESS_INLINE int to_window_body(const GroupSource& from, const WindowFrame& fra
                 double v = (x - frame.origin[k]) * frame.scale;
                 v = v > -range ? v : -range;
                 v = v < range ? v : range;
-                out[k][count] = static_cast<std::int32_t>(v);
+                out[k][count] = static_cast<std::int32_t>(v + (v < 0 ? -0.5 : 0.5));
             }
             ids[count] = static_cast<std::int32_t>(seed);
             count += static_cast<int>(g < from.kept) | static_cast<int>(sum < frame.distance_squared);

@@ -83,10 +83,11 @@ typedef struct votess_options {
     void* progress_user;
     votess_log_callback log;  // may be NULL
     void* log_user;
-    int32_t precision;    // VOTESS_PRECISION_*; default single
-    uint32_t k_init;      // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
-    uint32_t chunk_size;  // GPU: cells in flight at once, 0 = automatic
-    uint32_t reserved2;   // 0
+    int32_t precision;         // VOTESS_PRECISION_*; default single
+    uint32_t k_init;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
+    uint32_t chunk_size;       // GPU: cells in flight at once, 0 = automatic
+    uint32_t reserved2;        // 0
+    const char* instructions;  // CPU: "baseline", "avx2", "avx512"; NULL or "" = the best that the processor has
 } votess_options;
 
 typedef struct votess_stats {

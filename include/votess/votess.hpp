@@ -113,6 +113,8 @@ struct Options {
     unsigned grid_resolution = 0;  // blocks along an axis of the sorting grid, 0 = automatic; at most 2^20
     unsigned k_init = 0;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
     unsigned chunk_size = 0;       // GPU: cells in flight at once, 0 = automatic
+    // CPU: "baseline", "avx2" or "avx512"; one that the processor lacks is `unsupported`. "" = the best it has.
+    std::string instructions;
 
     ProgressCallback progress;
     LogCallback log;

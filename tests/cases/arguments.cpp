@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "../support/check.hpp"
+#include "cpu/kernels.hpp"
 
 namespace {
 
@@ -111,6 +112,11 @@ TEST_SUITE("api") {
         options = {};
         options.k_init = 1025;
         CHECK(has(refusal({0, 0, 0}, options), "k_init = 1025"));
+        for (const std::string name : {"sse", "AVX2", "avx2 ", " ", "avx512\n"}) {
+            options = {};
+            options.instructions = name;
+            CHECK(has(refusal({0, 0, 0}, options), "baseline, avx2 or avx512"));
+        }
         options = {};
         options.precision = static_cast<votess::Precision>(2);
         CHECK(has(refusal({0, 0, 0}, options), "precision = 2"));
@@ -136,6 +142,26 @@ TEST_SUITE("api") {
             CHECK(test::check_identical(expected, t) == "");
             CHECK(t.stats().precision == votess::Precision::double_);
         }
+    }
+
+    TEST_CASE("instructions that the processor lacks are unsupported") {
+        const auto supported = votess::cpu::supported_kernels();
+        for (const std::string name : {"baseline", "avx2", "avx512"}) {
+            CAPTURE(name);
+            votess::Options options = test::all_options();
+            options.instructions = name;
+            try {
+                CHECK(votess::tessellate(test::Coordinates{0, 0, 0}, options).size() == 1);
+                CHECK(votess::cpu::find_kernels(name) != nullptr);
+            } catch (const votess::Error& error) {
+                CHECK(error.code() == votess::ErrorCode::unsupported);
+                CHECK(votess::cpu::find_kernels(name) == nullptr);
+                CHECK(has(error.what(), "'" + name + "'"));
+                for (const auto* kernels : supported) CHECK(has(error.what(), kernels->name));
+            }
+        }
+        CHECK(votess::cpu::find_kernels("") == supported.front());
+        CHECK(has(votess::devices().front().description, supported.front()->name));
     }
 
     TEST_CASE("a device that is not there is unsupported") {

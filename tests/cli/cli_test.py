@@ -17,7 +17,7 @@ JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum",
              "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--output", "--format", "--want", "--walls", "--box", "--device", "--threads",
-           "--grid-resolution", "--k-init", "--chunk-size", "--precision", "--duplicates", "--verify", "--json",
+           "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify", "--json",
            "--list-devices", "--version", "--quiet", "--help"]
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 

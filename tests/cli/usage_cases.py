@@ -38,6 +38,9 @@ class Usage(CliTest):
                                 (["a.txt", "--chunk-size", "-1"], ["--chunk-size", "'-1'"]),
                                 (["a.txt", "--chunk-size", "4294967296"], "4294967295"),
                                 (["a.txt", "--chunk-size", "1e6"], "'1e6'"),
+                                (["a.txt", "--instructions", "sse"],
+                                 ["--instructions", "baseline, avx2 or avx512", "'sse'"]),
+                                (["a.txt", "--instructions", ""], "''"),
                                 (["a.txt", "--precision", "half"], ["--precision", "single or double", "'half'"]),
                                 (["a.txt", "--precision", "Single"], "'Single'"),
                                 (["a.txt", "--precision", ""], "''"), (["a.txt", "--precision"], "precision"),
@@ -106,7 +109,7 @@ class Usage(CliTest):
         for option in [["-t", "1"], ["--threads=3"], ["-t0"], ["-g", "1"], ["--grid-resolution", "40"], ["-g", "0"],
                        ["-x", "cpu"], ["--device", "auto"], ["-xauto"], ["-k", "1"], ["--k-init=1024"], ["-k0"],
                        ["--chunk-size", "1000"], ["--chunk-size=0"], ["--chunk-size", "4294967295"],
-                       ["--precision", "single"], ["--precision=double"]]:
+                       ["--precision", "single"], ["--precision=double"], ["--instructions", "baseline"]]:
             self.assertEqual(self.rows(*arguments, *option), expected, option)
         self.assertEqual(self.json("--random", "3000", "-t", "1")["threads"], 1)
 
@@ -254,11 +257,12 @@ class Usage(CliTest):
             "votess::Tessellation votess::tessellate(std::span<const double>, const Options& o) {"
             "  throw Error(ErrorCode::internal, o.device + ' ' + std::to_string(o.threads) + ' ' +"
             "    std::to_string(o.grid_resolution) + ' ' + std::to_string(o.k_init) + ' ' +"
-            "    std::to_string(o.chunk_size) + (o.precision == Precision::double_ ? \" double\" : \" single\")); }\n")
-        for options, told in [([], "auto 0 0 0 0 single"),
+            "    std::to_string(o.chunk_size) + ' ' + o.instructions + (o.precision == Precision::double_ ? \" double\" : \" single\")); }\n")
+        for options, told in [([], "auto 0 0 0 0  single"),
                               (["-x", "lavapipe", "-t", "2", "-g", "3", "-k", "1024", "--chunk-size", "4294967295",
-                                "--precision", "double"], "lavapipe 2 3 1024 4294967295 double"),
-                              (["-x", "999999", "--precision", "single"], "999999 0 0 0 0 single")]:
+                                "--precision", "double", "--instructions", "avx512"],
+                               "lavapipe 2 3 1024 4294967295 avx512 double"),
+                              (["-x", "999999", "--precision", "single"], "999999 0 0 0 0  single")]:
             done = self.run_cli("--random", "50", *options, code=1, env=environment)
             self.assertEqual(done.stderr, f"clvotess: {told}\n")
 

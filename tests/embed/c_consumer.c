@@ -345,6 +345,7 @@ static void check_tuning(votess_tessellator* tessellator) {
     votess_options options = options_with_box(2);
     CHECK(options.precision == VOTESS_PRECISION_SINGLE && options.k_init == 0 && options.chunk_size == 0);
     CHECK(options.reserved == 0 && options.reserved2 == 0 && options.device == NULL);
+    CHECK(options.instructions == NULL);
     options.device = "cpu";
     options.k_init = 1024;
     options.chunk_size = UINT32_MAX;
@@ -356,10 +357,16 @@ static void check_tuning(votess_tessellator* tessellator) {
     stats.struct_size = sizeof stats;
     CHECK(votess_result_stats(result, &stats) == VOTESS_OK && stats.precision == VOTESS_PRECISION_DOUBLE);
     votess_result_free(result);
+    options.instructions = "baseline";
     options.precision = VOTESS_PRECISION_SINGLE;
     result = NULL;
     CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
     CHECK(votess_result_stats(result, &stats) == VOTESS_OK && stats.precision == VOTESS_PRECISION_DOUBLE);  // the CPU
+    votess_result_free(result);
+    options.instructions = "mmx";
+    CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "avx512");
+    options.struct_size = (uint32_t)offsetof(votess_options, instructions);  // of a header that had no such field
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
     votess_result_free(result);
 }
 

@@ -180,7 +180,7 @@ void check_cells(const test::PointSet& set) {
             box.lower[k] = std::min(box.lower[k], p[k] - 0.5);
             box.upper[k] = std::max(box.upper[k], p[k] + 0.5);
         }
-    CellBuilder search(seeds, hierarchy), clip(seeds, hierarchy);
+    CellBuilder search(seeds, hierarchy, test::kernels()), clip(seeds, hierarchy, test::kernels());
     search.begin_job(box);
     clip.begin_job(box);
     std::vector<std::int32_t> neighbors, back;
@@ -305,7 +305,7 @@ TEST_SUITE("stages") {
             SeedSorter().sort(std::span<const double>(set.points), 1, 0, pool, seeds);
             Hierarchy hierarchy;
             hierarchy.build(seeds, pool);
-            CellBuilder search(seeds, hierarchy);
+            CellBuilder search(seeds, hierarchy, test::kernels());
             search.begin_job(t.box());
             for (std::size_t i = 0; i<seeds.size(); i += n> 1000 ? 5 : 1) {
                 std::vector<std::int32_t> ids = faces_of(search.build(i));

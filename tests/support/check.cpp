@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "../oracle/brute_force.hpp"
+#include "cpu/kernels.hpp"
 
 namespace test {
 
@@ -118,6 +119,18 @@ std::uint64_t environment(const char* name, std::uint64_t otherwise) {
     return value != nullptr && *value != '\0' ? std::strtoull(value, nullptr, 0) : otherwise;
 }
 
+const std::string& forced_instructions() {
+    static const std::string name = [] {
+        const char* value = std::getenv("VOTESS_TEST_INSTRUCTIONS");
+        return std::string(value != nullptr ? value : "");
+    }();
+    return name;
+}
+
+const votess::cpu::Kernels& kernels() {
+    return *votess::cpu::find_kernels(forced_instructions());
+}
+
 votess::Options all_options(const std::optional<votess::Box>& box) {
     votess::Options options;
     options.device = "cpu";
@@ -125,6 +138,7 @@ votess::Options all_options(const std::optional<votess::Box>& box) {
     options.walls = true;
     options.want = {true, true, true, true, true};
     options.threads = 1;
+    options.instructions = forced_instructions();
     return options;
 }
 
@@ -187,21 +201,57 @@ std::string check_invariants(const votess::Tessellation& t, std::span<const doub
     return n > 0 ? check_volume_sum(t) : "";
 }
 
-std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b) {
+namespace {
+
+std::string check_lists(const votess::Tessellation& a, const votess::Tessellation& b) {
     if (!equal(a.indptr(), b.indptr()) || !equal(a.indices(), b.indices())) {
         for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
             if (!equal(a.neighbors(i), b.neighbors(i)))
                 return text("row ", i, ": ", text_row(a.neighbors(i)), " and ", text_row(b.neighbors(i)));
         return "rows differ in number";
     }
-    if (!equal(a.face_areas(), b.face_areas())) return "face areas differ";
-    if (!equal(a.volumes(), b.volumes())) return "volumes differ";
-    if (!equal(a.centroids(), b.centroids())) return "centroids differ";
     if (!equal(a.face_counts(), b.face_counts())) return "face counts differ";
     if (!equal(a.edge_counts(), b.edge_counts())) return "edge counts differ";
     if (!equal(a.vertex_counts(), b.vertex_counts())) return "vertex counts differ";
     if (!equal(a.status(), b.status())) return "statuses differ";
     if (!equal(a.duplicate_of(), b.duplicate_of())) return "duplicate_of differs";
+    return "";
+}
+
+}  // namespace
+
+std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b) {
+    if (const std::string lists = check_lists(a, b); !lists.empty()) return lists;
+    if (!equal(a.face_areas(), b.face_areas())) return "face areas differ";
+    if (!equal(a.volumes(), b.volumes())) return "volumes differ";
+    if (!equal(a.centroids(), b.centroids())) return "centroids differ";
+    return "";
+}
+
+std::string check_same_cells(const votess::Tessellation& a, const votess::Tessellation& b) {
+    if (const std::string lists = check_lists(a, b); !lists.empty()) return lists;
+    if (a.volumes().size() != b.volumes().size() || a.face_areas().size() != b.face_areas().size() ||
+        a.centroids().size() != b.centroids().size())
+        return "arrays differ in size";
+    const auto differ = [](double x, double y, double tolerance) {
+        return x != y && !(std::isnan(x) && std::isnan(y)) && !(std::abs(x - y) <= tolerance);
+    };
+    for (std::size_t i = 0; i < a.volumes().size(); ++i)
+        if (differ(a.volumes()[i], b.volumes()[i], 2e-10 * a.volumes()[i] + 64 * 0x1p-1074))
+            return text("volume ", i, ": ", a.volumes()[i], " and ", b.volumes()[i]);
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, a.box().upper[k] - a.box().lower[k]);
+    for (std::size_t i = 0; i < a.centroids().size(); ++i)
+        if (differ(a.centroids()[i], b.centroids()[i], 1e-9 * longest + 1e-15 * std::abs(a.centroids()[i])))
+            return text("centroid ", i / 3, ": ", a.centroids()[i], " and ", b.centroids()[i]);
+    for (std::size_t i = 0; i < a.size() && !a.face_areas().empty(); ++i) {
+        const auto begin = static_cast<std::size_t>(a.indptr()[i]), end = static_cast<std::size_t>(a.indptr()[i + 1]);
+        double surface = 0;
+        for (std::size_t f = begin; f < end; ++f) surface += a.face_areas()[f];
+        for (std::size_t f = begin; f < end; ++f)
+            if (differ(a.face_areas()[f], b.face_areas()[f], 2e-10 * surface))
+                return text("face area ", f, " of cell ", i, ": ", a.face_areas()[f], " and ", b.face_areas()[f]);
+    }
     return "";
 }
 

@@ -13,14 +13,21 @@
 
 #include "generators.hpp"
 
+namespace votess::cpu {
+struct Kernels;
+}
+
 namespace test {
 
 // VOTESS_TEST_REDUCED=1 (sanitizers): ten times smaller.
 bool reduced();
 std::size_t by_size(std::size_t full, std::size_t when_reduced);
+// Names the instructions that all_options() asks for (VOTESS_TEST_INSTRUCTIONS); "" = the best.
+const std::string& forced_instructions();
+const votess::cpu::Kernels& kernels();  // of these
 std::uint64_t environment(const char* name, std::uint64_t otherwise);
 
-// Everything wanted, walls listed, the CPU, one thread.
+// Everything wanted, walls listed, the CPU with the instructions that are forced, one thread.
 votess::Options all_options(const std::optional<votess::Box>& box = std::nullopt);
 votess::Tessellation run(const PointSet& set);
 votess::Tessellation run(const PointSet& set, votess::Options options);
@@ -34,6 +41,8 @@ std::vector<std::int32_t> row_of(const votess::Tessellation& t, std::size_t i);
 std::string check_invariants(const votess::Tessellation& t, std::span<const double> points, bool may_underflow = false);
 // Exact equality of every array.
 std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b);
+// The same cells, however they were found: geometry equal to the digits promised, all else exactly.
+std::string check_same_cells(const votess::Tessellation& a, const votess::Tessellation& b);
 // Equal to the exact diagram: rows, counts, statuses; volumes and centroids to 1e-10. Needs all_options().
 std::string check_exact(const votess::Tessellation& t, std::span<const double> points);
 

@@ -78,6 +78,7 @@ class Options(ctypes.Structure):
         ("k_init", c_uint32),
         ("chunk_size", c_uint32),
         ("reserved2", c_uint32),
+        ("instructions", c_char_p),
     ]
 
 

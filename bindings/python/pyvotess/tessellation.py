@@ -157,12 +157,12 @@ def _as_want(want: Union[str, Iterable[str]]) -> Tuple[str, ...]:
     return tuple(word for word in _c_api.WANT_BITS if word in words)
 
 
-def _as_device(device: Any) -> bytes:
-    if not isinstance(device, str):
-        raise TypeError(f"device must be a str, not {type(device).__name__}")
-    if "\0" in device:
-        raise ValueError(f"device is {device!r}: it must hold no zero character")
-    return device.encode()
+def _as_text(text: Any, name: str) -> bytes:
+    if not isinstance(text, str):
+        raise TypeError(f"{name} must be a str, not {type(text).__name__}")
+    if "\0" in text:
+        raise ValueError(f"{name} is {text!r}: it must hold no zero character")
+    return text.encode()
 
 
 def _as_precision(precision: str) -> int:
@@ -172,16 +172,23 @@ def _as_precision(precision: str) -> int:
 
 
 def _new_options(
-    device: str, threads: int, precision: str, grid_resolution: int, k_init: int, chunk_size: int
+    device: str,
+    threads: int,
+    precision: str,
+    grid_resolution: int,
+    k_init: int,
+    chunk_size: int,
+    instructions: str = "",
 ) -> _c_api.Options:
     options = _c_api.Options()
     _raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
-    options.device = _as_device(device)
+    options.device = _as_text(device, "device")
     options.threads = _as_count(threads, "threads", 32)
     options.precision = _as_precision(precision)
     options.grid_resolution = _as_count(grid_resolution, "grid_resolution", 32)
     options.k_init = _as_count(k_init, "k_init", 32)
     options.chunk_size = _as_count(chunk_size, "chunk_size", 32)
+    options.instructions = _as_text(instructions, "instructions")
     return options
 
 
@@ -286,6 +293,7 @@ def tessellate(
     chunk_size: int = 0,
     duplicates: str = "merge",
     progress: Optional[Progress] = None,
+    instructions: str = "",
 ) -> Tessellation:
     """Voronoi cells of ``points`` in a box. The neighbor lists are exact for the coordinates as given.
 
@@ -306,6 +314,8 @@ def tessellate(
     threads, grid_resolution, k_init, chunk_size : tuning, 0 = automatic. They change speed and memory, never the
         answer. CPU threads, at most 1024; blocks along an axis of the sorting grid, at most 2**20; on a GPU nearest
         neighbors tried first for each cell, at most 1024, and cells in flight at once.
+    instructions : of the CPU: "baseline", "avx2", "avx512", or "" for the best that it has; never changes the lists.
+        One that it lacks raises VotessError.
     duplicates : "merge": the lowest index of equal points keeps the cell; "error": refuse them.
     progress : called some ten times a second with the fraction done; returning False stops the run with
         :class:`VotessError`, an exception stops it and goes on to the caller.
@@ -318,7 +328,7 @@ def tessellate(
     MemoryError, VotessError : the run failed; ``VotessError.code`` is UNSUPPORTED when the device cannot be had,
         DEVICE_LOST when it failed.
     """
-    options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size)
+    options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
     return _tessellate(None, options, points, box, want, walls, duplicates, progress)
 
 
@@ -341,8 +351,9 @@ class Tessellator:
         grid_resolution: int = 0,
         k_init: int = 0,
         chunk_size: int = 0,
+        instructions: str = "",
     ) -> None:
-        self._options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size)
+        self._options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
         self._lock = threading.Lock()
         self._handle = _Handle(lib.votess_tessellator_free)
         _raise_on_failure(lib.votess_tessellator_new(ctypes.byref(self._handle.pointer)))
@@ -398,7 +409,7 @@ class Tessellator:
         with self._alone():
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
-            options = _c_api.Options.from_buffer_copy(self._options)  # its device text stays owned by the original
+            options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
             return _tessellate(self._handle, options, points, box, want, walls, duplicates, progress, function_name)
 
     def close(self) -> None:

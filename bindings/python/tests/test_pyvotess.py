@@ -140,6 +140,7 @@ class KnownAnswers(unittest.TestCase):
             {"k_init": 1024, "chunk_size": 500},
             {"chunk_size": 2**32 - 1},
             {"precision": "double", "device": "cpu"},
+            {"instructions": "baseline"},
         ):
             t = vt.tessellate(points, **options)
             np.testing.assert_array_equal(t.neighbors.indptr, expected.neighbors.indptr, str(options))
@@ -394,6 +395,9 @@ class BadInput(unittest.TestCase):
         self.refused("k_init.*1025.*1024", points, k_init=1025)
         self.refused("chunk_size is -1", points, chunk_size=-1)
         self.refused("chunk_size is 4294967296", points, chunk_size=2**32)
+        self.refused("'sse'.*baseline, avx2 or avx512", points, instructions="sse")
+        self.refused("instructions.*zero character", points, instructions="avx2\0")
+        self.refused("instructions", points, instructions=None, error=TypeError)
         self.refused("'half'.*single, double", points, precision="half")
         self.refused("precision is 1", points, precision=1)
         self.refused("precision is None", points, precision=None)
@@ -636,7 +640,7 @@ class Running(unittest.TestCase):
 
 class TessellatorTest(unittest.TestCase):
     def test_reuse(self):
-        options = {"precision": "double", "grid_resolution": 9, "k_init": 30, "chunk_size": 100}
+        options = {"precision": "double", "grid_resolution": 9, "k_init": 30, "chunk_size": 100, "instructions": ""}
         with vt.Tessellator(device="cpu", threads=2, **options) as tessellator:
             results = []
             for count in (1000, 10, 0, 3000, 1, 1000):
@@ -813,10 +817,16 @@ class Loading(unittest.TestCase):
         options = _c_api.Options()
         _library.lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options))
         self.assertEqual((options.precision, options.k_init, options.chunk_size, options.reserved2), (0, 0, 0, 0))
+        self.assertIsNone(options.instructions)
         points = uniform(4)
-        for field, text in (("precision", "precision is 77"), ("k_init", "k_init = 5000"), ("reserved2", "is 5000")):
+        for field, value, text in (
+            ("precision", 77, "precision is 77"),
+            ("k_init", 5000, "k_init = 5000"),
+            ("reserved2", 5000, "is 5000"),
+            ("instructions", b"mmx", "instructions 'mmx'"),
+        ):
             options = tessellation._new_options("cpu", 0, "single", 0, 0, 0)
-            setattr(options, field, 77 if field == "precision" else 5000)
+            setattr(options, field, value)
             result = ctypes.c_void_p()
             arguments = (None, points.ctypes.data, 4, ctypes.byref(options), ctypes.byref(result))
             self.assertEqual(_library.lib.votess_tessellate(*arguments), vt.ErrorCode.INVALID_ARGUMENT)

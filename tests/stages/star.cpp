@@ -1,0 +1,277 @@
+// star: cells found by walking along their edges equal those clipped plane by plane, whenever the walk says that it has
+// found them; and it finds nearly all where nearly all are ordinary.
+#include "cpu/star.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cpu/search.hpp"
+#include "options.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+using namespace votess::cpu;
+
+namespace {
+
+struct ExpectedCell {
+    std::vector<std::pair<std::int32_t, double>> faces;  // ids ascending, areas
+    int edges = 0, vertices = 0;
+    CellGeometry geometry;
+};
+
+struct Sorted {
+    // scale: none = the engine's.
+    explicit Sorted(const test::PointSet& set, double scale = 0) {
+        const votess::Job job = votess::validate({set.points, {}}, test::all_options(set.box));
+        box = scale == 0 ? job.scaled_box : job.box;
+        for (int k = 0; k < 3 && scale != 0; ++k) box.lower[k] *= scale, box.upper[k] *= scale;
+        votess::ThreadPool pool(1);
+        SeedSorter().sort(std::span<const double>(set.points), scale == 0 ? job.scale : scale, 0, pool, seeds);
+        hierarchy.build(seeds, pool);
+    }
+
+    [[nodiscard]] std::vector<ExpectedCell> clip() const {
+        CellBuilder builder(seeds, hierarchy, test::kernels());
+        builder.begin_job(box);
+        CellFaces faces;
+        std::vector<double> areas;
+        std::vector<ExpectedCell> cells(seeds.size());
+        for (std::size_t s = 0; s < seeds.size(); ++s) {
+            builder.build(s);
+            Cell& cell = builder.again(faces);
+            cell.canonical_faces(faces);
+            cells[s].geometry = cell.measure(faces, &areas);
+            for (std::size_t f = 0; f < faces.size(); ++f)
+                cells[s].faces.emplace_back(cell.planes()[faces.planes[f]].id, areas[f]);
+            std::ranges::sort(cells[s].faces);
+            cells[s].edges = static_cast<int>(faces.edge_count);
+            cells[s].vertices = static_cast<int>(faces.vertex_count);
+        }
+        return cells;
+    }
+
+    SortedSeeds seeds;
+    Hierarchy hierarchy;
+    votess::Box box;
+};
+
+// One line on what differs, "" when nothing does.
+std::string compare(const Star& star, const ExpectedCell& expected) {
+    std::vector<std::int32_t> ids(star.faces().begin(), star.faces().end());
+    std::ranges::sort(ids);
+    if (!std::ranges::equal(ids, expected.faces, {}, {}, [](const auto& face) { return face.first; }))
+        return "other faces";
+    if (star.edge_count() != expected.edges || star.vertex_count() != expected.vertices)
+        return std::to_string(star.vertex_count()) + " vertices instead of " + std::to_string(expected.vertices);
+    return "";
+}
+
+// Both sides keep 1e-10.
+std::string compare(const Star& star, const Star::Geometry& found, const ExpectedCell& expected) {
+    const double volume = expected.geometry.volume, size = std::cbrt(volume);
+    if (!(std::abs(found.volume - volume) <= 2e-10 * volume)) return "volume " + std::to_string(found.volume / volume);
+    double surface = 0, longest = size;
+    for (const auto& [id, area] : expected.faces) surface += area;
+    for (std::size_t f = 0; f < star.faces().size(); ++f) {
+        const auto face =
+            std::ranges::lower_bound(expected.faces, star.faces()[f], {}, [](auto& p) { return p.first; });
+        if (!(std::abs(found.areas[f] - face->second) <= 2e-10 * surface))
+            return "area of " + std::to_string(face->first);
+    }
+    longest = std::max(longest, surface / size);
+    for (int k = 0; k < 3; ++k)
+        if (!(std::abs(found.centroid[k] - expected.geometry.centroid[k]) <= 4e-10 * longest)) return "centroid";
+    return "";
+}
+
+struct Rates {
+    double built = 0, measured = 0;
+};
+
+// Builds the chosen cells in stretches of so many of them, which begin in front of the first as in CpuClipper.
+Rates check(const Sorted& sorted, const std::vector<ExpectedCell>& cells, std::span<const std::size_t> chosen,
+            std::size_t length, const Kernels& kernels, bool measure = true) {
+    const auto star = make_star(kernels.name, sorted.seeds, sorted.hierarchy);
+    star->begin_job(sorted.box);
+    std::size_t built = 0, measured = 0;
+    Star::Geometry geometry;
+    for (std::size_t k = 0, last = 0; k < chosen.size(); ++k) {
+        if (k % length == 0 || chosen[k] >= last) {
+            const std::size_t first = chosen[k] / Star::alignment * Star::alignment;
+            last = std::min(chosen[std::min(chosen.size(), k + length) - 1] + 1, first + Star::most_seeds);
+            star->begin(first, last, measure);
+        }
+        if (!star->build(chosen[k])) continue;
+        ++built;
+        INFO("sorted seed " << chosen[k]);
+        REQUIRE(compare(*star, cells[chosen[k]]) == "");
+        if (!measure || !star->measure(geometry)) continue;
+        ++measured;
+        REQUIRE(compare(*star, geometry, cells[chosen[k]]) == "");
+    }
+    const auto count = static_cast<double>(chosen.size());
+    return {static_cast<double>(built) / count, static_cast<double>(measured) / count};
+}
+
+std::vector<std::size_t> all_of(const Sorted& sorted) {
+    std::vector<std::size_t> all(sorted.seeds.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
+}
+
+// The least rates of all sets of instructions.
+Rates check_all(const test::PointSet& set, std::size_t length = 2048) {
+    CAPTURE(set.name);
+    const Sorted sorted(set);
+    const auto cells = sorted.clip();
+    Rates least{1, 1};
+    for (const Kernels* kernels : supported_kernels()) {
+        INFO(std::string(kernels->name));
+        const Rates rates = check(sorted, cells, all_of(sorted), length, *kernels);
+        least.built = std::min(least.built, rates.built);
+        least.measured = std::min(least.measured, rates.measured);
+    }
+    return least;
+}
+
+test::PointSet slab(std::size_t n, double thickness, std::uint64_t seed) {
+    test::PointSet set = test::uniform(n, seed);
+    for (std::size_t i = 2; i < set.points.size(); i += 3) set.points[i] = 0.5 + thickness * (set.points[i] - 0.5);
+    set.name = "slab";
+    return set;
+}
+
+// A hub amid `n` seeds that are all its neighbors, and random seeds around them.
+test::PointSet hub(std::size_t n, std::uint64_t seed) {
+    test::PointSet set = test::on_sphere_and_center(n + 1, seed);
+    test::Random random(seed);
+    while (set.size() < 4 * n) {
+        std::array<double, 3> p;
+        double square = 0;
+        for (auto& x : p) x = random.uniform(-8, 8), square += x * x;
+        if (square > 16) set.points.insert(set.points.end(), p.begin(), p.end());
+    }
+    set.name = "hub";
+    set.box.reset();
+    return set;
+}
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("star: every family equals the exact clip") {
+        for (const test::PointSet& set : test::families(test::by_size(1500, 250), 11)) check_all(set);
+        for (const double thickness : {1e-2, 1e-4, 1e-9}) check_all(slab(test::by_size(1500, 250), thickness, 12));
+        for (const double amplitude : {1e-15, 1e-12, 1e-6, 1e-3}) check_all(test::jittered(9, amplitude, 13));
+        check_all(test::cocircular(25, 6));
+        for (int squared_radius : {9, 41}) check_all(test::cospherical_and_center(squared_radius));
+        check_all(test::cospherical_and_center(101));
+    }
+
+    TEST_CASE("star: most ordinary cells are built") {
+        const Rates uniform = check_all(test::uniform(10000, 14));
+        CHECK(uniform.built >= 0.999);
+        CHECK(uniform.measured >= 0.995);
+        const Rates clustered = check_all(test::clustered(test::by_size(10000, 3000), 15));
+        CHECK(clustered.built >= 0.99);
+        for (const test::PointSet& set : {test::cubic(14), test::bcc(10), test::fcc(10), test::jittered(14, 0.2, 16)}) {
+            CAPTURE(set.name);
+            const Rates rates = check_all(set);
+            CHECK(rates.built >= 0.99);
+            CHECK(rates.measured >= 0.99);
+        }
+    }
+
+    TEST_CASE("star: stretches of any length") {
+        for (const test::PointSet& set : {test::uniform(400, 17), test::cubic(7), test::fcc(5), hub(50, 18)}) {
+            CAPTURE(set.name);
+            const Sorted sorted(set);
+            const auto cells = sorted.clip();
+            const auto all = all_of(sorted);
+            test::Random random(19);
+            std::vector<std::size_t> some;
+            for (const std::size_t s : all)
+                if (random.chance(0.3)) some.push_back(s);
+            for (const Kernels* kernels : supported_kernels()) {
+                INFO(std::string(kernels->name));
+                for (std::size_t length = 1; length <= 50; ++length) {
+                    CAPTURE(length);
+                    check(sorted, cells, all, length, *kernels, length % 2 == 0);
+                    check(sorted, cells, some, length, *kernels, length % 3 == 0);
+                }
+                check(sorted, cells, some, some.size(), *kernels);
+            }
+        }
+        const test::PointSet more =
+            test::uniform(test::by_size(2 * Star::most_seeds + 1000, Star::most_seeds + 500), 20);
+        for (const std::size_t length : {Star::most_seeds, Star::most_seeds - 1, std::size_t{1000}})
+            CHECK(check_all(more, length).built >= 0.999);
+    }
+
+    TEST_CASE("star: a hub's cell is built or left to others, and its neighbors are right") {
+        for (const std::size_t n : {20, 40, 60, 62, 64, 66, 100, 130, 300}) {
+            CAPTURE(n);
+            const test::PointSet set = hub(n, 21);
+            const Sorted sorted(set);
+            const auto cells = sorted.clip();
+            const auto center = static_cast<std::size_t>(
+                std::ranges::find(sorted.seeds.input, static_cast<std::int32_t>(n)) - sorted.seeds.input.begin());
+            REQUIRE(cells[center].faces.size() == n);
+            for (const Kernels* kernels : supported_kernels()) {
+                INFO(std::string(kernels->name));
+                check(sorted, cells, all_of(sorted), Star::most_seeds, *kernels);
+                // Alone, and with others in front that hand it vertices.
+                for (const std::size_t begin : {center, center / 2, std::size_t{0}}) {
+                    const auto star = make_star(kernels->name, sorted.seeds, sorted.hierarchy);
+                    star->begin_job(sorted.box);
+                    star->begin(begin / Star::alignment * Star::alignment, sorted.seeds.size(), false);
+                    for (std::size_t s = begin; s < center; ++s) (void)star->build(s);
+                    const bool built = star->build(center);
+                    if (n > Star::most_planes) CHECK_FALSE(built);
+                    if (n <= 40) CHECK(built);
+                    for (std::size_t s = center + 1; s < sorted.seeds.size(); ++s)
+                        if (star->build(s)) REQUIRE(compare(*star, cells[s]) == "");
+                }
+            }
+            const auto t = test::run(set);
+            CHECK(t.neighbors(n).size() == n);
+            CHECK(test::check_invariants(t, set.points) == "");
+        }
+    }
+
+    TEST_CASE("star: tiny and huge coordinates, with the engine's scale and without") {
+        const std::vector<test::PointSet> sets{test::uniform(300, 22), test::fcc(4), test::jittered(6, 1e-13, 23)};
+        for (const test::PointSet& set : sets) {
+            CAPTURE(set.name);
+            test::PointSet base = set;
+            base.box = test::run(set).box();
+            const auto cells = Sorted(base).clip();
+            const double usual = check_all(base).built;
+            if (set.name != sets.back().name) CHECK(usual >= 0.99);
+            for (const int exponent : {-1000, -400, -300, -200, -60, -20, 20, 60, 200, 300, 400, 1000}) {
+                CAPTURE(exponent);
+                const double factor = std::ldexp(1.0, exponent);
+                CHECK(check_all(test::scaled(base, factor)).built >= 0.99 * usual);
+                const Sorted unscaled(base, factor);
+                for (const Kernels* kernels : supported_kernels()) {
+                    INFO(std::string(kernels->name));
+                    const Rates rates = check(unscaled, cells, all_of(unscaled), 2048, *kernels, false);
+                    if (std::abs(exponent) <= 60) CHECK(rates.built >= 0.99 * usual);
+                }
+            }
+        }
+    }
+
+    TEST_CASE("star: far from the origin") {
+        for (const double offset : {1e3, 1e8, 1e12}) {
+            test::PointSet set = test::uniform(test::by_size(2000, 400), 24);
+            for (double& x : set.points) x = std::ldexp(std::floor(std::ldexp(x, 10)), -10) + offset;
+            set.box = test::cube(offset, offset + 1);
+            CHECK(check_all(set).built >= 0.5);
+        }
+    }
+}

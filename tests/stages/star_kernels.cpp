@@ -1,0 +1,380 @@
+// star: the vector loops of every instruction set against plain ones. Integer inputs make all sums exact, so that there
+// a result must be equal; on others it may differ where rounding decides.
+#include "cpu/star_kernels.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+using namespace votess::cpu;
+using test::Random;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Calls test(kernels) for each set that this processor has.
+template <class Test>
+void for_each_set(const Test& test) {
+    for (const Kernels* supported : supported_kernels()) {
+        const StarKernels& kernels = star_kernels(supported->name);
+        REQUIRE(std::string(kernels.name) == supported->name);
+        INFO(std::string(kernels.name));
+        test(kernels);
+    }
+}
+
+int round_up(int count, int multiple) {
+    return (count + multiple - 1) / multiple * multiple;
+}
+
+// Candidates with the padding that kernels rely on; what lies behind it would be found first.
+struct Planes {
+    std::unique_ptr<CandidatePlanes> c = std::make_unique<CandidatePlanes>();
+
+    template <class Draw>
+    Planes(int count, const Draw& draw) {
+        c->count = count;
+        for (int i = 0; i < CandidatePlanes::capacity + 16; ++i) {
+            const bool real = i < count, padding = !real && i < round_up(count, 16);
+            const std::array<float, 4> plane = real      ? draw()
+                                               : padding ? std::array{0.f, 0.f, 0.f, CandidatePlanes::never}
+                                                         : std::array{1.f, 1.f, 1.f, -1e20f};
+            c->nx[i] = plane[0], c->ny[i] = plane[1], c->nz[i] = plane[2], c->h[i] = plane[3];
+            c->id[i] = real ? 3 * i - 6 : -100;
+        }
+    }
+};
+
+double gap(const CandidatePlanes& c, int i, const float* v) {
+    return double{c.h[i]} - double{c.nx[i]} * v[0] - double{c.ny[i]} * v[1] - double{c.nz[i]} * v[2];
+}
+
+float small_integer(Random& random, int largest = 4) {
+    return static_cast<float>(random.integer(-largest, largest));
+}
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("star kernels: near_boxes") {
+        Random random(1);
+        for (int round = 0; round < 2000; ++round) {
+            BoxBlock block;
+            BoundingBox home;
+            const bool integers = round % 2 == 0, point = random.chance(0.5);
+            auto draw = [&] { return integers ? static_cast<double>(random.integer(-4, 4)) : random.uniform(-4, 4); };
+            for (int k = 0; k < 3; ++k) {
+                std::tie(home.lower[k], home.upper[k]) = std::minmax({draw(), draw()});
+                if (point) home.upper[k] = home.lower[k];
+                for (int i = 0; i < box_fan; ++i)
+                    std::tie(block.lower[k][i], block.upper[k][i]) = std::minmax({draw(), draw()});
+            }
+            const int existing = static_cast<int>(random.below(box_fan + 1));
+            for (int i = existing; i < box_fan; ++i)
+                for (int k = 0; k < 3; ++k) block.lower[k][i] = infinity, block.upper[k][i] = -infinity;
+            const double limit = integers ? static_cast<double>(random.below(30)) : random.uniform(0, 30);
+            unsigned near = 0, uncertain = 0;
+            for (int i = 0; i < existing; ++i) {
+                double sum = 0;
+                for (int k = 0; k < 3; ++k) {
+                    const double apart =
+                        std::max({0.0, block.lower[k][i] - home.upper[k], home.lower[k] - block.upper[k][i]});
+                    sum += apart * apart;
+                }
+                near |= static_cast<unsigned>(sum < limit) << i;
+                if (!integers && std::abs(sum - limit) <= 1e-14 * limit) uncertain |= 1u << i;
+            }
+            for_each_set([&](const StarKernels& kernels) {
+                REQUIRE((kernels.near_boxes(block, home, limit) | uncertain) == (near | uncertain));
+                REQUIRE(kernels.near_boxes(block, home, 1e300) == (1u << existing) - 1);
+            });
+        }
+    }
+
+    TEST_CASE("star kernels: inside_ball") {
+        Random random(2);
+        for (int round = 0; round < 4000; ++round) {
+            std::array<std::vector<double>, 3> q;
+            GroupTest test{{}, std::ldexp(1.0, static_cast<int>(random.integer(-3, 3))), {}, 0};
+            auto draw = [&] { return static_cast<double>(random.integer(-8, 8)); };
+            for (int k = 0; k < 3; ++k) {
+                test.p[k] = draw();
+                test.v[k] = draw() * test.scale;
+                for (int i = 0; i < box_fan; ++i) q[k].push_back(draw());
+            }
+            for (int i = box_fan - static_cast<int>(random.below(3)); i < box_fan; ++i)
+                for (auto& axis : q) axis[i] = infinity;  // what follows the last seed
+            if (random.chance(0.3)) test.slack = random.uniform(0, 3);
+            const double least = random.chance(0.3) ? 0 : static_cast<double>(random.below(60));
+            unsigned must = 0, may = 0;
+            for (int i = 0; i < box_fan; ++i) {
+                if (q[0][i] == infinity) continue;
+                double square = 0, along = 0;
+                for (int k = 0; k < 3; ++k) {
+                    const double n = (q[k][i] - test.p[k]) * test.scale;
+                    square += n * n;
+                    along += n * test.v[k];
+                }
+                const bool far_enough = square >= least;
+                must |= static_cast<unsigned>(far_enough && along - 0.5 * square + test.slack >= 0) << i;
+                may |= static_cast<unsigned>(far_enough && along - 0.5 * square + test.slack >= -1e-7 * square) << i;
+            }
+            for_each_set([&](const StarKernels& kernels) {
+                const unsigned inside = kernels.inside_ball(q[0].data(), q[1].data(), q[2].data(), test, least);
+                REQUIRE((inside & must) == must);
+                REQUIRE((inside & ~may) == 0);
+            });
+        }
+    }
+
+    TEST_CASE("star kernels: to_window selects, rounds and clamps") {
+        Random random(3);
+        constexpr double range = window_range;
+        for (int round = 0; round < 400; ++round) {
+            const std::size_t all = 40;
+            const bool integers = round % 2 == 0;  // distances are exact, so that the limit is too
+            std::array<std::vector<double>, 3> seeds;
+            WindowFrame frame{{}, integers ? static_cast<double>(random.below(200)) : random.uniform(0, 200), {}, 1};
+            frame.scale = std::ldexp(1.0, static_cast<int>(random.integer(0, 28)));
+            auto draw = [&](double size) {
+                return integers ? static_cast<double>(random.integer(-10, 10)) : random.uniform(-size, size);
+            };
+            for (int k = 0; k < 3; ++k) {
+                frame.origin[k] = random.uniform(-10, 10);
+                std::tie(frame.home.lower[k], frame.home.upper[k]) = std::minmax({draw(5), draw(5)});
+                for (std::size_t i = 0; i < all * box_fan; ++i) seeds[k].push_back(draw(random.chance(0.2) ? 1e3 : 10));
+            }
+            for (std::size_t i = all * box_fan - 3; i < all * box_fan; ++i)
+                for (auto& axis : seeds) axis[i] = infinity;
+            std::vector<std::uint32_t> groups(random.below(all + 1));
+            for (auto& group : groups) group = static_cast<std::uint32_t>(random.below(all));
+            const std::size_t kept = random.below(std::min<std::size_t>(groups.size(), 2) + 1);
+            std::vector<std::int32_t> expected;
+            for (std::size_t i = 0; i < groups.size() * box_fan; ++i) {
+                const std::size_t seed = groups[i / box_fan] * box_fan + i % box_fan;
+                double sum = 0;
+                for (int k = 0; k < 3; ++k) {
+                    const double x = seeds[k][seed];
+                    const double gap = std::max({0.0, frame.home.lower[k] - x, x - frame.home.upper[k]});
+                    sum += gap * gap;
+                }
+                if (i / box_fan < kept || sum < frame.distance_squared) expected.push_back(static_cast<int>(seed));
+                if (!integers) REQUIRE(std::abs(sum - frame.distance_squared) > 1e-12);  // no matter of rounding
+            }
+            for_each_set([&](const StarKernels& kernels) {
+                // Exactly as long as the window makes them, for the address sanitizer.
+                const std::size_t room = groups.size() * box_fan + 16;
+                std::array<std::vector<std::int32_t>, 3> out;
+                for (auto& axis : out) axis.resize(room);
+                std::vector<std::int32_t> ids(room);
+                std::int32_t* const to[3] = {out[0].data(), out[1].data(), out[2].data()};
+                const int count = kernels.to_window({{seeds[0].data(), seeds[1].data(), seeds[2].data()}, groups, kept},
+                                                    frame, to, ids.data());
+                REQUIRE(std::equal(expected.begin(), expected.end(), ids.begin(), ids.begin() + count));
+                for (int i = 0; i < count; ++i)
+                    for (int k = 0; k < 3; ++k) {
+                        const double x = seeds[k][static_cast<std::size_t>(ids[i])];
+                        const double exact = std::clamp((x - frame.origin[k]) * frame.scale, -range, range);
+                        REQUIRE(std::abs(out[k][i] - exact) <= 0.5 + 1e-7);  // ties go either way
+                    }
+            });
+        }
+    }
+
+    TEST_CASE("star kernels: select keeps the order, the capacity and the padding") {
+        Random random(4);
+        for (int round = 0; round < 600; ++round) {
+            const int count = static_cast<int>(random.below(641));
+            const std::size_t readable = static_cast<std::size_t>(round_up(count, 16));
+            const int size = random.chance(0.5) ? 20 : window_range;
+            std::array<std::vector<std::int32_t>, 3> x;
+            std::vector<std::int32_t> ids(readable, -1);
+            for (auto& axis : x) {
+                axis.assign(readable, far_away);
+                for (int i = 0; i < count; ++i) axis[i] = static_cast<std::int32_t>(random.integer(-size, size));
+            }
+            for (int i = 0; i < count; ++i) {
+                ids[i] = i;
+                if (random.chance(0.05)) x[0][i] = far_away;  // hidden
+            }
+            const std::int32_t p[3] = {static_cast<std::int32_t>(random.integer(-size / 2, size / 2)), 1, -2};
+            std::vector<double> square;
+            for (int i = 0; i < count; ++i) {
+                double sum = 0;
+                for (int k = 0; k < 3; ++k) sum += std::pow(static_cast<double>(x[k][i] - p[k]), 2);
+                square.push_back(sum);
+            }
+            // A limit that so many are below; half of the time about as many as there is room for.
+            std::vector<double> sorted = square;
+            std::sort(sorted.begin(), sorted.end());
+            const auto wanted = random.chance(0.5) ? 240 + random.below(24) : random.below(400);
+            const double limit_wanted =
+                sorted.empty() ? 100 : std::min(sorted[std::min(wanted, sorted.size() - 1)], 3.0 * size * size);
+            const auto limit = static_cast<float>(limit_wanted);
+            std::vector<int> inside, edge;  // for certain, and where the rounding of floats decides
+            for (int i = 0; i < count; ++i) {
+                const double rounding = size == 20 ? 0 : 1e-6 * square[i];
+                if (square[i] + rounding < limit)
+                    inside.push_back(i);
+                else if (square[i] - rounding < limit)
+                    edge.push_back(i);
+            }
+            for_each_set([&](const StarKernels& kernels) {
+                const auto planes = std::make_unique<CandidatePlanes>();
+                CandidatePlanes& c = *planes;
+                const bool fits =
+                    kernels.select({x[0].data(), x[1].data(), x[2].data(), ids.data(), count}, p, limit, c);
+                // A set may give up when the last vector of seeds might not fit.
+                if (inside.size() + edge.size() <= CandidatePlanes::capacity - 8) REQUIRE(fits);
+                if (inside.size() > CandidatePlanes::capacity) REQUIRE_FALSE(fits);
+                if (!fits) return;
+                std::vector<int> found(c.id, c.id + c.count), sure;
+                std::ranges::set_difference(found, edge, std::back_inserter(sure));  // both ascend
+                REQUIRE(std::ranges::is_sorted(found));
+                REQUIRE(sure == inside);
+                for (int i = 0; i < c.count; ++i) {
+                    const int s = c.id[i];
+                    REQUIRE(c.nx[i] == static_cast<float>(x[0][s] - p[0]));
+                    REQUIRE(c.ny[i] == static_cast<float>(x[1][s] - p[1]));
+                    REQUIRE(c.nz[i] == static_cast<float>(x[2][s] - p[2]));
+                    REQUIRE(std::abs(c.h[i] - 0.5 * square[s]) <= 5e-7 * square[s]);
+                }
+                for (int i = c.count; i < round_up(c.count, 16); ++i) {
+                    REQUIRE((c.nx[i] == 0 && c.ny[i] == 0 && c.nz[i] == 0));
+                    REQUIRE(c.h[i] == CandidatePlanes::never);
+                }
+            });
+        }
+    }
+
+    TEST_CASE("star kernels: select at its capacity") {
+        for (int near = 0; near <= 300; near += near < 230 ? 23 : 1) {
+            // The near ones all in front, or spread.
+            for (const int step : {1, 2}) {
+                std::vector<std::int32_t> x(640, far_away), zero(640, 0), ids(640);
+                std::iota(ids.begin(), ids.end(), 7);
+                for (int i = 0; i < near; ++i) x[i * step] = 1 + i;
+                for_each_set([&](const StarKernels& kernels) {
+                    const auto c = std::make_unique<CandidatePlanes>();
+                    const std::int32_t p[3] = {0, 0, 0};
+                    const bool fits =
+                        kernels.select({x.data(), zero.data(), zero.data(), ids.data(), 624}, p, 1e6f, *c);
+                    CAPTURE(near);
+                    if (near <= CandidatePlanes::capacity - 8) REQUIRE(fits);
+                    if (near > CandidatePlanes::capacity) REQUIRE_FALSE(fits);
+                    if (!fits) return;
+                    REQUIRE(c->count == near);
+                    for (int i = 0; i < near; ++i) REQUIRE((c->id[i] == 7 + i * step && c->nx[i] == 1 + i));
+                });
+            }
+        }
+    }
+
+    TEST_CASE("star kernels: first_hits") {
+        Random random(5);
+        for (int round = 0; round < 3000; ++round) {
+            const bool integers = round % 2 == 0;
+            auto draw = [&] { return integers ? small_integer(random) : static_cast<float>(random.uniform(-4, 4)); };
+            const int count = static_cast<int>(round < 256 ? round + 1 : 1 + random.below(256));
+            const Planes planes(count, [&] {
+                return std::array{draw(), draw(), draw(), integers ? 8 + small_integer(random, 12) : 8 + draw()};
+            });
+            const CandidatePlanes& c = *planes.c;
+            Ray rays[2];
+            for (Ray& ray : rays) {
+                ray = {};
+                for (int k = 0; k < 3; ++k) ray.o[k] = draw(), ray.d[k] = draw();
+                ray.s = static_cast<float>(1 + random.below(4));
+                ray.least = integers ? static_cast<float>(random.below(3)) : static_cast<float>(random.uniform(0, 2));
+                // Among planes that are all parallel to the ray, or met from behind, there is none to hit.
+                if (random.chance(0.1)) ray.d[0] = ray.d[1] = ray.d[2] = 0;
+                if (random.chance(0.1)) ray.least = 1e6f;
+            }
+            for_each_set([&](const StarKernels& kernels) {
+                int hits[2] = {-7, -7};
+                kernels.first_hits(c, rays, hits);
+                for (int r = 0; r < 2; ++r) {
+                    const auto& [o, d, s, least] = rays[r];
+                    auto leaving = [&](int i) {
+                        return double{c.nx[i]} * d[0] + double{c.ny[i]} * d[1] + double{c.nz[i]} * d[2];
+                    };
+                    // (o + t d) / s is on the plane.
+                    auto time = [&](int i) { return (gap(c, i, o) + (double{s} - 1) * c.h[i]) / leaving(i); };
+                    const double doubt = integers ? 0 : 1e-4;
+                    double nearest = infinity;
+                    for (int i = 0; i < count; ++i)
+                        if (leaving(i) > least + doubt) nearest = std::min(nearest, time(i));
+                    if (hits[r] == -1) {
+                        REQUIRE(nearest == infinity);
+                        continue;
+                    }
+                    REQUIRE((hits[r] >= 0 && hits[r] < count));
+                    REQUIRE(leaving(hits[r]) > least - doubt);
+                    const double rounding = 0x1p-12 * std::abs(nearest) + 1e-3 / leaving(hits[r]);
+                    REQUIRE(time(hits[r]) <= nearest + rounding);
+                }
+            });
+        }
+    }
+
+    TEST_CASE("star kernels: touching") {
+        Random random(6);
+        for (int round = 0; round < 1000; ++round) {
+            const int count = static_cast<int>(round < 256 ? round + 1 : 1 + random.below(256));
+            const Planes planes(count, [&] {
+                return std::array{small_integer(random), small_integer(random), small_integer(random),
+                                  40 + small_integer(random, 20)};
+            });
+            const CandidatePlanes& c = *planes.c;
+            const float v[4] = {small_integer(random), small_integer(random), small_integer(random),
+                                static_cast<float>(random.integer(-5, 20))};
+            std::int32_t three[3];
+            for (auto& id : three) id = c.id[random.below(static_cast<std::uint64_t>(count))];
+            auto touches = [&](int i) {
+                return gap(c, i, v) <= v[3] && std::find(three, three + 3, c.id[i]) == three + 3;
+            };
+            for (int begin = 0; begin <= count; ++begin) {
+                int expected = begin;
+                while (expected < count && !touches(expected)) ++expected;
+                if (expected == count) expected = -1;
+                for_each_set(
+                    [&](const StarKernels& kernels) { REQUIRE(kernels.touching(c, v, three, begin) == expected); });
+                begin += count > 40 ? static_cast<int>(random.below(20)) : 0;
+            }
+        }
+    }
+
+    TEST_CASE("star kernels: rank") {
+        Random random(7);
+        for (int count = 0; count <= 130; ++count)
+            for (int round = 0; round < 5; ++round) {
+                std::vector<std::int32_t> sorted;
+                const std::int64_t size = round == 0 ? 2 * count : std::numeric_limits<std::int32_t>::max();
+                while (sorted.size() < static_cast<std::size_t>(count)) {
+                    for (int i = 0; i < count; ++i)
+                        sorted.push_back(static_cast<std::int32_t>(random.integer(round == 1 ? -size - 1 : -6, size)));
+                    if (round == 2) sorted.push_back(std::numeric_limits<std::int32_t>::max());
+                    std::sort(sorted.begin(), sorted.end());
+                    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+                }
+                sorted.erase(sorted.begin(), sorted.end() - count);
+                const auto order = test::permutation(sorted.size(), random);
+                std::vector<std::int32_t> ids;
+                for (const std::size_t place : order) ids.push_back(sorted[place]);
+                for_each_set([&](const StarKernels& kernels) {
+                    std::vector<std::uint16_t> places(order.size(), 9999);
+                    kernels.rank(ids.data(), count, places.data());
+                    REQUIRE(std::equal(places.begin(), places.end(), order.begin(), order.end()));
+                });
+            }
+    }
+}
