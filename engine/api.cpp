@@ -86,9 +86,9 @@ void log(const Options& options, const std::string& line) {
     if (options.log) options.log(line);
 }
 
-Tessellation run(detail::TessellatorState& state, const Points& points, const Options& options) {
+Tessellation run(detail::TessellatorState& state, const Points& points, const Options& options, bool update = false) {
     try {
-        auto result = state.results->share(run_on(state.engines, points, options, state.results->take()));
+        auto result = state.results->share(run_on(state.engines, points, options, state.results->take(), update));
         const Stats& s = result->stats;
         log(options, "tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
                          std::to_string(s.seconds.total) + " s");
@@ -109,6 +109,12 @@ Tessellation Tessellator::tessellate(std::span<const double> points, const Optio
 }
 Tessellation Tessellator::tessellate(std::span<const float> points, const Options& options) {
     return run(*state_, {{}, points}, options);
+}
+Tessellation Tessellator::update(std::span<const double> points, const Options& options) {
+    return run(*state_, {points, {}}, options, true);
+}
+Tessellation Tessellator::update(std::span<const float> points, const Options& options) {
+    return run(*state_, {{}, points}, options, true);
 }
 
 Tessellation tessellate(std::span<const double> points, const Options& options) {

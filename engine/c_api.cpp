@@ -212,14 +212,18 @@ std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t co
 
 template <typename Coordinate>
 votess_status tessellate(votess_tessellator* tessellator, const Coordinate* points, std::size_t count,
-                         const votess_options* options, votess_result** out) noexcept {
+                         const votess_options* options, votess_result** out, bool update = false) noexcept {
     return guarded([&] {
         require(out, "out");
         *out = nullptr;
         const std::span<const Coordinate> input = coordinates(points, count);
         const votess::Options converted = convert_options(options);
-        *out = new votess_result{tessellator != nullptr ? tessellator->tessellator.tessellate(input, converted)
-                                                        : votess::tessellate(input, converted)};
+        const auto run = [&] {
+            if (tessellator == nullptr) return votess::tessellate(input, converted);
+            votess::Tessellator& t = tessellator->tessellator;
+            return update ? t.update(input, converted) : t.tessellate(input, converted);
+        };
+        *out = new votess_result{run()};
     });
 }
 
@@ -296,6 +300,16 @@ votess_status votess_tessellate(votess_tessellator* tessellator, const double* p
 votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
                                     const votess_options* options, votess_result** out) {
     return tessellate(tessellator, points, count, options, out);
+}
+
+votess_status votess_update(votess_tessellator* tessellator, const double* points, size_t count,
+                            const votess_options* options, votess_result** out) {
+    return tessellate(tessellator, points, count, options, out, true);
+}
+
+votess_status votess_update_f32(votess_tessellator* tessellator, const float* points, size_t count,
+                                const votess_options* options, votess_result** out) {
+    return tessellate(tessellator, points, count, options, out, true);
 }
 
 void votess_result_free(votess_result* result) {

@@ -28,6 +28,7 @@ struct Job {
     double scale = 1;
     // Of an earlier run, to be used again; may be null. ResultBuilder::begin() takes them.
     detail::Result* arrays = nullptr;
+    bool update = false;  // a hint: the seeds are those of the last job, moved a little
 };
 
 class Engine {

@@ -71,11 +71,12 @@ std::vector<DeviceInfo> Engines::devices() {
     return all;
 }
 
-detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
+detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays,
+                      bool update) {
     check_options(options);
     Engine& engine = engines.choose(options.device);
     try {
-        return run_pipeline(points, options, engine, std::move(arrays));
+        return run_pipeline(points, options, engine, std::move(arrays), update);
     } catch (const Error& error) {
         const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
         const bool on_cpu = &engine == &engines.cpu();

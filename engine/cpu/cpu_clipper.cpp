@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <thread>
+#include <utility>
 
 #include "options.hpp"
 
@@ -22,6 +23,7 @@ std::size_t blocks_for(std::size_t count, std::size_t per_block) {
 
 void CpuClipper::begin(const Job& job) {
     end();
+    last_finished_ = std::exchange(finished_, false);
     job_ = job;
     progress_ = Progress(job.options.progress);
     const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
@@ -36,7 +38,7 @@ void CpuClipper::begin(const Job& job) {
 void CpuClipper::end() {
     positions_known_ = false;
     delaunay_.reset();
-    sorted_ = searchable_ = false;
+    sorted_ = searchable_ = order_kept_ = false;
     progress_ = {};
     job_ = {};
 }
@@ -56,7 +58,23 @@ void CpuClipper::sort() {
                         number(job_.points[3 * index + 1]) + ", " + number(job_.points[3 * index + 2]) +
                         ") is a duplicate of point " + std::to_string(*first));
     }
+    kept_order_.keep(seeds_, job_.scale);
     sorted_ = true;
+}
+
+void CpuClipper::sort_or_keep() {
+    if (sorted_) return;
+    const bool keep = job_.update && last_finished_ && seeds_.duplicates == 0 && seeds_.size() == job_.points.count() &&
+                      kept_order_.fits(job_.points, seeds_);
+    if (!keep) return sort();
+    KeptOrder::gather(job_.points, job_.scale, *pool_, seeds_);
+    sorted_ = order_kept_ = true;
+}
+
+void CpuClipper::sort_anew() {
+    sorted_ = searchable_ = order_kept_ = positions_known_ = false;
+    sort();
+    build_search();
 }
 
 void CpuClipper::build_search() {
@@ -76,8 +94,12 @@ std::span<const std::int32_t> CpuClipper::duplicate_of() {
 }
 
 void CpuClipper::clip_all(ResultBuilder& out, const Stretch& stretch) {
+    const HintUse hints{.use = std::exchange(hints_known_, false) && order_kept_, .record = job_.update};
+    if (hints.record) hints_.resize(blocks_for(seeds_.size(), block_seeds));
     clip_blocks(
-        seeds_.input, block_seeds, [](std::size_t k) { return k; }, false, out, stretch);
+        seeds_.input, block_seeds, [](std::size_t k) { return k; }, false, hints, out, stretch);
+    finished_ = !delaunay_;
+    hints_known_ = hints.record;
 }
 
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) {
@@ -89,7 +111,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     const std::size_t per_block =
         std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, block_seeds);
     clip_blocks(
-        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, stretch);
+        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, {}, out, stretch);
     for (const std::int32_t cell : kept) out.status()[static_cast<std::size_t>(cell)] = CellStatus::certified;
 }
 
@@ -132,9 +154,10 @@ CpuClipper::Worker::Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy,
 
 template <class SeedAt>
 void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
-                             bool fallback, ResultBuilder& out, const Stretch& stretch) {
+                             bool fallback, HintUse hints, ResultBuilder& out, const Stretch& stretch) {
     while (workers_.size() < pool_->size()) workers_.emplace_back(seeds_, hierarchy_, *kernels_);
     for (Worker& worker : workers_) {
+        worker.hard.clear();  // of a job that was cancelled
         worker.builder.begin_job(job_.scaled_box);
         worker.star->begin_job(job_.scaled_box);
         worker.writer.begin_job(job_, star_kernels(kernels_->name), out);
@@ -156,7 +179,8 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             if (seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
                 stretch_end = std::min(last, first + Star::most_seeds);
-                worker.star->begin(first, stretch_end, measure);
+                worker.star->begin(first, stretch_end, measure, hints.use ? &hints_[block] : nullptr,
+                                   hints.record ? &worker.found : nullptr);
             }
             worker.writer.prefetch(seed);
             if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star))
@@ -164,6 +188,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             else
                 search(seed, worker);
         }
+        if (hints.record) std::swap(hints_[block], worker.found);
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
     Progress::require(pool_->run(blocks, std::cref(task), watch));  // by reference: no allocation

@@ -11,6 +11,7 @@
 
 #include "cpu/cell.hpp"
 #include "cpu/hierarchy.hpp"
+#include "cpu/kept_order.hpp"
 #include "cpu/sort.hpp"
 
 namespace votess::cpu {
@@ -22,7 +23,8 @@ struct QueueEntry {
     std::uint32_t node;
 };
 
-// Builds cells. One per thread; holds all scratch memory.
+// Builds cells; throws NeedsSort when it meets a seed that equals that of the cell. One per thread; holds all scratch
+// memory.
 class CellBuilder {
 public:
     CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
@@ -54,6 +56,8 @@ private:
     // tests are exhausted.
     bool clip_band(std::size_t seed, double from, double to);
     void clip_far(std::size_t seed, double from);
+    // No seed has a bisector with itself.
+    void refuse_equal(double x, double y, double z) const;
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;

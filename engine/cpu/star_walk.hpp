@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cpu/hierarchy.hpp"
+#include "cpu/kept_order.hpp"
 #include "cpu/neighborhood.hpp"
 #include "cpu/star.hpp"
 #include "cpu/star_kernels.hpp"
@@ -32,26 +33,27 @@ public:
     }
 
     void begin_job(const Box& scaled_box) override { box_ = scaled_box; }
-    void begin(std::size_t first, std::size_t last, bool measure) override;
+    void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints, StarHints* found) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
 
 private:
     static constexpr double unit = 0x1p-53;
     static constexpr double float_unit = 0x1p-24;
-    static constexpr double quantum = 2;  // of window integers: more than q in star.hpp
+    static constexpr double quantum = 2;              // of window integers: more than q in star.hpp
     static constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
-    static constexpr double margin = 2e-8;  // more than the relative error of a vertex that is accepted
+    static constexpr double margin = 2e-8;            // more than the relative error of a vertex that is accepted
     static constexpr double solved_factor = 64 * unit;
     static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.9;     // of the squared security radius that is typical
-    static constexpr int most_candidates = 160;     // at first; room for others is left
-    static constexpr int most_picks = 64;           // planes tried for one vertex
-    static constexpr double ray_scale = 0x1p-112;   // (2^28 units)^-4
-    static constexpr float parallel = 0x1p-18f;     // rays nearly along a plane do not leave it
-    static constexpr int most_new = 24;             // seeds taken at once from beyond the window
+    static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.9;                    // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;                    // at first; room for others is left
+    static constexpr int most_picks = 64;                          // planes tried for one vertex
+    static constexpr double ray_scale = 0x1p-112;                  // (2^28 units)^-4
+    static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
+    static constexpr int most_new = 24;                            // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
+    static constexpr int most_hints = 32;  // of a cell
     static constexpr std::uint16_t no_slot = 255;
 
     using Wide = double __attribute__((vector_size(32), aligned(8), may_alias));
@@ -93,14 +95,17 @@ private:
     bool take_known();
     bool take_tie(const KnownVertex& known);
     bool collect_faces();
+    bool span(int a, int b, OpenEdge& edge);
     bool aim(int a, int b, OpenEdge& edge, Ray& ray);
     [[nodiscard]] int first_hit(const Ray& ray) const;
     [[nodiscard]] bool solve(const OpenEdge& edge, Third& third, Four& x) const;
     // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
     bool close(const OpenEdge& edge, const Ray& ray, int lane);
     int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane);
+    void refuse_equal(std::int32_t id, const std::int32_t* three) const;
     void keep_position(const Third& third, const Four& x);
     bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
+    void add_corner(int a, int b, int c, const Third& third, const Four& x);
     bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex);
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
@@ -121,6 +126,26 @@ private:
         const std::int32_t local = cells_.local(id);
         make_room(local);
         return slot_of(local, planes_);
+    }
+
+    // star_hints.hpp
+    [[nodiscard]] double hinted_reach() const;
+    struct Hint {
+        std::array<int, 3> slot;  // of its planes
+        bool solved;
+        int touching;   // the first candidate that touches it
+        double needed;  // squared security radius
+        Third third;    // the last of the planes
+        Four x;
+        float v[4];
+    };
+    bool take_hints();
+    [[nodiscard]] int open_side(const Hint& hint) const;
+    bool add_hinted(std::uint64_t proven);
+    bool try_near(std::uint64_t touched);
+    bool try_vertex(const OpenEdge& edge, std::int32_t id);
+    void note_found(std::int32_t a, std::int32_t b, std::int32_t c) {
+        if (found_ != nullptr) found_->add(a, b, c);
     }
 
     // star_candidates.hpp
@@ -144,17 +169,24 @@ private:
     bool window_open_ = false, measure_ = false;
     double typical_reach_ = 0;  // squared security radius that vertices of late needed
 
+    std::size_t first_ = 0;  // of the stretch
+    const StarHints* hints_ = nullptr;
+    StarHints* found_ = nullptr;
+    double hints_tried_ = 0, hints_proven_ = 0;
+    double hint_growth_ = 0;  // of the squared security radius since the last job, about
+    std::array<Hint, most_hints> hint_;
+
     std::size_t seed_ = 0;
     std::int32_t own_local_ = 0;
     exact::Point p_{};
     bool have_candidates_ = false, have_walls_ = false;
     std::int32_t own_x_ = 0;  // in the window
     CandidatePlanes candidates_;
-    int extras_ = 0;           // candidates from here on are no seeds of the window
-    double covered_ = 0;       // squared distance within which all seeds not done are candidates
-    double longest_ = 0;       // at least the length of the longest candidate normal
+    int extras_ = 0;      // candidates from here on are no seeds of the window
+    double covered_ = 0;  // squared distance within which all seeds not done are candidates
+    double longest_ = 0;  // at least the length of the longest candidate normal
     double inverse_longest_ = 0;
-    double reached_ = 0;       // largest squared security radius of the vertices found
+    double reached_ = 0;              // largest squared security radius of the vertices found
     double scale_ = 1, unscale_ = 1;  // planes and vertices times this: window units, or 1 without a window
 
     // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b; the vertex at its
@@ -189,3 +221,4 @@ private:
 #include "cpu/star_candidates.hpp"
 #include "cpu/star_edges.hpp"
 #include "cpu/star_geometry.hpp"
+#include "cpu/star_hints.hpp"

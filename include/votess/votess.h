@@ -129,6 +129,12 @@ VOTESS_API votess_status votess_tessellate(votess_tessellator* tessellator, cons
                                            const votess_options* options, votess_result** out);
 VOTESS_API votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
                                                const votess_options* options, votess_result** out);
+// The same for seeds that are those of the tessellator's last call, in the same order, each moved a little: a hint that
+// changes speed only, and the last digits of volumes, centroids and areas. See Tessellator::update() in votess.hpp.
+VOTESS_API votess_status votess_update(votess_tessellator* tessellator, const double* points, size_t count,
+                                       const votess_options* options, votess_result** out);
+VOTESS_API votess_status votess_update_f32(votess_tessellator* tessellator, const float* points, size_t count,
+                                           const votess_options* options, votess_result** out);
 VOTESS_API void votess_result_free(votess_result* result);
 
 // Arrays of a result: pointer to the first element, *length its number of elements. NULL and 0 when the array was not

@@ -203,6 +203,14 @@ public:
     [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
 
+    // The same for seeds that move: a hint that these are the seeds of the last call, in the same order, each moved by
+    // a little (some tenths of the distance to its neighbors or less). The lists are those of tessellate(); volumes,
+    // centroids and areas may differ from its in the last digits, within their precision. The CPU starts from the
+    // order and the vertices of the last call, for which it keeps some 110 bytes a seed from the first update() on.
+    // Where the hint does not hold, and on other devices, this is tessellate().
+    [[nodiscard]] Tessellation update(std::span<const double> points, const Options& options = {});
+    [[nodiscard]] Tessellation update(std::span<const float> points, const Options& options = {});
+
 private:
     std::unique_ptr<detail::TessellatorState> state_;
 };

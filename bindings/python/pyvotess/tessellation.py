@@ -256,6 +256,7 @@ def _tessellate(
     walls: bool,
     duplicates: str,
     progress: Optional[Progress],
+    function_name: str = "votess_tessellate",
 ) -> Tessellation:
     array = _as_points(points)
     wanted = _as_want(want)
@@ -272,7 +273,7 @@ def _tessellate(
     if progress is not None and not callable(progress):
         raise TypeError(f"progress must be callable, not {type(progress).__name__}")
 
-    function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
+    function = getattr(lib, function_name + ("_f32" if array.dtype == np.float32 else ""))
     result = _Handle(lib.votess_result_free)
     arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
     _run(function, arguments, options, ctypes.byref(result.pointer), progress)
@@ -376,11 +377,40 @@ class Tessellator:
         progress: Optional[Progress] = None,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
+        return self._call("votess_tessellate", points, box, want, walls, duplicates, progress)
+
+    def update(
+        self,
+        points: npt.ArrayLike,
+        box: Optional[npt.ArrayLike] = None,
+        want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
+        walls: bool = False,
+        duplicates: str = "merge",
+        progress: Optional[Progress] = None,
+    ) -> Tessellation:
+        """As :meth:`tessellate`, with the hint that these are the points of the last call, each moved a little.
+
+        The neighbor lists are the same, only found faster when the hint holds; volumes, centroids and areas may differ
+        in the last digits. On the CPU it keeps some 110 bytes a point more from the first call on; other devices ignore
+        the hint.
+        """
+        return self._call("votess_update", points, box, want, walls, duplicates, progress)
+
+    def _call(
+        self,
+        function_name: str,
+        points: Any,
+        box: Any,
+        want: Union[str, Iterable[str]],
+        walls: bool,
+        duplicates: str,
+        progress: Optional[Progress],
+    ) -> Tessellation:
         with self._alone():
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
-            return _tessellate(self._handle, options, points, box, want, walls, duplicates, progress)
+            return _tessellate(self._handle, options, points, box, want, walls, duplicates, progress, function_name)
 
     def close(self) -> None:
         """Frees device and buffers. Harmless when repeated."""
