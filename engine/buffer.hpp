@@ -22,8 +22,8 @@ class Buffer {
 
 public:
     Buffer() = default;
-    // Scattered writes to small pages are slow, for their addresses do not fit the processor's tables; but large ones are
-    // slow to come by, so only for what is written everywhere at once.
+    // Scattered writes to small pages are slow, for their addresses do not fit the processor's tables; but large ones
+    // are slow to come by, so only for what is written everywhere at once.
     enum class Pages : std::uint8_t { usual, huge };
     explicit Buffer(Pages pages) : pages_(pages) {}
     Buffer(Buffer&& other) noexcept { *this = std::move(other); }
