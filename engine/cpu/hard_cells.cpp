@@ -65,18 +65,18 @@ void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder
     std::ranges::transform(seeds, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t) { return progress_.going_on(stretch.end); };
-    const bool finished = pool_->run(
-        (cells.size() + block_cells - 1) / block_cells,
-        [&](std::size_t block, unsigned index) {
-            Worker& worker = workers_[index];
-            const std::size_t begin = block * block_cells, end = std::min(cells.size(), begin + block_cells);
-            for (std::size_t k = begin; k < end; ++k) {
-                const auto seed = static_cast<std::size_t>(seeds[k]);
-                finish(build(seed, worker), seed, worker);
-            }
-            worker.writer.end_block(cells.subspan(begin, end - begin));
-        },
-        watch);
+    const bool finished = pool_->run((cells.size() + block_cells - 1) / block_cells,
+                                     [&](std::size_t block, unsigned index) {
+                                         Worker& worker = workers_[index];
+                                         const std::size_t begin = block * block_cells,
+                                                           end = std::min(cells.size(), begin + block_cells);
+                                         for (std::size_t k = begin; k < end; ++k) {
+                                             const auto seed = static_cast<std::size_t>(seeds[k]);
+                                             finish(build(seed, worker), seed, worker);
+                                         }
+                                         worker.writer.end_block(cells.subspan(begin, end - begin));
+                                     },
+                                     watch);
     Progress::require(finished);
 }
 

@@ -44,7 +44,8 @@ void Hierarchy::fill(const SortedSeeds& seeds, std::size_t level, std::size_t in
             const Buffer<double>* coordinates[3] = {&seeds.x, &seeds.y, &seeds.z};
             const std::size_t begin = node * group_size, end = std::min(seeds.size(), begin + group_size);
             for (int k = 0; k < 3; ++k) {
-                const auto [least, most] = std::minmax_element(coordinates[k]->data() + begin, coordinates[k]->data() + end);
+                const auto [least, most] =
+                    std::minmax_element(coordinates[k]->data() + begin, coordinates[k]->data() + end);
                 block.lower[k][i] = *least, block.upper[k][i] = *most;
             }
         } else {

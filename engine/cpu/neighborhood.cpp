@@ -39,7 +39,8 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     positions_.reserve(usual_vertices * count);  // so that later jobs allocate nothing
     owners_.reserve(usual_vertices * count);
     seeds_.resize(count);
-    for (std::size_t s = 0; s < count; ++s) seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
+    for (std::size_t s = 0; s < count; ++s)
+        seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
 }
 
 std::int32_t Neighborhood::foreign(std::int32_t id) {

@@ -18,8 +18,8 @@ struct Four {
     double x[4];
 };
 
-// A vertex as a cell sees it: the three neighbors that it shares the vertex with, the outward normals of whose faces are
-// positively oriented. Or more than three, which stand in Neighborhood::tie().
+// A vertex as a cell sees it: the three neighbors that it shares the vertex with, the outward normals of whose faces
+// are positively oriented. Or more than three, which stand in Neighborhood::tie().
 struct KnownVertex {
     std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 names a tie
     std::uint32_t vertex;               // its position, see Neighborhood::position()
@@ -57,7 +57,8 @@ public:
     }
     [[nodiscard]] bool group_done(std::size_t group) const {
         const std::size_t begin = group * group_size;
-        return begin >= first_ && begin + group_size <= last_ && group_done_[(begin - first_) / group_size] == group_size;
+        return begin >= first_ && begin + group_size <= last_ &&
+               group_done_[(begin - first_) / group_size] == group_size;
     }
 
     // Stores a vertex of cells[0], a seed of the stretch, and hands it to the others, which it meets in faces whose

@@ -82,10 +82,10 @@ double StarWalk<Isa>::measure_error() const {
         for (int begin = first_corner_[v], end = first_corner_[v + 1], c = begin; c < end; ++c) {
             const int a = corners_[c], b = corners_[c + 1 == end ? begin : c + 1];
             const int w = from_vertex_[b][a];
-            bound += std::sqrt(2 * h_[b]) * unscale_ *
-                     (solved_factor * (std::sqrt(position_[v].x[3]) * length(w) +
-                                       std::sqrt(position_[w].x[3]) * length(v)) +
-                      32 * unit * length(v) * length(w));
+            bound +=
+                std::sqrt(2 * h_[b]) * unscale_ *
+                (solved_factor * (std::sqrt(position_[v].x[3]) * length(w) + std::sqrt(position_[w].x[3]) * length(v)) +
+                 32 * unit * length(v) * length(w));
         }
     return bound / 12;
 }

@@ -40,18 +40,18 @@ public:
 private:
     static constexpr double unit = 0x1p-53;
     static constexpr double float_unit = 0x1p-24;
-    static constexpr double quantum = 2;  // of window integers: more than q in star.hpp
+    static constexpr double quantum = 2;              // of window integers: more than q in star.hpp
     static constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
-    static constexpr double margin = 2e-8;  // more than the relative error of a vertex that is accepted
+    static constexpr double margin = 2e-8;            // more than the relative error of a vertex that is accepted
     static constexpr double solved_factor = 64 * unit;
     static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.9;     // of the squared security radius that is typical
-    static constexpr int most_candidates = 160;     // at first; room for others is left
-    static constexpr int most_picks = 64;           // planes tried for one vertex
-    static constexpr double ray_scale = 0x1p-112;   // (2^28 units)^-4
-    static constexpr float parallel = 0x1p-18f;     // rays nearly along a plane do not leave it
-    static constexpr int most_new = 24;             // seeds taken at once from beyond the window
+    static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.9;                    // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;                    // at first; room for others is left
+    static constexpr int most_picks = 64;                          // planes tried for one vertex
+    static constexpr double ray_scale = 0x1p-112;                  // (2^28 units)^-4
+    static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
+    static constexpr int most_new = 24;                            // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
     static constexpr int most_hints = 32;  // of a cell
     static constexpr std::uint16_t no_slot = 255;

@@ -7,7 +7,7 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t least_groups = 4;   // fewer tell nothing about the surroundings
+constexpr std::size_t least_groups = 4;  // fewer tell nothing about the surroundings
 constexpr int most_tries = 12;
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
@@ -90,9 +90,9 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
     for (auto* v : {&x_, &y_, &z_, &id_})
         if (v->size() < most) v->resize(2 * most);
     std::int32_t* const out[3] = {x_.data(), y_.data(), z_.data()};
-    count_ = kernels_.to_window({{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, kept},
-                                {box, radius * radius * (1 + 1e-12), {origin[0], origin[1], origin[2]}, scale_}, out,
-                                id_.data());
+    count_ = kernels_.to_window(
+        {{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, kept},
+        {box, radius * radius * (1 + 1e-12), {origin[0], origin[1], origin[2]}, scale_}, out, id_.data());
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
     return true;
 }

@@ -1,5 +1,5 @@
-// The seeds around a home of some consecutive sorted seeds, as integers relative to the home: differences of coordinates
-// are exact to half a unit and have all bits of a float, however far from the origin the seeds lie.
+// The seeds around a home of some consecutive sorted seeds, as integers relative to the home: differences of
+// coordinates are exact to half a unit and have all bits of a float, however far from the origin the seeds lie.
 #pragma once
 
 #include <array>

@@ -48,6 +48,18 @@ TEST_SUITE("api") {
                                     moved.tessellate(sets[0].points, test::all_options(sets[0].box))) == "");
     }
 
+    TEST_CASE("a Tessellator whose wants change gives what a new one gives") {
+        const test::PointSet set = test::uniform(test::by_size(3000, 400), 85);
+        votess::Tessellator tessellator;
+        auto options = test::all_options(set.box);
+        for (const unsigned bits : {1u, 16u, 0u, 31u, 2u, 8u, 17u, 4u, 31u}) {
+            CAPTURE(bits);
+            options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0, (bits & 16) != 0};
+            CHECK(test::check_identical(votess::tessellate(set.points, options),
+                                        tessellator.tessellate(set.points, options)) == "");
+        }
+    }
+
     TEST_CASE("a result outlives its Tessellator and its copies") {
         const test::PointSet set = test::uniform(500, 84);
         const auto expected = test::run(set);

@@ -59,8 +59,7 @@ std::string compare(const Tessellation& full, const Tessellation& parts) {
     const auto &a = full.stats(), &b = parts.stats();
     if (a.faces != b.faces || a.duplicates != b.duplicates || a.empty_cells != b.empty_cells ||
         a.mean_faces != b.mean_faces || std::abs(a.volume_sum - b.volume_sum) > 1e-9 * a.volume_sum ||
-        a.box_volume != b.box_volume ||
-        a.points != b.points || a.threads != b.threads)
+        a.box_volume != b.box_volume || a.points != b.points || a.threads != b.threads)
         return "stats differ";
     if (b.fallback_cells != b.points - b.duplicates) return "fallback_cells is wrong";
     return test::check_same_cells(full, parts);

@@ -1,5 +1,5 @@
-#include <numeric>
 #include <algorithm>
+#include <numeric>
 
 #include "bench.hpp"
 

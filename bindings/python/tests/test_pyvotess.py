@@ -647,7 +647,7 @@ class TessellatorTest(unittest.TestCase):
                 t = tessellator.tessellate(uniform(count), box=UNIT_BOX, want=EVERYTHING, walls=True)
                 alone = vt.tessellate(uniform(count), box=UNIT_BOX, want=EVERYTHING, walls=True)
                 np.testing.assert_array_equal(t.neighbors.indices, alone.neighbors.indices)
-                np.testing.assert_array_equal(t.volumes, alone.volumes)
+                np.testing.assert_allclose(t.volumes, alone.volumes, rtol=1e-12)  # another order of seeds
                 results.append((t, np.array(t.volumes)))
         for t, volumes in results:  # later calls and the end of the tessellator leave results alone
             np.testing.assert_array_equal(t.volumes, volumes)
