@@ -94,12 +94,14 @@ std::span<const std::int32_t> CpuClipper::duplicate_of() {
 }
 
 void CpuClipper::clip_all(ResultBuilder& out, const Stretch& stretch) {
-    const HintUse hints{.use = std::exchange(hints_known_, false) && order_kept_, .record = job_.update};
-    if (hints.record) hints_.resize(blocks_for(seeds_.size(), block_seeds));
+    const bool hints = job_.update;
+    if (hints) hints_.resize(blocks_for(seeds_.size(), block_seeds));
+    if (!std::exchange(hints_known_, false) || !order_kept_)
+        for (StarHints& h : hints_) h.drop();
     clip_blocks(
         seeds_.input, block_seeds, [](std::size_t k) { return k; }, false, hints, out, stretch);
     finished_ = !delaunay_;
-    hints_known_ = hints.record;
+    hints_known_ = hints;
 }
 
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) {
@@ -111,7 +113,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     const std::size_t per_block =
         std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, block_seeds);
     clip_blocks(
-        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, {}, out, stretch);
+        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, false, out, stretch);
     for (const std::int32_t cell : kept) out.status()[static_cast<std::size_t>(cell)] = CellStatus::certified;
 }
 
@@ -154,7 +156,7 @@ CpuClipper::Worker::Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy,
 
 template <class SeedAt>
 void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
-                             bool fallback, HintUse hints, ResultBuilder& out, const Stretch& stretch) {
+                             bool fallback, bool hints, ResultBuilder& out, const Stretch& stretch) {
     while (workers_.size() < pool_->size()) workers_.emplace_back(seeds_, hierarchy_, *kernels_);
     for (Worker& worker : workers_) {
         worker.hard.clear();  // of a job that was cancelled
@@ -179,8 +181,8 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             if (seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
                 stretch_end = std::min(last, first + Star::most_seeds);
-                worker.star->begin(first, stretch_end, measure, hints.use ? &hints_[block] : nullptr,
-                                   hints.record ? &worker.found : nullptr);
+                worker.star->begin(first, stretch_end, measure, hints ? &hints_[block] : nullptr,
+                                   hints ? &worker.found : nullptr);
             }
             worker.writer.prefetch(seed);
             if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star))
@@ -188,7 +190,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             else
                 search(seed, worker);
         }
-        if (hints.record) std::swap(hints_[block], worker.found);
+        if (hints) std::swap(hints_[block], worker.found);
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
     Progress::require(pool_->run(blocks, std::cref(task), watch));  // by reference: no allocation

@@ -53,13 +53,11 @@ private:
     void find_positions();
     // Fills order_.
     void put_in_sorted_order(std::span<const std::int32_t> cells);
-    struct HintUse {
-        bool use = false, record = false;
-    };
-    // cells[k] is the input index of the sorted seed seed_at(k). hints: only for blocks of block_seeds.
+    // cells[k] is the input index of the sorted seed seed_at(k). hints: use and keep hints_, only for blocks of
+    // block_seeds.
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
-                     HintUse hints, ResultBuilder& out, const Stretch& stretch);
+                     bool hints, ResultBuilder& out, const Stretch& stretch);
     void search(std::size_t seed, Worker& worker) const;
     // Writes the cell, or notes that its search was given up.
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;

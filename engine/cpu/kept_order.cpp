@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t gather_task = 32768;  // seeds per parallel task
 // Mean growth of what a group costs in searches before sorting pays: the number of windows that its box reaches into.
-constexpr double most_growth = 1.2;
+constexpr double most_growth = 1.03;
 constexpr double window_extent = 2;  // of a window, in boxes of groups
 
 template <class At>

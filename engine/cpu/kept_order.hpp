@@ -24,7 +24,7 @@ public:
     static void gather(const Points& points, double scale, ThreadPool& pool, SortedSeeds& seeds);
 
 private:
-    static constexpr std::size_t most_samples = 4096;  // groups
+    static constexpr std::size_t most_samples = 1024;  // groups
 
     [[nodiscard]] std::size_t sampled_group(std::size_t sample, std::size_t groups) const;
 

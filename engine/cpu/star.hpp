@@ -32,9 +32,9 @@ namespace votess::cpu {
 // seeds, or walls -1..-6), for a job whose seeds lie nearly the same. 110 bytes a seed.
 class StarHints {
 public:
-    // Begins anew, after `last` of the same stretch if there is one. False when hints were of no use lately: then there
-    // is nothing to take from it, and nothing to record for now.
-    bool begin(const StarHints* last);
+    // Begins anew after `last` of the same stretch. False when hints were of no use lately: then there is nothing to
+    // take from it, and nothing to record for now.
+    bool begin(const StarHints& last);
     // Before the vertices of a seed are added; s: its place in the stretch.
     void begin_seed(std::size_t s) {
         while (seeds_.size() <= s) seeds_.push_back({used_, 0});
@@ -47,8 +47,12 @@ public:
     }
     // Of the seed begun last: the largest squared security radius of its vertices.
     void set_reach(double reach2) { seeds_.back().reach2 = static_cast<float>(reach2); }
-    // Those of the last job have failed, so these will.
+    // Hints of the last job have failed, so these will.
     void give_up();
+    // The seeds have another order now.
+    void drop() {
+        if (used_ > 0) give_up();
+    }
 
     [[nodiscard]] std::span<const std::int32_t> of(std::size_t s) const {
         if (s >= seeds_.size()) return {};
@@ -69,7 +73,8 @@ private:
     std::vector<std::int32_t> ids_;
     std::uint32_t used_ = 0;
     std::vector<Seed> seeds_;       // of the stretch; the last ones may be missing
-    int wait_ = 0, next_wait_ = 1;  // jobs until the next try; doubled by each failure
+    bool useful_ = false;           // hints of the last job were, so far
+    int wait_ = 0, next_wait_ = 0;  // jobs until the next try; grows with each failure
 };
 
 class Star {
@@ -85,8 +90,8 @@ public:
     // The box of the seeds, once a job and before begin().
     virtual void begin_job(const Box& scaled_box) = 0;
     // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
-    // hints: of the same seeds in an earlier job, may be null; they change how fast vertices are found. found: becomes
-    // those for the next job, if it is not null.
+    // hints: of the same seeds in the last job; they change how fast vertices are found. found: becomes those for the
+    // next job. Both or none are null.
     virtual void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints = nullptr,
                        StarHints* found = nullptr) = 0;
     // False when the cell is beyond what this class handles: the caller clips it. Throws NeedsSort when it meets equal

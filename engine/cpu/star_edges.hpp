@@ -78,7 +78,7 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure, con
     first_ = first;
     hints_ = hints;
     found_ = found;
-    if (found != nullptr && !found->begin(hints)) hints_ = nullptr, found_ = nullptr;
+    if (found != nullptr && !found->begin(*hints)) hints_ = nullptr, found_ = nullptr;
     hints_tried_ = hints_proven_ = 0;
     hint_growth_ = 1.1;
     for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;

@@ -166,6 +166,26 @@ TEST_SUITE("update") {
         }
     }
 
+    // Few enough among many, so that the order is kept.
+    TEST_CASE("equal seeds from anywhere in an order that is kept") {
+        const std::size_t n = test::by_size(40000, 16000);
+        const auto points = test::uniform(n, 94).points;
+        votess::Options options;
+        options.device = "cpu";
+        options.box = test::unit_box();
+        test::Random random(95);
+        votess::Tessellator tessellator;
+        const auto alone = tessellator.update(points, options);
+        for (int round = 0; round < (test::reduced() ? 4 : 16); ++round) {
+            auto moved = points;
+            for (int pairs = 0; pairs <= round % 3; ++pairs) copy_seed(moved, random.below(n), random.below(n));
+            const auto t = tessellator.update(moved, options);
+            CHECK(t.stats().duplicates > 0);
+            CHECK(differ(t, votess::tessellate(moved, options)) == "");
+            CHECK(differ(tessellator.update(points, options), alone) == "");
+        }
+    }
+
     TEST_CASE("all seeds become one") {
         auto points = test::uniform(300, 84).points;
         const auto options = test::all_options(test::unit_box());
