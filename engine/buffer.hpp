@@ -48,23 +48,61 @@ public:
         size_ = count;
     }
 
-    operator std::span<T>() { return {data(), size_}; }
-    operator std::span<const T>() const { return {data(), size_}; }
-    [[nodiscard]] std::size_t size() const { return size_; }
-    [[nodiscard]] std::size_t capacity() const { return capacity_; }
-    [[nodiscard]] bool empty() const { return size_ == 0; }
-    [[nodiscard]] T* data() { return memory_.get(); }
-    [[nodiscard]] const T* data() const { return memory_.get(); }
-    [[nodiscard]] T* begin() { return data(); }
-    [[nodiscard]] T* end() { return data() + size_; }
-    [[nodiscard]] const T* begin() const { return data(); }
-    [[nodiscard]] const T* end() const { return data() + size_; }
-    [[nodiscard]] T& operator[](std::size_t i) { return memory_[i]; }
-    [[nodiscard]] const T& operator[](std::size_t i) const { return memory_.get()[i]; }
+    // Gives the memory of a large buffer back to the system but keeps its addresses, so that the next use allocates
+    // nothing. The content is lost.
+    void rest() {
+#if defined(__linux__)
+        auto* memory = reinterpret_cast<std::byte*>(memory_.get());
+        const std::size_t bytes = capacity_ * sizeof(T), before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
+        if (bytes >= least_rest && bytes >= before + huge_page)
+            madvise(memory + before, (bytes - before) / huge_page * huge_page, MADV_DONTNEED);
+#endif
+    }
+
+    operator std::span<T>() {
+        return {data(), size_};
+    }
+    operator std::span<const T>() const {
+        return {data(), size_};
+    }
+    [[nodiscard]] std::size_t size() const {
+        return size_;
+    }
+    [[nodiscard]] std::size_t capacity() const {
+        return capacity_;
+    }
+    [[nodiscard]] bool empty() const {
+        return size_ == 0;
+    }
+    [[nodiscard]] T* data() {
+        return memory_.get();
+    }
+    [[nodiscard]] const T* data() const {
+        return memory_.get();
+    }
+    [[nodiscard]] T* begin() {
+        return data();
+    }
+    [[nodiscard]] T* end() {
+        return data() + size_;
+    }
+    [[nodiscard]] const T* begin() const {
+        return data();
+    }
+    [[nodiscard]] const T* end() const {
+        return data() + size_;
+    }
+    [[nodiscard]] T& operator[](std::size_t i) {
+        return memory_[i];
+    }
+    [[nodiscard]] const T& operator[](std::size_t i) const {
+        return memory_.get()[i];
+    }
 
 private:
     static constexpr std::size_t alignment = 64;
     static constexpr std::size_t huge_page = std::size_t{2} << 20;
+    static constexpr std::size_t least_rest = std::size_t{64} << 20;  // less is not worth the page faults
 
     static T* allocate(std::size_t bytes, [[maybe_unused]] Pages pages) {
         auto* memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{alignment}));

@@ -102,6 +102,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     // Padding lies infinitely far away, so that the last group is full.
     for (auto* v : {&out.x, &out.y, &out.z})
         std::fill(v->begin() + out.size(), v->end(), std::numeric_limits<double>::infinity());
+    records_.rest();  // clipping needs much memory
 }
 
 template <class Real>
