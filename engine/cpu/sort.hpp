@@ -16,7 +16,7 @@
 namespace votess::cpu {
 
 // Sorts by scattering the seeds into buckets, stretches of the curve that fit a cache, and each bucket on its own.
-// Keeps its memory (36 bytes a seed) for the next call.
+// Needs 36 bytes a seed and keeps them for the next call, but lets the pages of large ones go.
 class SeedSorter {
 public:
     // points: 3N; each coordinate is multiplied by `scale`, a power of two. resolution: grid blocks along the longest

@@ -1,24 +1,5 @@
 // The walk compiled for processors with AVX2.
-// What stands before the pragma is compiled for any processor: functions of
-// headers are shared with other files.
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <utility>
-#include <vector>
-
-#include "cpu/hierarchy.hpp"
-#include "cpu/neighborhood.hpp"
-#include "cpu/star.hpp"
-#include "cpu/star_kernels.hpp"
-#include "cpu/window.hpp"
-#include "exact/corner.hpp"
-#include "exact/predicate.hpp"
-#include "exact/vertex.hpp"
+#include "cpu/star_context.hpp"
 
 #if defined(__x86_64__)
 #pragma GCC push_options

@@ -80,7 +80,7 @@ struct StarKernels {
     // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
     // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none. A guess:
-    // which of those within 2^-13 of the least t it is may vary.
+    // which of those within 2^-12 of the least t it is may vary.
     void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
     // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none.
     int (*touching)(const CandidatePlanes&, const float* v, const std::int32_t* three, int begin);

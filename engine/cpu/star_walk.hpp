@@ -1,25 +1,7 @@
 // The walk of star.hpp. Vectors have four lanes, of which the last is free.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cmath>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <utility>
-#include <vector>
-
-#include "cpu/hierarchy.hpp"
-#include "cpu/kept_order.hpp"
-#include "cpu/neighborhood.hpp"
-#include "cpu/star.hpp"
-#include "cpu/star_kernels.hpp"
-#include "cpu/window.hpp"
-#include "exact/corner.hpp"
-#include "exact/predicate.hpp"
-#include "exact/vertex.hpp"
+#include "cpu/star_context.hpp"
 
 namespace votess::cpu {
 

@@ -5,10 +5,11 @@
 //     for (auto j : t.neighbors(i)) ...        t.volumes()[i]
 //
 // The cell of a seed is the part of the domain that is nearer to it than to any other seed; two seeds are
-// neighbors when their cells share a polygon of positive area. Each cell is a convex polytope clipped by bisectors
-// until the security radius proves it complete (Ray, Sokolov, Lefebvre, Lévy: Meshless Voronoi on the GPU, ACM TOG
-// 37(6), 2018). Every sign that decides the topology is exact for the float64 coordinates as given, so the lists
-// are the same on any device, for any thread count, any tuning option and any order of the seeds.
+// neighbors when their cells share a polygon of positive area. Each cell is found by itself, by clipping with bisectors
+// or by walking along its edges, and complete when the security radius proves that no other seed can reach it (Ray,
+// Sokolov, Lefebvre, Lévy: Meshless Voronoi on the GPU, ACM TOG 37(6), 2018). Every sign that decides the topology is
+// exact for the float64 coordinates as given, so the lists are the same on any device, for any thread count, any tuning
+// option and any order of the seeds.
 //
 // The library never prints, never exits and keeps no global state, but for the memory that a machine has no GPU. Errors
 // are thrown as votess::Error.
@@ -204,9 +205,9 @@ public:
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
 
     // The same for seeds that move: a hint that these are the seeds of the last call, in the same order, each moved by
-    // a little (some tenths of the distance to its neighbors or less). The lists are those of tessellate(); volumes,
-    // centroids and areas may differ from its in the last digits, within their precision. The CPU starts from the
-    // order and the vertices of the last call, for which it keeps some 110 bytes a seed from the first update() on.
+    // a little (it pays up to some hundredths of the distance to neighbors). The lists are those of tessellate();
+    // volumes, centroids and areas may differ from its in the last digits, within their precision. The CPU starts from
+    // the order and the vertices of the last call, for which it keeps some 110 bytes a seed from the first update() on.
     // Where the hint does not hold, and on other devices, this is tessellate().
     [[nodiscard]] Tessellation update(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation update(std::span<const float> points, const Options& options = {});

@@ -1,0 +1,23 @@
+// All that the walk uses. Files that compile it for one instruction set include this before they choose the set: functions
+// of headers are shared with files that run on any processor.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "cpu/hierarchy.hpp"
+#include "cpu/kept_order.hpp"
+#include "cpu/neighborhood.hpp"
+#include "cpu/star.hpp"
+#include "cpu/star_kernels.hpp"
+#include "cpu/window.hpp"
+#include "exact/corner.hpp"
+#include "exact/predicate.hpp"
+#include "exact/vertex.hpp"
