@@ -80,7 +80,8 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
 }
 
 votess::Want read_want(const std::string& list) {
-    votess::Want want{.neighbors = false, .volumes = false, .centroids = false, .counts = false, .areas = false};
+    votess::Want want;
+    want.neighbors = want.volumes = false;
     for (const std::string_view word : split_at_commas(list)) {
         if (word == "neighbors") {
             want.neighbors = true;

@@ -59,6 +59,33 @@ std::span<const std::uint32_t> Tessellation::edge_counts() const noexcept {
 std::span<const std::uint32_t> Tessellation::vertex_counts() const noexcept {
     return view(result_->vertex_counts);
 }
+std::span<const double> Tessellation::face_normals() const noexcept {
+    return view(result_->face_normals);
+}
+std::span<const std::int8_t> Tessellation::shifts() const noexcept {
+    return view(result_->shifts);
+}
+std::span<const double> Tessellation::surface_areas() const noexcept {
+    return view(result_->surface_areas);
+}
+std::span<const double> Tessellation::security_radii() const noexcept {
+    return view(result_->security_radii);
+}
+std::span<const double> Tessellation::vertices() const noexcept {
+    return view(result_->vertices);
+}
+std::span<const std::int64_t> Tessellation::face_offsets() const noexcept {
+    return view(result_->face_offsets);
+}
+std::span<const std::int32_t> Tessellation::face_vertices() const noexcept {
+    return view(result_->face_vertices);
+}
+std::span<const std::int64_t> Tessellation::cell_vertex_indptr() const noexcept {
+    return view(result_->cell_vertex_indptr);
+}
+std::span<const std::int32_t> Tessellation::cell_vertex_indices() const noexcept {
+    return view(result_->cell_vertex_indices);
+}
 std::span<const CellStatus> Tessellation::status() const noexcept {
     return view(result_->status);
 }
@@ -67,6 +94,15 @@ std::span<const std::int32_t> Tessellation::duplicate_of() const noexcept {
 }
 const Box& Tessellation::box() const noexcept {
     return result_->box;
+}
+const std::array<bool, 3>& Tessellation::periodic() const noexcept {
+    return result_->periodic;
+}
+const std::optional<TriclinicBox>& Tessellation::cell() const noexcept {
+    return result_->cell;
+}
+std::span<const Wall> Tessellation::planes() const noexcept {
+    return result_->planes;
 }
 bool Tessellation::lists_walls() const noexcept {
     return result_->lists_walls;

@@ -49,7 +49,7 @@ private:
 
     ProgressCallback callback_;
     double fraction_ = 0;
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point last_{};  // long ago: the first call goes through, however short the run
 };
 
 }  // namespace votess

@@ -10,10 +10,16 @@ namespace votess::detail {
 
 struct Result {
     Box box;
+    std::array<bool, 3> periodic{};
+    std::optional<TriclinicBox> cell;
+    std::vector<Wall> planes;
     bool lists_walls = false;
     Buffer<std::int64_t> indptr;
     Buffer<std::int32_t> indices;
-    Buffer<double> volumes, centroids, face_areas;
+    Buffer<std::int8_t> shifts;
+    Buffer<double> volumes, centroids, face_areas, face_normals, surface_areas, security_radii, vertices;
+    Buffer<std::int64_t> face_offsets, cell_vertex_indptr;
+    Buffer<std::int32_t> face_vertices, cell_vertex_indices;
     Buffer<std::uint32_t> face_counts, edge_counts, vertex_counts;
     Buffer<CellStatus> status;
     Buffer<std::int32_t> duplicate_of;

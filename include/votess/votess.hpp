@@ -56,8 +56,8 @@ struct Box {
     std::array<double, 3> upper{};
 };
 
-// One byte per cell. A finished run holds only `certified` and `duplicate`; the others are reasons why one engine
-// handed a cell to the next.
+// One byte per cell. A finished run holds only `certified`, `duplicate`, `empty` and `outside`; the others are reasons
+// why one engine handed a cell to the next.
 enum class CellStatus : std::uint8_t {
     certified = 0,             // the security radius proves the cell complete, every sign is certain
     needs_exact = 1,           // a sign could not be certified in floating point
@@ -65,8 +65,25 @@ enum class CellStatus : std::uint8_t {
     vertex_overflow = 3,       // more vertices than the engine's storage holds
     candidates_exhausted = 4,  // the candidate list ended before the security radius
     duplicate = 5,             // same coordinates as a seed of lower index, which keeps the cell; this one is empty
-    empty = 6,                 // the cell has no interior
-    outside = 7,               // the seed lies outside the domain
+    empty = 6,                 // power diagrams: the cell has no interior
+    outside = 7,               // the seed lies outside a wall of Options::planes and was dropped
+};
+
+// A triclinic box, periodic along its three edge vectors, which may have any direction and handedness; its volume is
+// not 0. Its points are origin + f0 a + f1 b + f2 c with 0 <= f < 1.
+struct TriclinicBox {
+    std::array<double, 3> origin{}, a{}, b{}, c{};
+};
+
+// A wall: the domain is where normal . x <= offset. The normal has any length but 0.
+struct Wall {
+    std::array<double, 3> normal{};
+    double offset = 0;
+};
+
+enum class Outside : std::uint8_t {
+    error = 0,  // refuse the input
+    drop = 1,   // seeds outside of Options::planes get an empty cell with status `outside`
 };
 
 enum class Duplicates : std::uint8_t {
@@ -87,6 +104,11 @@ struct Want {
     bool centroids = false;  // centroids
     bool counts = false;     // face_counts, edge_counts, vertex_counts
     bool areas = false;      // face_areas; and neighbors, whose entries they belong to
+    bool normals = false;    // face_normals; and neighbors
+    bool surfaces = false;   // surface_areas
+    bool radii = false;      // security_radii
+    bool vertices = false;   // vertices, cell_vertex_indptr, cell_vertex_indices
+    bool faces = false;      // face_offsets, face_vertices; and vertices, neighbors, and walls in the rows
 };
 
 // Called from the thread that runs tessellate(), at most some ten times a second. `fraction` grows from 0 to 1.
@@ -99,8 +121,23 @@ struct Options {
     // Domain. Default: the bounds of the seeds, each side moved out by half of (longest side / cbrt(N)); when all
     // seeds coincide, by half of the largest absolute coordinate (0.5 when that is 0).
     std::optional<Box> box;
-    // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) in the rows too.
+    // Axes along which the box repeats. Seeds beyond it are wrapped into it, by a whole number of periods and without
+    // any rounding; an image of a seed is the exact sum of its coordinates and box vectors.
+    std::array<bool, 3> periodic{};
+    // Instead of box and periodic.
+    std::optional<TriclinicBox> cell;
+    // A convex polyhedron: walls that cut the box, ids -7, -8, ... in this order. Not with a periodic domain.
+    std::vector<Wall> planes;
+    Outside outside = Outside::error;
+    // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) and -7, -8, ... in the rows too.
     bool walls = false;
+    // Power diagram: N weights w, length unit squared, any sign; read only during the call. The cell of seed i is where
+    // |x - p_i|^2 - w_i is least. Empty: all weights are 0, the Voronoi diagram. Or N radii: weights are their squares,
+    // rounded to float64.
+    std::span<const double> weights, radii;
+    // Drop faces smaller than this times the mean face area of the run from rows, areas, normals and polygons; decided
+    // once per pair of cells, so that rows stay symmetric. Adds areas and neighbors. 0 drops nothing.
+    double min_face = 0;
     Want want;
     Duplicates duplicates = Duplicates::merge;
 
@@ -171,15 +208,36 @@ public:
     // surface (1e-5 with stats().precision single), so a face that is no tiny part of it has that relative error, and
     // one too small to measure may have area 0.
     [[nodiscard]] std::span<const double> face_areas() const noexcept;
+    // 3 indptr[N]: unit normal of the face behind each entry of indices, outward.
+    [[nodiscard]] std::span<const double> face_normals() const noexcept;
+    // 3 indptr[N] in a periodic domain, else empty: the number of box vectors (sx, sy, sz) that carry the neighbor to
+    // where it touches, both seeds taken where they lie inside the box. Rows are ordered by id, then shift.
+    [[nodiscard]] std::span<const std::int8_t> shifts() const noexcept;
     [[nodiscard]] std::span<const double> volumes() const noexcept;               // N, length unit cubed
     [[nodiscard]] std::span<const double> centroids() const noexcept;             // 3N, x y z absolute; NaN when empty
     [[nodiscard]] std::span<const std::uint32_t> face_counts() const noexcept;    // N, walls included
     [[nodiscard]] std::span<const std::uint32_t> edge_counts() const noexcept;    // N
     [[nodiscard]] std::span<const std::uint32_t> vertex_counts() const noexcept;  // N
-    [[nodiscard]] std::span<const CellStatus> status() const noexcept;            // N
+    [[nodiscard]] std::span<const double> surface_areas() const noexcept;         // N, walls included
+    // N: twice the distance from the seed to the farthest vertex of its cell; 0 when empty.
+    [[nodiscard]] std::span<const double> security_radii() const noexcept;
+    // The mesh. Vertices that are equal in exact arithmetic are one, shared by all cells that have it; in a periodic
+    // domain cells lie where their seeds do, so a vertex appears once for each image that some cell has.
+    [[nodiscard]] std::span<const double> vertices() const noexcept;  // 3V, absolute
+    // indptr[N]+1 and face_offsets[indptr[N]]: the polygon of each entry of indices, as vertices in counterclockwise
+    // order seen from outside the cell.
+    [[nodiscard]] std::span<const std::int64_t> face_offsets() const noexcept;
+    [[nodiscard]] std::span<const std::int32_t> face_vertices() const noexcept;
+    // N+1 and its last: the vertices of each cell, ascending.
+    [[nodiscard]] std::span<const std::int64_t> cell_vertex_indptr() const noexcept;
+    [[nodiscard]] std::span<const std::int32_t> cell_vertex_indices() const noexcept;
+    [[nodiscard]] std::span<const CellStatus> status() const noexcept;  // N
     // N when the input has duplicates, else empty: index of the seed that keeps the cell; -1 for those not duplicate.
     [[nodiscard]] std::span<const std::int32_t> duplicate_of() const noexcept;
-    [[nodiscard]] const Box& box() const noexcept;    // the domain that was used
+    [[nodiscard]] const Box& box() const noexcept;  // the domain that was used; of a triclinic one the bounds
+    [[nodiscard]] const std::array<bool, 3>& periodic() const noexcept;
+    [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
+    [[nodiscard]] std::span<const Wall> planes() const noexcept;
     [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
     [[nodiscard]] const Stats& stats() const noexcept;
 
