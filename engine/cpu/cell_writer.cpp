@@ -1,6 +1,9 @@
 #include "cpu/cell_writer.hpp"
 
 #include <algorithm>
+#include <numeric>
+
+#include "cpu/seed_images.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -40,6 +43,8 @@ bool CellWriter::write(std::size_t seed, Star& star) {
 }
 
 void CellWriter::write(std::size_t seed, Cell& cell) {
+    counters_.exact_cells += cell.used_exact() ? 1 : 0;
+    if (cell.empty()) return write_empty(seed);
     std::span<const std::int32_t> planes;
     if (need_geometry() || want_.counts || cell.met_tie()) {
         cell.canonical_faces(faces_);
@@ -48,8 +53,9 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
         cell.face_planes(planes_);
         planes = planes_;
     }
+    constexpr std::size_t least_faces = 4;
+    if (planes.size() < least_faces) return write_empty(seed);  // flat
     counters_.faces += planes.size();
-    counters_.exact_cells += cell.used_exact() ? 1 : 0;
     if (need_geometry()) {
         const CellGeometry geometry = cell.measure(faces_, want_.areas ? &face_areas_ : nullptr);
         write_geometry(seed, geometry.volume, geometry.centroid.data());
@@ -60,6 +66,12 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
         write_row(ids_, want_.areas ? face_areas_.data() : nullptr);
     }
     write_counts(seed, planes.size(), faces_.edge_count, faces_.vertex_count);
+}
+
+void CellWriter::write_empty(std::size_t seed) {
+    out_->set_empty(static_cast<std::size_t>(seeds_.input[seed]), CellStatus::empty);
+    ++counters_.empty_cells;
+    leave_out();
 }
 
 void CellWriter::write_geometry(std::size_t seed, double volume, const double* centroid) {
@@ -78,6 +90,19 @@ void CellWriter::write_counts(std::size_t seed, std::size_t faces, std::uint32_t
     out_->vertex_counts()[input] = vertices;
 }
 
+std::int32_t CellWriter::input_of(std::int32_t id) const {
+    const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
+    return seeds_.input[static_cast<std::size_t>(home)];
+}
+
+// The same id may stand there several times.
+void CellWriter::rank_images(std::span<const std::int32_t> ids) {
+    order_.resize(ids.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    std::ranges::stable_sort(order_, {}, [&](std::uint16_t k) { return ids[k]; });
+    for (std::size_t place = 0; place < order_.size(); ++place) places_[order_[place]] = static_cast<std::uint16_t>(place);
+}
+
 void CellWriter::write_row(std::span<const std::int32_t> ids, const double* areas) {
     if (rows_.size() < rows_size_ + 2 * ids.size()) {
         rows_.resize(std::max(usual_rows, 2 * rows_.size()) + 2 * ids.size());
@@ -90,12 +115,15 @@ void CellWriter::write_row(std::span<const std::int32_t> ids, const double* area
     if (areas != nullptr && kept_areas_.size() < ids.size()) kept_areas_.resize(2 * ids.size());
     for (std::size_t k = 0; k < ids.size(); ++k) {
         const std::int32_t id = ids[k];
-        unsorted[count] = id < 0 ? id : seeds_.input[static_cast<std::size_t>(id)];
+        unsorted[count] = id < 0 ? id : input_of(id);
         if (areas != nullptr) kept_areas_[static_cast<std::size_t>(count)] = areas[k];
         count += (id >= 0 || walls_) ? 1 : 0;
     }
     if (places_.size() < ids.size()) places_.resize(2 * ids.size());
-    kernels_->rank(unsorted, count, places_.data());
+    if (seeds_.images == nullptr)
+        kernels_->rank(unsorted, count, places_.data());
+    else
+        rank_images({unsorted, static_cast<std::size_t>(count)});
     for (int k = 0; k < count; ++k) row[places_[static_cast<std::size_t>(k)]] = unsorted[k];
     if (areas != nullptr)
         for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)

@@ -33,8 +33,11 @@ public:
 
 private:
     [[nodiscard]] bool need_geometry() const { return want_.volumes || want_.centroids || want_.areas; }
+    void write_empty(std::size_t seed);
     void write_geometry(std::size_t seed, double volume, const double* centroid);
     void write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
+    [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
+    void rank_images(std::span<const std::int32_t> ids);
     // ids: sorted seeds or walls, any number; areas: beside them, or null.
     void write_row(std::span<const std::int32_t> ids, const double* areas);
 
@@ -53,7 +56,7 @@ private:
     CellFaces faces_;
     std::vector<std::int32_t> ids_, planes_;
     std::vector<double> face_areas_, kept_areas_;
-    std::vector<std::uint16_t> places_;
+    std::vector<std::uint16_t> places_, order_;
 };
 
 }  // namespace votess::cpu
