@@ -51,8 +51,7 @@ void MeshBuilder::add(std::span<const std::int32_t> cells, const MeshBlock& bloc
     }
     if (!bytes.empty()) std::memcpy(to, bytes.data(), bytes.size());
     for (std::size_t k = 0; k < cells.size(); ++k)
-        if (block.begins()[k] != MeshBlock::none)
-            records_[static_cast<std::size_t>(cells[k])] = to + block.begins()[k];
+        if (block.begins()[k] != MeshBlock::none) records_[static_cast<std::size_t>(cells[k])] = to + block.begins()[k];
 }
 
 void MeshBuilder::finish(detail::Result& result, ThreadPool& pool) {

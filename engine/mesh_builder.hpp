@@ -1,8 +1,8 @@
 // The mesh of a result: cells wait as records until all rows are known; then vertices that are one are merged.
 //
-// Two cells of a face have the same polygon, one clockwise where the other is counterclockwise, so matching the polygons
-// of all faces by a turn tells which vertices are one: those around a vertex are joined by faces that end there. Nothing
-// else is compared, no position across cells, so the mesh is as exact as the cells are.
+// Two cells of a face have the same polygon, one clockwise where the other is counterclockwise, so matching the
+// polygons of all faces by a turn tells which vertices are one: those around a vertex are joined by faces that end
+// there. Nothing else is compared, no position across cells, so the mesh is as exact as the cells are.
 #pragma once
 
 #include <mutex>

@@ -58,7 +58,8 @@ std::size_t FaceMatcher::find_entry(std::size_t cell, const FaceLabel& wanted) c
 }
 
 void FaceMatcher::unite_faces(std::size_t i) {
-    const auto begin = static_cast<std::size_t>(result_.indptr[i]), end = static_cast<std::size_t>(result_.indptr[i + 1]);
+    const auto begin = static_cast<std::size_t>(result_.indptr[i]),
+               end = static_cast<std::size_t>(result_.indptr[i + 1]);
     if (MeshCellView(records_[i]).faces() != end - begin) bug(i, static_cast<std::int32_t>(i));
     const FaceLabel own{static_cast<std::int32_t>(i), {}};
     for (std::size_t entry = begin; entry < end; ++entry) {
@@ -78,7 +79,8 @@ void FaceMatcher::unite_face(const Face& face, const Face& other, const Shift& s
     const MeshCellView a(records_[face.cell]), b(records_[other.cell]);
     const std::uint32_t a_begin = a.begin(face.row), b_begin = b.begin(other.row);
     const std::uint32_t count = a.end(face.row) - a_begin;
-    if (b.faces() <= other.row || b.end(other.row) - b_begin != count) bug(face.cell, static_cast<std::int32_t>(other.cell));
+    if (b.faces() <= other.row || b.end(other.row) - b_begin != count)
+        bug(face.cell, static_cast<std::int32_t>(other.cell));
     std::uint32_t turn = 1;  // both begin with the same edge
     if (!same(a.beginning(face.row), b.beginning(other.row), shift)) {
         bool clear = false;

@@ -23,10 +23,10 @@ struct FaceLabel {
 };
 
 struct MeshCell {
-    std::array<double, 3> origin{};       // absolute
-    std::span<const double> positions;    // 3 for each vertex, from the origin
+    std::array<double, 3> origin{};         // absolute
+    std::span<const double> positions;      // 3 for each vertex, from the origin
     std::span<const FaceLabel> beginnings;  // for each face: that of the face across its first edge
-    std::span<const std::uint32_t> ends;  // for each face, of its corners
+    std::span<const std::uint32_t> ends;    // for each face, of its corners
     std::span<const std::uint32_t> corners;
 };
 

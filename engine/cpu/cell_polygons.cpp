@@ -21,7 +21,8 @@ void read_polygons(const Cell& cell, const CellFaces& faces, CellPolygons& out) 
     ends.reserve(out.corners.size());
     for (std::size_t f = 0; f < faces.size(); ++f)
         for (std::uint32_t k = out.offsets[f]; k < out.offsets[f + 1]; ++k) {
-            const std::uint32_t v = out.corners[k], w = out.corners[k + 1 == out.offsets[f + 1] ? out.offsets[f] : k + 1];
+            const std::uint32_t v = out.corners[k],
+                                w = out.corners[k + 1 == out.offsets[f + 1] ? out.offsets[f] : k + 1];
             ends.push_back({std::min(v, w), std::max(v, w), static_cast<std::uint32_t>(f), k});
         }
     std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {

@@ -14,8 +14,8 @@ struct CellFaces;
 // Face f has the corners offsets[f]..offsets[f+1), counterclockwise seen from outside.
 struct CellPolygons {
     std::vector<std::uint32_t> offsets{0};
-    std::vector<std::uint32_t> corners;  // vertices: places in `positions`, which may have others, too
-    std::vector<std::uint32_t> beside;   // the face on the other side of the edge that begins at the corner
+    std::vector<std::uint32_t> corners;            // vertices: places in `positions`, which may have others, too
+    std::vector<std::uint32_t> beside;             // the face on the other side of the edge that begins at the corner
     std::vector<std::array<double, 3>> positions;  // relative to the seed, scaled
 
     [[nodiscard]] std::size_t size() const { return offsets.size() - 1; }

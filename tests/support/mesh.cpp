@@ -97,7 +97,8 @@ std::string check_geometry(const Tessellation& t, std::span<const double> points
     double closed[3]{}, sum = 0;
     for (auto e = at(t.indptr()[i]); e < at(t.indptr()[i + 1]); ++e) {
         const double* n = t.face_normals().data() + 3 * e;
-        if (std::abs(std::hypot(n[0], n[1], n[2]) - 1) > 1e-15) return (Line() + "cell " + i + ": no unit normal").str();
+        if (std::abs(std::hypot(n[0], n[1], n[2]) - 1) > 1e-15)
+            return (Line() + "cell " + i + ": no unit normal").str();
         const std::int32_t j = t.indices()[e];
         double height = 0;
         if (j < 0) {
@@ -110,7 +111,8 @@ std::string check_geometry(const Tessellation& t, std::span<const double> points
             const double d = std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]);
             height = d / 2;
             for (int k = 0; k < 3; ++k)
-                if (std::abs((q[k] - p[k]) / d - n[k]) > 1e-15) return (Line() + "cell " + i + ": normal of " + j).str();
+                if (std::abs((q[k] - p[k]) / d - n[k]) > 1e-15)
+                    return (Line() + "cell " + i + ": normal of " + j).str();
         }
         const auto corners = polygon(t, e);
         const double* first = t.vertices().data() + 3 * at(corners[0]);
@@ -133,12 +135,15 @@ std::string check_geometry(const Tessellation& t, std::span<const double> points
         }
         const double area = (doubled[0] * n[0] + doubled[1] * n[1] + doubled[2] * n[2]) / 2;
         if (std::abs(area - t.face_areas()[e]) > 1e-9 * surface + 4 * place * rim)
-            return (Line() + "cell " + i + ": the polygon with " + j + " has area " + area + ", not " + t.face_areas()[e]).str();
+            return (Line() + "cell " + i + ": the polygon with " + j + " has area " + area + ", not " +
+                    t.face_areas()[e])
+                .str();
         sum += t.face_areas()[e];
         for (int k = 0; k < 3; ++k) closed[k] += t.face_areas()[e] * n[k];
     }
     if (std::abs(sum - surface) > 1e-12 * surface) return (Line() + "cell " + i + ": surface area").str();
-    if (std::hypot(closed[0], closed[1], closed[2]) > 1e-9 * surface) return (Line() + "cell " + i + " is not closed").str();
+    if (std::hypot(closed[0], closed[1], closed[2]) > 1e-9 * surface)
+        return (Line() + "cell " + i + " is not closed").str();
     if (std::abs(farthest - reach) > 1e-9 * reach + 4e-16 * largest)
         return (Line() + "cell " + i + ": security radius " + t.security_radii()[i] + ", not " + 2 * farthest).str();
     return {};
@@ -151,7 +156,8 @@ std::string check_sides(const Tessellation& t) {
             const std::int32_t j = t.neighbors(i)[k];
             if (j < static_cast<std::int32_t>(i)) continue;
             const auto row = t.neighbors(at(j));
-            const auto back = static_cast<std::size_t>(std::ranges::lower_bound(row, static_cast<std::int32_t>(i)) - row.begin());
+            const auto back =
+                static_cast<std::size_t>(std::ranges::lower_bound(row, static_cast<std::int32_t>(i)) - row.begin());
             const auto here = polygon(t, at(t.indptr()[i]) + k), there = polygon(t, at(t.indptr()[at(j)]) + back);
             const auto start = static_cast<std::size_t>(std::ranges::find(there, here[0]) - there.begin());
             bool equal = here.size() == there.size();
@@ -168,8 +174,10 @@ std::string check_complex(const Tessellation& t) {
     for (std::size_t i = 0; i < t.size(); ++i) {
         if (t.status()[i] == votess::CellStatus::certified) ++cells;
         for (auto e = at(t.indptr()[i]); e < at(t.indptr()[i + 1]); ++e) {
-            if (t.indices()[e] < static_cast<std::int32_t>(i)) faces += t.indices()[e] < 0 ? 1 : 0;
-            else ++faces;
+            if (t.indices()[e] < static_cast<std::int32_t>(i))
+                faces += t.indices()[e] < 0 ? 1 : 0;
+            else
+                ++faces;
             const auto p = polygon(t, e);
             for (std::size_t k = 0; k < p.size(); ++k) {
                 const std::int32_t v = p[k], w = p[(k + 1) % p.size()];
@@ -182,7 +190,8 @@ std::string check_complex(const Tessellation& t) {
     const auto euler = static_cast<std::int64_t>(t.vertices().size() / 3 - edges.size() + faces - cells);
     if (t.size() > 0 && euler != 1)
         return (Line() + "V - E + F - C = " + t.vertices().size() / 3 + " - " + edges.size() + " + " + faces + " - " +
-                cells + " = " + euler).str();
+                cells + " = " + euler)
+            .str();
     return {};
 }
 

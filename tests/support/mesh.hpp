@@ -7,8 +7,8 @@
 
 namespace test {
 
-// Box domains, everything wanted. Polygons are closed cells, equal on both sides of a face; vertices lie on their planes;
-// the whole is a complex that fills the box: V - E + F - C = 1.
+// Box domains, everything wanted. Polygons are closed cells, equal on both sides of a face; vertices lie on their
+// planes; the whole is a complex that fills the box: V - E + F - C = 1.
 std::string check_mesh(const votess::Tessellation& t, std::span<const double> points);
 
 // For a box: how many cells share each vertex.
