@@ -26,7 +26,7 @@ struct Points {
 struct Job {
     Points points;
     Options options;
-    Box box;  // as given
+    Box box;                // as given
     double box_volume = 0;  // of the domain, as given
     double scale = 1;
     std::shared_ptr<const Domain> domain;  // times scale

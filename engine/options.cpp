@@ -9,6 +9,7 @@
 
 #include "cpu/cell.hpp"
 #include "cpu/kernels.hpp"
+#include "implied_wants.hpp"
 
 namespace votess {
 namespace {
@@ -263,7 +264,7 @@ Job validate(const Points& points, const Options& options) {
     Job job;
     job.points = points;
     job.options = options;
-    job.options.want.neighbors |= job.options.want.areas;
+    add_implied(job.options);
     if (options.cell) {
         job.box = triclinic_domain(*options.cell).box;
     } else if (options.box) {

@@ -300,8 +300,8 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
     return clip(make_plane(seed_, id, source, shift));
 }
 
-// In a power diagram, where the bisector of a seed farther behind lies on that of a face: whether it is so, and then the
-// face is the other seed's, for beyond the plane its power is the least.
+// In a power diagram, where the bisector of a seed farther behind lies on that of a face: whether it is so, and then
+// the face is the other seed's, for beyond the plane its power is the least.
 bool Cell::take_over(const CellPlane& plane, int slot) {
     for (const std::int32_t p : corners_[slot].plane) {
         CellPlane& face = planes_[p];
@@ -314,12 +314,8 @@ bool Cell::take_over(const CellPlane& plane, int slot) {
 }
 
 bool Cell::clip(const CellPlane& plane) {
-    const FilterPlane filter{plane.n[0],
-                             plane.n[1],
-                             plane.n[2],
-                             plane.h,
-                             plane.norm,
-                             plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
+    const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
+                             plane.h,    plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
     const int words = (slots_ + word_slots - 1) / word_slots;
     bool any = false;
     for (int w = 0; w < words; ++w) {

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "implied_wants.hpp"
 #include "options.hpp"
 
 namespace votess::cpu {
@@ -139,8 +140,8 @@ void CpuClipper::set_empty(ResultBuilder& out) const {
 
 void CpuClipper::sort_or_keep() {
     if (sorted_) return;
-    const bool keep = job_.update && job_.domain->is_plain() && last_finished_ && seeds_.duplicates == 0 && seeds_.size() == job_.points.count() &&
-                      kept_order_.fits(job_.points, seeds_);
+    const bool keep = job_.update && job_.domain->is_plain() && last_finished_ && seeds_.duplicates == 0 &&
+                      seeds_.size() == job_.points.count() && kept_order_.fits(job_.points, seeds_);
     if (!keep) return sort();
     KeptOrder::gather(job_.points, job_.scale, *pool_, seeds_);
     sorted_ = order_kept_ = true;
@@ -243,8 +244,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
         worker.writer.begin_job(job_, star_kernels(kernels_->name), out);
     }
     const std::size_t blocks = blocks_for(cells.size(), block_cells);
-    const Want& want = job_.options.want;
-    const bool measure = want.volumes || want.centroids || want.areas;
+    const bool measure = needs_geometry(job_.options.want);
     const bool walks = !job_.domain->has_weights() && job_.domain->walls.empty();
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t done) { return progress_.going_on(stretch.at(done, blocks)); };
@@ -264,7 +264,8 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
                                    hints ? &worker.found : nullptr);
             }
             worker.writer.prefetch(seed);
-            if (walks && worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star))
+            if (walks && worker.budget.worth_a_star() && worker.star->build(seed) &&
+                worker.writer.write(seed, *worker.star))
                 worker.budget.star_done();
             else
                 search(seed, worker);
@@ -286,8 +287,7 @@ void CpuClipper::search(std::size_t seed, Worker& worker) const {
 
 void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
     if (cell != nullptr) {
-        const Want& want = job_.options.want;
-        const bool measure = want.volumes || want.centroids || want.areas;
+        const bool measure = needs_geometry(job_.options.want);
         worker.writer.write(seed, measure ? worker.builder.again(worker.faces) : *cell);
     } else {
         worker.hard.push_back(static_cast<std::int32_t>(seed));

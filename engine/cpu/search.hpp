@@ -30,8 +30,8 @@ class CellBuilder {
 public:
     CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
 
-    // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory. The domain stays with
-    // the caller.
+    // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory. The domain stays
+    // with the caller.
     void begin_job(const Domain& domain);
     // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
     Cell& build(std::size_t seed) { return *build(seed, std::numeric_limits<std::size_t>::max()); }
@@ -72,9 +72,9 @@ private:
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
     Cell cell_;
-    bool plain_ = true;      // neither images nor weights
-    double rounding_ = 0;    // of distances to images
-    double more_weight_ = 0; // by which any weight may exceed that of the seed
+    bool plain_ = true;        // neither images nor weights
+    double rounding_ = 0;      // of distances to images
+    double more_weight_ = 0;   // by which any weight may exceed that of the seed
     SeedImages::Base base_{};  // of the seed
 
     std::size_t group_ = ~std::size_t{0};

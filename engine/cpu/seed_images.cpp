@@ -85,8 +85,7 @@ bool SeedImages::part_false_duplicates(const SortedSeeds& seeds) {
         const auto j = static_cast<std::size_t>(other);
         exact::Shift shift;
         for (int k = 0; k < 3; ++k) shift[k] = wraps_[j][k] - wraps_[i][k];
-        const exact::Plane bisector =
-            exact::Plane::bisector(point_of(points_, j, scale_), shift, domain_->lattice);
+        const exact::Plane bisector = exact::Plane::bisector(point_of(points_, j, scale_), shift, domain_->lattice);
         const auto n = exact::difference<exact::Quad>(point_of(points_, i, scale_), bisector);
         if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;
         wrapped_[3 * i] = std::nextafter(wrapped_[3 * i], std::numeric_limits<double>::infinity());

@@ -59,10 +59,10 @@ private:
     const SortedSeeds* seeds_ = nullptr;
     Points points_;
     double scale_ = 1;
-    std::array<double, 3> margin_{};     // of the box, in fractions
-    std::vector<exact::Shift> wraps_;    // by input; empty when all seeds lie inside
-    std::vector<double> wrapped_;        // 3N coordinates, with wraps_
-    std::size_t first_ = 0;              // id of the first image
+    std::array<double, 3> margin_{};   // of the box, in fractions
+    std::vector<exact::Shift> wraps_;  // by input; empty when all seeds lie inside
+    std::vector<double> wrapped_;      // 3N coordinates, with wraps_
+    std::size_t first_ = 0;            // id of the first image
     std::vector<std::int32_t> home_;
     std::vector<exact::Shift> shift_;
     std::vector<std::array<double, 3>> low_;  // by id

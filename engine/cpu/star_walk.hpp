@@ -21,6 +21,9 @@ public:
     void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints, StarHints* found) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
+    void polygons(CellPolygons& out) const override;
+    double farthest_squared() const override;
+    void normals(std::vector<std::array<double, 3>>& out) override;
 
 private:
     static constexpr double unit = 0x1p-53;
@@ -33,7 +36,7 @@ private:
     static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
     static constexpr double reach_margin = 1.9;                    // of the squared security radius that is typical
     static constexpr int most_candidates = 160;                    // at first; room for others is left
-    static constexpr double least_image_vertex2 = 0x1p36;  // of squared window units, where images are rounded
+    static constexpr double least_image_vertex2 = 0x1p36;          // of squared window units, where images are rounded
     static constexpr int most_picks = 64;                          // planes tried for one vertex
     static constexpr double ray_scale = 0x1p-112;                  // (2^28 units)^-4
     static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it

@@ -88,7 +88,8 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
     // Twice the extent, times the scale, is at most window_range * (1 - 2^-20): the rounding of origin and extent.
     scale_ = std::ldexp(1.0, 28 - std::ilogb(extent) - 1);
     // Images have been rounded, seeds have not.
-    if (seeds_.images != nullptr && seeds_.images->largest_coordinate() * 0x1p-53 * scale_ > most_rounding) return false;
+    if (seeds_.images != nullptr && seeds_.images->largest_coordinate() * 0x1p-53 * scale_ > most_rounding)
+        return false;
     reach_ = radius;
 
     const std::size_t most = group_count_ * group_size + 16;

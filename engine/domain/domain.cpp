@@ -107,8 +107,7 @@ int fraction_sign(const Domain& domain, const exact::Point& x, const exact::Shif
         const int times = shift[i] - (i == j ? less : 0);
         if (times == 0) continue;
         const Wide v = vector(i);
-        for (int k = 0; k < 3; ++k)
-            d[k] = d[k] + exact::resize<W>(v[k] * exact::from_int128<1>(times));
+        for (int k = 0; k < 3; ++k) d[k] = d[k] + exact::resize<W>(v[k] * exact::from_int128<1>(times));
     }
     if (!domain.triclinic) return d[j].sign();
     const auto across = exact::cross(vector((j + 1) % 3), vector((j + 2) % 3));

@@ -21,10 +21,10 @@ struct Domain {
     // Periodic domains: its points are origin + f.vectors, with 0 <= f < 1 along periodic axes.
     bool triclinic = false;
     exact::Point origin{};
-    exact::Lattice lattice;                                // zero along axes that are not periodic
-    std::array<std::array<double, 3>, 3> vector{};         // the same, rounded
-    std::array<std::array<double, 3>, 3> to_fraction{};    // f_j = to_fraction[j].(x - origin)
-    std::array<double, 3> width{};                         // between opposite faces
+    exact::Lattice lattice;                              // zero along axes that are not periodic
+    std::array<std::array<double, 3>, 3> vector{};       // the same, rounded
+    std::array<std::array<double, 3>, 3> to_fraction{};  // f_j = to_fraction[j].(x - origin)
+    std::array<double, 3> width{};                       // between opposite faces
     // Short vectors of the lattice that span it, in whole multiples of its vectors; of periodic axes only.
     std::array<exact::Shift, 3> short_vectors{};
     std::array<std::array<double, 3>, 3> to_short{};  // x = k.short_vectors with k_j = to_short[j].x

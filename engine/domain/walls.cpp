@@ -33,12 +33,12 @@ exact::Plane domain_wall(const Wall& wall, double scale, const std::string& name
     double largest = 0;
     for (const double n : wall.normal) {
         if (!std::isfinite(n))
-            throw Error(ErrorCode::invalid_argument, name + ": its normal holds " + number(n) + ", which is not finite");
+            throw Error(ErrorCode::invalid_argument,
+                        name + ": its normal holds " + number(n) + ", which is not finite");
         largest = std::max(largest, std::abs(n));
     }
     if (!std::isfinite(wall.offset))
-        throw Error(ErrorCode::invalid_argument,
-                    name + ": its offset " + number(wall.offset) + " is not finite");
+        throw Error(ErrorCode::invalid_argument, name + ": its offset " + number(wall.offset) + " is not finite");
     if (largest == 0) throw Error(ErrorCode::invalid_argument, name + ": its normal is 0: give a direction");
     // In two steps, for the power of two itself may be beyond the range.
     const int exponent = -std::ilogb(largest);

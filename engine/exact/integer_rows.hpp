@@ -153,8 +153,7 @@ WideRow<W> wide_row(const Difference& d, bool bisector) {
 template <int W>
 void add_power(const Plane& plane, int quantum, WideRow<W>& row) {
     if (!plane.has_power()) return;
-    row.s =
-        row.s + to_wide<2 * W>(plane.power.high, 2 * quantum) + to_wide<2 * W>(plane.power.low, 2 * quantum);
+    row.s = row.s + to_wide<2 * W>(plane.power.high, 2 * quantum) + to_wide<2 * W>(plane.power.low, 2 * quantum);
 }
 
 // The power of two that brings the normal of a wall to integers; at most 1.

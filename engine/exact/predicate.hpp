@@ -31,10 +31,10 @@ struct Lattice {
 struct Plane {
     enum class Kind : std::uint8_t { bisector, lower_wall, upper_wall, wall };
     Kind kind = Kind::bisector;
-    int axis = 0;       // lower_wall, upper_wall
-    Point seed{};       // bisector: coordinates of q; wall: its normal, of order one
-    double wall = 0;    // where the wall is, or the offset d
-    Shift shift{};      // bisector: added to q, in vectors of the lattice
+    int axis = 0;                      // lower_wall, upper_wall
+    Point seed{};                      // bisector: coordinates of q; wall: its normal, of order one
+    double wall = 0;                   // where the wall is, or the offset d
+    Shift shift{};                     // bisector: added to q, in vectors of the lattice
     const Lattice* lattice = nullptr;  // null when shift is 0
     DoubleDouble power{};              // bisector: w_p - w_q, exact
 
