@@ -14,6 +14,7 @@ namespace {
 // Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
+    std::optional<std::string> dataset, frame, weights, radii;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
     bool walls = false, verify = false, json = false, quiet = false;
@@ -27,6 +28,10 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("INPUT", typed.input);
     app.add_option("--random", typed.random);
     app.add_option("--rng-seed", typed.rng_seed);
+    app.add_option("--dataset", typed.dataset);
+    app.add_option("--frame", typed.frame);
+    app.add_option("--weights", typed.weights);
+    app.add_option("--radii", typed.radii);
     app.add_option("-o,--output", typed.outputs)->allow_extra_args(false);
     app.add_option("--format", typed.format);
     app.add_option("--want", typed.want);
@@ -149,6 +154,24 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (typed.input->empty()) throw bad_input("INPUT is empty: give a file, or - for stdin");
         arguments.input = *typed.input;
     }
+    if (typed.random && (typed.dataset || typed.frame)) {
+        throw bad_input("--dataset and --frame go with INPUT, not with --random");
+    }
+    if (typed.weights && typed.radii) throw bad_input("give either --weights or --radii, not both");
+    if (const auto& column = typed.weights ? typed.weights : typed.radii) {
+        const char* const option = typed.weights ? "--weights" : "--radii";
+        if (typed.random) throw bad_input(std::string(option) + " goes with INPUT, not with --random");
+        if (column->empty()) throw bad_input(std::string(option) + " is empty: give the name or number of a column");
+        arguments.read.column = *column;
+        arguments.column_holds_radii = typed.radii.has_value();
+    }
+    if (typed.dataset) {
+        if (typed.dataset->empty()) throw bad_input("--dataset is empty: give the name of the points in the file");
+        arguments.read.dataset = *typed.dataset;
+    }
+    if (typed.frame) {
+        arguments.read.frame = whole_number("--frame", *typed.frame, std::numeric_limits<std::uint64_t>::max());
+    }
     if (typed.random) {
         arguments.random_count = whole_number("--random", *typed.random, std::numeric_limits<std::int32_t>::max());
         arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, 1}};
@@ -165,13 +188,12 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     if (typed.format) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*typed.format);
-        if (arguments.format.needs_walls() && !typed.walls)
-            throw bad_input("--format has %F, the area of the whole surface: add --walls");
     }
     const bool to_stdout = std::count(arguments.outputs.begin(), arguments.outputs.end(), "-") > 0;
     if (to_stdout && typed.json) throw bad_input("-o - and --json both go to stdout: give the output a file name");
     if (typed.want) arguments.wanted = read_want(*typed.want);
     if (text) arguments.format.add_needs(arguments.wanted);
+    for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
 }
 
 }  // namespace
