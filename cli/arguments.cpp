@@ -85,22 +85,29 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
 }
 
 votess::Want read_want(const std::string& list) {
-    votess::Want want;
+    struct Word {
+        std::string_view name;
+        bool votess::Want::*wish;
+    };
+    using votess::Want;
+    constexpr Word words[] = {{"neighbors", &Want::neighbors}, {"volumes", &Want::volumes},
+                              {"centroids", &Want::centroids}, {"counts", &Want::counts},
+                              {"areas", &Want::areas},         {"normals", &Want::normals},
+                              {"surfaces", &Want::surfaces},   {"radii", &Want::radii},
+                              {"vertices", &Want::vertices},   {"faces", &Want::faces}};
+    Want want;
     want.neighbors = want.volumes = false;
-    for (const std::string_view word : split_at_commas(list)) {
-        if (word == "neighbors") {
-            want.neighbors = true;
-        } else if (word == "volumes") {
-            want.volumes = true;
-        } else if (word == "centroids") {
-            want.centroids = true;
-        } else if (word == "areas") {
-            want.areas = want.neighbors = true;
-        } else {
-            throw bad_input("--want has the word " + in_quotes(word) +
-                            ", this version knows neighbors, volumes, centroids and areas");
+    for (const std::string_view name : split_at_commas(list)) {
+        const auto* const word = std::ranges::find(words, name, &Word::name);
+        if (word == std::end(words)) {
+            throw bad_input("--want has the word " + in_quotes(name) +
+                            ", known are neighbors, volumes, centroids, counts, areas, normals, surfaces, radii, "
+                            "vertices and faces");
         }
+        want.*(word->wish) = true;
     }
+    want.vertices |= want.faces;
+    want.neighbors |= want.areas || want.normals || want.faces;
     return want;
 }
 

@@ -1,4 +1,4 @@
-// HDF5's numbers for open things, closed when they go out of scope; its own messages on stderr are turned off.
+// HDF5's numbers for open things, closed when they go out of scope.
 #pragma once
 
 #include <hdf5.h>
@@ -34,7 +34,9 @@ private:
     Close close_ = nullptr;
 };
 
-inline void silence_hdf5() {
+// No messages of its own on stderr; no work of its own at exit, where it would go on writing a file that failed.
+inline void begin_hdf5() {
+    H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 

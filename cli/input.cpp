@@ -12,8 +12,7 @@ constexpr const char* known =
     "known are .xyz .txt .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, and text on stdin as -";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
-    const bool hdf5 = extension == ".h5" || extension == ".hdf5";
-    if (!request.dataset.empty() && !hdf5 && extension != ".npz") {
+    if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
         throw bad_input("--dataset goes with .h5, .hdf5 and .npz only, not with " + in_quotes(path));
     }
     if (request.frame && extension != ".dump" && extension != ".lammpstrj") {
@@ -39,8 +38,9 @@ std::string extension_of(const std::string& path) {
 
 Input read_input(const std::string& path, const ReadRequest& request) {
     const std::string extension = path == "-" ? ".txt" : extension_of(path);
-    if (extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path)) return read_hdf5(path, request);
-    refuse_options_of_others(path, extension, request);
+    const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
+    refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
+    if (hdf5) return read_hdf5(path, request);
     if (extension == ".npy") {
         if (!request.column.empty()) throw bad_input(path + ": one array has no column " + in_quotes(request.column));
         return read_npy(path);

@@ -196,6 +196,7 @@ public:
         append(first, true);
         for (std::uint64_t part = 1; static_cast<double>(part) < files; ++part)
             append(Hdf5File(name->file(part)), true);
+        if (!found_) throw no_dataset(first);
         check_total(first);
         input_.note = to_text(files) + " files of a snapshot";
         return std::move(input_);
@@ -231,18 +232,23 @@ private:
                         box_hint(file));
     }
 
+    [[nodiscard]] Failure no_dataset(const Hdf5File& file) const {
+        std::string list;
+        for (const std::string& other : file.datasets()) {
+            if (file.open(other).is_points()) list += " " + other;
+        }
+        return bad_input(file.path() + ": no dataset " + in_quotes(name_) +
+                         (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list) +
+                         box_hint(file));
+    }
+
     // Of a snapshot a file may lack particles of the type asked for.
     void append(const Hdf5File& file, bool may_lack) {
         if (!file.has(name_)) {
             if (may_lack && !has_particles(file)) return;
-            std::string list;
-            for (const std::string& other : file.datasets()) {
-                if (file.open(other).is_points()) list += " " + other;
-            }
-            throw bad_input(file.path() + ": no dataset " + in_quotes(name_) +
-                            (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list) +
-                            box_hint(file));
+            throw no_dataset(file);
         }
+        found_ = true;
         const Hdf5Dataset points = file.open(name_);
         if (!points.is_points()) throw points.error("has " + points.description() + ", expected (N, 3) of floats");
         points.append_to(input_.points);
@@ -304,13 +310,14 @@ private:
 
     const ReadRequest& request_;
     std::string name_;
+    bool found_ = false;  // in any file
     Input input_;
 };
 
 }  // namespace
 
 Input read_hdf5(const std::string& path, const ReadRequest& request) {
-    silence_hdf5();
+    begin_hdf5();
     return Hdf5Reader(request).read(path);
 }
 

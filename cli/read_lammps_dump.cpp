@@ -34,8 +34,8 @@ public:
             split_words(line, words_);
             if (words_.empty()) continue;
             if (words_[0] != "ITEM:") {
-                throw lines_.error(begun ? "more rows than the ITEM: NUMBER OF ATOMS of this frame"
-                                         : "no LAMMPS dump in text: it must begin with ITEM: TIMESTEP");
+                if (begun) throw more_rows();
+                throw lines_.error("no LAMMPS dump in text: it must begin with ITEM: TIMESTEP");
             }
             begun = true;
             const std::string_view item = line.substr(line.find("ITEM:") + 5);
@@ -119,6 +119,10 @@ private:
         }
     }
 
+    [[nodiscard]] Failure more_rows() const {
+        return lines_.error("more rows than the ITEM: NUMBER OF ATOMS of the frame before");
+    }
+
     [[nodiscard]] Failure short_frame(std::uint64_t rows) const {
         return lines_.error("the file ends after " + std::to_string(rows) + " of the " + std::to_string(*count_) +
                             " atoms of its frame");
@@ -171,6 +175,11 @@ private:
             input.points.insert(input.points.end(), position.begin(), position.end());
             if (id != names.end()) input.ids.push_back(lines_.whole(row[id_column], "an id"));
             if (has_column) input.column.push_back(lines_.number(row[column]));
+        }
+        std::string_view next;
+        if (lines_.next(next) && next.find_first_not_of(" \t\r") != std::string_view::npos &&
+            !next.starts_with("ITEM:")) {
+            throw more_rows();
         }
         return input;
     }

@@ -94,7 +94,7 @@ bool has_hdf5() {
 }
 
 void write_hdf5(OutputFile& file, const OutputData& data) {
-    silence_hdf5();
+    begin_hdf5();
     Hdf5Writer writer(file);
     for (const ResultArray& array : result_arrays(data.tessellation, data.wanted)) writer.add(array);
     writer.finish();
