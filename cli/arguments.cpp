@@ -14,7 +14,8 @@ namespace {
 // Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
-    std::optional<std::string> periodic, cell, origin, weights, radii, outside, min_face;
+    std::optional<std::string> periodic, cell, origin, outside, min_face;
+    std::optional<std::string> dataset, frame, weights, radii;
     std::vector<std::string> planes;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
@@ -29,6 +30,8 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("INPUT", typed.input);
     app.add_option("--random", typed.random);
     app.add_option("--rng-seed", typed.rng_seed);
+    app.add_option("--dataset", typed.dataset);
+    app.add_option("--frame", typed.frame);
     app.add_option("-o,--output", typed.outputs)->allow_extra_args(false);
     app.add_option("--format", typed.format);
     app.add_option("--want", typed.want);
@@ -38,6 +41,7 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--origin", typed.origin);
     app.add_option("--wall", typed.planes)->allow_extra_args(false);
     app.add_option("--outside", typed.outside);
+    app.add_option("--min-face", typed.min_face);
     app.add_option("--weights", typed.weights);
     app.add_option("--radii", typed.radii);
     app.add_option("-x,--device", typed.device);
@@ -89,22 +93,29 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
 }
 
 votess::Want read_want(const std::string& list) {
-    votess::Want want;
+    struct Word {
+        std::string_view name;
+        bool votess::Want::*wish;
+    };
+    using votess::Want;
+    constexpr Word words[] = {{"neighbors", &Want::neighbors}, {"volumes", &Want::volumes},
+                              {"centroids", &Want::centroids}, {"counts", &Want::counts},
+                              {"areas", &Want::areas},         {"normals", &Want::normals},
+                              {"surfaces", &Want::surfaces},   {"radii", &Want::radii},
+                              {"vertices", &Want::vertices},   {"faces", &Want::faces}};
+    Want want;
     want.neighbors = want.volumes = false;
-    for (const std::string_view word : split_at_commas(list)) {
-        if (word == "neighbors") {
-            want.neighbors = true;
-        } else if (word == "volumes") {
-            want.volumes = true;
-        } else if (word == "centroids") {
-            want.centroids = true;
-        } else if (word == "areas") {
-            want.areas = want.neighbors = true;
-        } else {
-            throw bad_input("--want has the word " + in_quotes(word) +
-                            ", this version knows neighbors, volumes, centroids and areas");
+    for (const std::string_view name : split_at_commas(list)) {
+        const auto* const word = std::ranges::find(words, name, &Word::name);
+        if (word == std::end(words)) {
+            throw bad_input("--want has the word " + in_quotes(name) +
+                            ", known are neighbors, volumes, centroids, counts, areas, normals, surfaces, radii, "
+                            "vertices and faces");
         }
+        want.*(word->wish) = true;
     }
+    want.vertices |= want.faces;
+    want.neighbors |= want.areas || want.normals || want.faces;
     return want;
 }
 
@@ -172,6 +183,11 @@ void read_domain(const Typed& typed, votess::Options& options) {
     for (const std::string& plane : typed.planes) options.planes.push_back(read_wall(plane));
     if (!typed.planes.empty() && typed.random && !typed.box) options.box.reset();
     if (typed.outside) options.outside = read_outside(*typed.outside);
+    if (typed.min_face) {
+        const auto share = read_double(*typed.min_face);
+        if (!share) throw bad_input("--min-face must be a number, not " + in_quotes(*typed.min_face));
+        options.min_face = *share;
+    }
 }
 
 std::string read_device(const std::string& device) {
@@ -210,6 +226,24 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (typed.input->empty()) throw bad_input("INPUT is empty: give a file, or - for stdin");
         arguments.input = *typed.input;
     }
+    if (typed.random && (typed.dataset || typed.frame)) {
+        throw bad_input("--dataset and --frame go with INPUT, not with --random");
+    }
+    if (typed.weights && typed.radii) throw bad_input("give either --weights or --radii, not both");
+    if (const auto& column = typed.weights ? typed.weights : typed.radii) {
+        const char* const option = typed.weights ? "--weights" : "--radii";
+        if (typed.random) throw bad_input(std::string(option) + " goes with INPUT, not with --random");
+        if (column->empty()) throw bad_input(std::string(option) + " is empty: give the name or number of a column");
+        arguments.read.column = *column;
+        arguments.column_holds_radii = typed.radii.has_value();
+    }
+    if (typed.dataset) {
+        if (typed.dataset->empty()) throw bad_input("--dataset is empty: give the name of the points in the file");
+        arguments.read.dataset = *typed.dataset;
+    }
+    if (typed.frame) {
+        arguments.read.frame = whole_number("--frame", *typed.frame, std::numeric_limits<std::uint64_t>::max());
+    }
     if (typed.random) {
         arguments.random_count = whole_number("--random", *typed.random, std::numeric_limits<std::int32_t>::max());
         arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, 1}};
@@ -226,13 +260,12 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     if (typed.format) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*typed.format);
-        if (arguments.format.needs_walls() && !typed.walls)
-            throw bad_input("--format has %F, the area of the whole surface: add --walls");
     }
     const bool to_stdout = std::count(arguments.outputs.begin(), arguments.outputs.end(), "-") > 0;
     if (to_stdout && typed.json) throw bad_input("-o - and --json both go to stdout: give the output a file name");
     if (typed.want) arguments.wanted = read_want(*typed.want);
     if (text) arguments.format.add_needs(arguments.wanted);
+    for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
 }
 
 }  // namespace
