@@ -34,10 +34,10 @@ float open_part() {
 vec3 shade(vec3 surface) {
     const vec3 n = normalize(normal);
     const float toward = dot(n, push.light.xyz);
-    const float direct = max(0.0, 0.35 + 0.65 * toward);  // soft: light comes from an area
+    const float direct = max(0.0, 0.4 + 0.6 * toward);  // soft: light comes from an area
     const float around = 0.5 + 0.5 * dot(n, push.sky.xyz);
     const float open = open_part();
-    const float light = 0.62 * direct * mix(1.0, open, 0.5) + (0.34 + 0.20 * around) * open;
+    const float light = 0.60 * direct * mix(1.0, open, 0.4) + (0.42 + 0.16 * around) * open;
     return min(surface * light, vec3(1.0));
 }
 #else
@@ -61,7 +61,7 @@ void main() {
     float line = 0.0;
     if (slope > 0.0 && push.light.w > 0.0) {
         const float size = 1.0 / slope;
-        const float presence = clamp((size - 1.0) / 7.0, 0.0, 1.0);  // none where cells are as small as lines
+        const float presence = clamp((size - 1.5) / 15.0, 0.0, 1.0);  // none where cells are as small as lines
         line = presence * (1.0 - smoothstep(push.light.w - 0.5, push.light.w + 0.6, edge * size));
     }
     pixel = vec4(mix(shaded, shaded * 0.16, 0.85 * line), color.a);

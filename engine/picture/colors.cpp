@@ -18,7 +18,7 @@ struct Path {
 
 // Lightness grows linearly, so that order can be seen, also in gray.
 constexpr Path paths[] = {
-    {{0.29, 0.90}, {0.115, 0.125, 0.150}, {300, 104}},  // tide
+    {{0.33, 0.93}, {0.130, 0.130, 0.150}, {300, 102}},  // tide
     {{0.25, 0.91}, {0.100, 0.190, 0.130}, {-55, 96}},   // ember
     {{0.20, 0.95}, {0, 0, 0}, {0, 0}},                  // gray
 };
@@ -44,29 +44,16 @@ unsigned encode(double x) {
     return static_cast<unsigned>(std::lround(255 * std::clamp(s, 0.0, 1.0)));
 }
 
-// The largest step of 1, 2, 5 times a power of ten that gives at least `wanted` steps.
-double round_step(double span, int wanted) {
-    const double rough = span / wanted, power = std::pow(10, std::floor(std::log10(rough)));
-    for (const double factor : {5.0, 2.0})
-        if (factor * power <= rough) return factor * power;
-    return power;
+// The smallest step of 1, 2, 5 times a power of ten that gives at most `most` steps.
+double round_step(double span, int most) {
+    const double rough = span / most, power = std::pow(10, std::floor(std::log10(rough)));
+    for (const double factor : {1.0, 2.0, 5.0})
+        if (factor * power >= rough * (1 - 1e-9)) return factor * power;
+    return 10 * power;
 }
 
-// Fixed digits for the step where numbers are ordinary, else a power of ten.
-std::string tick_text(double value, double step) {
-    const double largest = std::max(std::abs(value), step);
-    std::array<char, 64> text;
-    if (value == 0) return "0";
-    if (largest >= 1e5 || step < 1e-4) {
-        const int exponent = static_cast<int>(std::floor(std::log10(largest) + 1e-9));
-        const int digits = std::max(0, exponent - static_cast<int>(std::floor(std::log10(step) + 1e-9)));
-        std::snprintf(text.data(), text.size(), "%.*f*10^%d", std::min(digits, 15), value / std::pow(10, exponent),
-                      exponent);
-    } else {
-        const int digits = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
-        std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-    }
-    return text.data();
+int decade(double x) {
+    return static_cast<int>(std::floor(std::log10(x) + 1e-9));
 }
 
 std::string power_text(int exponent, int factor) {
@@ -79,17 +66,26 @@ std::string power_text(int exponent, int factor) {
     return factor == 1 ? power : std::to_string(factor) + "*" + power;
 }
 
-std::vector<Tick> linear_ticks(const Scale& scale, int wanted) {
-    std::vector<Tick> ticks;
+Ticks linear_ticks(const Scale& scale, int wanted) {
+    Ticks ticks;
     const double step = round_step(scale.high - scale.low, wanted), slack = 1e-9 * (scale.high - scale.low);
+    // Numbers with many zeros share a power of ten.
+    const int largest = decade(std::max({std::abs(scale.low), std::abs(scale.high), step}));
+    const int exponent = largest >= 5 || decade(step) < -3 ? largest : 0;
+    const int digits = std::clamp(exponent - decade(step), 0, 15);
+    if (exponent != 0) ticks.factor = "*10^" + std::to_string(exponent);
     for (double k = std::ceil((scale.low - slack) / step); k * step <= scale.high + slack; ++k) {
-        ticks.push_back({k * step, tick_text(k * step, step), scale.at(k * step)});
+        std::array<char, 64> text;
+        // No minus before a zero.
+        const double value = k == 0 ? 0 : k * step / std::pow(10, exponent);
+        std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+        ticks.marks.push_back({k * step, text.data(), scale.at(k * step)});
     }
     return ticks;
 }
 
-std::vector<Tick> logarithmic_ticks(const Scale& scale, int wanted) {
-    std::vector<Tick> ticks;
+Ticks logarithmic_ticks(const Scale& scale, int wanted) {
+    Ticks ticks;
     const double decades = std::log10(scale.high / scale.low);
     const int first = static_cast<int>(std::floor(std::log10(scale.low)));
     const int last = static_cast<int>(std::ceil(std::log10(scale.high)));
@@ -101,7 +97,7 @@ std::vector<Tick> logarithmic_ticks(const Scale& scale, int wanted) {
             const bool whole = factor == 1 && ((exponent % every) + every) % every == 0;
             const bool between = decades < 2.2 && (factor == 2 || factor == 5);
             if (every > 1 && factor > 1) continue;
-            ticks.push_back({value, whole || between ? power_text(exponent, factor) : "", at});
+            ticks.marks.push_back({value, whole || between ? power_text(exponent, factor) : "", at});
         }
     }
     return ticks;
@@ -130,7 +126,7 @@ double Scale::at(double value) const {
     return std::log(value / low) / std::log(high / low);
 }
 
-std::vector<Tick> Scale::ticks(int wanted) const {
+Ticks Scale::ticks(int wanted) const {
     // Below a factor of three there are too few round powers.
     if (logarithmic && high / low > 3) return logarithmic_ticks(*this, wanted);
     return linear_ticks(*this, wanted);

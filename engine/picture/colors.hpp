@@ -20,6 +20,11 @@ struct Tick {
     double at = 0;       // 0 to 1 along the scale
 };
 
+struct Ticks {
+    std::vector<Tick> marks;
+    std::string factor;  // of all texts, "*10^-5"; empty: none
+};
+
 // Maps values to 0 .. 1.
 struct Scale {
     double low = 0, high = 1;
@@ -27,8 +32,8 @@ struct Scale {
     bool below = false, above = false;  // some values lie outside
 
     [[nodiscard]] double at(double value) const;
-    // Round numbers, about so many of them with text.
-    [[nodiscard]] std::vector<Tick> ticks(int wanted) const;
+    // Round numbers, at most about so many of them with text.
+    [[nodiscard]] Ticks ticks(int wanted) const;
 };
 
 // The scale for the values of the cells shown, as the options want it.

@@ -39,9 +39,9 @@ void add_outline(const Area& a, double width, Color color, std::vector<Stroke>& 
     add_line(a.left, a.bottom, a.left, a.top, width, color, out);
 }
 
-double widest(const std::vector<Tick>& ticks, const TextStyle& style) {
-    double width = 0;
-    for (const Tick& tick : ticks) width = std::max(width, text_width(tick.text, style));
+double widest(const Ticks& ticks, const TextStyle& style) {
+    double width = text_width(ticks.factor, style);
+    for (const Tick& tick : ticks.marks) width = std::max(width, text_width(tick.text, style));
     return width;
 }
 
@@ -74,13 +74,16 @@ double color_bar_width(const Scale& scale, const PictureOptions& options, const 
            label;
 }
 
-double add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& area,
+double add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& whole,
                      Scene& scene) {
     const double begin = scene.width - color_bar_width(scale, options, sizes);
     if (!options.color_bar) return begin;
     const TextStyle style = sizes.style(1, options.background);
     const double u = sizes.unit, point = 0.9 * bar_width * u;
     const double left = begin + bar_gap * u, right = left + bar_width * u;
+    Area area = whole;  // without the points at its ends
+    if (scale.above) area.top += point;
+    if (scale.below) area.bottom -= point;
     constexpr int steps = 256;
     const double tall = area.bottom - area.top;
     for (int i = 0; i < steps; ++i) {
@@ -88,8 +91,7 @@ double add_color_bar(const Scale& scale, const PictureOptions& options, const Si
         add_rectangle({left, top, right, bottom}, map_color(options.colormap, (i + 0.5) / steps), scene.flat);
     }
     const double mid = 0.5 * (left + right), w = sizes.line;
-    const double top_tip = scale.above ? area.top - point : area.top;
-    const double bottom_tip = scale.below ? area.bottom + point : area.bottom;
+    const double top_tip = whole.top, bottom_tip = whole.bottom;
     if (scale.above) add_point(left, right, area.top, top_tip, map_color(options.colormap, 1), scene);
     if (scale.below) add_point(left, right, area.bottom, bottom_tip, map_color(options.colormap, 0), scene);
     std::vector<Stroke>& out = scene.strokes;
@@ -102,11 +104,15 @@ double add_color_bar(const Scale& scale, const PictureOptions& options, const Si
     if (!scale.above) add_line(left, area.top, right, area.top, w, style.color, out);
     if (!scale.below) add_line(left, area.bottom, right, area.bottom, w, style.color, out);
 
-    const auto ticks = scale.ticks(bar_ticks);
-    for (const Tick& tick : ticks) {
+    const Ticks ticks = scale.ticks(bar_ticks);
+    for (const Tick& tick : ticks.marks) {
         const double y = area.bottom - tick.at * tall;
         add_line(right, y, right + (tick.text.empty() ? 0.55 : 1) * tick_length * u, y, w, style.color, out);
         draw_text(tick.text, right + (tick_length + text_gap) * u, y, 0, style, out);
+    }
+    // Beside the tip, above the highest number.
+    if (!ticks.factor.empty()) {
+        draw_text(ticks.factor, right + (tick_length + text_gap) * u, whole.top - 0.9 * style.size, 0, style, out);
     }
     if (!options.label.empty()) {
         const double x = right + (tick_length + text_gap) * u + widest(ticks, style) + 1.5 * style.size;
@@ -123,20 +129,25 @@ void add_axes(const Axes& axes, const Sizes& sizes, const Area& area, Scene& sce
     add_outline(area, sizes.line, style.color, out);
     const double long_tick = tick_length * sizes.unit, gap = text_gap * sizes.unit;
     const Scale across{.low = axes.ranges[0][0], .high = axes.ranges[0][1]};
-    for (const Tick& tick : across.ticks(5)) {
+    const Ticks in_x = across.ticks(6);
+    for (const Tick& tick : in_x.marks) {
         const double x = std::lerp(area.left, area.right, tick.at);
         add_line(x, area.bottom, x, area.bottom + long_tick, sizes.line, style.color, out);
         draw_text(tick.text, x, area.bottom + long_tick + gap + 0.5 * style.size, 0.5, style, out);
     }
+    if (!in_x.factor.empty()) {
+        draw_text(in_x.factor, area.right, area.bottom + long_tick + 2 * gap + 2 * style.size, 1, style, out);
+    }
     const Scale up{.low = axes.ranges[1][0], .high = axes.ranges[1][1]};
-    const auto ticks = up.ticks(5);
-    for (const Tick& tick : ticks) {
+    const Ticks ticks = up.ticks(6);
+    for (const Tick& tick : ticks.marks) {
         const double y = std::lerp(area.bottom, area.top, tick.at);
         add_line(area.left - long_tick, y, area.left, y, sizes.line, style.color, out);
         draw_text(tick.text, area.left - long_tick - gap, y, 1, style, out);
     }
     draw_text(axes.names[0], 0.5 * (area.left + area.right), area.bottom + long_tick + 2 * gap + 2 * style.size, 0.5,
               names, out);
+    if (!ticks.factor.empty()) draw_text(ticks.factor, area.left, area.top - 1.2 * style.size, 0, style, out);
     draw_text(axes.names[1], area.left - long_tick - 2 * gap - widest(ticks, style) - style.size,
               0.5 * (area.top + area.bottom), 0.5, names, out);
 }

@@ -68,9 +68,20 @@ Shown choose_cells(const Mesh& mesh, const Box& domain, WallCells wall_cells, Th
     shown.bounds = domain;
     if (!shown.walls_hidden) return shown;
 
+    // Their neighbors too: drawn out towards the walls, they would stand as spikes around the rest.
+    std::vector<char> outer = walls;
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t f = mesh.first_face(i); walls[i] && f < mesh.end_face(i); ++f) {
+            if (mesh.indices[f] >= 0) outer[static_cast<std::size_t>(mesh.indices[f])] = 1;
+        }
+    }
+    const auto inner = [&](std::size_t i) { return shown.cells[i] && !outer[i]; };
+    bool any = false;
+    for (std::size_t i = 0; i < n; ++i) any = any || inner(i);
+    if (!any) outer = walls;
     shown.bounds = {domain.upper, domain.lower};
     for (std::size_t i = 0; i < n; ++i) {
-        shown.cells[i] = shown.cells[i] && !walls[i];
+        shown.cells[i] = inner(i);
         if (!shown.cells[i]) continue;
         for (std::size_t k = 0; k < 3; ++k) {
             shown.bounds.lower[k] = std::min(shown.bounds.lower[k], boxes[i].lower[k]);

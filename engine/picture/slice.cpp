@@ -87,17 +87,16 @@ private:
 
 void add_seeds(const SliceJob& job, const Plane& plane, const Slice& slice, std::span<const char> met, double size,
                std::vector<Stroke>& out) {
-    const Color color = rgb(20, 20, 25, 220);
     for (std::size_t i = 0; i < met.size(); ++i) {
         const Vec3 p{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
-        // Only those whose own cell the plane cuts, the nearer the larger.
+        // Only those whose own cell the plane cuts, the nearer the clearer.
         if (!met[i]) continue;
         const double away = std::abs(p[plane.axis] - slice.value) * plane.pixels / (8 * size);
-        const double radius = size / (1 + away);
-        if (radius < 0.3) continue;
+        const auto opacity = static_cast<unsigned>(std::lround(235 / (1 + away * away)));
+        if (opacity < 40) continue;
         const Vec3 at = plane(p);
         const auto x = static_cast<float>(at[0]), y = static_cast<float>(at[1]);
-        out.push_back({{x, y, 0}, {x, y, 0}, static_cast<float>(radius), color});
+        out.push_back({{x, y, 0}, {x, y, 0}, static_cast<float>(size), rgb(15, 15, 20, opacity)});
     }
 }
 

@@ -178,7 +178,7 @@ void add_frame(const View& view, const Frame& frame, std::span<const Vec3> corne
             strokes.push_back({{at(a[0]), at(a[1]), at(a[2] - towards)},
                                {at(b[0]), at(b[1]), at(b[2] - towards)},
                                static_cast<float>(0.5 * width),
-                               rgb(60, 60, 70, 200)});
+                               rgb(60, 60, 70, 140)});
         }
     }
 }
