@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "cpu/kernels.hpp"
+#include "implied_wants.hpp"
 
 namespace votess {
 namespace {
@@ -142,7 +143,7 @@ Job validate(const Points& points, const Options& options) {
     }
 
     Job job{points, options, options.box ? *options.box : default_box(bounds, points.count()), {}, 1};
-    job.options.want.neighbors |= job.options.want.areas;
+    add_implied(job.options);
     job.scale = scale_for(job.box);
     for (int k = 0; k < 3; ++k) {
         job.scaled_box.lower[k] = job.box.lower[k] * job.scale;

@@ -18,8 +18,9 @@ inline constexpr std::size_t spare_bytes = 4;  // beyond the last id, which read
 inline constexpr std::int32_t walls = 256;     // ids from -walls on; stored as numbers from 0
 inline constexpr std::size_t most_seeds = (std::size_t{1} << 24) - walls;
 
-inline bool possible(std::size_t seeds) {
-    return seeds <= most_seeds && std::endian::native == std::endian::little;
+inline bool possible(std::size_t seeds, std::size_t wall_count) {
+    return seeds <= most_seeds && wall_count <= static_cast<std::size_t>(walls) &&
+           std::endian::native == std::endian::little;
 }
 
 inline void write(const std::int32_t* ids, std::size_t count, std::byte* to) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "implied_wants.hpp"
 #include "packed_ids.hpp"
 
 namespace votess {
@@ -68,6 +69,10 @@ double accurate_sum(std::span<const double> values) {
     return std::isfinite(sum[0]) ? sum[0] : std::accumulate(values.begin(), values.end(), 0.0);
 }
 
+std::size_t wall_count(const Options& options) {
+    return 6 + options.planes.size();
+}
+
 void read_wide(const std::byte* from, std::size_t count, std::int32_t* ids) {
     std::memcpy(ids, from, count * sizeof *ids);
 }
@@ -92,42 +97,53 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     counters_ = {};
     want_neighbors_ = want.neighbors;
     want_areas_ = want.areas;
-    narrow_ids_ = packed::possible(count);
+    want_normals_ = want.normals;
+    want_shifts_ = want.neighbors && is_periodic(job.options);
+    narrow_ids_ = packed::possible(count, wall_count(job.options));
     fast_ids_ = narrow_ids_ && packed::fast_possible();
     result_.stats = {};
     result_.box = job.box;
     result_.lists_walls = job.options.walls;
     fill(result_.status, count, CellStatus::certified, pool);
     fill(result_.indptr, want.neighbors ? count + 1 : 0, std::int64_t{0}, pool);
-    for (auto* rows : {&result_.volumes, &result_.centroids, &result_.face_areas}) rows->resize_uninitialized(0);
+    for (auto* rows : {&result_.volumes, &result_.centroids, &result_.surface_areas, &result_.security_radii,
+                       &result_.face_areas, &result_.face_normals})
+        rows->resize_uninitialized(0);
+    result_.shifts.resize_uninitialized(0);
     result_.indices.resize_uninitialized(0);
     result_.duplicate_of.resize_uninitialized(0);
     if (want.volumes) result_.volumes.resize_uninitialized(count);
     if (want.centroids) result_.centroids.resize_uninitialized(3 * count);
+    if (want.surfaces) result_.surface_areas.resize_uninitialized(count);
+    if (want.radii) result_.security_radii.resize_uninitialized(count);
+    mesh_.begin(job);
     for (auto* counts : {&result_.face_counts, &result_.edge_counts, &result_.vertex_counts})
         counts->resize_uninitialized(want.counts ? count : 0);
 }
 
 void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                             std::span<const std::int32_t> ids, std::span<const double> areas) {
+                             std::span<const std::int32_t> ids, const RowValues& values) {
     if (!want_neighbors_) return;
+    check_values(values, ids.size());
     // A row that comes by another call would be taken for one of this block.
-    const bool gaps = set_lengths(cells, lengths, ids.size(), areas.size());
-    push(cells, lengths, ids, areas, gaps);
+    const bool gaps = set_lengths(cells, lengths, ids.size());
+    push(cells, lengths, ids, values, gaps);
 }
 
 void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                              std::span<const std::int32_t> ids, std::span<const double> areas) {
+                              std::span<const std::int32_t> ids, const RowValues& values) {
     if (!want_neighbors_) return;
     if (sum_of(lengths) != ids.size()) bug("rows and their lengths do not fit");
-    if (want_areas_ && areas.size() != ids.size()) bug("rows and their areas do not fit");
+    check_values(values, ids.size());
     for (std::size_t begin = 0, entry = 0; begin < cells.size(); begin += copied_block) {
         const auto part = cells.subspan(begin, std::min(copied_block, cells.size() - begin));
         const auto part_lengths = lengths.subspan(begin, part.size());
         const std::size_t size = sum_of(part_lengths);
-        const auto part_areas = want_areas_ ? areas.subspan(entry, size) : std::span<const double>{};
-        set_lengths(part, part_lengths, size, part_areas.size());
-        push(part, part_lengths, ids.subspan(entry, size), part_areas, true);
+        const RowValues part_values{want_areas_ ? values.areas.subspan(entry, size) : values.areas,
+                                    want_normals_ ? values.normals.subspan(3 * entry, 3 * size) : values.normals,
+                                    want_shifts_ ? values.shifts.subspan(3 * entry, 3 * size) : values.shifts};
+        set_lengths(part, part_lengths, size);
+        push(part, part_lengths, ids.subspan(entry, size), part_values, true);
         entry += size;
     }
 }
@@ -144,10 +160,15 @@ void ResultBuilder::count(const CellCounters& counters) {
     counters_.fallback_cells += counters.fallback_cells;
 }
 
+void ResultBuilder::check_values(const RowValues& values, std::size_t ids) const {
+    if (want_areas_ && values.areas.size() != ids) bug("rows and their areas do not fit");
+    if (want_normals_ && values.normals.size() != 3 * ids) bug("rows and their normals do not fit");
+    if (want_shifts_ && values.shifts.size() != 3 * ids) bug("rows and their shifts do not fit");
+}
+
 // The checks keep an engine's bug from writing beyond the arrays in place_rows().
 bool ResultBuilder::set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                                std::size_t ids, std::size_t areas) {
-    if (want_areas_ && areas != ids) bug("rows and their areas do not fit");
+                                std::size_t ids) {
     if (cells.size() != lengths.size()) bug("cells and row lengths do not fit");
     auto& indptr = result_.indptr;
     const auto place_of = [&](std::size_t k) { return static_cast<std::uint32_t>(cells[k]) + std::size_t{1}; };
@@ -165,20 +186,33 @@ bool ResultBuilder::set_lengths(std::span<const std::int32_t> cells, std::span<c
     return rows < cells.size();
 }
 
+template <class T>
+std::span<const T> ResultBuilder::keep_copy(std::span<const T> values) {
+    std::byte* to = nullptr;
+    {
+        const std::lock_guard lock(mutex_);
+        to = memory_.take(values.size_bytes());
+    }
+    std::memcpy(to, values.data(), values.size_bytes());
+    return {reinterpret_cast<const T*>(to), values.size()};
+}
+
 void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                         std::span<const std::int32_t> ids, std::span<const double> areas, bool copy_cells) {
+                         std::span<const std::int32_t> ids, const RowValues& values, bool copy_cells) {
     if (ids.empty()) return;
     const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
+    RowValues kept;
+    if (want_areas_) kept.areas = keep_copy(values.areas);
+    if (want_normals_) kept.normals = keep_copy(values.normals);
+    if (want_shifts_) kept.shifts = keep_copy(values.shifts);
     std::int32_t* own_cells = nullptr;
     std::byte* kept_ids;
-    double* kept_areas = nullptr;
     {
         const std::lock_guard lock(mutex_);
         if (copy_cells) own_cells = reinterpret_cast<std::int32_t*>(memory_.take(rows * sizeof *own_cells));
         kept_ids =
             memory_.take(narrow_ids_ ? packed::bytes_per_id * ids.size() + packed::spare_bytes : ids.size_bytes());
-        if (want_areas_) kept_areas = reinterpret_cast<double*>(memory_.take(areas.size_bytes()));
-        blocks_.push_back({copy_cells ? std::span<const std::int32_t>(own_cells, rows) : cells, kept_ids, kept_areas});
+        blocks_.push_back({copy_cells ? std::span<const std::int32_t>(own_cells, rows) : cells, kept_ids, kept});
     }
     for (std::size_t k = 0; copy_cells && k < cells.size(); ++k)
         if (lengths[k] > 0) *own_cells++ = cells[k];
@@ -188,7 +222,6 @@ void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const st
         packed::write(ids.data(), ids.size(), kept_ids);
     else
         std::memcpy(kept_ids, ids.data(), ids.size_bytes());
-    if (want_areas_) std::ranges::copy(areas, kept_areas);
 }
 
 void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool) {
@@ -202,7 +235,8 @@ void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, T
             if (duplicate_of[i] < 0) continue;
             ++found;
             r.status[i] = CellStatus::duplicate;
-            if (!r.volumes.empty()) r.volumes[i] = 0;
+            for (auto* sizes : {&r.volumes, &r.surface_areas, &r.security_radii})
+                if (!sizes->empty()) (*sizes)[i] = 0;
             if (!r.centroids.empty())
                 std::fill_n(r.centroids.data() + 3 * i, 3, std::numeric_limits<double>::quiet_NaN());
             if (!r.face_counts.empty()) r.face_counts[i] = r.edge_counts[i] = r.vertex_counts[i] = 0;
@@ -218,6 +252,7 @@ void ResultBuilder::finish(detail::Result& result, ThreadPool& pool) {
         sum_lengths(pool);
         place_rows(pool);
     }
+    mesh_.finish(result_, pool);
     finish_stats(result_.stats, pool);
     result_.stats.device = std::move(result.stats.device);
     result_.stats.seconds = result.stats.seconds;
@@ -256,6 +291,8 @@ void ResultBuilder::place_rows(ThreadPool& pool) {
     const auto size = static_cast<std::size_t>(result_.indptr[result_.indptr.size() - 1]);
     result_.indices.resize_uninitialized(size);
     result_.face_areas.resize_uninitialized(want_areas_ ? size : 0);
+    result_.face_normals.resize_uninitialized(want_normals_ ? 3 * size : 0);
+    result_.shifts.resize_uninitialized(want_shifts_ ? 3 * size : 0);
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
         const Block& block = blocks_[index];
         if (fast_ids_)
@@ -283,7 +320,11 @@ void ResultBuilder::place_block(const Block& block, std::size_t bytes_per_id, Re
         const std::int64_t begin = indptr[cells[k]];
         const auto length = static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin);
         read(block.ids + bytes_per_id * entry, length, result_.indices.data() + begin);
-        if (want_areas_) std::copy_n(block.areas + entry, length, result_.face_areas.data() + begin);
+        const RowValues& values = block.values;
+        if (want_areas_) std::copy_n(values.areas.data() + entry, length, result_.face_areas.data() + begin);
+        if (want_normals_)
+            std::copy_n(values.normals.data() + 3 * entry, 3 * length, result_.face_normals.data() + 3 * begin);
+        if (want_shifts_) std::copy_n(values.shifts.data() + 3 * entry, 3 * length, result_.shifts.data() + 3 * begin);
         entry += length;
     }
 }

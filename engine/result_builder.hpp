@@ -9,6 +9,7 @@
 
 #include "arena.hpp"
 #include "engine.hpp"
+#include "mesh_builder.hpp"
 #include "thread_pool.hpp"
 
 namespace votess {
@@ -17,6 +18,12 @@ struct CellCounters {
     std::uint64_t faces = 0;           // of the cells counted, walls included
     std::uint64_t exact_cells = 0;     // where exact arithmetic decided a sign
     std::uint64_t fallback_cells = 0;  // redone on the CPU after another device
+};
+
+// Beside the ids of rows, one for each or three; empty when they are not wanted.
+struct RowValues {
+    std::span<const double> areas, normals;
+    std::span<const std::int8_t> shifts;
 };
 
 class ResultBuilder {
@@ -30,22 +37,26 @@ public:
     [[nodiscard]] std::span<CellStatus> status() { return result_.status; }
     [[nodiscard]] std::span<double> volumes() { return result_.volumes; }
     [[nodiscard]] std::span<double> centroids() { return result_.centroids; }
+    [[nodiscard]] std::span<double> surface_areas() { return result_.surface_areas; }
+    [[nodiscard]] std::span<double> security_radii() { return result_.security_radii; }
     [[nodiscard]] std::span<std::uint32_t> face_counts() { return result_.face_counts; }
     [[nodiscard]] std::span<std::uint32_t> edge_counts() { return result_.edge_counts; }
     [[nodiscard]] std::span<std::uint32_t> vertex_counts() { return result_.vertex_counts; }
 
-    // From any thread. ids: rows of `cells` (input indices) one after the other, each ascending; lengths[k] of them
-    // belong to cells[k]. areas: when they are wanted, one for each id. A cell of length 0 has no row here and may get
-    // one by another call. `cells` must stay as it is until finish(), see keep(); the other arrays are the caller's
-    // again on return. Large results finish faster in blocks of some thousand cells or less.
+    // From any thread. ids: rows of `cells` (input indices) one after the other, each ascending (then by shift, when
+    // the domain is periodic); lengths[k] of them belong to cells[k]. values: those that are wanted. A cell of length 0
+    // has no row here and may get one by another call. `cells` must stay as it is until finish(), see keep(); the other
+    // arrays are the caller's again on return. Large results finish faster in blocks of some thousand cells or less.
     // Does nothing when neighbors are not wanted.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                  std::span<const std::int32_t> ids, std::span<const double> areas = {});
+                  std::span<const std::int32_t> ids, const RowValues& values = {});
     // From any thread. The same, cut into blocks: `cells` too is the caller's again on return.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                   std::span<const std::int32_t> ids, std::span<const double> areas = {});
+                   std::span<const std::int32_t> ids, const RowValues& values = {});
     // From any thread. Room for an array of cells that stays until finish().
     std::span<std::int32_t> keep(std::size_t count);
+    // Records of the cells of these rows; from any thread.
+    [[nodiscard]] MeshBuilder& mesh() { return mesh_; }
     // From any thread.
     void count(const CellCounters& counters);
 
@@ -61,14 +72,17 @@ private:
     struct Block {
         std::span<const std::int32_t> cells;  // those that have a row here
         const std::byte* ids;
-        const double* areas;
+        RowValues values;
     };
 
+    // Throws when they are not those wanted, each of the right size.
+    void check_values(const RowValues& values, std::size_t ids) const;
     // Notes the lengths; whether some are 0.
-    bool set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids,
-                     std::size_t areas);
+    bool set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids);
     void push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-              std::span<const std::int32_t> ids, std::span<const double> areas, bool copy_cells);
+              std::span<const std::int32_t> ids, const RowValues& values, bool copy_cells);
+    template <class T>
+    [[nodiscard]] std::span<const T> keep_copy(std::span<const T> values);
     void check_status(ThreadPool& pool) const;
     void sum_lengths(ThreadPool& pool);
     void place_rows(ThreadPool& pool);
@@ -76,12 +90,14 @@ private:
     void place_block(const Block& block, std::size_t bytes_per_id, Read read);
     void finish_stats(Stats& stats, ThreadPool& pool) const;
 
-    bool want_neighbors_ = false, want_areas_ = false, narrow_ids_ = false, fast_ids_ = false;
+    bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
+    bool narrow_ids_ = false, fast_ids_ = false;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()
     std::mutex mutex_;       // of what follows
     Arena memory_;
     std::vector<Block> blocks_;
     CellCounters counters_;
+    MeshBuilder mesh_;
 };
 
 }  // namespace votess

@@ -71,6 +71,8 @@ public:
         const auto& [a, b, c] = corners_[slot].plane;
         return {&planes_[a], &planes_[b], &planes_[c]};
     }
+    // Of a vertex, relative to the seed.
+    [[nodiscard]] std::array<double, 3> position(int slot) const { return {x_[slot], y_[slot], z_[slot]}; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
     // Whether a plane touched a vertex, so that faces of no area may be left.
     [[nodiscard]] bool met_tie() const { return met_tie_; }
@@ -78,6 +80,8 @@ public:
     // Planes that have a face; the canonical cell's only when no tie was met.
     void face_planes(std::vector<std::int32_t>& out);
     void canonical_faces(CellFaces& out);
+    // Of the distance from the seed to the farthest vertex.
+    [[nodiscard]] double farthest_squared(const CellFaces& faces) const;
     // areas: if given, the areas of the faces, each to an absolute error of 1e-10 of their sum.
     [[nodiscard]] CellGeometry measure(const CellFaces& faces, std::vector<double>* areas = nullptr) const;
 

@@ -176,6 +176,12 @@ std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces,
 
 }  // namespace
 
+double Cell::farthest_squared(const CellFaces& faces) const {
+    double farthest = 0;
+    for (const std::int32_t slot : faces.corners) farthest = std::max(farthest, radius_[slot]);
+    return farthest;
+}
+
 CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) const {
     struct Corner {
         Vector<double> position;

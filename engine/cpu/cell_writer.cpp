@@ -1,6 +1,10 @@
 #include "cpu/cell_writer.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "implied_wants.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -13,12 +17,15 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     kernels_ = &kernels;
     out_ = &out;
     want_ = job.options.want;
-    want_.neighbors = want_.neighbors || want_.areas;
     walls_ = job.options.walls;
+    periodic_ = is_periodic(job.options);
+    measure_ = needs_geometry(want_);
+    plain_rows_ = !periodic_ && !want_.normals && !want_.vertices;
     unscale_ = 1 / job.scale;
     counters_ = {};
     rows_size_ = 0;
     lengths_.clear();
+    polygon_writer_.clear();
 }
 
 void CellWriter::prefetch(std::size_t seed) const {
@@ -27,13 +34,25 @@ void CellWriter::prefetch(std::size_t seed) const {
     if (want_.centroids) __builtin_prefetch(&out_->centroids()[3 * input], 1);
 }
 
+void CellWriter::leave_out() {
+    lengths_.push_back(0);
+    if (want_.vertices) polygon_writer_.append_none();
+}
+
 bool CellWriter::write(std::size_t seed, Star& star) {
-    if (need_geometry() && !star.measure(geometry_)) return false;
+    if (measure_ && !star.measure(geometry_)) return false;
     const auto faces = star.faces();
     counters_.faces += faces.size();
     counters_.exact_cells += star.used_exact() ? 1 : 0;
-    if (want_.neighbors) write_row(faces, want_.areas ? geometry_.areas.data() : nullptr);
+    if (want_.normals) star.normals(face_normals_);
+    if (want_.neighbors) write_row({faces, {}, geometry_.areas.data(), face_normals_.data()});
+    if (want_.vertices) {
+        star.polygons(polygons_);
+        write_polygons(seed, polygons_);
+    }
     write_geometry(seed, geometry_.volume, geometry_.centroid.data());
+    if (want_.surfaces || want_.radii)
+        write_sizes(seed, std::span(geometry_.areas).first(faces.size()), star.farthest_squared());
     write_counts(seed, faces.size(), static_cast<std::uint32_t>(star.edge_count()),
                  static_cast<std::uint32_t>(star.vertex_count()));
     return true;
@@ -41,7 +60,7 @@ bool CellWriter::write(std::size_t seed, Star& star) {
 
 void CellWriter::write(std::size_t seed, Cell& cell) {
     std::span<const std::int32_t> planes;
-    if (need_geometry() || want_.counts || cell.met_tie()) {
+    if (measure_ || want_.counts || cell.met_tie()) {
         cell.canonical_faces(faces_);
         planes = faces_.planes;
     } else {
@@ -50,15 +69,24 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
     }
     counters_.faces += planes.size();
     counters_.exact_cells += cell.used_exact() ? 1 : 0;
-    if (need_geometry()) {
-        const CellGeometry geometry = cell.measure(faces_, want_.areas ? &face_areas_ : nullptr);
+    if (measure_) {
+        const CellGeometry geometry = cell.measure(faces_, want_.areas || want_.surfaces ? &face_areas_ : nullptr);
         write_geometry(seed, geometry.volume, geometry.centroid.data());
     }
     if (want_.neighbors) {
         ids_.clear();
-        for (const std::int32_t p : planes) ids_.push_back(cell.planes()[p].id);
-        write_row(ids_, want_.areas ? face_areas_.data() : nullptr);
+        face_normals_.clear();
+        for (const std::int32_t p : planes) {
+            ids_.push_back(cell.planes()[p].id);
+            if (want_.normals) face_normals_.push_back(unit_vector(cell.planes()[p].n));
+        }
+        write_row({ids_, {}, face_areas_.data(), face_normals_.data()});
     }
+    if (want_.vertices) {
+        read_polygons(cell, faces_, polygons_);
+        write_polygons(seed, polygons_);
+    }
+    if (want_.surfaces || want_.radii) write_sizes(seed, face_areas_, cell.farthest_squared(faces_));
     write_counts(seed, planes.size(), faces_.edge_count, faces_.vertex_count);
 }
 
@@ -70,6 +98,13 @@ void CellWriter::write_geometry(std::size_t seed, double volume, const double* c
     for (int k = 0; k < 3; ++k) out_->centroids()[3 * input + k] = (centroid[k] + p[k]) * unscale_;
 }
 
+void CellWriter::write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared) {
+    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+    if (want_.surfaces)
+        out_->surface_areas()[input] = std::accumulate(areas.begin(), areas.end(), 0.0) * unscale_ * unscale_;
+    if (want_.radii) out_->security_radii()[input] = 2 * std::sqrt(farthest_squared) * unscale_;
+}
+
 void CellWriter::write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
     if (!want_.counts) return;
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
@@ -78,37 +113,84 @@ void CellWriter::write_counts(std::size_t seed, std::size_t faces, std::uint32_t
     out_->vertex_counts()[input] = vertices;
 }
 
-void CellWriter::write_row(std::span<const std::int32_t> ids, const double* areas) {
-    if (rows_.size() < rows_size_ + 2 * ids.size()) {
-        rows_.resize(std::max(usual_rows, 2 * rows_.size()) + 2 * ids.size());
+void CellWriter::make_room(std::size_t faces) {
+    if (rows_.size() < rows_size_ + 2 * faces) rows_.resize(std::max(usual_rows, 2 * rows_.size()) + 2 * faces);
+    if (want_.areas && areas_.size() < rows_.size()) areas_.resize(rows_.size());
+    if (want_.normals && normals_.size() < 3 * rows_.size()) normals_.resize(3 * rows_.size());
+    if (periodic_ && shifts_.size() < 3 * rows_.size()) shifts_.resize(3 * rows_.size());
+}
+
+void CellWriter::write_row(const Faces& faces) {
+    make_room(faces.ids.size());
+    std::size_t count = 0;
+    if (plain_rows_ && faces.ids.size() <= most_ranked) {
+        count = write_plain_row(faces);
+    } else {
+        find_order(faces);
+        for (const std::uint32_t face : order_) {
+            if (labels_[face].id < 0 && !walls_) continue;
+            const std::size_t entry = rows_size_ + count++;
+            rows_[entry] = labels_[face].id;
+            if (want_.areas) areas_[entry] = faces.areas[face] * unscale_ * unscale_;
+            if (want_.normals)
+                std::ranges::copy(faces.normals[face], normals_.begin() + static_cast<std::ptrdiff_t>(3 * entry));
+            if (periodic_)
+                std::ranges::copy(labels_[face].shift, shifts_.begin() + static_cast<std::ptrdiff_t>(3 * entry));
+        }
     }
-    if (areas != nullptr && areas_.size() < rows_.size()) areas_.resize(rows_.size());
-    // First behind its place, in the order of the faces, then sorted into it.
-    std::int32_t* row = rows_.data() + rows_size_;
-    std::int32_t* unsorted = row + ids.size();
-    int count = 0;
-    if (areas != nullptr && kept_areas_.size() < ids.size()) kept_areas_.resize(2 * ids.size());
-    for (std::size_t k = 0; k < ids.size(); ++k) {
-        const std::int32_t id = ids[k];
-        unsorted[count] = id < 0 ? id : seeds_.input[static_cast<std::size_t>(id)];
-        if (areas != nullptr) kept_areas_[static_cast<std::size_t>(count)] = areas[k];
-        count += (id >= 0 || walls_) ? 1 : 0;
-    }
-    if (places_.size() < ids.size()) places_.resize(2 * ids.size());
-    kernels_->rank(unsorted, count, places_.data());
-    for (int k = 0; k < count; ++k) row[places_[static_cast<std::size_t>(k)]] = unsorted[k];
-    if (areas != nullptr)
-        for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-            areas_[rows_size_ + places_[k]] = kept_areas_[k] * unscale_ * unscale_;
-    rows_size_ += static_cast<std::size_t>(count);
+    rows_size_ += count;
     lengths_.push_back(static_cast<std::uint32_t>(count));
 }
 
+// Ids, and areas if wanted.
+std::size_t CellWriter::write_plain_row(const Faces& faces) {
+    // First behind its place, in the order of the faces, then sorted into it.
+    std::int32_t* row = rows_.data() + rows_size_;
+    std::int32_t* unsorted = row + faces.ids.size();
+    int count = 0;
+    for (std::size_t k = 0; k < faces.ids.size(); ++k) {
+        const std::int32_t id = faces.ids[k];
+        unsorted[count] = id < 0 ? id : seeds_.input[static_cast<std::size_t>(id)];
+        if (want_.areas) kept_areas_[static_cast<std::size_t>(count)] = faces.areas[k];
+        count += (id >= 0 || walls_) ? 1 : 0;
+    }
+    kernels_->rank(unsorted, count, places_.data());
+    for (int k = 0; k < count; ++k) row[places_[static_cast<std::size_t>(k)]] = unsorted[k];
+    if (want_.areas)
+        for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+            areas_[rows_size_ + places_[k]] = kept_areas_[k] * unscale_ * unscale_;
+    return static_cast<std::size_t>(count);
+}
+
+// Fills labels_ and order_.
+void CellWriter::find_order(const Faces& faces) {
+    labels_.resize(faces.ids.size());
+    order_.resize(faces.ids.size());
+    for (std::size_t f = 0; f < faces.ids.size(); ++f) {
+        const std::int32_t id = faces.ids[f];
+        labels_[f] = {id < 0 ? id : seeds_.input[static_cast<std::size_t>(id)], {}};
+        if (!faces.shifts.empty()) labels_[f].shift = faces.shifts[f];
+        order_[f] = static_cast<std::uint32_t>(f);
+    }
+    std::ranges::sort(order_, {}, [this](std::uint32_t f) { return labels_[f]; });
+}
+
+// After write_row() of the same cell.
+void CellWriter::write_polygons(std::size_t seed, const CellPolygons& polygons) {
+    const std::size_t hidden = order_.size() - lengths_.back();
+    polygon_writer_.append(polygons, labels_, order_, hidden, {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]});
+}
+
 void CellWriter::end_block(std::span<const std::int32_t> cells) {
+    const auto of = [this](const auto& values, bool wanted, std::size_t each) {
+        return std::span(values).first(wanted ? each * rows_size_ : 0);
+    };
     out_->add_rows(cells, lengths_, std::span(rows_).first(rows_size_),
-                   want_.areas ? std::span<const double>(areas_).first(rows_size_) : std::span<const double>{});
+                   {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), of(shifts_, periodic_, 3)});
+    if (want_.vertices) out_->mesh().add(cells, polygon_writer_.block());
     rows_size_ = 0;
     lengths_.clear();
+    polygon_writer_.clear();
 }
 
 }  // namespace votess::cpu

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cpu/cell.hpp"
+#include "cpu/polygon_writer.hpp"
 #include "cpu/sorted_seeds.hpp"
 #include "cpu/star.hpp"
 #include "cpu/star_kernels.hpp"
@@ -25,35 +26,56 @@ public:
     [[nodiscard]] bool write(std::size_t seed, Star& star);
     void write(std::size_t seed, Cell& cell);
     // The row of the next cell comes by another block.
-    void leave_out() { lengths_.push_back(0); }
+    void leave_out();
     // Hands the rows written since the last call to the result; cells: as in ResultBuilder::add_rows.
     void end_block(std::span<const std::int32_t> cells);
 
     [[nodiscard]] const CellCounters& counters() const { return counters_; }
 
 private:
-    [[nodiscard]] bool need_geometry() const { return want_.volumes || want_.centroids || want_.areas; }
+    static constexpr std::size_t most_ranked = 256;  // ids of a row; ranking takes the square of their number
+
+    // The faces of a cell in any order: sorted seeds or walls, and what is wanted beside them.
+    struct Faces {
+        std::span<const std::int32_t> ids;
+        std::span<const std::array<std::int8_t, 3>> shifts;  // as Tessellation::shifts(); empty when all are 0
+        const double* areas = nullptr;
+        const std::array<double, 3>* normals = nullptr;
+    };
+
     void write_geometry(std::size_t seed, double volume, const double* centroid);
+    void write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared);
     void write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
-    // ids: sorted seeds or walls, any number; areas: beside them, or null.
-    void write_row(std::span<const std::int32_t> ids, const double* areas);
+    void write_row(const Faces& faces);
+    std::size_t write_plain_row(const Faces& faces);
+    void make_room(std::size_t faces);
+    void find_order(const Faces& faces);
+    void write_polygons(std::size_t seed, const CellPolygons& polygons);
 
     const SortedSeeds& seeds_;
     const StarKernels* kernels_ = nullptr;
     ResultBuilder* out_ = nullptr;
     Want want_;
-    bool walls_ = false;
+    bool walls_ = false, periodic_ = false, measure_ = false, plain_rows_ = false;
     double unscale_ = 1;
     CellCounters counters_;
     std::size_t rows_size_ = 0;
     std::vector<std::int32_t> rows_;  // filled up to rows_size_
-    std::vector<double> areas_;
+    std::vector<double> areas_, normals_;
+    std::vector<std::int8_t> shifts_;
     std::vector<std::uint32_t> lengths_;
-    Star::Geometry geometry_;
+    PolygonWriter polygon_writer_;
+
+    Star::Geometry geometry_;  // of the cell at hand, as what follows
     CellFaces faces_;
+    CellPolygons polygons_;
     std::vector<std::int32_t> ids_, planes_;
-    std::vector<double> face_areas_, kept_areas_;
-    std::vector<std::uint16_t> places_;
+    std::vector<double> face_areas_;
+    std::vector<std::array<double, 3>> face_normals_;
+    std::array<double, most_ranked> kept_areas_;
+    std::array<std::uint16_t, most_ranked> places_;
+    std::vector<FaceLabel> labels_;     // by face
+    std::vector<std::uint32_t> order_;  // faces by label
 };
 
 }  // namespace votess::cpu

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "implied_wants.hpp"
 #include "options.hpp"
 
 namespace votess::cpu {
@@ -165,8 +166,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
         worker.writer.begin_job(job_, star_kernels(kernels_->name), out);
     }
     const std::size_t blocks = blocks_for(cells.size(), block_cells);
-    const Want& want = job_.options.want;
-    const bool measure = want.volumes || want.centroids || want.areas;
+    const bool measure = needs_geometry(job_.options.want);
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t done) { return progress_.going_on(stretch.at(done, blocks)); };
     const auto task = [&](std::size_t block, unsigned index) {
@@ -207,8 +207,7 @@ void CpuClipper::search(std::size_t seed, Worker& worker) const {
 
 void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
     if (cell != nullptr) {
-        const Want& want = job_.options.want;
-        const bool measure = want.volumes || want.centroids || want.areas;
+        const bool measure = needs_geometry(job_.options.want);
         worker.writer.write(seed, measure ? worker.builder.again(worker.faces) : *cell);
     } else {
         worker.hard.push_back(static_cast<std::int32_t>(seed));

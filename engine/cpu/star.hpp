@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cpu/cell_polygons.hpp"
 #include "cpu/hierarchy.hpp"
 #include "cpu/sort.hpp"
 #include "votess/votess.hpp"
@@ -111,8 +112,14 @@ public:
         std::array<double, 3> centroid{};         // relative to the seed
         std::array<double, most_planes> areas{};  // in the order of faces()
     };
-    // After begin(.., measure = true). False when rounding might spoil the digits promised.
+    // Outward unit vectors in the order of faces().
+    virtual void normals(std::vector<std::array<double, 3>>& out) = 0;
+    // What follows needs begin(.., measure = true). False when rounding might spoil the digits promised.
     virtual bool measure(Geometry& out) = 0;
+    // In the order of faces().
+    virtual void polygons(CellPolygons& out) const = 0;
+    // Of the distance from the seed to the farthest vertex.
+    [[nodiscard]] virtual double farthest_squared() const = 0;
 
 protected:
     int faces_ = 0, vertices_ = 0, edges_ = 0;

@@ -70,6 +70,54 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     return true;
 }
 
+// Around face b: from the edge along b and a to where it ends, and on along b and the plane before b there.
+template <class Isa>
+void StarWalk<Isa>::polygons(CellPolygons& out) const {
+    out.clear();
+    for (int v = 0; v < vertices_; ++v) {
+        const auto& x = position_[v].x;
+        out.positions.push_back({x[0], x[1], x[2]});
+    }
+    std::array<std::uint8_t, most_planes> face{};
+    for (int p = 0, faces = 0; p < planes_; ++p)
+        if (out_[p] != 0) face[p] = static_cast<std::uint8_t>(faces++);
+    for (int b = 0; b < planes_; ++b) {
+        if (out_[b] == 0) continue;
+        const int first = std::countr_zero(out_[b]);
+        int a = first;
+        do {
+            const int v = from_vertex_[b][a];
+            const int begin = first_corner_[v], end = first_corner_[v + 1];
+            int c = begin;
+            while (corners_[c] != b) ++c;
+            a = corners_[c == begin ? end - 1 : c - 1];
+            out.corners.push_back(static_cast<std::uint32_t>(v));
+            out.beside.push_back(face[a]);
+        } while (a != first);
+        out.offsets.push_back(static_cast<std::uint32_t>(out.corners.size()));
+    }
+}
+
+template <class Isa>
+double StarWalk<Isa>::farthest_squared() const {
+    double farthest = 0;
+    for (int v = 0; v < vertices_; ++v) {
+        const auto& x = position_[v].x;
+        farthest = std::max(farthest, x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    }
+    return farthest;
+}
+
+template <class Isa>
+void StarWalk<Isa>::normals(std::vector<std::array<double, 3>>& out) {
+    out.clear();
+    for (int p = 0; p < planes_; ++p) {
+        if (out_[p] == 0) continue;
+        need_plane(p);
+        out.push_back(unit_vector({n_[p].x[0], n_[p].x[1], n_[p].x[2]}));
+    }
+}
+
 // A bound on the error of the volume, edge by edge.
 template <class Isa>
 double StarWalk<Isa>::measure_error() const {

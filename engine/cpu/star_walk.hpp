@@ -18,6 +18,9 @@ public:
     void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints, StarHints* found) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
+    void polygons(CellPolygons& out) const override;
+    double farthest_squared() const override;
+    void normals(std::vector<std::array<double, 3>>& out) override;
 
 private:
     static constexpr double unit = 0x1p-53;

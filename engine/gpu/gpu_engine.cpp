@@ -289,7 +289,7 @@ void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> c
         }
         rows = named;
     }
-    result_.copy_rows(cells.subspan(begin, end - begin), lengths, rows, areas);
+    result_.copy_rows(cells.subspan(begin, end - begin), lengths, rows, {areas, {}, {}});
 }
 
 void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input) {

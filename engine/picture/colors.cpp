@@ -132,6 +132,14 @@ Ticks Scale::ticks(int wanted) const {
     return linear_ticks(*this, wanted);
 }
 
+namespace {
+bool is_logarithmic(const PictureOptions& options, const Scale& scale) {
+    constexpr double wide = 30;
+    return options.scale == ColorScale::logarithmic ||
+           (options.scale == ColorScale::automatic && scale.low > 0 && scale.high / scale.low > wide);
+}
+}  // namespace
+
 Scale choose_scale(std::span<const double> values, std::span<const char> shown, const PictureOptions& options) {
     std::vector<double> sorted;
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -144,12 +152,14 @@ Scale choose_scale(std::span<const double> values, std::span<const char> shown, 
         scale.high = (*options.range)[1];
     } else if (!sorted.empty()) {
         const auto last = static_cast<double>(sorted.size() - 1);
-        scale.low = sorted[static_cast<std::size_t>(std::floor(0.005 * last))];
-        scale.high = sorted[static_cast<std::size_t>(std::ceil(0.995 * last))];
+        const auto quantile = [&](double q) { return sorted[static_cast<std::size_t>(std::lround(q * last))]; };
+        scale.low = quantile(0.005);
+        scale.high = quantile(0.995);
+        scale.logarithmic = is_logarithmic(options, scale);
+        // Small values are drawn out there, while their cells are hardly seen.
+        if (scale.logarithmic) scale.low = quantile(0.03);
     }
-    constexpr double wide = 30;
-    scale.logarithmic = options.scale == ColorScale::logarithmic ||
-                        (options.scale == ColorScale::automatic && scale.low > 0 && scale.high / scale.low > wide);
+    scale.logarithmic = is_logarithmic(options, scale) || scale.logarithmic;
     // One value, or values that differ by rounding only, are no range; theirs is the middle of the map.
     const double size = std::max(std::abs(scale.low), std::abs(scale.high));
     if (!options.range && scale.high - scale.low <= 1e-9 * size) {

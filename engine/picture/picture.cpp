@@ -114,7 +114,10 @@ Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double
                   std::span<const double> values, const PictureOptions& options) {
     const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
     ThreadPool pool(threads);
-    const Shown shown = choose_cells(mesh, domain.box, options.wall_cells, pool);
+    // A section shows what it meets.
+    const WallCells walls =
+        options.slice && options.wall_cells == WallCells::automatic ? WallCells::show : options.wall_cells;
+    const Shown shown = choose_cells(mesh, domain.box, walls, pool);
     const Scale scale = choose_scale(values, shown.cells, options);
     const std::vector<Color> colors = color_cells(values, scale, options.colormap);
 

@@ -218,7 +218,12 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     const Frame frame(job.shown.bounds);
     View& view = scene.view = look(job.options);
     std::vector<Vec3> outline;
-    for (int corner = 0; corner < 8; ++corner) {
+    if (job.shown.walls_hidden) {
+        for (std::size_t i = 0; i < job.shown.cells.size(); ++i) {
+            if (job.shown.cells[i]) outline.push_back(frame({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}));
+        }
+    }
+    for (int corner = 0; !job.shown.walls_hidden && corner < 8; ++corner) {
         Vec3 p;
         for (std::size_t k = 0; k < 3; ++k) {
             p[k] = corner >> k & 1 ? job.shown.bounds.upper[k] : job.shown.bounds.lower[k];

@@ -38,9 +38,9 @@ enum class Colormap : std::uint8_t {
 };
 
 enum class WallCells : std::uint8_t {
-    automatic = 0,  // hidden where their median volume is above 8 times that of the others: ragged sets in a box
+    automatic = 0,  // hide them where they dwarf the others (a median size of 8 times theirs), but not in a slice
     show = 1,
-    hide = 2,
+    hide = 2,  // those at the walls and their neighbors: what is left is the inside of a ragged set
 };
 
 struct Slice {
@@ -54,7 +54,7 @@ struct PictureOptions {
     // N values to color the cells by; NaN: gray. Empty: the volumes, which must have been wanted then.
     std::span<const double> values;
     std::string label = "volume";                // beside the color bar; printable ASCII, ^2 raises what follows
-    std::optional<std::array<double, 2>> range;  // default: quantiles of the cells shown, 0.5 % at each end left out
+    std::optional<std::array<double, 2>> range;  // default: that of the cells shown but for 0.5 % at each end, at the lower 3 % in a logarithmic scale
     ColorScale scale = ColorScale::automatic;
     Colormap colormap = Colormap::tide;
 

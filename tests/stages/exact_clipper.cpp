@@ -240,9 +240,9 @@ TEST_SUITE("stages") {
                     builder.vertex_counts()[i] = full.vertex_counts()[i];
                 }
                 if (copied)
-                    builder.copy_rows(chunk, lengths, ids, areas);
+                    builder.copy_rows(chunk, lengths, ids, {areas, {}, {}});
                 else
-                    builder.add_rows(chunk, lengths, ids, areas);
+                    builder.add_rows(chunk, lengths, ids, {areas, {}, {}});
             }
             builder.count({.faces = faces});
             order.assign(order.size(), -1);
@@ -266,13 +266,14 @@ TEST_SUITE("stages") {
         votess::ThreadPool pool(1);
         ResultBuilder measuring;
         measuring.begin(job, pool);
-        CHECK_THROWS_AS(measuring.add_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, two_areas),
-                        votess::Error);
+        CHECK_THROWS_AS(
+            measuring.add_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, {two_areas, {}, {}}),
+            votess::Error);
         measuring.begin(job, pool);
         CHECK_THROWS_AS(measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}),
                         votess::Error);
         measuring.begin(job, pool);
-        measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, three_areas);
+        measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, {three_areas, {}, {}});
         job.options.want.areas = false;
         const Cells cells{3, 4}, beyond{3, 10}, negative{-1, 4};
         const std::vector<std::uint32_t> lengths{1, 2};

@@ -1,0 +1,39 @@
+// The faces of one cell as polygons: what the mesh is made from, however the cell was found.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace votess::cpu {
+
+class Cell;
+struct CellFaces;
+
+// Face f has the corners offsets[f]..offsets[f+1), counterclockwise seen from outside.
+struct CellPolygons {
+    std::vector<std::uint32_t> offsets{0};
+    std::vector<std::uint32_t> corners;            // vertices: places in `positions`, which may have others, too
+    std::vector<std::uint32_t> beside;             // the face on the other side of the edge that begins at the corner
+    std::vector<std::array<double, 3>> positions;  // relative to the seed, scaled
+
+    [[nodiscard]] std::size_t size() const { return offsets.size() - 1; }
+    void clear() {
+        offsets.assign(1, 0);
+        corners.clear();
+        beside.clear();
+        positions.clear();
+    }
+};
+
+// No square leaves the range, however long the vector.
+inline std::array<double, 3> unit_vector(const std::array<double, 3>& n) {
+    const double length = std::hypot(n[0], n[1], n[2]);
+    return {n[0] / length, n[1] / length, n[2] / length};
+}
+
+// faces: the canonical ones of the cell.
+void read_polygons(const Cell& cell, const CellFaces& faces, CellPolygons& out);
+
+}  // namespace votess::cpu

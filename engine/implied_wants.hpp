@@ -1,0 +1,25 @@
+// What options mean beyond their words.
+#pragma once
+
+#include "votess/votess.hpp"
+
+namespace votess {
+
+inline void add_implied(Options& options) {
+    Want& want = options.want;
+    want.areas |= options.min_face > 0;
+    want.vertices |= want.faces;
+    options.walls |= want.faces;
+    want.neighbors |= want.areas || want.normals || want.vertices;
+}
+
+inline bool is_periodic(const Options& options) {
+    return options.cell || options.periodic[0] || options.periodic[1] || options.periodic[2];
+}
+
+// Whether vertices must be placed, and cells measured.
+inline bool needs_geometry(const Want& want) {
+    return want.volumes || want.centroids || want.areas || want.surfaces || want.radii || want.vertices;
+}
+
+}  // namespace votess
