@@ -9,11 +9,13 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 #include <votess/votess.hpp>
 
 #include "arguments.hpp"
+#include "atomic_file.hpp"
 #include "failure.hpp"
 #include "input.hpp"
 #include "interrupt.hpp"
@@ -53,10 +55,12 @@ void print_devices() {
     print(text);
 }
 
-votess::Tessellation tessellate(const Input& input, const Arguments& arguments, Clock::time_point run_began) {
+votess::Tessellation tessellate(const Input& input, const Arguments& arguments, const votess::Want& want,
+                                Clock::time_point run_began) {
     const InterruptGuard guard;
     Progress progress(!arguments.quiet, run_began);
     votess::Options options = arguments.options;
+    options.want = want;
     options.progress = [&progress](double fraction) {
         progress.show(fraction);
         return interrupting_signal() == 0;
@@ -92,7 +96,11 @@ int run(const Arguments& arguments) {
                                                : read_input(arguments.input);
     summary.seconds_read = seconds_since(run_began);
 
-    const votess::Tessellation tessellation = tessellate(input, arguments, run_began);
+    votess::Want want = arguments.options.want;
+    // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
+    const bool once = !arguments.picture || arguments.options.walls || arguments.outputs.empty();
+    if (arguments.picture && once) add_needs(*arguments.picture, want);
+    const votess::Tessellation tessellation = tessellate(input, arguments, want, run_began);
     summary.stats = tessellation.stats();
     summary.has_volumes = arguments.wanted.volumes;
 
@@ -106,8 +114,20 @@ int run(const Arguments& arguments) {
 
     if (failure.empty()) {
         const auto write_began = Clock::now();
+        std::string png;
+        if (arguments.picture) {
+            add_needs(*arguments.picture, want);
+            png = draw_picture(*arguments.picture, input,
+                               once ? tessellation : tessellate(input, arguments, want, run_began));
+        }
         const InterruptGuard guard;
+        std::optional<OutputFile> image;
+        if (arguments.picture) {
+            image.emplace(arguments.picture->file).write(png);
+            image->finish();
+        }
         write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format});
+        if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }
     summary.seconds_total = seconds_since(run_began);

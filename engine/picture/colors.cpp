@@ -9,7 +9,8 @@
 namespace votess::picture {
 namespace {
 
-// A path through the Oklab space, in which equal distances look alike: lightness, chroma and hue at its ends and middle.
+// A path through the Oklab space, in which equal distances look alike: lightness, chroma and hue at its ends and
+// middle.
 struct Path {
     double light[2];
     double chroma[3];

@@ -16,8 +16,8 @@ inline constexpr Color no_value = rgb(150, 150, 150);
 
 struct Tick {
     double value = 0;
-    std::string text;    // as draw_text takes it; empty: a small tick between
-    double at = 0;       // 0 to 1 along the scale
+    std::string text;  // as draw_text takes it; empty: a small tick between
+    double at = 0;     // 0 to 1 along the scale
 };
 
 struct Ticks {

@@ -19,9 +19,9 @@ FillVertex flat_vertex(double x, double y, Color color) {
 }
 
 void add_rectangle(const Area& area, Color color, std::vector<FillVertex>& out) {
-    const FillVertex corners[4] = {
-        flat_vertex(area.left, area.top, color), flat_vertex(area.right, area.top, color),
-        flat_vertex(area.right, area.bottom, color), flat_vertex(area.left, area.bottom, color)};
+    const FillVertex corners[4] = {flat_vertex(area.left, area.top, color), flat_vertex(area.right, area.top, color),
+                                   flat_vertex(area.right, area.bottom, color),
+                                   flat_vertex(area.left, area.bottom, color)};
     for (const int i : {0, 1, 2, 0, 2, 3}) out.push_back(corners[i]);
 }
 
@@ -70,8 +70,8 @@ double color_bar_width(const Scale& scale, const PictureOptions& options, const 
     if (!options.color_bar) return 0;
     const TextStyle style = sizes.style(1, options.background);
     const double label = options.label.empty() ? 0 : 2.4 * style.size;
-    return sizes.unit * (bar_gap + bar_width + tick_length + text_gap + margin) + widest(scale.ticks(bar_ticks), style) +
-           label;
+    return sizes.unit * (bar_gap + bar_width + tick_length + text_gap + margin) +
+           widest(scale.ticks(bar_ticks), style) + label;
 }
 
 double add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& whole,

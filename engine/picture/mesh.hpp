@@ -58,9 +58,7 @@ struct CutPlane {
     double value = 0;
     double side = 1;
 
-    [[nodiscard]] double height(const Vec3& p) const {
-        return side * (p[static_cast<std::size_t>(axis)] - value);
-    }
+    [[nodiscard]] double height(const Vec3& p) const { return side * (p[static_cast<std::size_t>(axis)] - value); }
 };
 
 // The part of `in` in front of the plane, or with `behind` the rest. line: of the side along the plane.

@@ -29,7 +29,8 @@ void check_size(const char* name, std::uint32_t pixels) {
 }
 
 void check_slice(const Slice& slice, const Box& box) {
-    if (slice.axis < 0 || slice.axis > 2) refuse("picture: slice axis " + std::to_string(slice.axis) + " is not 0, 1 or 2");
+    if (slice.axis < 0 || slice.axis > 2)
+        refuse("picture: slice axis " + std::to_string(slice.axis) + " is not 0, 1 or 2");
     const auto k = static_cast<std::size_t>(slice.axis);
     const double lower = box.lower[k], upper = box.upper[k];
     if (!(slice.value > lower && slice.value < upper)) {
@@ -58,7 +59,8 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     if (options.range) {
         const auto& [low, high] = *options.range;
         if (!std::isfinite(low) || !std::isfinite(high) || !(low < high)) {
-            refuse("picture: color range " + number(low) + " to " + number(high) + ": give a lower and a higher number");
+            refuse("picture: color range " + number(low) + " to " + number(high) +
+                   ": give a lower and a higher number");
         }
     }
     if (!std::isfinite(options.azimuth) || !(std::abs(options.elevation) <= 89)) {
@@ -77,7 +79,8 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
 std::vector<Color> color_cells(std::span<const double> values, const Scale& scale, Colormap map) {
     constexpr int steps = 1024;
     std::vector<Color> table(steps + 1);
-    for (int i = 0; i <= steps; ++i) table[static_cast<std::size_t>(i)] = map_color(map, static_cast<double>(i) / steps);
+    for (int i = 0; i <= steps; ++i)
+        table[static_cast<std::size_t>(i)] = map_color(map, static_cast<double>(i) / steps);
     std::vector<Color> colors(values.size(), no_value);
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (std::isnan(values[i])) continue;
@@ -128,7 +131,8 @@ Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double
     const Sizes sizes(options.width, options.height);
     scene.edge_width = options.edges ? sizes.line : 0;
     const double margin = 46 * sizes.unit;
-    const double right = options.color_bar ? scene.width - color_bar_width(scale, options, sizes) : scene.width - margin;
+    const double right =
+        options.color_bar ? scene.width - color_bar_width(scale, options, sizes) : scene.width - margin;
     Area area{margin, margin, right, scene.height - margin};
     if (options.slice) {
         if (options.frame) {

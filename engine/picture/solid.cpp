@@ -220,7 +220,8 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     std::vector<Vec3> outline;
     if (job.shown.walls_hidden) {
         for (std::size_t i = 0; i < job.shown.cells.size(); ++i) {
-            if (job.shown.cells[i]) outline.push_back(frame({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}));
+            if (job.shown.cells[i])
+                outline.push_back(frame({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}));
         }
     }
     for (int corner = 0; !job.shown.walls_hidden && corner < 8; ++corner) {

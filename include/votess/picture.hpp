@@ -53,8 +53,9 @@ struct PictureOptions {
 
     // N values to color the cells by; NaN: gray. Empty: the volumes, which must have been wanted then.
     std::span<const double> values;
-    std::string label = "volume";                // beside the color bar; printable ASCII, ^2 raises what follows
-    std::optional<std::array<double, 2>> range;  // default: that of the cells shown but for 0.5 % at each end, at the lower 3 % in a logarithmic scale
+    std::string label = "volume";  // beside the color bar; printable ASCII, ^2 raises what follows
+    std::optional<std::array<double, 2>>
+        range;  // default: that of the cells shown but for 0.5 % at each end, at the lower 3 % in a logarithmic scale
     ColorScale scale = ColorScale::automatic;
     Colormap colormap = Colormap::tide;
 
@@ -69,10 +70,10 @@ struct PictureOptions {
     // A section by a plane instead, seen along its axis.
     std::optional<Slice> slice;
 
-    bool edges = true;                              // lines along the edges of cells, fading where cells are small
-    bool seeds = false;                             // with a slice: dots for the seeds near the plane
+    bool edges = true;   // lines along the edges of cells, fading where cells are small
+    bool seeds = false;  // with a slice: dots for the seeds near the plane
     bool color_bar = true;
-    bool frame = true;                              // the box as lines; with a slice axes with ticks
+    bool frame = true;  // the box as lines; with a slice axes with ticks
     std::array<std::uint8_t, 4> background{255, 255, 255, 255};
 
     // As Options::device, but graphics must be had: "auto" = the first GPU that draws, else software; "cpu" =

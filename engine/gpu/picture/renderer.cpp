@@ -53,7 +53,7 @@ void set_matrix(const Scene& scene, bool flat, PicturePush& push) {
 
 // A part of the picture: what is kept of it, and what is drawn, which has a border.
 struct Part {
-    std::uint32_t left, top, width, height;            // kept
+    std::uint32_t left, top, width, height;             // kept
     std::uint32_t draw_left, draw_top, draw_w, draw_h;  // drawn
 };
 
@@ -335,8 +335,8 @@ private:
 
 Picture draw(const Scene& scene, const std::shared_ptr<vulkan::Device>& device, const DrawLimits& limits) {
     const VkPhysicalDeviceLimits& own = device->adapter().limits;
-    const std::uint32_t most = std::min(
-        {limits.most_pixels, own.maxImageDimension2D, own.maxFramebufferWidth, own.maxFramebufferHeight});
+    const std::uint32_t most =
+        std::min({limits.most_pixels, own.maxImageDimension2D, own.maxFramebufferWidth, own.maxFramebufferHeight});
     Picture picture;
     picture.width = scene.width;
     picture.height = scene.height;
