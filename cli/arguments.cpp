@@ -21,6 +21,7 @@ struct Typed {
     std::vector<std::string> outputs;
     bool walls = false, verify = false, json = false, quiet = false;
     bool help = false, version = false, list_devices = false;
+    TypedPicture picture;
 };
 
 Typed split_command_line(int count, const char* const* values) {
@@ -60,6 +61,7 @@ Typed split_command_line(int count, const char* const* values) {
     add_flag("-h,--help", typed.help);
     add_flag("--version", typed.version);
     add_flag("--list-devices", typed.list_devices);
+    add_picture_options(app, typed.picture);
     try {
         app.parse(count, values);
     } catch (const CLI::ExtrasError&) {
@@ -300,6 +302,11 @@ Arguments read_arguments(int count, const char* const* values) {
     read_source(typed, arguments);
     read_domain(typed, options);
     read_outputs(typed, arguments);
+    arguments.picture = read_picture(typed.picture, arguments.input, arguments.outputs);
+    if (arguments.picture) {
+        arguments.picture->options.device = options.device;
+        arguments.picture->options.threads = options.threads;
+    }
 
     options.want = arguments.wanted;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
