@@ -7,17 +7,22 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "input.hpp"
+#include "picture.hpp"
 #include "text_format.hpp"
 
 namespace clvotess {
 
 struct Arguments {
     std::string input;  // file or "-"; empty with --random
+    ReadRequest read;
+    bool column_holds_radii = false;  // the column that `read` names: radii, else weights
     std::optional<std::uint64_t> random_count;
     std::uint64_t rng_seed = 1;
 
     std::vector<std::string> outputs;
     TextFormat format{"%i %n"};
+    std::optional<PictureArguments> picture;
 
     // Arrays that the user or an output wants, and the options of the run, where --verify may add to `options.want`.
     votess::Want wanted;

@@ -52,6 +52,22 @@ output
   --json                 the summary as one JSON object on stdout
   -q, --quiet            no summary, no progress bar
 
+picture
+  --image FILE.png       the cells, cut open, drawn by Vulkan on the device of -x, or in software
+                         (Mesa's lavapipe) where that draws nothing. Cells at the walls that dwarf
+                         the others are left out, with their neighbors
+  --slice x=VALUE        a plane section instead, with axes; y=VALUE or z=VALUE too
+  --color COLUMN         volume (default), neighbors, area, x, y, z or index; on a logarithmic scale
+                         where volumes differ widely
+  --colormap tide|ember|gray
+  --cut corner|half|cells|none
+                         what is taken away: the octant in front (corner, the default), the half in
+                         front, or the whole cells whose points lie in that octant
+  --view AZIMUTH,ELEVATION
+                         where the camera stands, in degrees; default 36,27
+  --seeds                with --slice: the points near the plane as dots
+  --image-size WxH       pixels; default 1600x1200
+
 run
   -x, --device auto|cpu|gpu|lavapipe|INDEX
                          auto      the first GPU, else the CPU (default)

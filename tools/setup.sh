@@ -29,6 +29,7 @@ for part in "$@"; do
             need libboost-dev
             need libcli11-dev
             need zlib1g-dev
+            need libpng-dev
             need libvulkan-dev
             need libvulkan-volk-dev
             need libglm-dev
