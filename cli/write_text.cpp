@@ -186,13 +186,13 @@ private:
         });
     }
 
-    // The numbers are those of the cell's vertices in %p and %P.
+    // The numbers are those of the cell's vertices in %p and %P, clockwise seen from outside as Voro++ has them.
     void put_polygon(std::size_t i, Polygon corners) {
         const Polygon vertices = vertices_of(i);
         buffer_.put('(');
         for (std::size_t k = 0; k < corners.size(); ++k) {
             if (k > 0) buffer_.put(',');
-            buffer_.put_number(local_number(vertices, corners[k]));
+            buffer_.put_number(local_number(vertices, corners[corners.size() - 1 - k]));
         }
         buffer_.put(')');
     }
