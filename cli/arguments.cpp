@@ -14,13 +14,14 @@ namespace {
 // Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
-    std::optional<std::string> dataset, frame;
-    std::optional<std::string> periodic, cell, origin, weights, radii, outside, min_face;
+    std::optional<std::string> periodic, cell, origin, outside, min_face;
+    std::optional<std::string> dataset, frame, weights, radii;
     std::vector<std::string> planes;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
     bool walls = false, verify = false, json = false, quiet = false;
     bool help = false, version = false, list_devices = false;
+    TypedPicture picture;
 };
 
 Typed split_command_line(int count, const char* const* values) {
@@ -41,6 +42,7 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--origin", typed.origin);
     app.add_option("--wall", typed.planes)->allow_extra_args(false);
     app.add_option("--outside", typed.outside);
+    app.add_option("--min-face", typed.min_face);
     app.add_option("--weights", typed.weights);
     app.add_option("--radii", typed.radii);
     app.add_option("-x,--device", typed.device);
@@ -59,6 +61,7 @@ Typed split_command_line(int count, const char* const* values) {
     add_flag("-h,--help", typed.help);
     add_flag("--version", typed.version);
     add_flag("--list-devices", typed.list_devices);
+    add_picture_options(app, typed.picture);
     try {
         app.parse(count, values);
     } catch (const CLI::ExtrasError&) {
@@ -182,6 +185,11 @@ void read_domain(const Typed& typed, votess::Options& options) {
     for (const std::string& plane : typed.planes) options.planes.push_back(read_wall(plane));
     if (!typed.planes.empty() && typed.random && !typed.box) options.box.reset();
     if (typed.outside) options.outside = read_outside(*typed.outside);
+    if (typed.min_face) {
+        const auto share = read_double(*typed.min_face);
+        if (!share) throw bad_input("--min-face must be a number, not " + in_quotes(*typed.min_face));
+        options.min_face = *share;
+    }
 }
 
 std::string read_device(const std::string& device) {
@@ -294,6 +302,11 @@ Arguments read_arguments(int count, const char* const* values) {
     read_source(typed, arguments);
     read_domain(typed, options);
     read_outputs(typed, arguments);
+    arguments.picture = read_picture(typed.picture, arguments.input, arguments.outputs);
+    if (arguments.picture) {
+        arguments.picture->options.device = options.device;
+        arguments.picture->options.threads = options.threads;
+    }
 
     options.want = arguments.wanted;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;

@@ -8,6 +8,7 @@
 #include <votess/votess.hpp>
 
 #include "input.hpp"
+#include "picture.hpp"
 #include "text_format.hpp"
 
 namespace clvotess {
@@ -21,6 +22,7 @@ struct Arguments {
 
     std::vector<std::string> outputs;
     TextFormat format{"%i %n"};
+    std::optional<PictureArguments> picture;
 
     // Arrays that the user or an output wants, and the options of the run, where --verify may add to `options.want`.
     votess::Want wanted;

@@ -9,11 +9,13 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 #include <votess/votess.hpp>
 
 #include "arguments.hpp"
+#include "atomic_file.hpp"
 #include "failure.hpp"
 #include "input.hpp"
 #include "interrupt.hpp"
@@ -117,8 +119,12 @@ int run(const Arguments& arguments) {
     if (const std::string taken = take_domain(input.domain, options); !taken.empty()) {
         summary.input_note += (input.note.empty() ? "" : ", ") + taken;
     }
-
-    const votess::Tessellation tessellation = tessellate(input, std::move(options), arguments.quiet, run_began);
+    // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
+    const bool once = !arguments.picture || options.walls || arguments.outputs.empty();
+    votess::Options for_picture = options;
+    if (arguments.picture) add_needs(*arguments.picture, for_picture.want);
+    const votess::Tessellation tessellation =
+        tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
     summary.stats = tessellation.stats();
     summary.has_volumes = arguments.wanted.volumes;
 
@@ -132,9 +138,20 @@ int run(const Arguments& arguments) {
 
     if (failure.empty()) {
         const auto write_began = Clock::now();
+        std::string png;
+        if (arguments.picture) {
+            png = draw_picture(*arguments.picture, input,
+                               once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began));
+        }
         const InterruptGuard guard;
+        std::optional<OutputFile> image;
+        if (arguments.picture) {
+            image.emplace(arguments.picture->file).write(png);
+            image->finish();
+        }
         write_outputs(arguments.outputs,
                       {input, tessellation, arguments.wanted, arguments.format, arguments.column_holds_radii});
+        if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }
     summary.seconds_total = seconds_since(run_began);

@@ -16,7 +16,7 @@ SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreig
 JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
              "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
-OPTIONS = ["--random", "--rng-seed", "--output", "--format", "--want", "--walls", "--box", "--device", "--threads",
+OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--output", "--format", "--want", "--walls", "--box", "--device", "--threads",
            "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify", "--json",
            "--list-devices", "--version", "--quiet", "--help"]
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]

@@ -38,9 +38,10 @@ struct Adapter {
     bool storage8 = false;
     bool storage16 = false;
 
-    std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;  // with compute, and with timestamps if there is one
-    std::uint32_t timestamp_bits = 0;                      // 0: no timestamps
-    bool portability_subset = false;                       // must be enabled where it exists
+    std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;     // with compute, and with timestamps if there is one
+    std::uint32_t graphics_family = VK_QUEUE_FAMILY_IGNORED;  // with graphics, the above where it has that
+    std::uint32_t timestamp_bits = 0;                         // 0: no timestamps
+    bool portability_subset = false;                          // must be enabled where it exists
 
     // Runs on the CPU (lavapipe).
     [[nodiscard]] bool software() const { return type == VK_PHYSICAL_DEVICE_TYPE_CPU; }

@@ -10,13 +10,20 @@ std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const
     if (const std::string lack = adapter.missing(); !lack.empty()) {
         throw Error(ErrorCode::unsupported, "votess cannot use the device " + adapter.name + ": it " + lack);
     }
+    if (options.graphics && adapter.graphics_family == VK_QUEUE_FAMILY_IGNORED) {
+        throw Error(ErrorCode::unsupported, "the device " + adapter.name + " has no graphics");
+    }
     std::shared_ptr<Device> device(new Device(std::move(instance), adapter, options));
+    if (options.graphics) return device;
     device->rounding_ = probe_rounding(*device, device->float64_);
     return device;
 }
 
 Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options)
-    : instance_(std::move(instance)), adapter_(adapter), float64_(options.float64 && adapter.float64) {
+    : instance_(std::move(instance)),
+      adapter_(adapter),
+      float64_(options.float64 && adapter.float64 && !options.graphics) {
+    if (options.graphics) adapter_.queue_family = adapter_.graphics_family;
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
     queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;

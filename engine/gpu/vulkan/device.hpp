@@ -1,4 +1,4 @@
-// A logical device with one compute queue.
+// A logical device with one queue, for compute or for graphics.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,13 @@ namespace votess::gpu::vulkan {
 // Features to use where the device has them.
 struct DeviceOptions {
     bool float64 = true;
+    bool graphics = false;  // draw instead of compute: a queue of Adapter::graphics_family, float64 not asked about
 };
 
 // Outlives all that is made from it (Memory, Buffer, Pass, Commands), which keep a reference to it.
 class Device {
 public:
-    // Throws `unsupported` with Adapter::missing() when that is not empty.
+    // Throws `unsupported` with Adapter::missing() when that is not empty, and for graphics where there are none.
     [[nodiscard]] static std::shared_ptr<Device> create(std::shared_ptr<Instance> instance, const Adapter& adapter,
                                                         const DeviceOptions& options = {});
     ~Device();
@@ -30,7 +31,7 @@ public:
     [[nodiscard]] VkDevice handle() const { return handle_; }
     // Read at every call, so that tests can replace an entry to make it fail.
     [[nodiscard]] VolkDeviceTable& table() { return table_; }
-    [[nodiscard]] const Adapter& adapter() const { return adapter_; }
+    [[nodiscard]] const Adapter& adapter() const { return adapter_; }  // queue_family: that of the queue
     [[nodiscard]] Instance& instance() { return *instance_; }
     // Only where it is rounded to nearest: bounds of float64 arithmetic rely on it.
     [[nodiscard]] bool has_float64() const { return float64_ && rounding_.nearest64; }

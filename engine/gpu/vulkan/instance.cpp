@@ -171,6 +171,7 @@ void Instance::load_calls() {
     load(calls_.vkGetPhysicalDeviceProperties, get, handle_, "vkGetPhysicalDeviceProperties");
     load(calls_.vkGetPhysicalDeviceProperties2, get, handle_, "vkGetPhysicalDeviceProperties2");
     load(calls_.vkGetPhysicalDeviceFeatures2, get, handle_, "vkGetPhysicalDeviceFeatures2");
+    load(calls_.vkGetPhysicalDeviceFormatProperties, get, handle_, "vkGetPhysicalDeviceFormatProperties");
     load(calls_.vkGetPhysicalDeviceMemoryProperties, get, handle_, "vkGetPhysicalDeviceMemoryProperties");
     load(calls_.vkGetPhysicalDeviceQueueFamilyProperties, get, handle_, "vkGetPhysicalDeviceQueueFamilyProperties");
     load(calls_.vkEnumerateDeviceExtensionProperties, get, handle_, "vkEnumerateDeviceExtensionProperties");

@@ -231,7 +231,8 @@ Buffer Memory::buffer(VkDeviceSize bytes, MemoryKind kind, const char* name) {
     info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
     info.size = round_up(std::max<VkDeviceSize>(bytes, 1), 16);
     info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
     info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
     VolkDeviceTable& table = device_.table();
     check(table.vkCreateBuffer(device_.handle(), &info, nullptr, &buffer.handle_), "vkCreateBuffer");

@@ -21,7 +21,7 @@ enum class MemoryKind {
 class Memory;
 struct MemoryBlock;
 
-// A buffer for shaders, copies and indirect dispatch, with its memory. Its Memory must outlive it.
+// A buffer for shaders, vertices, copies and indirect dispatch, with its memory. Its Memory must outlive it.
 class Buffer {
 public:
     Buffer() = default;

@@ -1,0 +1,185 @@
+#include "picture.hpp"
+
+#include <CLI/CLI.hpp>
+#include <string_view>
+
+#include "atomic_file.hpp"
+#include "failure.hpp"
+#include "numbers.hpp"
+#include "png.hpp"
+
+namespace clvotess {
+namespace {
+
+template <class Value>
+struct Word {
+    std::string_view word;
+    Value value;
+    const char* label = "";
+};
+
+constexpr Word<Column> columns[] = {{"volume", Column::volume, "volume"},
+                                    {"neighbors", Column::neighbors, "neighbors"},
+                                    {"area", Column::area, "surface area"},
+                                    {"x", Column::x, "x"},
+                                    {"y", Column::y, "y"},
+                                    {"z", Column::z, "z"},
+                                    {"index", Column::index, "index"}};
+constexpr Word<votess::Cut> cuts[] = {{"corner", votess::Cut::corner},
+                                      {"half", votess::Cut::half},
+                                      {"cells", votess::Cut::cells},
+                                      {"none", votess::Cut::none}};
+constexpr Word<votess::Colormap> colormaps[] = {
+    {"tide", votess::Colormap::tide}, {"ember", votess::Colormap::ember}, {"gray", votess::Colormap::gray}};
+
+template <class Value, std::size_t n>
+const Word<Value>& find_word(const char* option, const Word<Value> (&words)[n], const std::string& text) {
+    std::string known;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (words[i].word == text) return words[i];
+        known += std::string(i == 0 ? "" : i + 1 == n ? " or " : ", ") + std::string(words[i].word);
+    }
+    throw bad_input(std::string(option) + " must be " + known + ", not " + in_quotes(text));
+}
+
+votess::Slice read_slice(const std::string& text) {
+    const auto value = text.size() > 2 && text[1] == '=' ? read_double(std::string_view(text).substr(2)) : std::nullopt;
+    if (!value || text[0] < 'x' || text[0] > 'z') {
+        throw bad_input("--slice must be x=NUMBER, y=NUMBER or z=NUMBER, not " + in_quotes(text));
+    }
+    return {text[0] - 'x', *value};
+}
+
+void read_size(const std::string& text, votess::PictureOptions& options) {
+    constexpr std::uint64_t least = 64, most = 16384;
+    const auto by = text.find('x');
+    const auto width = by == std::string::npos ? std::nullopt : read_uint64(std::string_view(text).substr(0, by));
+    const auto height = by == std::string::npos ? std::nullopt : read_uint64(std::string_view(text).substr(by + 1));
+    if (!width || !height || *width < least || *width > most || *height < least || *height > most) {
+        throw bad_input("--image-size must be WIDTHxHEIGHT in pixels, 64 to 16384 each, not " + in_quotes(text));
+    }
+    options.width = static_cast<std::uint32_t>(*width);
+    options.height = static_cast<std::uint32_t>(*height);
+}
+
+void read_view(const std::string& text, votess::PictureOptions& options) {
+    const auto comma = text.find(',');
+    const auto azimuth =
+        comma == std::string::npos ? std::nullopt : read_double(std::string_view(text).substr(0, comma));
+    const auto elevation =
+        comma == std::string::npos ? std::nullopt : read_double(std::string_view(text).substr(comma + 1));
+    if (!azimuth || !elevation || !(*elevation >= -89 && *elevation <= 89)) {
+        throw bad_input("--view must be AZIMUTH,ELEVATION in degrees, the elevation from -89 to 89, not " +
+                        in_quotes(text));
+    }
+    options.azimuth = *azimuth;
+    options.elevation = *elevation;
+}
+
+void check_file(const std::string& file, const std::string& input, const std::vector<std::string>& outputs) {
+    if (extension_of(file) != ".png")
+        throw bad_input("--image " + in_quotes(file) + ": give it a name that ends in .png");
+    check_png();
+    check_writable(file);
+    for (const std::string& path : outputs) {
+        if (path != "-" && identity_of(path) == identity_of(file)) {
+            throw bad_input("--image " + in_quotes(file) + " is an output too: give it another name");
+        }
+    }
+    if (input != "-" && !input.empty() && identity_of(input) == identity_of(file)) {
+        throw bad_input("--image " + in_quotes(file) + " is the input: give it another name");
+    }
+}
+
+std::vector<double> values_of(Column column, const Input& input, const votess::Tessellation& tessellation) {
+    const std::size_t n = tessellation.size();
+    std::vector<double> values(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        switch (column) {
+            case Column::volume:
+                values[i] = tessellation.volumes()[i];
+                break;
+            case Column::area:
+                values[i] = tessellation.surface_areas()[i];
+                break;
+            case Column::neighbors:
+                for (const auto j : tessellation.neighbors(i)) values[i] += j >= 0;
+                break;
+            case Column::x:
+            case Column::y:
+            case Column::z:
+                values[i] =
+                    input.points[3 * i + static_cast<std::size_t>(column) - static_cast<std::size_t>(Column::x)];
+                break;
+            case Column::index:
+                values[i] = static_cast<double>(i);
+                break;
+        }
+    }
+    return values;
+}
+
+}  // namespace
+
+void add_picture_options(CLI::App& app, TypedPicture& typed) {
+    app.add_option("--image", typed.image);
+    app.add_option("--slice", typed.slice);
+    app.add_option("--image-size", typed.size);
+    app.add_option("--color", typed.color);
+    app.add_option("--colormap", typed.colormap);
+    app.add_option("--cut", typed.cut);
+    app.add_option("--view", typed.view);
+    app.add_flag("--seeds", typed.seeds)->disable_flag_override();
+}
+
+std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
+                                             const std::vector<std::string>& outputs) {
+    if (!typed.image) {
+        const char* alone = typed.slice      ? "--slice"
+                            : typed.size     ? "--image-size"
+                            : typed.color    ? "--color"
+                            : typed.colormap ? "--colormap"
+                            : typed.cut      ? "--cut"
+                            : typed.view     ? "--view"
+                            : typed.seeds    ? "--seeds"
+                                             : nullptr;
+        if (alone != nullptr) throw bad_input(std::string(alone) + " is for a picture: add --image FILE.png");
+        return {};
+    }
+    if (typed.slice && (typed.cut || typed.view)) {
+        throw bad_input(std::string(typed.cut ? "--cut" : "--view") + " is for a picture in space, not for a --slice");
+    }
+    if (typed.seeds && !typed.slice) throw bad_input("--seeds shows the points near a plane: add --slice");
+    PictureArguments picture;
+    picture.file = *typed.image;
+    check_file(picture.file, input, outputs);
+    votess::PictureOptions& options = picture.options;
+    if (typed.slice) options.slice = read_slice(*typed.slice);
+    if (typed.size) read_size(*typed.size, options);
+    if (typed.color) {
+        const auto& column = find_word("--color", columns, *typed.color);
+        picture.column = column.value;
+        options.label = column.label;
+    }
+    if (typed.colormap) options.colormap = find_word("--colormap", colormaps, *typed.colormap).value;
+    if (typed.cut) options.cut = find_word("--cut", cuts, *typed.cut).value;
+    if (typed.view) read_view(*typed.view, options);
+    options.seeds = typed.seeds;
+    return picture;
+}
+
+void add_needs(const PictureArguments& picture, votess::Want& want) {
+    want.faces = true;
+    want.volumes |= picture.column == Column::volume;
+    want.surfaces |= picture.column == Column::area;
+}
+
+std::string draw_picture(const PictureArguments& picture, const Input& input,
+                         const votess::Tessellation& tessellation) {
+    const std::vector<double> values = values_of(picture.column, input, tessellation);
+    votess::PictureOptions options = picture.options;
+    options.values = values;
+    return to_png(votess::render(tessellation, input.points, options));
+}
+
+}  // namespace clvotess

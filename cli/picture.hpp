@@ -1,0 +1,44 @@
+// --image: the options of the picture, and the picture as a PNG file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+#include <votess/picture.hpp>
+
+#include "input.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace clvotess {
+
+// What to color the cells by.
+enum class Column { volume, neighbors, area, x, y, z, index };
+
+struct PictureArguments {
+    std::string file;
+    Column column = Column::volume;
+    votess::PictureOptions options;  // without its values
+};
+
+// As typed.
+struct TypedPicture {
+    std::optional<std::string> image, slice, size, color, colormap, cut, view;
+    bool seeds = false;
+};
+void add_picture_options(CLI::App& app, TypedPicture& typed);
+
+// Nothing without --image. Checks the file's name against the other files of the run.
+[[nodiscard]] std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
+                                                           const std::vector<std::string>& outputs);
+
+// Adds what the picture needs.
+void add_needs(const PictureArguments& picture, votess::Want& want);
+
+// The bytes of the file. The tessellation has what add_needs() adds.
+[[nodiscard]] std::string draw_picture(const PictureArguments& picture, const Input& input,
+                                       const votess::Tessellation& tessellation);
+
+}  // namespace clvotess

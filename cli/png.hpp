@@ -1,0 +1,14 @@
+// PNG files, through libpng.
+#pragma once
+
+#include <string>
+#include <votess/picture.hpp>
+
+namespace clvotess {
+
+// Throws Failure when this program was built without libpng.
+void check_png();
+// The bytes of a PNG file.
+[[nodiscard]] std::string to_png(const votess::Picture& picture);
+
+}  // namespace clvotess

@@ -1,0 +1,43 @@
+// From values to colors: the range, the color map, the ticks of a scale.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "picture/scene.hpp"
+
+namespace votess::picture {
+
+// The color of t, 0 to 1.
+[[nodiscard]] Color map_color(Colormap map, double t);
+inline constexpr Color no_value = rgb(150, 150, 150);
+
+struct Tick {
+    double value = 0;
+    std::string text;  // as draw_text takes it; empty: a small tick between
+    double at = 0;     // 0 to 1 along the scale
+};
+
+struct Ticks {
+    std::vector<Tick> marks;
+    std::string factor;  // of all texts, "*10^-5"; empty: none
+};
+
+// Maps values to 0 .. 1.
+struct Scale {
+    double low = 0, high = 1;
+    bool logarithmic = false;
+    bool below = false, above = false;  // some values lie outside
+
+    [[nodiscard]] double at(double value) const;
+    // Round numbers, at most about so many of them with text.
+    [[nodiscard]] Ticks ticks(int wanted) const;
+};
+
+// The scale for the values of the cells shown, as the options want it.
+[[nodiscard]] Scale choose_scale(std::span<const double> values, std::span<const char> shown,
+                                 const PictureOptions& options);
+
+}  // namespace votess::picture

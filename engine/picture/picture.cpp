@@ -1,0 +1,169 @@
+// render(): what to show, its colors, its geometry, its surroundings; then the device draws.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <thread>
+
+#include "options.hpp"
+#include "picture/colors.hpp"
+#include "picture/layout.hpp"
+#include "picture/shown.hpp"
+#include "picture/slice.hpp"
+#include "picture/solid.hpp"
+#if VOTESS_HAVE_VULKAN
+#include "gpu/picture/renderer.hpp"
+#endif
+
+namespace votess {
+namespace picture {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, message);
+}
+
+void check_size(const char* name, std::uint32_t pixels) {
+    if (pixels < 64 || pixels > 16384) {
+        refuse(std::string("picture: ") + name + " = " + std::to_string(pixels) + " pixels: give 64 to 16384");
+    }
+}
+
+void check_slice(const Slice& slice, const Box& box) {
+    if (slice.axis < 0 || slice.axis > 2)
+        refuse("picture: slice axis " + std::to_string(slice.axis) + " is not 0, 1 or 2");
+    const auto k = static_cast<std::size_t>(slice.axis);
+    const double lower = box.lower[k], upper = box.upper[k];
+    if (!(slice.value > lower && slice.value < upper)) {
+        refuse(std::string("picture: slice at ") + "xyz"[k] + " = " + number(slice.value) +
+               " is not inside the domain, which spans " + number(lower) + " to " + number(upper));
+    }
+}
+
+void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
+    const std::size_t n = t.size();
+    check_size("width", options.width);
+    check_size("height", options.height);
+    if (points.size() != 3 * n) {
+        refuse("picture: " + std::to_string(points.size()) + " coordinates for " + std::to_string(n) + " cells");
+    }
+    if (n == 0) refuse("picture: there is no cell to draw");
+    if (t.face_offsets().size() != t.indices().size() + 1 || t.vertices().empty()) {
+        refuse("picture: the tessellation has no faces: ask for Want::faces");
+    }
+    if (options.values.empty() && t.volumes().size() != n) {
+        refuse("picture: no values to color by: give some, or ask the tessellation for volumes");
+    }
+    if (!options.values.empty() && options.values.size() != n) {
+        refuse("picture: " + std::to_string(options.values.size()) + " values for " + std::to_string(n) + " cells");
+    }
+    if (options.range) {
+        const auto& [low, high] = *options.range;
+        if (!std::isfinite(low) || !std::isfinite(high) || !(low < high)) {
+            refuse("picture: color range " + number(low) + " to " + number(high) +
+                   ": give a lower and a higher number");
+        }
+    }
+    if (!std::isfinite(options.azimuth) || !(std::abs(options.elevation) <= 89)) {
+        refuse("picture: view " + number(options.azimuth) + ", " + number(options.elevation) +
+               ": the elevation is at most 89 degrees either way");
+    }
+    if (options.cut_at) {
+        for (const double x : *options.cut_at)
+            if (!std::isfinite(x)) refuse("picture: the cut is at " + number(x));
+    }
+    if (options.colormap > Colormap::gray) refuse("picture: no such color map");
+    if (options.slice) check_slice(*options.slice, t.box());
+    if (options.threads > 1024) refuse("picture: threads = " + std::to_string(options.threads) + ": give at most 1024");
+}
+
+std::vector<Color> color_cells(std::span<const double> values, const Scale& scale, Colormap map) {
+    constexpr int steps = 1024;
+    std::vector<Color> table(steps + 1);
+    for (int i = 0; i <= steps; ++i)
+        table[static_cast<std::size_t>(i)] = map_color(map, static_cast<double>(i) / steps);
+    std::vector<Color> colors(values.size(), no_value);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (std::isnan(values[i])) continue;
+        // Of what lies beyond a logarithmic scale some have no logarithm.
+        const double t = values[i] <= scale.low ? 0 : values[i] >= scale.high ? 1 : scale.at(values[i]);
+        colors[i] = table[static_cast<std::size_t>(std::lround(t * steps))];
+    }
+    return colors;
+}
+
+// The domain's corners, bit k of the index telling the end along edge k; none for a polyhedron.
+std::vector<Vec3> domain_corners(const Tessellation& t) {
+    if (!t.planes().empty()) return {};
+    std::vector<Vec3> corners;
+    const Box& box = t.box();
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        Vec3 p = t.cell() ? t.cell()->origin : box.lower;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!(corner >> k & 1)) continue;
+            if (t.cell()) {
+                p = p + (k == 0 ? t.cell()->a : k == 1 ? t.cell()->b : t.cell()->c);
+            } else {
+                p[k] = box.upper[k];
+            }
+        }
+        corners.push_back(p);
+    }
+    return corners;
+}
+
+}  // namespace
+
+Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double> points,
+                  std::span<const double> values, const PictureOptions& options) {
+    const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+    ThreadPool pool(threads);
+    // A section shows what it meets.
+    const WallCells walls =
+        options.slice && options.wall_cells == WallCells::automatic ? WallCells::show : options.wall_cells;
+    const Shown shown = choose_cells(mesh, domain.box, walls, pool);
+    const Scale scale = choose_scale(values, shown.cells, options);
+    const std::vector<Color> colors = color_cells(values, scale, options.colormap);
+
+    Scene scene;
+    scene.width = options.width;
+    scene.height = options.height;
+    scene.background = options.background;
+    const Sizes sizes(options.width, options.height);
+    scene.edge_width = options.edges ? sizes.line : 0;
+    const double margin = 46 * sizes.unit;
+    const double right =
+        options.color_bar ? scene.width - color_bar_width(scale, options, sizes) : scene.width - margin;
+    Area area{margin, margin, right, scene.height - margin};
+    if (options.slice) {
+        if (options.frame) {
+            area.left += 110 * sizes.unit;
+            area.bottom -= 70 * sizes.unit;
+        }
+        area = build_slice({mesh, shown, points, colors, options, domain.periodic, area}, sizes, pool, scene);
+    } else {
+        const auto corners = options.frame && !shown.walls_hidden ? std::span(domain.corners) : std::span<const Vec3>();
+        build_solid({mesh, shown, points, colors, options, area}, corners, pool, scene);
+        area.top = 0.14 * scene.height;
+        area.bottom = 0.86 * scene.height;
+    }
+    add_color_bar(scale, options, sizes, area, scene);
+    return scene;
+}
+
+}  // namespace picture
+
+Picture render(const Tessellation& tessellation, std::span<const double> points, const PictureOptions& options) {
+    picture::check(tessellation, points, options);
+    const picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
+                             tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};
+    picture::Domain domain{tessellation.box(), picture::domain_corners(tessellation), tessellation.periodic()};
+    if (tessellation.cell()) domain.periodic = {};
+    const auto values = options.values.empty() ? tessellation.volumes() : options.values;
+#if VOTESS_HAVE_VULKAN
+    return gpu::draw(picture::build_scene(mesh, domain, points, values, options), options.device);
+#else
+    throw Error(ErrorCode::unsupported, "picture: this votess was built without Vulkan");
+#endif
+}
+
+}  // namespace votess

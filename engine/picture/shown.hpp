@@ -1,0 +1,32 @@
+// Which cells a picture shows, and where they are.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "picture/mesh.hpp"
+#include "thread_pool.hpp"
+
+namespace votess::picture {
+
+struct Shown {
+    std::vector<char> cells;  // 1: shown
+    bool walls_hidden = false;
+    Box bounds;  // of the cells shown; of the domain when walls are shown
+};
+
+[[nodiscard]] Shown choose_cells(const Mesh& mesh, const Box& domain, WallCells wall_cells, ThreadPool& pool);
+
+inline constexpr std::size_t block_cells = 2048;
+[[nodiscard]] constexpr std::size_t block_count(std::size_t cells) {
+    return (cells + block_cells - 1) / block_cells;
+}
+// Runs task(begin, end, block) over blocks of the cells.
+template <class Task>
+void over_cells(std::size_t cells, ThreadPool& pool, const Task& task) {
+    pool.run(block_count(cells), [&](std::size_t block, unsigned) {
+        task(block * block_cells, std::min(cells, (block + 1) * block_cells), block);
+    });
+}
+
+}  // namespace votess::picture

@@ -1,0 +1,136 @@
+#include "picture/slice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace votess::picture {
+namespace {
+
+// From coordinates of the plane to pixels.
+struct Plane {
+    std::size_t axis, across, up;  // axes of space
+    double low[2], pixels;         // pixels of a unit of length
+    Area area;
+
+    [[nodiscard]] Vec3 operator()(const Vec3& p) const {
+        return {area.left + (p[across] - low[0]) * pixels, area.bottom - (p[up] - low[1]) * pixels, 0};
+    }
+};
+
+Plane place(const SliceJob& job, const Slice& slice) {
+    Plane plane{};
+    plane.axis = static_cast<std::size_t>(slice.axis);
+    plane.across = plane.axis == 0 ? 1 : 0;
+    plane.up = plane.axis == 2 ? 1 : 2;
+    const Box& bounds = job.shown.bounds;
+    plane.low[0] = bounds.lower[plane.across];
+    plane.low[1] = bounds.lower[plane.up];
+    const double size[2] = {bounds.upper[plane.across] - plane.low[0], bounds.upper[plane.up] - plane.low[1]};
+    const Area& most = job.area;
+    plane.pixels = std::min((most.right - most.left) / size[0], (most.bottom - most.top) / size[1]);
+    // Whole pixels, so that the frame is sharp.
+    const double width = size[0] * plane.pixels, height = size[1] * plane.pixels;
+    plane.area.left = std::round(0.5 * (most.left + most.right - width)) + 0.5;
+    plane.area.top = std::round(0.5 * (most.top + most.bottom - height)) + 0.5;
+    plane.area.right = plane.area.left + width;
+    plane.area.bottom = plane.area.top + height;
+    return plane;
+}
+
+// The places of a cell that may reach into the box.
+std::vector<Vec3> images(const SliceJob& job) {
+    std::vector<Vec3> all;
+    const Box& box = job.shown.bounds;
+    Vec3 size{};
+    for (std::size_t k = 0; k < 3; ++k) size[k] = job.periodic[k] ? box.upper[k] - box.lower[k] : 0;
+    for (int z = job.periodic[2] ? -1 : 0; z <= (job.periodic[2] ? 1 : 0); ++z)
+        for (int y = job.periodic[1] ? -1 : 0; y <= (job.periodic[1] ? 1 : 0); ++y)
+            for (int x = job.periodic[0] ? -1 : 0; x <= (job.periodic[0] ? 1 : 0); ++x)
+                all.push_back({x * size[0], y * size[1], z * size[2]});
+    return all;
+}
+
+class Builder {
+public:
+    Builder(const SliceJob& job, const Plane& plane, const Slice& slice, std::span<const Vec3> images)
+        : job_(job), plane_(plane), value_(slice.value), images_(images) {}
+
+    void add_cell(std::size_t cell, std::vector<FillVertex>& out) {
+        for (const Vec3& image : images_) {
+            section(job_.mesh, cell, {static_cast<int>(plane_.axis), value_ - image[plane_.axis], 1}, polygon_);
+            if (polygon_.corners.empty()) continue;
+            for (Vec3& corner : polygon_.corners) corner = corner + image;
+            if (images_.size() > 1) clip_to_box();
+            for (Vec3& corner : polygon_.corners) corner = plane_(corner);
+            add_fan(polygon_, {}, job_.colors[cell], out);
+        }
+    }
+
+private:
+    void clip_to_box() {
+        for (const std::size_t axis : {plane_.across, plane_.up}) {
+            for (const bool upper : {false, true}) {
+                const double wall = upper ? job_.shown.bounds.upper[axis] : job_.shown.bounds.lower[axis];
+                clip(polygon_, {static_cast<int>(axis), wall, 1}, upper, false, clipped_);
+                std::swap(polygon_, clipped_);
+            }
+        }
+    }
+
+    const SliceJob& job_;
+    const Plane& plane_;
+    double value_;
+    std::span<const Vec3> images_;
+    Polygon polygon_, clipped_;
+};
+
+void add_seeds(const SliceJob& job, const Plane& plane, const Slice& slice, std::span<const char> met, double size,
+               std::vector<Stroke>& out) {
+    for (std::size_t i = 0; i < met.size(); ++i) {
+        const Vec3 p{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
+        // Only those whose own cell the plane cuts, the nearer the clearer.
+        if (!met[i]) continue;
+        const double away = std::abs(p[plane.axis] - slice.value) * plane.pixels / (8 * size);
+        const auto opacity = static_cast<unsigned>(std::lround(235 / (1 + away * away)));
+        if (opacity < 40) continue;
+        const Vec3 at = plane(p);
+        const auto x = static_cast<float>(at[0]), y = static_cast<float>(at[1]);
+        out.push_back({{x, y, 0}, {x, y, 0}, static_cast<float>(size), rgb(15, 15, 20, opacity)});
+    }
+}
+
+}  // namespace
+
+Area build_slice(const SliceJob& job, const Sizes& sizes, ThreadPool& pool, Scene& scene) {
+    const Slice& slice = *job.options.slice;
+    const Plane plane = place(job, slice);
+    const std::vector<Vec3> all = images(job);
+    const std::size_t n = job.mesh.cells();
+    std::vector<std::vector<FillVertex>> blocks(block_count(n));
+    std::vector<char> met(n);
+    over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
+        Builder builder(job, plane, slice, all);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!job.shown.cells[i]) continue;
+            const std::size_t before = blocks[block].size();
+            builder.add_cell(i, blocks[block]);
+            met[i] = blocks[block].size() > before;
+        }
+    });
+    for (std::vector<FillVertex>& block : blocks) {
+        scene.flat.insert(scene.flat.end(), block.begin(), block.end());
+        block = {};
+    }
+    if (job.options.seeds) add_seeds(job, plane, slice, met, 4 * sizes.unit, scene.strokes);
+    if (job.options.frame) {
+        static constexpr const char* names[] = {"x", "y", "z"};
+        const Box& b = job.shown.bounds;
+        add_axes({{{{b.lower[plane.across], b.upper[plane.across]}, {b.lower[plane.up], b.upper[plane.up]}}},
+                  {names[plane.across], names[plane.up]}},
+                 sizes, plane.area, scene);
+    }
+    return plane.area;
+}
+
+}  // namespace votess::picture

@@ -1,0 +1,262 @@
+#include "picture/solid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace votess::picture {
+namespace {
+
+constexpr double focal_over_height = 2.4;  // a view of 24 degrees, little distortion
+
+Vec3 unit(const Vec3& a) {
+    return (1 / std::sqrt(dot(a, a))) * a;
+}
+
+// From positions of the mesh to those of the scene, of order one around the origin.
+struct Frame {
+    Vec3 middle{};
+    double scale = 1;
+
+    explicit Frame(const Box& bounds) : middle(0.5 * (bounds.lower + bounds.upper)) {
+        // Halves first: the difference itself may overflow.
+        const Vec3 half = 0.5 * bounds.upper - 0.5 * bounds.lower;
+        const double largest = std::max({half[0], half[1], half[2]});
+        scale = 1 / largest;
+    }
+    [[nodiscard]] Vec3 operator()(const Vec3& p) const { return scale * (p - middle); }
+};
+
+// The space that is taken away: in front of all planes.
+struct CutSpace {
+    std::vector<CutPlane> planes;
+
+    [[nodiscard]] bool holds(const Vec3& p) const {
+        return !planes.empty() &&
+               std::all_of(planes.begin(), planes.end(), [&](const CutPlane& plane) { return plane.height(p) > 0; });
+    }
+};
+
+View look(const PictureOptions& options) {
+    const double azimuth = options.azimuth * std::numbers::pi / 180;
+    const double elevation = options.elevation * std::numbers::pi / 180;
+    View view;
+    view.back = {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+    view.right = {-std::sin(azimuth), std::cos(azimuth), 0};
+    view.up = cross(view.back, view.right);
+    return view;
+}
+
+// Goes back until all points are inside the area, and centers them there.
+void fit(View& view, std::span<const Vec3> points, const Area& area, double height) {
+    view.focal = focal_over_height * height;
+    const double width = area.right - area.left, tall = area.bottom - area.top;
+    double lowest[2] = {}, highest[2] = {};
+    view.distance = 0;
+    // The projected middle moves with the distance: a few rounds settle it.
+    double shift[2] = {0, 0};
+    for (int round = 0; round < 16; ++round) {
+        double distance = 0;
+        for (const Vec3& p : points) {
+            const double x = std::abs(dot(view.right, p) - shift[0]), y = std::abs(dot(view.up, p) - shift[1]);
+            const double z = dot(view.back, p);
+            distance = std::max({distance, z + view.focal * x / (0.5 * width), z + view.focal * y / (0.5 * tall)});
+        }
+        view.distance = distance;
+        for (int k = 0; k < 2; ++k) {
+            lowest[k] = 1e300;
+            highest[k] = -1e300;
+        }
+        for (const Vec3& p : points) {
+            const double w = distance - dot(view.back, p);
+            const double at[2] = {dot(view.right, p) / w, dot(view.up, p) / w};
+            for (int k = 0; k < 2; ++k) {
+                lowest[k] = std::min(lowest[k], at[k]);
+                highest[k] = std::max(highest[k], at[k]);
+            }
+        }
+        for (int k = 0; k < 2; ++k) shift[k] = 0.5 * (lowest[k] + highest[k]) * distance;
+    }
+    view.middle = {0.5 * (area.left + area.right) - view.focal * 0.5 * (lowest[0] + highest[0]),
+                   0.5 * (area.top + area.bottom) + view.focal * 0.5 * (lowest[1] + highest[1])};
+    double radius = 0;
+    for (const Vec3& p : points) radius = std::max(radius, std::sqrt(dot(p, p)));
+    view.near = std::max(view.distance - 1.5 * radius, 0.05 * view.distance);
+    view.far = view.distance + 1.5 * radius;
+}
+
+CutSpace cut_space(const PictureOptions& options, const View& view, const Box& bounds) {
+    CutSpace space;
+    if (options.cut == Cut::none) return space;
+    const Vec3 at = options.cut_at ? *options.cut_at : 0.5 * (bounds.lower + bounds.upper);
+    std::size_t nearest = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+        if (std::abs(view.back[k]) > std::abs(view.back[nearest])) nearest = k;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (options.cut == Cut::half && k != nearest) continue;
+        space.planes.push_back({static_cast<int>(k), at[k], view.back[k] < 0 ? -1.0 : 1.0});
+    }
+    return space;
+}
+
+// Makes the triangles of a block of cells.
+class Builder {
+public:
+    Builder(const SolidJob& job, const Frame& frame, const CutSpace& space, const std::vector<char>& kept,
+            const Vec3& eye)
+        : job_(job), frame_(frame), space_(space), kept_(kept), eye_(eye) {}
+
+    void add_cell(std::size_t cell, std::vector<FillVertex>& out) {
+        const Mesh& mesh = job_.mesh;
+        for (std::size_t f = mesh.first_face(cell); f < mesh.end_face(cell); ++f) {
+            // Behind a face between two cells there is nothing to see.
+            if (mesh.joins(f) && kept_[static_cast<std::size_t>(mesh.indices[f])]) continue;
+            add_face(mesh.polygon(f), job_.colors[cell], out);
+        }
+        for (std::size_t k = 0; k < space_.planes.size(); ++k) add_cap(cell, k, out);
+    }
+
+private:
+    void add_face(std::span<const std::int32_t> loop, Color color, std::vector<FillVertex>& out) {
+        rest_.clear();
+        for (const std::int32_t v : loop) rest_.add(frame_(job_.mesh.vertex(v)), true);
+        Vec3 normal{};
+        for (std::size_t i = 2; i < loop.size(); ++i) {
+            normal = normal + cross(rest_.corners[i - 1] - rest_.corners[0], rest_.corners[i] - rest_.corners[0]);
+        }
+        const double length = std::sqrt(dot(normal, normal));
+        if (!(length > 0)) return;
+        normal = (1 / length) * normal;
+        if (dot(normal, eye_ - rest_.corners[0]) <= 0) return;  // seen from inside only
+        if (space_.planes.empty()) return add_fan(rest_, normal, color, out);
+        // What is behind the first plane, what is in front of it and behind the second, and so on.
+        for (const CutPlane& plane : space_.planes) {
+            const CutPlane here = scaled(plane);
+            clip(rest_, here, true, false, piece_);
+            add_fan(piece_, normal, color, out);
+            clip(rest_, here, false, false, piece_);
+            std::swap(rest_, piece_);
+        }
+    }
+
+    // The section of the cell by a plane, as far as the space that is taken away reaches.
+    void add_cap(std::size_t cell, std::size_t k, std::vector<FillVertex>& out) {
+        section(job_.mesh, cell, space_.planes[k], rest_);
+        if (rest_.corners.empty()) return;
+        for (Vec3& corner : rest_.corners) corner = frame_(corner);
+        for (std::size_t other = 0; other < space_.planes.size(); ++other) {
+            if (other == k) continue;
+            clip(rest_, scaled(space_.planes[other]), false, true, piece_);
+            std::swap(rest_, piece_);
+        }
+        Vec3 normal{};
+        normal[static_cast<std::size_t>(space_.planes[k].axis)] = space_.planes[k].side;
+        add_fan(rest_, normal, job_.colors[cell], out);
+    }
+
+    [[nodiscard]] CutPlane scaled(CutPlane plane) const {
+        plane.value = frame_.scale * (plane.value - frame_.middle[static_cast<std::size_t>(plane.axis)]);
+        return plane;
+    }
+
+    const SolidJob& job_;
+    const Frame& frame_;
+    const CutSpace& space_;
+    const std::vector<char>& kept_;
+    Vec3 eye_;
+    Polygon rest_, piece_;
+};
+
+void add_frame(const View& view, const Frame& frame, std::span<const Vec3> corners, double width,
+               std::vector<Stroke>& strokes) {
+    constexpr double towards = 2e-4;  // in front of the faces that it lies on
+    for (std::size_t corner = 0; corner < corners.size(); ++corner) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (corner >> axis & 1) continue;
+            const Vec3 a = view.project(frame(corners[corner])), b = view.project(frame(corners[corner | 1u << axis]));
+            const auto at = [&](double x) { return static_cast<float>(x); };
+            strokes.push_back({{at(a[0]), at(a[1]), at(a[2] - towards)},
+                               {at(b[0]), at(b[1]), at(b[2] - towards)},
+                               static_cast<float>(0.5 * width),
+                               rgb(60, 60, 70, 140)});
+        }
+    }
+}
+
+}  // namespace
+
+Vec3 View::project(const Vec3& p) const {
+    if (focal == 0) return p;
+    const double w = distance - dot(back, p);
+    const double depth = far / (far - near) * (1 - near / w);
+    return {middle[0] + focal * dot(right, p) / w, middle[1] - focal * dot(up, p) / w, depth};
+}
+
+void add_fan(const Polygon& polygon, const Vec3& normal, Color color, std::vector<FillVertex>& out) {
+    const std::size_t n = polygon.corners.size();
+    if (n < 3) return;
+    Vec3 middle{};
+    for (const Vec3& p : polygon.corners) middle = middle + p;
+    middle = (1.0 / static_cast<double>(n)) * middle;
+    FillVertex vertex{};
+    for (std::size_t k = 0; k < 3; ++k) vertex.normal[k] = static_cast<std::int8_t>(std::lround(127 * normal[k]));
+    vertex.color = color;
+    const auto add = [&](const Vec3& p, float edge) {
+        for (std::size_t k = 0; k < 3; ++k) vertex.position[k] = static_cast<float>(p[k]);
+        vertex.edge = edge;
+        out.push_back(vertex);
+    };
+    for (std::size_t i = 0; i < n; ++i) {
+        const float edge = polygon.line[i] ? 0.0f : 1.0f;
+        add(middle, 1);
+        add(polygon.corners[i], edge);
+        add(polygon.corners[(i + 1) % n], edge);
+    }
+}
+
+void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool& pool, Scene& scene) {
+    const Frame frame(job.shown.bounds);
+    View& view = scene.view = look(job.options);
+    std::vector<Vec3> outline;
+    if (job.shown.walls_hidden) {
+        for (std::size_t i = 0; i < job.shown.cells.size(); ++i) {
+            if (job.shown.cells[i])
+                outline.push_back(frame({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}));
+        }
+    }
+    for (int corner = 0; !job.shown.walls_hidden && corner < 8; ++corner) {
+        Vec3 p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            p[k] = corner >> k & 1 ? job.shown.bounds.upper[k] : job.shown.bounds.lower[k];
+        }
+        outline.push_back(frame(p));
+    }
+    for (const Vec3& corner : corners) outline.push_back(frame(corner));
+    fit(view, outline, job.area, scene.height);
+
+    CutSpace space = cut_space(job.options, view, job.shown.bounds);
+    std::vector<char> kept = job.shown.cells;
+    if (job.options.cut == Cut::cells) {
+        for (std::size_t i = 0; i < kept.size(); ++i) {
+            if (space.holds({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]})) kept[i] = 0;
+        }
+        space.planes.clear();
+    }
+
+    const std::size_t n = job.mesh.cells();
+    std::vector<std::vector<FillVertex>> blocks(block_count(n));
+    const Vec3 eye = view.distance * view.back;
+    over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
+        Builder builder(job, frame, space, kept, eye);
+        for (std::size_t i = begin; i < end; ++i)
+            if (kept[i]) builder.add_cell(i, blocks[block]);
+    });
+    for (std::vector<FillVertex>& block : blocks) {
+        scene.solid.insert(scene.solid.end(), block.begin(), block.end());
+        block = {};
+    }
+    scene.occlusion_radius = 0.16;
+    if (!corners.empty()) add_frame(view, frame, corners, 1.4 * scene.edge_width, scene.strokes);
+}
+
+}  // namespace votess::picture

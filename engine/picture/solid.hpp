@@ -1,0 +1,43 @@
+// The cells in three dimensions, cut open.
+#pragma once
+
+#include <span>
+
+#include "picture/mesh.hpp"
+#include "picture/shown.hpp"
+
+namespace votess::picture {
+
+// A rectangle of the picture, in pixels.
+struct Area {
+    double left = 0, top = 0, right = 0, bottom = 0;
+};
+
+struct SolidJob {
+    const Mesh& mesh;
+    const Shown& shown;
+    std::span<const double> points;
+    std::span<const Color> colors;  // of the cells
+    const PictureOptions& options;
+    Area area;  // to fill
+};
+
+// Adds the view, the triangles and the domain's edges. `corners` holds the domain's eight corners, bit a of the index
+// telling its end along edge a; empty: no frame.
+void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool& pool, Scene& scene);
+
+// Adds a polygon as a fan of triangles; less than three corners add nothing.
+void add_fan(const Polygon& polygon, const Vec3& normal, Color color, std::vector<FillVertex>& out);
+
+// The domain as the picture needs it.
+struct Domain {
+    Box box;                    // its bounds
+    std::vector<Vec3> corners;  // as in build_solid
+    std::array<bool, 3> periodic{};
+};
+
+// All of a picture but the drawing. values: what the cells are colored by.
+[[nodiscard]] Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double> points,
+                                std::span<const double> values, const PictureOptions& options);
+
+}  // namespace votess::picture
