@@ -33,13 +33,22 @@ domain
   --box x0,y0,z0,x1,y1,z1
                          default: bounds of the points, each side moved out by half of
                          (longest side / cbrt(N)); a point outside a given box is an error
+  --periodic [xyz]       the box repeats along these axes; alone: along all three. Points beyond it
+                         are wrapped into it
+  --cell ax,ay,az,bx,by,bz,cx,cy,cz
+                         a triclinic box, periodic along its edges a, b and c, instead of --box
+  --origin x,y,z         the corner of --cell; default 0,0,0
                          The box of a LAMMPS file is taken, with its tilt and its periodic axes (in
                          a data file all three), unless --box or --cell is given; --periodic alone
                          keeps the box
+  --wall nx,ny,nz,d      keep where nx x + ny y + nz z <= d; repeatable: a convex polyhedron, whose
+                         walls are -7, -8, ...
+  --outside error|drop   a point outside of a --wall is an error (default) or gets an empty cell
+  --min-face A           drop faces smaller than A times the mean face area of the run; default 0
   --weights COL          power diagram with a column of the input as weights ...
   --radii COL            ... or as radii, whose squares are the weights. COL is a name (.csv with a
-                         line of names, LAMMPS, .ply, PointData, an array or dataset of N numbers; of
-                         atom style sphere also `radius`) or the number of a column from 1
+                         line of names, LAMMPS, .ply, PointData, an array or dataset of N numbers;
+                         of atom style sphere also `radius`) or the number of a column from 1
   --duplicates merge|error
                          points of equal coordinates: the first keeps the cell, the others get an
                          empty one (merge, the default), or the input is refused (error)
