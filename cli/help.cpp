@@ -68,7 +68,7 @@ output
                          without an extension, such as /dev/null, gets text.
   --format FMT           text row, with the codes of Voro++; default "%i %n"
                            %i  id: that of the input, else the index from 0
-                           %x %y %z  coordinates         %q  the three: "x y z"
+                           %x %y %z  coordinates of the input  %q  the three: "x y z"
                            %r  radius, of --radii; without it 0.5, as Voro++ prints
                            %w  number of vertices        %o  number of edges at each vertex
                            %p  vertices relative to the point "(x,y,z) ..."    %P  absolute
@@ -82,6 +82,7 @@ output
                            %A  how many faces have 0, 1, 2, ... edges
                            %F  area of the surface       %v  volume
                            %c  centroid relative to the point "x y z"          %C  absolute
+                           (a point beyond a periodic box counts where it lies inside)
                            %%  a percent sign
                          Numbers have the fewest digits that read back as the same float64.
   --want LIST            of neighbors,volumes,centroids,counts,areas,normals,surfaces,radii,

@@ -1,5 +1,7 @@
 """Domains that files state: boxes of LAMMPS, periodic and tilted."""
 
+import re
+
 import numpy as np
 
 from cli_test import CliTest, random_points, text_of
@@ -53,3 +55,24 @@ class FileDomains(CliTest):
         self.put("s.dump", head + "ITEM: ATOMS xs ys zs\n" + text_of(random_points(150)))
         got = np.array([row.split() for row in self.rows("s.dump", "--format", "%q")], float)
         np.testing.assert_allclose(got, points, rtol=0, atol=1e-14)
+
+    def test_relative_codes_of_points_beyond_the_box(self):
+        """%c and %p are relative to where the point lies inside the box, as in Voro++."""
+        edges = np.array([[2.0, 0, 0], [0.5, 1.0, 0], [-0.9, 0.4, 1.5]])
+        for domain, lattice in [(["--box", "0,0,0,2,1,1.5", "--periodic"], np.diag([2, 1, 1.5])),
+                                (["--box=-5,0,0,5,1,1.5", "--periodic", "yz"], np.diag([0, 1, 1.5])),
+                                (["--cell", ",".join(map(str, edges.ravel()))], edges)]:
+            inside = random_points(80) @ (lattice if lattice[0, 0] else np.diag([2, 1, 1.5]))
+            moved = inside + np.random.default_rng(3).integers(-3, 4, (80, 3)) @ lattice
+            self.put("a.npy", inside)
+            self.put("b.npy", moved)
+            for code in ["%c", "%p"]:
+                near, far = ([np.array(re.findall(r"[-+.e0-9]+", row), float).reshape(-1, 3) for row in
+                              self.rows(name, *domain, "--format", code)] for name in ["a.npy", "b.npy"])
+                for one, other in zip(near, far, strict=True):
+                    self.assertEqual(one.shape, other.shape)
+                    apart = np.abs(one[:, None] - other[None]).max(axis=2)  # vertices in any order
+                    self.assertLess(apart.min(axis=1).max(), 1e-12)
+            rows = [row.split() for row in self.rows("a.npy", *domain, "--format", "%q %c %C")]
+            values = np.array(rows, float)
+            np.testing.assert_allclose(values[:, :3] + values[:, 3:6], values[:, 6:], rtol=0, atol=1e-14)
