@@ -73,7 +73,10 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     }
     if (options.colormap > Colormap::gray) refuse("picture: no such color map");
     if (options.slice) check_slice(*options.slice, t.box());
-    if (options.threads > 1024) refuse("picture: threads = " + std::to_string(options.threads) + ": give at most 1024");
+    Options run;  // the options that both share
+    run.device = options.device;
+    run.threads = options.threads;
+    check_options(run);
 }
 
 std::vector<Color> color_cells(std::span<const double> values, const Scale& scale, Colormap map) {

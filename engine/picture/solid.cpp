@@ -232,7 +232,12 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
         outline.push_back(frame(p));
     }
     for (const Vec3& corner : corners) outline.push_back(frame(corner));
-    fit(view, outline, job.area, scene.height);
+    Area area = job.area;
+    if (job.shown.walls_hidden) {  // cells reach beyond their seeds
+        const double margin = 0.03 * scene.height;
+        area = {area.left + margin, area.top + margin, area.right - margin, area.bottom - margin};
+    }
+    fit(view, outline, area, scene.height);
 
     CutSpace space = cut_space(job.options, view, job.shown.bounds);
     std::vector<char> kept = job.shown.cells;
