@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "arena.hpp"
 #include "engine.hpp"
@@ -21,48 +22,51 @@ class MeshBuilder {
 public:
     void begin(const Job& job);
     [[nodiscard]] bool wanted() const { return wanted_; }
-    // From any thread. The records of these cells, whose faces are those of the rows; the block is the caller's again
-    // on return.
+    // From any thread. The records of these cells, whose faces are those of the rows. `cells` must stay as it is until
+    // finish(); the block is the caller's again on return.
     void add(std::span<const std::int32_t> cells, const MeshBlock& block);
     // Needs the rows, and fills vertices and all that refers to them. The records are used up.
     void finish(detail::Result& result, ThreadPool& pool);
 
 private:
     [[nodiscard]] MeshCellView cell(std::size_t i) const { return MeshCellView(records_[i]); }
-    void place_polygons(detail::Result& result, ThreadPool& pool) const;
+    // task(block, cell) for all cells that have a record, neighbors in space together.
+    template <class Task>
+    void for_blocks(ThreadPool& pool, Task task) const;
+    void count_vertices(detail::Result& result, ThreadPool& pool) const;
+    void unite_vertices(VertexSets& sets, ThreadPool& pool) const;
     void number_vertices(detail::Result& result, VertexSets& sets, ThreadPool& pool) const;
+    void place_polygons(detail::Result& result, ThreadPool& pool) const;
 
     bool wanted_ = false, want_faces_ = false;
     double unscale_ = 1;
-    std::mutex mutex_;  // of the memory
+    std::mutex mutex_;  // of what follows
     Arena memory_;
-    Buffer<const std::byte*> records_;  // by cell; null: none
+    std::vector<std::span<const std::int32_t>> blocks_;  // cells, in the order of the engine
+    std::size_t vertices_ = 0;                           // of all records
+    Buffer<const std::byte*> records_;                   // by cell; null: none
 };
 
 // mesh_merge.cpp: unites the vertices of cell i with those of its neighbors, for each face whose other side is a later
-// cell or, of two entries that i has for itself, the later one.
+// cell or, of two faces that i has with itself, for one.
 class FaceMatcher {
 public:
-    FaceMatcher(const detail::Result& result, std::span<const std::byte* const> records, VertexSets& sets)
-        : result_(result), records_(records), sets_(sets) {}
+    FaceMatcher(std::span<const std::byte* const> records, VertexSets& sets) : records_(records), sets_(sets) {}
 
     void unite_faces(std::size_t i);
 
 private:
-    struct Face {
-        std::size_t cell;
-        std::size_t row;  // its place in the cell's row
+    struct Side {
+        const MeshCellView& cell;
+        std::size_t face;
+        [[nodiscard]] std::uint32_t begin() const { return cell.begin(face); }
+        [[nodiscard]] std::uint32_t count() const { return cell.end(face) - cell.begin(face); }
     };
-    [[nodiscard]] FaceLabel label(std::size_t entry) const;
-    [[nodiscard]] std::size_t find_entry(std::size_t cell, const FaceLabel& label) const;
-    void unite_face(const Face& face, const Face& other, const Shift& shift);
-    [[nodiscard]] std::uint32_t turn_by_distance(const MeshCellView& a, std::size_t row_a, const MeshCellView& b,
-                                                 std::size_t row_b, bool& clear) const;
-    [[nodiscard]] std::optional<std::uint32_t> turn_by_labels(const Face& face, const Face& other,
-                                                              const Shift& shift) const;
-    [[nodiscard]] bool label_across(const Face& face, std::uint32_t place, FaceLabel& out) const;
+    void unite_sides(const Side& a, const Side& b, const Shift& shift);
+    static std::uint32_t turn_by_distance(const Side& a, const Side& b, bool& clear);
+    static std::optional<std::uint32_t> turn_by_labels(const Side& a, const Side& b, const Shift& shift);
+    static const FaceLabel* label_across(const Side& side, std::uint32_t place);
 
-    const detail::Result& result_;
     std::span<const std::byte* const> records_;
     VertexSets& sets_;
 };

@@ -1,6 +1,5 @@
 // Sets of vertices that are one, but for a translation by whole box vectors: union-find (Galler and Fischer 1964) whose
-// links carry the translation. Sets are joined from many threads at once; the least member of a set is its root, so
-// that the outcome does not depend on their order.
+// links carry the translation. Sets are joined from many threads at once.
 #pragma once
 
 #include <array>
@@ -53,9 +52,6 @@ public:
             if (replace(linked, pack({linked, {}}), pack(link))) return;
         }
     }
-
-    // For another use of the memory, once nothing is to be found any more.
-    [[nodiscard]] std::uint64_t& scratch(std::size_t vertex) { return words_[vertex]; }
 
     static Shift sum(const Shift& a, const Shift& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
     static Shift negative(const Shift& a) { return {-a[0], -a[1], -a[2]}; }

@@ -7,11 +7,15 @@ void PolygonWriter::append(const CellPolygons& polygons, std::span<const FaceLab
                            const std::array<double, 3>& origin) {
     constexpr std::uint32_t none = ~std::uint32_t{0};
     positions_.clear();
+    labels_.clear();
     beginnings_.clear();
     ends_.clear();
     corners_.clear();
     rank_.resize(order.size());
-    for (std::size_t r = 0; r < order.size(); ++r) rank_[order[r]] = static_cast<std::uint32_t>(r);
+    for (std::size_t r = 0; r < order.size(); ++r) {
+        rank_[order[r]] = static_cast<std::uint32_t>(r);
+        labels_.push_back(labels[order[r]]);
+    }
     number_.assign(polygons.positions.size(), none);
     for (std::size_t r = 0; r < order.size(); ++r) {
         const std::uint32_t begin = polygons.offsets[order[r]], end = polygons.offsets[order[r] + 1];
@@ -27,10 +31,10 @@ void PolygonWriter::append(const CellPolygons& polygons, std::span<const FaceLab
             if (r >= hidden) corners_.push_back(number_[vertex]);
         }
         if (r < hidden) continue;
-        beginnings_.push_back(labels[polygons.beside[first]]);
+        beginnings_.push_back(rank_[polygons.beside[first]]);
         ends_.push_back(static_cast<std::uint32_t>(corners_.size()));
     }
-    block_.append({origin, positions_, beginnings_, ends_, corners_});
+    block_.append({origin, positions_, labels_, hidden, beginnings_, ends_, corners_});
 }
 
 }  // namespace votess::cpu

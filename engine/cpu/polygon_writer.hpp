@@ -25,8 +25,8 @@ private:
     std::vector<std::uint32_t> rank_;    // by face
     std::vector<std::uint32_t> number_;  // by vertex of the polygons, or none
     std::vector<double> positions_;
-    std::vector<FaceLabel> beginnings_;
-    std::vector<std::uint32_t> ends_, corners_;
+    std::vector<FaceLabel> labels_;
+    std::vector<std::uint32_t> beginnings_, ends_, corners_;
 };
 
 }  // namespace votess::cpu
