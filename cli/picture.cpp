@@ -64,7 +64,8 @@ void read_size(const std::string& text, votess::PictureOptions& options) {
 
 void read_view(const std::string& text, votess::PictureOptions& options) {
     const auto comma = text.find(',');
-    const auto azimuth = comma == std::string::npos ? std::nullopt : read_double(std::string_view(text).substr(0, comma));
+    const auto azimuth =
+        comma == std::string::npos ? std::nullopt : read_double(std::string_view(text).substr(0, comma));
     const auto elevation =
         comma == std::string::npos ? std::nullopt : read_double(std::string_view(text).substr(comma + 1));
     if (!azimuth || !elevation || !(*elevation >= -89 && *elevation <= 89)) {
@@ -76,7 +77,8 @@ void read_view(const std::string& text, votess::PictureOptions& options) {
 }
 
 void check_file(const std::string& file, const std::string& input, const std::vector<std::string>& outputs) {
-    if (extension_of(file) != ".png") throw bad_input("--image " + in_quotes(file) + ": give it a name that ends in .png");
+    if (extension_of(file) != ".png")
+        throw bad_input("--image " + in_quotes(file) + ": give it a name that ends in .png");
     check_png();
     check_writable(file);
     for (const std::string& path : outputs) {
@@ -106,7 +108,8 @@ std::vector<double> values_of(Column column, const Input& input, const votess::T
             case Column::x:
             case Column::y:
             case Column::z:
-                values[i] = input.points[3 * i + static_cast<std::size_t>(column) - static_cast<std::size_t>(Column::x)];
+                values[i] =
+                    input.points[3 * i + static_cast<std::size_t>(column) - static_cast<std::size_t>(Column::x)];
                 break;
             case Column::index:
                 values[i] = static_cast<double>(i);

@@ -75,7 +75,7 @@ double color_bar_width(const Scale& scale, const PictureOptions& options, const 
 }
 
 void add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& whole,
-                     Scene& scene) {
+                   Scene& scene) {
     if (!options.color_bar) return;
     const TextStyle style = sizes.style(1, options.background);
     const double u = sizes.unit, point = 0.9 * bar_width * u;

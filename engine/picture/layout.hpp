@@ -25,7 +25,7 @@ struct Sizes {
 
 // A bar at the right of the area, from its top to its bottom.
 void add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& area,
-                     Scene& scene);
+                   Scene& scene);
 // Width that the color bar takes with its margins and text.
 [[nodiscard]] double color_bar_width(const Scale& scale, const PictureOptions& options, const Sizes& sizes);
 

@@ -21,6 +21,7 @@ using votess::Cut;
 using votess::Picture;
 using votess::PictureOptions;
 using votess::Tessellation;
+using votess::picture::operator-;
 
 Tessellation with_faces(const test::PointSet& set) {
     votess::Options options = test::all_options(set.box);
@@ -201,9 +202,9 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: pictures of few, tied, clustered and ragged seeds") {
-        for (const auto& set : {test::uniform(1, 25), test::uniform(2, 26), test::cubic(4), test::fcc(3),
-                                test::clustered(200, 27), test::with_duplicates(100, 20, 28), test::on_sphere(150, 29),
-                                test::far_from_origin(100, 30)}) {
+        for (const auto& set :
+             {test::uniform(1, 25), test::uniform(2, 26), test::cubic(4), test::fcc(3), test::clustered(200, 27),
+              test::with_duplicates(100, 20, 28), test::on_sphere(150, 29), test::far_from_origin(100, 30)}) {
             const Tessellation t = with_faces(set);
             CAPTURE(set.name);
             for (const Cut cut : {Cut::corner, Cut::half, Cut::cells}) {
@@ -227,7 +228,8 @@ TEST_SUITE("cases") {
         const auto message = [&](const Tessellation& cells, const PictureOptions& options,
                                  votess::ErrorCode code = votess::ErrorCode::invalid_argument) {
             std::string text;
-            CHECK(test::error_of([&] { static_cast<void>(votess::render(cells, set.points, options)); }, &text) == code);
+            CHECK(test::error_of([&] { static_cast<void>(votess::render(cells, set.points, options)); }, &text) ==
+                  code);
             return text;
         };
         const auto names = [](const std::string& text, const char* word) {
