@@ -14,6 +14,9 @@ namespace {
 // Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
+    std::optional<std::string> periodic, cell, origin, outside, min_face;
+    std::optional<std::string> dataset, frame, weights, radii;
+    std::vector<std::string> planes;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
     bool walls = false, verify = false, json = false, quiet = false;
@@ -28,10 +31,20 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("INPUT", typed.input);
     app.add_option("--random", typed.random);
     app.add_option("--rng-seed", typed.rng_seed);
+    app.add_option("--dataset", typed.dataset);
+    app.add_option("--frame", typed.frame);
     app.add_option("-o,--output", typed.outputs)->allow_extra_args(false);
     app.add_option("--format", typed.format);
     app.add_option("--want", typed.want);
     app.add_option("--box", typed.box);
+    app.add_option("--periodic", typed.periodic)->expected(0, 1)->default_str("xyz");
+    app.add_option("--cell", typed.cell);
+    app.add_option("--origin", typed.origin);
+    app.add_option("--wall", typed.planes)->allow_extra_args(false);
+    app.add_option("--outside", typed.outside);
+    app.add_option("--min-face", typed.min_face);
+    app.add_option("--weights", typed.weights);
+    app.add_option("--radii", typed.radii);
     app.add_option("-x,--device", typed.device);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
@@ -82,37 +95,101 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
 }
 
 votess::Want read_want(const std::string& list) {
-    votess::Want want;
+    struct Word {
+        std::string_view name;
+        bool votess::Want::*wish;
+    };
+    using votess::Want;
+    constexpr Word words[] = {{"neighbors", &Want::neighbors}, {"volumes", &Want::volumes},
+                              {"centroids", &Want::centroids}, {"counts", &Want::counts},
+                              {"areas", &Want::areas},         {"normals", &Want::normals},
+                              {"surfaces", &Want::surfaces},   {"radii", &Want::radii},
+                              {"vertices", &Want::vertices},   {"faces", &Want::faces}};
+    Want want;
     want.neighbors = want.volumes = false;
-    for (const std::string_view word : split_at_commas(list)) {
-        if (word == "neighbors") {
-            want.neighbors = true;
-        } else if (word == "volumes") {
-            want.volumes = true;
-        } else if (word == "centroids") {
-            want.centroids = true;
-        } else if (word == "areas") {
-            want.areas = want.neighbors = true;
-        } else {
-            throw bad_input("--want has the word " + in_quotes(word) +
-                            ", this version knows neighbors, volumes, centroids and areas");
+    for (const std::string_view name : split_at_commas(list)) {
+        const auto* const word = std::ranges::find(words, name, &Word::name);
+        if (word == std::end(words)) {
+            throw bad_input("--want has the word " + in_quotes(name) +
+                            ", known are neighbors, volumes, centroids, counts, areas, normals, surfaces, radii, "
+                            "vertices and faces");
         }
+        want.*(word->wish) = true;
     }
+    want.vertices |= want.faces;
+    want.neighbors |= want.areas || want.normals || want.faces;
     return want;
 }
 
-votess::Box read_box(const std::string& text) {
+template <std::size_t count>
+std::array<double, count> read_numbers(const char* option, const char* form, const std::string& text) {
     const auto fields = split_at_commas(text);
-    if (fields.size() != 6) {
-        throw bad_input("--box must be six numbers x0,y0,z0,x1,y1,z1, not " + in_quotes(text));
+    if (fields.size() != count) {
+        throw bad_input(std::string(option) + " must be " + std::to_string(count) + " numbers " + form + ", not " +
+                        in_quotes(text));
     }
-    double numbers[6] = {};
-    for (std::size_t i = 0; i < 6; ++i) {
+    std::array<double, count> numbers{};
+    for (std::size_t i = 0; i < count; ++i) {
         const auto number = read_double(fields[i]);
-        if (!number) throw bad_input("--box " + in_quotes(text) + ": " + in_quotes(fields[i]) + " is not a number");
+        if (!number) {
+            throw bad_input(std::string(option) + " " + in_quotes(text) + ": " + in_quotes(fields[i]) +
+                            " is not a number");
+        }
         numbers[i] = *number;
     }
-    return {.lower = {numbers[0], numbers[1], numbers[2]}, .upper = {numbers[3], numbers[4], numbers[5]}};
+    return numbers;
+}
+
+votess::Box read_box(const std::string& text) {
+    const auto n = read_numbers<6>("--box", "x0,y0,z0,x1,y1,z1", text);
+    return {.lower = {n[0], n[1], n[2]}, .upper = {n[3], n[4], n[5]}};
+}
+
+std::array<bool, 3> read_periodic(const std::string& axes) {
+    std::array<bool, 3> periodic{};
+    for (const char axis : axes) {
+        if (axis < 'x' || axis > 'z' || periodic[static_cast<std::size_t>(axis - 'x')]) {
+            throw bad_input("--periodic must name axes, such as xyz or xy, not " + in_quotes(axes));
+        }
+        periodic[static_cast<std::size_t>(axis - 'x')] = true;
+    }
+    return periodic;
+}
+
+votess::Wall read_wall(const std::string& text) {
+    const auto n = read_numbers<4>("--wall", "nx,ny,nz,d", text);
+    return {.normal = {n[0], n[1], n[2]}, .offset = n[3]};
+}
+
+votess::Outside read_outside(const std::string& word) {
+    if (word == "error") return votess::Outside::error;
+    if (word == "drop") return votess::Outside::drop;
+    throw bad_input("--outside must be error or drop, not " + in_quotes(word));
+}
+
+void read_domain(const Typed& typed, votess::Options& options) {
+    if (typed.box) options.box = read_box(*typed.box);
+    if (typed.periodic) options.periodic = read_periodic(typed.periodic->empty() ? "xyz" : *typed.periodic);
+    if (typed.cell) {
+        if (typed.box) throw bad_input("--cell and --box are both given: the cell is the periodic box");
+        options.box.reset();
+        const auto n = read_numbers<9>("--cell", "ax,ay,az,bx,by,bz,cx,cy,cz", *typed.cell);
+        votess::TriclinicBox& cell = options.cell.emplace();
+        cell.a = {n[0], n[1], n[2]};
+        cell.b = {n[3], n[4], n[5]};
+        cell.c = {n[6], n[7], n[8]};
+        if (typed.origin) cell.origin = read_numbers<3>("--origin", "x,y,z", *typed.origin);
+    } else if (typed.origin) {
+        throw bad_input("--origin goes with --cell only: --box has its corners");
+    }
+    for (const std::string& plane : typed.planes) options.planes.push_back(read_wall(plane));
+    if (!typed.planes.empty() && typed.random && !typed.box) options.box.reset();
+    if (typed.outside) options.outside = read_outside(*typed.outside);
+    if (typed.min_face) {
+        const auto share = read_double(*typed.min_face);
+        if (!share) throw bad_input("--min-face must be a number, not " + in_quotes(*typed.min_face));
+        options.min_face = *share;
+    }
 }
 
 std::string read_device(const std::string& device) {
@@ -151,6 +228,24 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (typed.input->empty()) throw bad_input("INPUT is empty: give a file, or - for stdin");
         arguments.input = *typed.input;
     }
+    if (typed.random && (typed.dataset || typed.frame)) {
+        throw bad_input("--dataset and --frame go with INPUT, not with --random");
+    }
+    if (typed.weights && typed.radii) throw bad_input("give either --weights or --radii, not both");
+    if (const auto& column = typed.weights ? typed.weights : typed.radii) {
+        const char* const option = typed.weights ? "--weights" : "--radii";
+        if (typed.random) throw bad_input(std::string(option) + " goes with INPUT, not with --random");
+        if (column->empty()) throw bad_input(std::string(option) + " is empty: give the name or number of a column");
+        arguments.read.column = *column;
+        arguments.column_holds_radii = typed.radii.has_value();
+    }
+    if (typed.dataset) {
+        if (typed.dataset->empty()) throw bad_input("--dataset is empty: give the name of the points in the file");
+        arguments.read.dataset = *typed.dataset;
+    }
+    if (typed.frame) {
+        arguments.read.frame = whole_number("--frame", *typed.frame, std::numeric_limits<std::uint64_t>::max());
+    }
     if (typed.random) {
         arguments.random_count = whole_number("--random", *typed.random, std::numeric_limits<std::int32_t>::max());
         arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, 1}};
@@ -167,13 +262,12 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     if (typed.format) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*typed.format);
-        if (arguments.format.needs_walls() && !typed.walls)
-            throw bad_input("--format has %F, the area of the whole surface: add --walls");
     }
     const bool to_stdout = std::count(arguments.outputs.begin(), arguments.outputs.end(), "-") > 0;
     if (to_stdout && typed.json) throw bad_input("-o - and --json both go to stdout: give the output a file name");
     if (typed.want) arguments.wanted = read_want(*typed.want);
     if (text) arguments.format.add_needs(arguments.wanted);
+    for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
 }
 
 }  // namespace
@@ -206,7 +300,7 @@ Arguments read_arguments(int count, const char* const* values) {
     if (typed.duplicates) options.duplicates = read_duplicates(*typed.duplicates);
     options.walls = typed.walls;
     read_source(typed, arguments);
-    if (typed.box) options.box = read_box(*typed.box);
+    read_domain(typed, options);
     read_outputs(typed, arguments);
     arguments.picture = read_picture(typed.picture, arguments.input, arguments.outputs);
     if (arguments.picture) {

@@ -7,6 +7,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "input.hpp"
 #include "picture.hpp"
 #include "text_format.hpp"
 
@@ -14,6 +15,8 @@ namespace clvotess {
 
 struct Arguments {
     std::string input;  // file or "-"; empty with --random
+    ReadRequest read;
+    bool column_holds_radii = false;  // the column that `read` names: radii, else weights
     std::optional<std::uint64_t> random_count;
     std::uint64_t rng_seed = 1;
 

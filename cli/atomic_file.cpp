@@ -119,6 +119,18 @@ void OutputFile::write(std::string_view bytes) {
     }
 }
 
+const std::string& OutputFile::path_for_library() const {
+    if (temporary_.empty()) {
+        throw bad_input("cannot write " + description() + ": this format needs a regular file, not a device or a pipe");
+    }
+    return temporary_;
+}
+
+Failure OutputFile::write_failure(int error) const {
+    if (error == 0) return runtime_failure("cannot write " + description());
+    return cannot_write(description(), error);
+}
+
 void OutputFile::finish() {
     if (descriptor_ == STDOUT_FILENO) {
         descriptor_ = -1;

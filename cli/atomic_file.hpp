@@ -18,6 +18,8 @@ void check_writable(const std::string& path);
 // Equal for two names of the same file, existing or not.
 [[nodiscard]] std::string identity_of(const std::string& path);
 
+class Failure;
+
 class OutputFile {
 public:
     explicit OutputFile(const std::string& path);  // "-" is stdout
@@ -29,6 +31,11 @@ public:
 
     // Unbuffered: give it large pieces. Throws Failure on a write error, Interrupted on a signal.
     void write(std::string_view bytes);
+    // For libraries that write to a file by its name, instead of write(): that of the temporary file. Throws Failure
+    // when there is none, because the target is a device or a pipe.
+    [[nodiscard]] const std::string& path_for_library() const;
+    // What write() throws; 0 when the reason is not known.
+    [[nodiscard]] Failure write_failure(int error) const;
     void finish();   // all bytes are with the system; no write after it
     void publish();  // the file appears under its name
 

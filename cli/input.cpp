@@ -1,46 +1,29 @@
 #include "input.hpp"
 
-#include <sys/stat.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <memory>
 
 #include "failure.hpp"
+#include "mapped_file.hpp"
 
 namespace clvotess {
 namespace {
 
-struct CloseFile {
-    void operator()(std::FILE* file) const noexcept { std::fclose(file); }
-};
+constexpr const char* known =
+    "known are .xyz .txt .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, and text on stdin as -";
 
-std::string read_all(std::FILE* file, const std::string& name) {
-    struct stat facts {};
-    std::size_t expected = 0;
-    if (fstat(fileno(file), &facts) == 0 && S_ISREG(facts.st_mode)) {
-        expected = static_cast<std::size_t>(facts.st_size);
+void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
+    if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
+        throw bad_input("--dataset goes with .h5, .hdf5 and .npz only, not with " + in_quotes(path));
     }
-    constexpr std::size_t piece = std::size_t{1} << 20;
-    std::string text(expected + 1, '\0');  // one byte more, so that the first read also finds the end
-    std::size_t used = 0;
-    for (;;) {
-        if (used == text.size()) text.resize(text.size() + std::max(piece, text.size() / 2));
-        const std::size_t got = std::fread(text.data() + used, 1, text.size() - used, file);
-        used += got;
-        if (std::ferror(file)) throw bad_input("cannot read " + in_quotes(name) + ": " + std::strerror(errno));
-        if (got == 0) break;
+    if (request.frame && extension != ".dump" && extension != ".lammpstrj") {
+        throw bad_input("--frame goes with LAMMPS dumps (.dump, .lammpstrj) only, not with " + in_quotes(path));
     }
-    text.resize(used);
-    return text;
 }
 
-std::string read_file(const std::string& path) {
-    const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
-    if (!file) throw bad_input("cannot open " + in_quotes(path) + ": " + std::strerror(errno));
-    return read_all(file.get(), path);
+// The base of a snapshot in several files may lack the extension.
+bool is_snapshot_base(const std::string& path) {
+    std::error_code problem;
+    return std::filesystem::exists(path + ".0.hdf5", problem) || std::filesystem::exists(path + ".0.h5", problem);
 }
 
 }  // namespace
@@ -53,15 +36,35 @@ std::string extension_of(const std::string& path) {
     return extension;
 }
 
-Input read_input(const std::string& path) {
-    if (path == "-") return parse_text(read_all(stdin, "stdin"), TextKind::plain, "stdin");
-    const std::string extension = extension_of(path);
-    if (extension == ".npy") return read_npy(path);
-    if (extension == ".txt") return parse_text(read_file(path), TextKind::plain, path);
-    if (extension == ".xyz") return parse_text(read_file(path), TextKind::xyz, path);
-    if (extension == ".csv") return parse_text(read_file(path), TextKind::csv, path);
-    throw bad_input("cannot read " + in_quotes(path) +
-                    ": this version reads .xyz, .txt, .csv and .npy, and text on stdin as -");
+Input read_input(const std::string& path, const ReadRequest& request) {
+    const std::string extension = path == "-" ? ".txt" : extension_of(path);
+    const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
+    refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
+    if (hdf5) return read_hdf5(path, request);
+    if (extension == ".npy") {
+        if (!request.column.empty()) throw bad_input(path + ": one array has no column " + in_quotes(request.column));
+        return read_npy(path);
+    }
+    using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
+    const auto parse = [&](Parser parser) {
+        const MappedFile file(path);
+        return parser(file.bytes(), path == "-" ? "stdin" : path, request);
+    };
+    if (extension == ".txt") {
+        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::plain, name, wish); });
+    }
+    if (extension == ".xyz") {
+        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::xyz, name, wish); });
+    }
+    if (extension == ".csv") {
+        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::csv, name, wish); });
+    }
+    if (extension == ".npz") return parse(parse_npz);
+    if (extension == ".dump" || extension == ".lammpstrj") return parse(parse_lammps_dump);
+    if (extension == ".data" || extension == ".lmp") return parse(parse_lammps_data);
+    if (extension == ".ply") return parse(parse_ply);
+    if (extension == ".vtp" || extension == ".vtu") return parse(parse_vtk);
+    throw bad_input("cannot read " + in_quotes(path) + ": " + known);
 }
 
 }  // namespace clvotess

@@ -1,21 +1,45 @@
 // The seeds: from a file, from stdin, or made up. One source file per family of formats.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+#include <votess/votess.hpp>
 
 namespace clvotess {
+
+// What a file says about the domain of its points.
+struct FileDomain {
+    std::optional<votess::Box> box;
+    std::array<bool, 3> periodic{};
+    std::optional<votess::TriclinicBox> cell;  // instead of box and periodic
+};
 
 struct Input {
     std::vector<double> points;     // 3N: x0 y0 z0 x1 ...
     std::vector<std::int64_t> ids;  // N when the file has a column of ids, else empty
+    std::vector<double> column;     // N when ReadRequest names a column, else empty
+    FileDomain domain;
+    std::string
+        note;  // what was taken out of a file that holds more; for the summary, empty when there is nothing to say
 
     [[nodiscard]] std::size_t size() const noexcept { return points.size() / 3; }
 };
+
+// What to take out of a file.
+struct ReadRequest {
+    std::string dataset;  // HDF5: path of the points; .npz: name of their member; empty: the only one that fits
+    std::string column;   // of weights or radii: a name, or in files of rows its number from 1; empty: none
+    std::optional<std::uint64_t> frame;  // LAMMPS dump: which one, from 0; default the first
+};
+
+// path: a file with a known extension, or "-" for text on stdin. Throws Failure.
+[[nodiscard]] Input read_input(const std::string& path, const ReadRequest& request = {});
 
 enum class TextKind {
     plain,  // .txt and stdin
@@ -23,13 +47,16 @@ enum class TextKind {
     csv,    // may begin with a line of names
 };
 
-// path: a file with a known extension, or "-" for text on stdin.
-[[nodiscard]] Input read_input(const std::string& path);
-
-// name: for messages, which begin `name:line:`.
-[[nodiscard]] Input parse_text(std::string_view text, TextKind kind, const std::string& name);
-
+// The readers. `name` and `path` are for messages, which begin `name:` or, where there are lines, `name:line:`.
+[[nodiscard]] Input parse_text(std::string_view text, TextKind kind, const std::string& name,
+                               const ReadRequest& request = {});
+[[nodiscard]] Input parse_lammps_dump(std::string_view text, const std::string& name, const ReadRequest& request);
+[[nodiscard]] Input parse_lammps_data(std::string_view text, const std::string& name, const ReadRequest& request);
+[[nodiscard]] Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request);
+[[nodiscard]] Input parse_vtk(std::string_view bytes, const std::string& name, const ReadRequest& request);
+[[nodiscard]] Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input read_npy(const std::string& path);
+[[nodiscard]] Input read_hdf5(const std::string& path, const ReadRequest& request);
 
 // `count` seeds in the unit box, the same on every machine for the same `rng_seed`.
 [[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed);

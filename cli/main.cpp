@@ -55,12 +55,9 @@ void print_devices() {
     print(text);
 }
 
-votess::Tessellation tessellate(const Input& input, const Arguments& arguments, const votess::Want& want,
-                                Clock::time_point run_began) {
+votess::Tessellation tessellate(const Input& input, votess::Options options, bool quiet, Clock::time_point run_began) {
     const InterruptGuard guard;
-    Progress progress(!arguments.quiet, run_began);
-    votess::Options options = arguments.options;
-    options.want = want;
+    Progress progress(!quiet, run_began);
     options.progress = [&progress](double fraction) {
         progress.show(fraction);
         return interrupting_signal() == 0;
@@ -73,6 +70,26 @@ votess::Tessellation tessellate(const Input& input, const Arguments& arguments, 
         if (error.code() == votess::ErrorCode::cancelled) throw_if_interrupted();
         throw;
     }
+}
+
+// The domain that the file states, unless the user names one; --periodic alone keeps the box of the file. Returns what
+// was taken, for the summary.
+std::string take_domain(const FileDomain& domain, votess::Options& options) {
+    if (options.box || options.cell) return {};
+    const bool own_axes = std::ranges::count(options.periodic, true) > 0;
+    if (domain.cell) {
+        options.cell = domain.cell;
+        options.periodic = {};
+        return "triclinic periodic domain of the file";
+    }
+    if (!domain.box) return {};
+    options.box = domain.box;
+    if (!own_axes) options.periodic = domain.periodic;
+    std::string axes;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (options.periodic[k]) axes += "xyz"[k];
+    }
+    return "box of the file" + (axes.empty() ? "" : ", periodic " + axes);
 }
 
 void tell(const Summary& summary, const Arguments& arguments) {
@@ -93,14 +110,21 @@ int run(const Arguments& arguments) {
     const auto run_began = Clock::now();
     Summary summary;
     const Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
-                                               : read_input(arguments.input);
+                                               : read_input(arguments.input, arguments.read);
     summary.seconds_read = seconds_since(run_began);
 
-    votess::Want want = arguments.options.want;
+    votess::Options options = arguments.options;
+    (arguments.column_holds_radii ? options.radii : options.weights) = input.column;
+    summary.input_note = input.note;
+    if (const std::string taken = take_domain(input.domain, options); !taken.empty()) {
+        summary.input_note += (input.note.empty() ? "" : ", ") + taken;
+    }
     // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
-    const bool once = !arguments.picture || arguments.options.walls || arguments.outputs.empty();
-    if (arguments.picture && once) add_needs(*arguments.picture, want);
-    const votess::Tessellation tessellation = tessellate(input, arguments, want, run_began);
+    const bool once = !arguments.picture || options.walls || arguments.outputs.empty();
+    votess::Options for_picture = options;
+    if (arguments.picture) add_needs(*arguments.picture, for_picture.want);
+    const votess::Tessellation tessellation =
+        tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
     summary.stats = tessellation.stats();
     summary.has_volumes = arguments.wanted.volumes;
 
@@ -116,9 +140,8 @@ int run(const Arguments& arguments) {
         const auto write_began = Clock::now();
         std::string png;
         if (arguments.picture) {
-            add_needs(*arguments.picture, want);
             png = draw_picture(*arguments.picture, input,
-                               once ? tessellation : tessellate(input, arguments, want, run_began));
+                               once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began));
         }
         const InterruptGuard guard;
         std::optional<OutputFile> image;
@@ -126,7 +149,8 @@ int run(const Arguments& arguments) {
             image.emplace(arguments.picture->file).write(png);
             image->finish();
         }
-        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format});
+        write_outputs(arguments.outputs,
+                      {input, tessellation, arguments.wanted, arguments.format, arguments.column_holds_radii});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

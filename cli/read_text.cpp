@@ -1,4 +1,5 @@
-// Text rows `x y z` or `id x y z`, and the classic XYZ layout.
+// Text rows `x y z` or `id x y z`, with one column more when the run wants it as weights or radii; rows under a line of
+// names; the classic XYZ layout.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -7,17 +8,24 @@
 
 #include "failure.hpp"
 #include "input.hpp"
+#include "line_reader.hpp"
 #include "numbers.hpp"
 
 namespace clvotess {
 namespace {
 
-constexpr std::size_t kept_fields = 6;  // one more than any layout has
+constexpr std::size_t kept_fields = 64;
 
 // The fields of one line. `count` may exceed the number of fields kept.
 struct Row {
     std::array<std::string_view, kept_fields> fields;
     std::size_t count = 0;
+};
+
+// Which columns of a row hold what.
+struct Layout {
+    std::array<std::size_t, 3> axes{};
+    std::optional<std::size_t> id, value;
 };
 
 bool is_blank(char c) {
@@ -32,7 +40,8 @@ bool ends_field(char c) {
 
 class TextReader {
 public:
-    TextReader(std::string_view text, TextKind kind, const std::string& name) : rest_(text), kind_(kind), name_(name) {
+    TextReader(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request)
+        : rest_(text), kind_(kind), name_(name), request_(request) {
         if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);  // byte order mark of UTF-8
     }
 
@@ -99,18 +108,60 @@ private:
                             [](std::string_view field) { return read_double(field).has_value(); });
     }
 
-    // A line of names that puts x elsewhere than we would read it must not pass in silence.
-    void check_header(const Row& header, std::size_t columns) const {
-        if (header.count != columns) return;
-        for (std::size_t column = 0; column < columns; ++column) {
-            std::string_view name = header.fields[column];
-            if (name.size() > 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-            if (name.size() != 1) continue;
-            const auto axis = std::string_view("xyz").find(static_cast<char>(std::tolower(name[0])));
-            if (axis == std::string_view::npos || column == columns - 3 + axis) continue;
-            throw error("the line of names has " + in_quotes(name) + " in column " + std::to_string(column + 1) +
-                        ", but the columns must be x y z or id x y z");
+    // Lower case, without quotes.
+    static std::string plain_name(std::string_view name) {
+        if (name.size() > 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+        std::string result(name);
+        for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return result;
+    }
+
+    // By the line of names where that has x, y and z; else x y z or id x y z, once the column of values is taken out.
+    [[nodiscard]] Layout layout_of(const Row& row, const Row& header) const {
+        const std::size_t columns = row.count;
+        if (columns > kept_fields) {
+            throw error("this row has " + std::to_string(columns) + " columns, more than the " +
+                        std::to_string(kept_fields) + " that are read");
         }
+        std::vector<std::string> names;
+        for (std::size_t k = 0; k < columns && header.count == columns; ++k) {
+            names.push_back(plain_name(header.fields[k]));
+        }
+        Layout layout;
+        if (!request_.column.empty()) layout.value = value_column(names, columns);
+        const auto named = [&](const char* name) -> std::optional<std::size_t> {
+            const auto at = std::find(names.begin(), names.end(), name);
+            if (at == names.end()) return std::nullopt;
+            return static_cast<std::size_t>(at - names.begin());
+        };
+        const auto x = named("x"), y = named("y"), z = named("z");
+        if (x && y && z) {
+            layout.axes = {*x, *y, *z};
+            layout.id = named("id");
+            return layout;
+        }
+        if (x || y || z) throw error("the line of names has some of x, y, z, but not all three");
+        std::vector<std::size_t> places;
+        for (std::size_t k = 0; k < columns; ++k) {
+            if (k != layout.value) places.push_back(k);
+        }
+        if (columns == 5 && !layout.value) {
+            throw error("5 columns are id x y z r: name the last with --radii 5 or --weights 5, or remove it");
+        }
+        if (places.size() != 3 && places.size() != 4) {
+            throw error("this row has " + std::to_string(columns) + (columns == 1 ? " column" : " columns") +
+                        ", expected 3 (x y z) or 4 (id x y z)" + (layout.value ? " and that of the values" : ""));
+        }
+        if (places.size() == 4) layout.id = places[0];
+        std::copy(places.end() - 3, places.end(), layout.axes.begin());
+        return layout;
+    }
+
+    [[nodiscard]] std::size_t value_column(const std::vector<std::string>& names, std::size_t columns) const {
+        std::vector<std::string> own = names;
+        for (std::size_t k = names.size(); k < columns; ++k) own.push_back(std::to_string(k + 1));
+        return find_column(Words(own.begin(), own.end()), plain_name(request_.column),
+                           name_ + ":" + std::to_string(line_));
     }
 
     double coordinate(std::string_view field) const {
@@ -118,8 +169,8 @@ private:
         throw error(in_quotes(field) + " is not a number");
     }
 
-    void append_position(const Row& row, std::size_t first, Input& input) const {
-        for (std::size_t axis = 0; axis < 3; ++axis) input.points.push_back(coordinate(row.fields[first + axis]));
+    void append_position(const Row& row, const std::array<std::size_t, 3>& axes, Input& input) const {
+        for (const std::size_t k : axes) input.points.push_back(coordinate(row.fields[k]));
     }
 
     void reserve(Input& input, bool with_ids) const {
@@ -130,30 +181,25 @@ private:
 
     Input read_rows(Row row, const Row& header) {
         const std::size_t columns = row.count;
-        if (columns == 5) {
-            throw error("5 columns are id x y z r, but this version does not support radii: remove the last column");
-        }
-        if (columns != 3 && columns != 4) {
-            throw error("this row has " + std::to_string(columns) + (columns == 1 ? " column" : " columns") +
-                        ", expected 3 (x y z) or 4 (id x y z)");
-        }
-        check_header(header, columns);
-        const bool with_ids = columns == 4;
+        const Layout layout = layout_of(row, header);
         Input input;
-        reserve(input, with_ids);
+        reserve(input, layout.id.has_value());
         do {
             if (row.count != columns) {
                 throw error("this row has " + std::to_string(row.count) + (row.count == 1 ? " column" : " columns") +
                             ", the rows before it have " + std::to_string(columns));
             }
-            if (with_ids) {
-                const auto id = read_int64(row.fields[0]);
-                if (!id)
-                    throw error(in_quotes(row.fields[0]) +
-                                " is not a whole number, as an id must be (columns id x y z)");
+            if (layout.id) {
+                const std::string_view field = row.fields[*layout.id];
+                const auto id = read_int64(field);
+                if (!id) {
+                    throw error(in_quotes(field) + " is not a whole number, as an id must be" +
+                                (header.count == columns ? "" : " (columns id x y z)"));
+                }
                 input.ids.push_back(*id);
             }
-            append_position(row, with_ids ? 1 : 0, input);
+            append_position(row, layout.axes, input);
+            if (layout.value) input.column.push_back(coordinate(row.fields[*layout.value]));
         } while (next_row(row));
         return input;
     }
@@ -165,17 +211,20 @@ private:
         next_line(comment);
         Input input;
         reserve(input, false);
+        std::optional<std::size_t> value;
         Row row;
         while (next_row(row)) {
             if (input.size() == count) {
                 throw error("more rows than the " + std::to_string(count) +
                             " that the first line announces; this version reads one frame only");
             }
-            if (row.count != 4) {
+            if (!request_.column.empty() && !value) value = value_column({}, std::min(row.count, kept_fields));
+            if (value ? row.count <= std::max<std::size_t>(*value, 3) : row.count != 4) {
                 throw error("this row has " + std::to_string(row.count) + (row.count == 1 ? " column" : " columns") +
-                            ", expected 4 (element x y z)");
+                            ", expected " + (value ? "more" : "4 (element x y z)"));
             }
-            append_position(row, 1, input);
+            append_position(row, {1, 2, 3}, input);
+            if (value) input.column.push_back(coordinate(row.fields[*value]));
         }
         if (input.size() != count) {
             throw error("the file ends after " + std::to_string(input.size()) + " of the " + std::to_string(count) +
@@ -187,13 +236,14 @@ private:
     std::string_view rest_;
     TextKind kind_;
     const std::string& name_;
+    const ReadRequest& request_;
     std::size_t line_ = 0;
 };
 
 }  // namespace
 
-Input parse_text(std::string_view text, TextKind kind, const std::string& name) {
-    return TextReader(text, kind, name).read();
+Input parse_text(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request) {
+    return TextReader(text, kind, name, request).read();
 }
 
 }  // namespace clvotess

@@ -61,6 +61,7 @@ std::string plain_summary(const Summary& summary) {
         text += name + value + "\n";
     };
     line("points", std::to_string(stats.points));
+    if (!summary.input_note.empty()) line("input", summary.input_note);
     line("mean faces", rounded("%.4f", stats.mean_faces));
     if (summary.has_volumes) {
         const double error =

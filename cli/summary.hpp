@@ -11,6 +11,7 @@ namespace clvotess {
 struct Summary {
     votess::Stats stats;
     bool has_volumes = false;
+    std::string input_note;  // what was taken out of the file; empty when there is nothing to say
     double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the stages between are in stats
     std::optional<bool> verified;                                   // nothing when not asked
     std::vector<std::string> checks_skipped;

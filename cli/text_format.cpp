@@ -1,13 +1,10 @@
 #include "text_format.hpp"
 
-#include <algorithm>
-
 #include "failure.hpp"
 
 namespace clvotess {
 
 TextFormat::TextFormat(std::string_view format) {
-    constexpr std::string_view known = "ixyzqwsnvcfF";
     if (format.empty()) throw bad_input("--format is empty: give codes such as \"%i %n\"");
     if (format.find('\n') != std::string_view::npos) throw bad_input("--format holds a line end: one cell is one line");
     std::string literal;
@@ -23,12 +20,13 @@ TextFormat::TextFormat(std::string_view format) {
         if (++at == format.size()) throw bad_input("--format ends with a single %: write %% for a percent sign");
         if (format[at] == '%') {
             literal += '%';
-        } else if (known.find(format[at]) != std::string_view::npos) {
+        } else if (codes.find(format[at]) != std::string_view::npos) {
             end_literal();
             pieces_.push_back({format[at], {}});
         } else {
             throw bad_input("--format has the code " + in_quotes(format.substr(at - 1, 2)) +
-                            ", this version knows %i %x %y %z %q %w %s %n %v %c %f %F and %%");
+                            ", known are %i %x %y %z %q %r %w %p %P %o %m %g %E %s %e %F %A %a %f %t %l %n %v %c %C "
+                            "and %%");
         }
     }
     end_literal();
@@ -44,24 +42,42 @@ void TextFormat::add_needs(votess::Want& want) const {
                 want.volumes = true;
                 break;
             case 'c':
+            case 'C':
                 want.centroids = true;
                 break;
             case 'f':
-            case 'F':
                 want.areas = want.neighbors = true;
+                break;
+            case 'F':
+                want.surfaces = true;
+                break;
+            case 'l':
+                want.normals = want.neighbors = true;
+                break;
+            case 'm':
+                want.radii = true;
                 break;
             case 'w':
             case 's':
+            case 'g':
                 want.counts = true;
+                break;
+            case 'p':
+            case 'P':
+                want.vertices = true;
+                break;
+            case 'o':
+            case 'E':
+            case 'e':
+            case 'A':
+            case 'a':
+            case 't':
+                want.faces = want.vertices = want.neighbors = true;
                 break;
             default:
                 break;
         }
     }
-}
-
-bool TextFormat::needs_walls() const {
-    return std::ranges::any_of(pieces_, [](const FormatPiece& piece) { return piece.code == 'F'; });
 }
 
 }  // namespace clvotess

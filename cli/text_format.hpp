@@ -9,20 +9,20 @@
 namespace clvotess {
 
 struct FormatPiece {
-    char code = 0;        // one of i x y z q w s n v c f F; 0: the literal text
+    char code = 0;        // one of those of TextFormat::codes; 0: the literal text
     std::string literal;  // printed as it is
 };
 
 class TextFormat {
 public:
+    static constexpr std::string_view codes = "ixyzqrwpPomgEesFAaftlnvcC";
+
     // Throws Failure on an unknown code.
     explicit TextFormat(std::string_view format);
 
     [[nodiscard]] const std::vector<FormatPiece>& pieces() const noexcept { return pieces_; }
     // Adds to `want` the arrays that the codes print.
     void add_needs(votess::Want& want) const;
-    // A surface is whole only when the rows list walls.
-    [[nodiscard]] bool needs_walls() const;
 
 private:
     std::vector<FormatPiece> pieces_;

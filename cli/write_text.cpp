@@ -1,182 +1,229 @@
 // Text rows, streamed through a buffer of fixed size.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
-#include "atomic_file.hpp"
 #include "output.hpp"
+#include "output_buffer.hpp"
 
 namespace clvotess {
 namespace {
 
-class RowBuffer {
-public:
-    explicit RowBuffer(OutputFile& file) : file_(file), bytes_(capacity, '\0') {}
+constexpr double radius_of_voropp = 0.5;  // what Voro++ prints for %r when there are no radii
 
-    void put(std::string_view text) {
-        if (text.size() > capacity - used_) flush();
-        if (text.size() > capacity) return file_.write(text);
-        std::memcpy(bytes_.data() + used_, text.data(), text.size());
-        used_ += text.size();
-    }
-
-    void put(char c) {
-        make_room();
-        bytes_[used_++] = c;
-    }
-
-    template <typename Number>
-    void put_number(Number value) {
-        make_room();
-        if constexpr (std::is_floating_point_v<Number>) {
-            if (std::isnan(value)) return put(std::string_view("nan"));  // never -nan
-        }
-        char* const begin = bytes_.data() + used_;
-        used_ += static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, value).ptr - begin);
-    }
-
-    void put_three(double x, double y, double z) {
-        put_number(x);
-        put(' ');
-        put_number(y);
-        put(' ');
-        put_number(z);
-    }
-
-    void flush() {
-        file_.write(std::string_view(bytes_.data(), used_));
-        used_ = 0;
-    }
-
-private:
-    static constexpr std::size_t capacity = std::size_t{1} << 20;
-    static constexpr std::size_t longest_number = 32;
-
-    void make_room() {
-        if (capacity - used_ < longest_number) flush();
-    }
-
-    OutputFile& file_;
-    std::string bytes_;
-    std::size_t used_ = 0;
-};
+using Polygon = std::span<const std::int32_t>;
 
 class TextWriter {
 public:
-    TextWriter(OutputFile& file, const OutputData& data) : data_(data), buffer_(file) {}
+    TextWriter(OutputFile& file, const OutputData& data)
+        : data_(data), cells_(data.tessellation), buffer_(file), areas_(cells_.face_areas()) {}
 
     void write() {
-        const std::size_t count = data_.tessellation.size();
-        for (std::size_t i = 0; i < count; ++i) {
-            for (const FormatPiece& piece : data_.format.pieces()) put(piece, i);
+        for (std::size_t i = 0; i < cells_.size(); ++i) {
+            ordered_ = false;
+            for (const FormatPiece& piece : data_.format.pieces()) {
+                if (piece.code == 0) {
+                    buffer_.put(piece.literal);
+                } else {
+                    put(piece.code, i);
+                }
+            }
             buffer_.put('\n');
         }
         buffer_.flush();
     }
 
 private:
-    void put(const FormatPiece& piece, std::size_t i) {
-        const votess::Tessellation& cells = data_.tessellation;
+    void put(char code, std::size_t i) {
         const double* const seed = data_.input.points.data() + 3 * i;
-        switch (piece.code) {
+        switch (code) {
             case 'i':
-                buffer_.put_number(id_of(i));
-                break;
+                return buffer_.put_number(id_of(i));
             case 'x':
-                buffer_.put_number(seed[0]);
-                break;
+                return buffer_.put_number(seed[0]);
             case 'y':
-                buffer_.put_number(seed[1]);
-                break;
+                return buffer_.put_number(seed[1]);
             case 'z':
-                buffer_.put_number(seed[2]);
-                break;
+                return buffer_.put_number(seed[2]);
             case 'q':
-                buffer_.put_three(seed[0], seed[1], seed[2]);
-                break;
+                return buffer_.put_three(seed[0], seed[1], seed[2]);
+            case 'r':
+                return buffer_.put_number(data_.radii ? data_.input.column[i] : radius_of_voropp);
             case 'w':
-                buffer_.put_number(cells.vertex_counts()[i]);
-                break;
+                return buffer_.put_number(cells_.vertex_counts()[i]);
+            case 'g':
+                return buffer_.put_number(cells_.edge_counts()[i]);
             case 's':
-                buffer_.put_number(cells.face_counts()[i]);
-                break;
-            case 'n':
-                put_neighbors(i);
-                break;
-            case 'f':
-                put_areas(i);
-                break;
-            case 'F': {
-                const auto areas = areas_of(i);
-                buffer_.put_number(std::accumulate(areas.begin(), areas.end(), 0.0));
-                break;
+                return buffer_.put_number(cells_.face_counts()[i]);
+            case 'm': {
+                const double radius = cells_.security_radii()[i] / 2;
+                return buffer_.put_number(radius * radius);
             }
+            case 'F':
+                return buffer_.put_number(cells_.surface_areas()[i]);
             case 'v':
-                buffer_.put_number(cells.volumes()[i]);
-                break;
+                return buffer_.put_number(cells_.volumes()[i]);
             case 'c': {
-                const double* const centroid = cells.centroids().data() + 3 * i;
-                buffer_.put_three(centroid[0] - seed[0], centroid[1] - seed[1], centroid[2] - seed[2]);
-                break;
+                const double* const centroid = cells_.centroids().data() + 3 * i;
+                return buffer_.put_three(centroid[0] - seed[0], centroid[1] - seed[1], centroid[2] - seed[2]);
             }
+            case 'C': {
+                const double* const centroid = cells_.centroids().data() + 3 * i;
+                return buffer_.put_three(centroid[0], centroid[1], centroid[2]);
+            }
+            case 'p':
+                return put_vertices(i, {seed[0], seed[1], seed[2]});
+            case 'P':
+                return put_vertices(i, {});
             default:
-                buffer_.put(piece.literal);
-                break;
+                return put_of_faces(code, i);
         }
+    }
+
+    // Lists with an entry for each face stand in the order of %n.
+    void put_of_faces(char code, std::size_t i) {
+        order_row(i);
+        switch (code) {
+            case 'n':
+                return put_list(order_, [&](std::size_t entry) { buffer_.put_number(name_of(entry)); });
+            case 'f':
+                return put_list(order_, [&](std::size_t entry) { buffer_.put_number(areas_[entry]); });
+            case 'l':
+                return put_list(order_, [&](std::size_t entry) {
+                    const double* const normal = cells_.face_normals().data() + 3 * entry;
+                    put_bracketed(normal[0], normal[1], normal[2]);
+                });
+            case 'a':
+                return put_list(order_, [&](std::size_t entry) { buffer_.put_number(polygon(entry).size()); });
+            case 'e':
+                return put_list(order_, [&](std::size_t entry) { buffer_.put_number(perimeter(polygon(entry))); });
+            case 't':
+                return put_list(order_, [&](std::size_t entry) { put_polygon(i, polygon(entry)); });
+            case 'E': {
+                double twice = 0;  // each edge belongs to two faces
+                for (const std::size_t entry : order_) twice += perimeter(polygon(entry));
+                return buffer_.put_number(twice / 2);
+            }
+            case 'o':
+                return put_vertex_orders(i);
+            default:
+                return put_size_table();
+        }
+    }
+
+    template <typename List, typename Put>
+    void put_list(const List& list, Put put_one) {
+        bool first = true;
+        for (const auto& item : list) {
+            if (!first) buffer_.put(' ');
+            put_one(item);
+            first = false;
+        }
+    }
+
+    void put_bracketed(double x, double y, double z) {
+        buffer_.put('(');
+        buffer_.put_three(x, y, z, ',');
+        buffer_.put(')');
     }
 
     [[nodiscard]] std::int64_t id_of(std::size_t i) const {
         return data_.input.ids.empty() ? static_cast<std::int64_t>(i) : data_.input.ids[i];
     }
 
-    [[nodiscard]] std::span<const double> areas_of(std::size_t i) const {
-        const votess::Tessellation& cells = data_.tessellation;
-        return cells.face_areas().subspan(static_cast<std::size_t>(cells.indptr()[i]), cells.neighbors(i).size());
+    // Id of the neighbor, or number of the wall, behind an entry of indices.
+    [[nodiscard]] std::int64_t name_of(std::size_t entry) const {
+        const std::int32_t j = cells_.indices()[entry];
+        return j < 0 ? j : id_of(static_cast<std::size_t>(j));
     }
 
-    // In the order of put_neighbors().
-    void put_areas(std::size_t i) {
-        const auto areas = areas_of(i);
-        const auto indices = data_.tessellation.neighbors(i);
-        order_.resize(areas.size());
-        std::iota(order_.begin(), order_.end(), std::size_t{0});
-        if (!data_.input.ids.empty()) {
-            std::ranges::stable_sort(order_, {}, [&](std::size_t k) {
-                const std::int32_t j = indices[k];
-                return std::pair(j >= 0, j < 0 ? j : id_of(static_cast<std::size_t>(j)));
-            });
-        }
-        for (std::size_t k = 0; k < order_.size(); ++k) {
-            if (k > 0) buffer_.put(' ');
-            buffer_.put_number(areas[order_[k]]);
-        }
+    // order_: the entries of row i, walls first, then by id; indices alone are in that order already.
+    void order_row(std::size_t i) {
+        if (ordered_) return;
+        ordered_ = true;
+        order_.resize(cells_.neighbors(i).size());
+        std::iota(order_.begin(), order_.end(), static_cast<std::size_t>(cells_.indptr()[i]));
+        if (data_.input.ids.empty()) return;
+        std::ranges::stable_sort(
+            order_, {}, [&](std::size_t entry) { return std::pair(cells_.indices()[entry] >= 0, name_of(entry)); });
     }
 
-    // Walls first, then ids in ascending order, as the library orders indices.
-    void put_neighbors(std::size_t i) {
-        row_.clear();
-        for (const std::int32_t j : data_.tessellation.neighbors(i)) {
-            row_.push_back(j < 0 ? j : id_of(static_cast<std::size_t>(j)));
+    [[nodiscard]] Polygon polygon(std::size_t entry) const {
+        const auto begin = static_cast<std::size_t>(cells_.face_offsets()[entry]);
+        const auto end = static_cast<std::size_t>(cells_.face_offsets()[entry + 1]);
+        return cells_.face_vertices().subspan(begin, end - begin);
+    }
+
+    [[nodiscard]] Polygon vertices_of(std::size_t i) const {
+        const auto begin = static_cast<std::size_t>(cells_.cell_vertex_indptr()[i]);
+        const auto end = static_cast<std::size_t>(cells_.cell_vertex_indptr()[i + 1]);
+        return cells_.cell_vertex_indices().subspan(begin, end - begin);
+    }
+
+    [[nodiscard]] const double* vertex(std::int32_t index) const {
+        return cells_.vertices().data() + 3 * static_cast<std::size_t>(index);
+    }
+
+    // Number of a mesh vertex among those of the cell, which ascend.
+    [[nodiscard]] std::size_t local_number(Polygon vertices, std::int32_t index) const {
+        return static_cast<std::size_t>(std::ranges::lower_bound(vertices, index) - vertices.begin());
+    }
+
+    [[nodiscard]] double perimeter(Polygon corners) const {
+        double length = 0;
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+            const double* const a = vertex(corners[k]);
+            const double* const b = vertex(corners[k + 1 < corners.size() ? k + 1 : 0]);
+            length += std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
         }
-        if (!data_.input.ids.empty()) {
-            const auto indices = data_.tessellation.neighbors(i);
-            const auto walls = std::count_if(indices.begin(), indices.end(), [](std::int32_t j) { return j < 0; });
-            std::sort(row_.begin() + walls, row_.end());
+        return length;
+    }
+
+    void put_vertices(std::size_t i, const std::array<double, 3>& origin) {
+        put_list(vertices_of(i), [&](std::int32_t index) {
+            const double* const at = vertex(index);
+            put_bracketed(at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]);
+        });
+    }
+
+    // The numbers are those of the cell's vertices in %p and %P.
+    void put_polygon(std::size_t i, Polygon corners) {
+        const Polygon vertices = vertices_of(i);
+        buffer_.put('(');
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+            if (k > 0) buffer_.put(',');
+            buffer_.put_number(local_number(vertices, corners[k]));
         }
-        bool first = true;
-        for (const std::int64_t id : row_) {
-            if (!first) buffer_.put(' ');
-            buffer_.put_number(id);
-            first = false;
+        buffer_.put(')');
+    }
+
+    // As many edges meet in a vertex of a polyhedron as faces.
+    void put_vertex_orders(std::size_t i) {
+        const Polygon vertices = vertices_of(i);
+        counts_.assign(vertices.size(), 0);
+        for (const std::size_t entry : order_) {
+            for (const std::int32_t index : polygon(entry)) ++counts_[local_number(vertices, index)];
         }
+        put_list(counts_, [&](std::size_t count) { buffer_.put_number(count); });
+    }
+
+    // How many faces have 0, 1, 2, ... edges.
+    void put_size_table() {
+        counts_.clear();
+        for (const std::size_t entry : order_) {
+            const std::size_t size = polygon(entry).size();
+            if (size >= counts_.size()) counts_.resize(size + 1);
+            ++counts_[size];
+        }
+        put_list(counts_, [&](std::size_t count) { buffer_.put_number(count); });
     }
 
     const OutputData& data_;
-    RowBuffer buffer_;
-    std::vector<std::int64_t> row_;
-    std::vector<std::size_t> order_;
+    const votess::Tessellation& cells_;
+    OutputBuffer buffer_;
+    std::span<const double> areas_;
+    std::vector<std::size_t> order_, counts_;
+    bool ordered_ = false;  // whether order_ is that of the row at hand
 };
 
 }  // namespace

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <vector>
 
+#include "domain/domain.hpp"
 #include "result.hpp"
 #include "votess/votess.hpp"
 
@@ -19,13 +22,15 @@ struct Points {
     [[nodiscard]] double operator[](std::size_t i) const { return f32.empty() ? f64[i] : f32[i]; }
 };
 
-// Validated input: the domain and the power of two that brings it to order one.
+// Validated input: the domain and the power of two that brings it to order one. Copies share what the domain points to.
 struct Job {
     Points points;
     Options options;
-    Box box;         // as given
-    Box scaled_box;  // times scale
+    Box box;                // as given
+    double box_volume = 0;  // of the domain, as given
     double scale = 1;
+    std::shared_ptr<const Domain> domain;  // times scale
+    std::vector<CellStatus> outside;       // N when some seeds lie outside of a wall: `outside` for them
     // Of an earlier run, to be used again; may be null. ResultBuilder::begin() takes them.
     detail::Result* arrays = nullptr;
     bool update = false;  // a hint: the seeds are those of the last job, moved a little

@@ -4,7 +4,10 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <optional>
 
+#include "cpu/cell.hpp"
 #include "cpu/kernels.hpp"
 #include "implied_wants.hpp"
 
@@ -14,6 +17,7 @@ namespace {
 constexpr const char* axis_name[3] = {"x", "y", "z"};
 constexpr unsigned most_threads = 1024, most_resolution = 1u << 20, most_k_init = 1024;
 constexpr std::size_t most_index_digits = 6;
+constexpr double largest_scaled_weight = 0x1p500;  // so that no square overflows
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message);
@@ -74,10 +78,149 @@ double scale_for(const Box& box) {
     return std::ldexp(1.0, std::clamp(-exponent, -1021, 1023));
 }
 
+Box scaled(const Box& box, double scale) {
+    Box result;
+    for (int k = 0; k < 3; ++k) result.lower[k] = box.lower[k] * scale, result.upper[k] = box.upper[k] * scale;
+    return result;
+}
+
+std::array<double, 3> scaled(const std::array<double, 3>& x, double scale) {
+    return {x[0] * scale, x[1] * scale, x[2] * scale};
+}
+
+double volume_of(const Box& box) {
+    double volume = 1;
+    for (int k = 0; k < 3; ++k) volume *= box.upper[k] - box.lower[k];
+    return volume;
+}
+
 void check_scaled(double value, double scale, const std::string& what) {
     if (value * scale / scale != value)
         refuse(what + " = " + number(value) +
                " is too small beside the box to be represented at one scale: move it to 0");
+}
+
+void check_box(const Box& box) {
+    for (int k = 0; k < 3; ++k) {
+        const double lower = box.lower[k], upper = box.upper[k];
+        if (!std::isfinite(lower) || !std::isfinite(upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   " is not finite");
+        if (!(lower < upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
+    }
+}
+
+void check_domain(const Options& options) {
+    const bool periodic = options.periodic[0] || options.periodic[1] || options.periodic[2];
+    if (options.box) check_box(*options.box);
+    if (options.cell) {
+        if (options.box) refuse("box and cell are both given: the cell is the periodic box");
+        for (const auto& vector : {options.cell->origin, options.cell->a, options.cell->b, options.cell->c})
+            for (const double x : vector)
+                if (!std::isfinite(x)) refuse("cell: it holds " + number(x) + ", which is not finite");
+    }
+    if (!options.planes.empty() && (periodic || options.cell))
+        refuse("planes and a periodic domain are both given: walls go with a box that is not periodic");
+    for (std::size_t w = 0; w < options.planes.size(); ++w)
+        (void)domain_wall(options.planes[w], 1, "wall " + std::to_string(w));
+    if (options.outside != Outside::error && options.outside != Outside::drop)
+        refuse("outside = " + std::to_string(static_cast<int>(options.outside)) + " is neither error nor drop");
+    if (!options.weights.empty() && !options.radii.empty())
+        refuse("weights and radii are both given: weights are the squares of radii, give one of them");
+    if (!(options.min_face >= 0 && std::isfinite(options.min_face)))
+        refuse("min_face = " + number(options.min_face) + " must be a finite number, 0 or more");
+}
+
+// Bounds of the seeds.
+Box check_points(const Points& points, const Options& options) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (std::size_t i = 0; i < points.count(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const double value = points[3 * i + k];
+            if (!std::isfinite(value))
+                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) + " is not finite");
+            if (options.box && !options.periodic[k] &&
+                !(value >= options.box->lower[k] && value <= options.box->upper[k]))
+                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) +
+                       " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
+                       number(options.box->upper[k]));
+            bounds.lower[k] = std::min(bounds.lower[k], value);
+            bounds.upper[k] = std::max(bounds.upper[k], value);
+        }
+    }
+    return bounds;
+}
+
+void take_weights(const Job& job, Domain& domain) {
+    const bool radii = !job.options.radii.empty();
+    const auto given = radii ? job.options.radii : job.options.weights;
+    const char* name = radii ? "radii" : "weights";
+    if (given.empty()) return;
+    if (given.size() != job.points.count())
+        refuse(std::string(name) + " hold " + std::to_string(given.size()) + " numbers for " +
+               std::to_string(job.points.count()) + " points");
+    domain.weights.resize(given.size());
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const std::string place = std::string(radii ? "radius " : "weight ") + std::to_string(i);
+        if (!std::isfinite(given[i])) refuse(place + " = " + number(given[i]) + " is not finite");
+        if (radii && given[i] < 0) refuse(place + " = " + number(given[i]) + " is negative");
+        const double weight = radii ? given[i] * given[i] : given[i];
+        if (!std::isfinite(weight)) refuse(place + " = " + number(given[i]) + " is too large: its square overflows");
+        const double in_units = weight * job.scale * job.scale;
+        if (in_units / job.scale / job.scale != weight || std::abs(in_units) > largest_scaled_weight)
+            refuse(place + " = " + number(given[i]) + " is too large or too small beside the box");
+        domain.weights[i] = in_units;
+    }
+    domain.largest_weight = *std::ranges::max_element(domain.weights);
+}
+
+void take_walls(Job& job, Domain& domain) {
+    const auto& planes = job.options.planes;
+    for (std::size_t w = 0; w < planes.size(); ++w)
+        domain.walls.push_back(domain_wall(planes[w], job.scale, "wall " + std::to_string(w)));
+    if (planes.empty()) return;
+    std::optional<exact::Point> any_inside;
+    for (std::size_t i = 0; i < job.points.count(); ++i) {
+        const exact::Point given{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
+        const exact::Point x = scaled(given, job.scale);
+        const auto wall = std::ranges::find_if_not(domain.walls, [&](const auto& w) { return inside(w, x); });
+        if (wall == domain.walls.end()) {
+            if (!any_inside) any_inside = x;
+            continue;
+        }
+        if (job.options.outside == Outside::error)
+            refuse("point " + std::to_string(i) + ": (" + number(job.points[3 * i]) + ", " +
+                   number(job.points[3 * i + 1]) + ", " + number(job.points[3 * i + 2]) + ") is outside wall " +
+                   std::to_string(wall - domain.walls.begin()) + ": move it, or drop seeds that are outside");
+        if (job.outside.empty()) job.outside.resize(job.points.count(), CellStatus::certified);
+        job.outside[i] = CellStatus::outside;
+    }
+    job.box_volume = 0;
+    if (!any_inside) return;
+    cpu::Cell polyhedron;
+    polyhedron.start(*any_inside, domain);
+    cpu::CellFaces faces;
+    polyhedron.canonical_faces(faces);
+    if (faces.size() >= 4) job.box_volume = polyhedron.measure(faces).volume / job.scale / job.scale / job.scale;
+}
+
+void make_domain(Job& job) {
+    auto domain = std::make_shared<Domain>();
+    if (job.options.cell) {
+        const TriclinicBox& cell = *job.options.cell;
+        *domain = triclinic_domain({scaled(cell.origin, job.scale), scaled(cell.a, job.scale),
+                                    scaled(cell.b, job.scale), scaled(cell.c, job.scale)});
+        job.box_volume = domain->volume / job.scale / job.scale / job.scale;
+    } else {
+        *domain = box_domain(scaled(job.box, job.scale), job.options.periodic);
+        job.box_volume = volume_of(job.box);
+    }
+    take_weights(job, *domain);
+    take_walls(job, *domain);
+    job.domain = std::move(domain);
 }
 
 }  // namespace
@@ -106,16 +249,7 @@ void check_options(const Options& options) {
         refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
     if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
         refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
-    if (!options.box) return;
-    for (int k = 0; k < 3; ++k) {
-        const double lower = options.box->lower[k], upper = options.box->upper[k];
-        if (!std::isfinite(lower) || !std::isfinite(upper))
-            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   " is not finite");
-        if (!(lower < upper))
-            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
-    }
+    check_domain(options);
 }
 
 Job validate(const Points& points, const Options& options) {
@@ -125,30 +259,21 @@ Job validate(const Points& points, const Options& options) {
                " coordinates, which is not a multiple of 3: the shape must be (N,3)");
     if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
         throw Error(ErrorCode::unsupported, std::to_string(points.count()) + " seeds are too many: at most 2147483647");
+    const Box bounds = check_points(points, options);
 
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t i = 0; i < points.count(); ++i) {
-        for (int k = 0; k < 3; ++k) {
-            const double value = points[3 * i + k];
-            if (!std::isfinite(value))
-                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) + " is not finite");
-            if (options.box && !(value >= options.box->lower[k] && value <= options.box->upper[k]))
-                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) +
-                       " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
-                       number(options.box->upper[k]));
-            bounds.lower[k] = std::min(bounds.lower[k], value);
-            bounds.upper[k] = std::max(bounds.upper[k], value);
-        }
-    }
-
-    Job job{points, options, options.box ? *options.box : default_box(bounds, points.count()), {}, 1};
+    Job job;
+    job.points = points;
+    job.options = options;
     add_implied(job.options);
-    job.scale = scale_for(job.box);
-    for (int k = 0; k < 3; ++k) {
-        job.scaled_box.lower[k] = job.box.lower[k] * job.scale;
-        job.scaled_box.upper[k] = job.box.upper[k] * job.scale;
+    if (options.cell) {
+        job.box = triclinic_domain(*options.cell).box;
+    } else if (options.box) {
+        job.box = *options.box;
+    } else {
+        job.box = default_box(bounds, points.count());
+        if (!options.planes.empty()) job.box = bounds_of(options.planes, job.box);
     }
+    job.scale = scale_for(job.box);
     if (job.scale < 1) {  // only scaling down can lose bits
         for (int k = 0; k < 3; ++k) {
             check_scaled(job.box.lower[k], job.scale, std::string("box: lower ") + axis_name[k]);
@@ -157,6 +282,7 @@ Job validate(const Points& points, const Options& options) {
         for (std::size_t i = 0; i < points.coordinates(); ++i)
             check_scaled(points[i], job.scale, "point " + std::to_string(i / 3) + ": " + axis_name[i % 3]);
     }
+    make_domain(job);
     return job;
 }
 

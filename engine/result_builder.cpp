@@ -103,6 +103,10 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     fast_ids_ = narrow_ids_ && packed::fast_possible();
     result_.stats = {};
     result_.box = job.box;
+    result_.periodic = job.options.cell ? std::array{true, true, true} : job.options.periodic;
+    result_.cell = job.options.cell;
+    result_.planes = job.options.planes;
+    box_volume_ = job.box_volume;
     result_.lists_walls = job.options.walls;
     fill(result_.status, count, CellStatus::certified, pool);
     fill(result_.indptr, want.neighbors ? count + 1 : 0, std::int64_t{0}, pool);
@@ -158,6 +162,7 @@ void ResultBuilder::count(const CellCounters& counters) {
     counters_.faces += counters.faces;
     counters_.exact_cells += counters.exact_cells;
     counters_.fallback_cells += counters.fallback_cells;
+    counters_.empty_cells += counters.empty_cells;
 }
 
 void ResultBuilder::check_values(const RowValues& values, std::size_t ids) const {
@@ -224,6 +229,15 @@ void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const st
         std::memcpy(kept_ids, ids.data(), ids.size_bytes());
 }
 
+void ResultBuilder::set_empty(std::size_t i, CellStatus status) {
+    auto& r = result_;
+    r.status[i] = status;
+    for (auto* sizes : {&r.volumes, &r.surface_areas, &r.security_radii})
+        if (!sizes->empty()) (*sizes)[i] = 0;
+    if (!r.centroids.empty()) std::fill_n(r.centroids.data() + 3 * i, 3, std::numeric_limits<double>::quiet_NaN());
+    if (!r.face_counts.empty()) r.face_counts[i] = r.edge_counts[i] = r.vertex_counts[i] = 0;
+}
+
 void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool) {
     auto& r = result_;
     r.duplicate_of.resize_uninitialized(duplicate_of.size());
@@ -234,12 +248,7 @@ void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, T
             r.duplicate_of[i] = duplicate_of[i];
             if (duplicate_of[i] < 0) continue;
             ++found;
-            r.status[i] = CellStatus::duplicate;
-            for (auto* sizes : {&r.volumes, &r.surface_areas, &r.security_radii})
-                if (!sizes->empty()) (*sizes)[i] = 0;
-            if (!r.centroids.empty())
-                std::fill_n(r.centroids.data() + 3 * i, 3, std::numeric_limits<double>::quiet_NaN());
-            if (!r.face_counts.empty()) r.face_counts[i] = r.edge_counts[i] = r.vertex_counts[i] = 0;
+            set_empty(i, CellStatus::duplicate);
         }
         duplicates += found;
     });
@@ -264,7 +273,10 @@ void ResultBuilder::check_status(ThreadPool& pool) const {
     const auto& status = result_.status;
     std::atomic<std::size_t> first = status.size();
     for_blocks(pool, status.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-        const auto finished = [](CellStatus s) { return s == CellStatus::certified || s == CellStatus::duplicate; };
+        const auto finished = [](CellStatus s) {
+            return s == CellStatus::certified || s == CellStatus::duplicate || s == CellStatus::empty ||
+                   s == CellStatus::outside;
+        };
         const auto at = static_cast<std::size_t>(
             std::find_if_not(status.data() + begin, status.data() + end, finished) - status.data());
         for (std::size_t before = first; at < end && at < before && !first.compare_exchange_weak(before, at);) {
@@ -331,7 +343,7 @@ void ResultBuilder::place_block(const Block& block, std::size_t bytes_per_id, Re
 
 void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
     stats.points = result_.status.size();
-    stats.empty_cells = stats.duplicates;
+    stats.empty_cells = stats.duplicates + counters_.empty_cells;
     stats.faces = counters_.faces;
     stats.exact_cells = counters_.exact_cells;
     stats.fallback_cells = counters_.fallback_cells;
@@ -343,8 +355,7 @@ void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
         sums[block] = accurate_sum(volumes.subspan(begin, end - begin));
     });
     stats.volume_sum = accurate_sum(sums);
-    stats.box_volume = 1;
-    for (int k = 0; k < 3; ++k) stats.box_volume *= result_.box.upper[k] - result_.box.lower[k];
+    stats.box_volume = box_volume_;
     stats.threads = pool.size();
     stats.peak_memory_bytes = peak_memory();
 }

@@ -18,6 +18,7 @@ struct CellCounters {
     std::uint64_t faces = 0;           // of the cells counted, walls included
     std::uint64_t exact_cells = 0;     // where exact arithmetic decided a sign
     std::uint64_t fallback_cells = 0;  // redone on the CPU after another device
+    std::uint64_t empty_cells = 0;     // without interior, or outside; not duplicates
 };
 
 // Beside the ids of rows, one for each or three; empty when they are not wanted.
@@ -33,7 +34,7 @@ public:
     void begin(const Job& job, ThreadPool& pool);
 
     // The arrays of N, centroids 3N; those not wanted are empty. Threads may write different cells at once. finish()
-    // takes a cell whose status is neither `certified` nor `duplicate` for a bug.
+    // takes a cell whose status is a reason to hand it on for a bug.
     [[nodiscard]] std::span<CellStatus> status() { return result_.status; }
     [[nodiscard]] std::span<double> volumes() { return result_.volumes; }
     [[nodiscard]] std::span<double> centroids() { return result_.centroids; }
@@ -60,6 +61,8 @@ public:
     // From any thread.
     void count(const CellCounters& counters);
 
+    // From any thread. A cell that is not there: volume and counts 0, centroid NaN.
+    void set_empty(std::size_t i, CellStatus status);
     // duplicate_of: N, or empty when there are none. Gives the duplicates their status, volume and counts 0, centroid
     // NaN.
     void set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool);
@@ -92,6 +95,7 @@ private:
 
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
     bool narrow_ids_ = false, fast_ids_ = false;
+    double box_volume_ = 0;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()
     std::mutex mutex_;       // of what follows
     Arena memory_;

@@ -81,7 +81,7 @@ std::string check_cell(const Tessellation& t, const Job& job, std::size_t i, cpu
             static_cast<std::int32_t>(j));
     }
     std::sort(others.begin(), others.end());  // for speed alone: every seed is tried
-    cell.start(p, job.scaled_box);
+    cell.start(p, *job.domain);
     for (const auto& [distance, j] : others) cell.clip(j, seed(static_cast<std::size_t>(j)));
     cell.canonical_faces(faces);
 

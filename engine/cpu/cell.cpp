@@ -59,24 +59,101 @@ VertexBlock Cell::block(int word) const {
             tolerance_ + first, radius_ + first, (std::min(slots_ - first, word_slots) + lanes - 1) / lanes};
 }
 
-void Cell::start(const exact::Point& seed, const Box& box) {
-    seed_ = seed;
-    planes_.clear();
-    for (int axis = 0; axis < 3; ++axis) {
-        CellPlane lower{
-            {}, seed[axis] - box.lower[axis], 1, -1 - 2 * axis, true, exact::Plane::lower(axis, box.lower[axis])};
-        CellPlane upper{
-            {}, box.upper[axis] - seed[axis], 1, -2 - 2 * axis, true, exact::Plane::upper(axis, box.upper[axis])};
-        lower.n[axis] = -1;
-        upper.n[axis] = 1;
-        planes_.push_back(lower);
-        planes_.push_back(upper);
+namespace {
+
+CellPlane box_wall(const exact::Point& seed, const Box& box, int wall) {
+    const int axis = wall / 2;
+    const bool upper = wall % 2 == 1;
+    CellPlane plane;
+    plane.n = {};
+    plane.n[axis] = upper ? 1 : -1;
+    plane.h = upper ? box.upper[axis] - seed[axis] : seed[axis] - box.lower[axis];
+    plane.norm = 1;
+    plane.id = -1 - wall;
+    plane.reliable = true;
+    plane.source = upper ? exact::Plane::upper(axis, box.upper[axis]) : exact::Plane::lower(axis, box.lower[axis]);
+    return plane;
+}
+
+// h, as sums that cancel, must be known to half of all digits.
+constexpr double worst_cancellation = 0x1p-40;
+
+CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source, const exact::Shift& shift) {
+    using exact::DoubleDouble;
+    CellPlane plane;
+    plane.id = id;
+    plane.source = source;
+    plane.shift = shift;
+    DoubleDouble h{};
+    double size = 0;
+    bool exact = true;
+    if (source.is_bisector()) {
+        exact::Differences d = exact::differences(p, source);
+        if (!d.exact) {
+            const auto rounded = exact::difference<double>(p, source);
+            for (int k = 0; k < 3; ++k) d.x[k] = {rounded[k], 0};
+        }
+        exact = d.exact;
+        for (int k = 0; k < 3; ++k) {
+            plane.n[k] = d.x[k].high;
+            h = h + d.x[k] * d.x[k];
+        }
+        size = h.high + std::abs(source.power.high);
+        h = h + source.power;
+        h = {0.5 * h.high, 0.5 * h.low};
+    } else {
+        plane.n = source.seed;
+        h = {source.wall, 0};
+        size = std::abs(source.wall);
+        for (int k = 0; k < 3; ++k) {
+            const DoubleDouble product = exact::two_product(source.seed[k], p[k]);
+            h = h + DoubleDouble{-product.high, -product.low};
+            size += std::abs(product.high);
+        }
     }
+    const auto& [x, y, z] = plane.n;
+    const double square = x * x + y * y + z * z;
+    plane.h = h.high;
+    plane.norm = std::sqrt(square);
+    plane.reliable = square > smallest_square && std::abs(plane.h) > worst_cancellation * size && exact;
+    return plane;
+}
+
+}  // namespace
+
+void Cell::start(const exact::Point& seed, const Box& box) {
+    Domain domain;
+    domain.box = box;
+    start(seed, domain);
+}
+
+void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id) {
+    start(seed, domain, id, seed);
+}
+
+void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id, const exact::Point& at) {
+    seed_ = seed;
+    at_ = at;
+    planes_.clear();
+    const bool periodic = domain.is_periodic();
+    for (int wall = 0; wall < 6; ++wall) {
+        if (domain.has_box_wall(wall)) {
+            planes_.push_back(box_wall(seed, domain.box, wall));
+            continue;
+        }
+        exact::Shift shift = domain.short_vectors[wall / 2];
+        if (wall % 2 == 0)
+            for (auto& times : shift) times = -times;
+        planes_.push_back(make_plane(seed, id, exact::Plane::bisector(seed, shift, domain.lattice), shift));
+    }
+    // Corners take the upper walls for a right-handed basis.
+    if (domain.triclinic && exact::orientation(seed, planes_[1].source, planes_[3].source, planes_[5].source) < 0)
+        std::swap(planes_[0], planes_[1]);
     std::fill(alive_.begin(), alive_.end(), 0);
     alive_[0] = 0xff;
     slots_ = 8;
     refined_plane_.id = no_plane;
-    used_exact_ = met_tie_ = radius_known_ = false;
+    used_exact_ = met_tie_ = radius_known_ = empty_ = false;
     for (int v = 0; v < 8; ++v) refined_[v].tests = 0;
     for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
         const int px = v & 1, py = 2 + ((v >> 1) & 1), pz = 4 + ((v >> 2) & 1);
@@ -84,12 +161,17 @@ void Cell::start(const exact::Point& seed, const Box& box) {
         // The edge on planes y, z runs along x. Positive orientation flips with the number of lower walls.
         const bool positive = std::popcount(static_cast<unsigned>(v)) % 2 == 1;
         corners_[v] = positive ? Corner{{px, py, pz}, {nz, nx, ny}} : Corner{{py, px, pz}, {nz, ny, nx}};
+        if (periodic) {
+            place_vertex(v, px, py, pz);
+            continue;
+        }
         x_[v] = (v & 1) != 0 ? planes_[1].h : -planes_[0].h;
         y_[v] = (v & 2) != 0 ? planes_[3].h : -planes_[2].h;
         z_[v] = (v & 4) != 0 ? planes_[5].h : -planes_[4].h;
         tolerance_[v] = rounded_factor * (std::abs(x_[v]) + std::abs(y_[v]) + std::abs(z_[v]));
         radius_[v] = x_[v] * x_[v] + y_[v] * y_[v] + z_[v] * z_[v];
     }
+    for (std::size_t w = 0; w < domain.walls.size(); ++w) clip(-7 - static_cast<std::int32_t>(w), domain.walls[w]);
 }
 
 double Cell::radius_squared() {
@@ -102,24 +184,25 @@ double Cell::radius_squared() {
     return radius_squared_;
 }
 
-bool Cell::in_reach(const BoundingBox& box) const {
+bool Cell::in_reach(const BoundingBox& box, const exact::Point& shift, double more) const {
     BoundingBox relative;
     for (int k = 0; k < 3; ++k) {
-        // Outward by the rounding of the subtraction.
-        relative.lower[k] = box.lower[k] - seed_[k];
-        relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]);
-        relative.upper[k] = box.upper[k] - seed_[k];
-        relative.upper[k] += 2 * unit * std::abs(relative.upper[k]);
+        // Outward by the rounding of the subtraction, and of coordinates that are not as given.
+        const double rounding = at_ == seed_ && shift[k] == 0 ? 0 : 4 * unit * (std::abs(at_[k]) + std::abs(shift[k]));
+        relative.lower[k] = (box.lower[k] - at_[k]) + shift[k];
+        relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]) + rounding;
+        relative.upper[k] = (box.upper[k] - at_[k]) + shift[k];
+        relative.upper[k] += 2 * unit * std::abs(relative.upper[k]) + rounding;
     }
     for (int w = 0; w * word_slots < slots_; ++w)
-        if (kernels_.box_in_reach(block(w), relative, radius_slack, smallest_radius)) return true;
+        if (kernels_.box_in_reach(block(w), relative, radius_slack, smallest_radius + more)) return true;
     return false;
 }
 
 int Cell::refined_side(int slot, const CellPlane& plane) {
     using exact::DoubleDouble;
     Refined& vertex = refined_[slot];
-    if (++vertex.tests < tests_before_refining || !plane.reliable) return 0;
+    if (++vertex.tests < tests_before_refining || !plane.reliable || !plane.source.is_bisector()) return 0;
     if (vertex.tests == tests_before_refining) {
         const auto& [a, b, c] = corners_[slot].plane;
         const auto solved =
@@ -129,30 +212,31 @@ int Cell::refined_side(int slot, const CellPlane& plane) {
             vertex.position[k] = {high, static_cast<double>(solved[k] - high)};
         }
     }
-    if (refined_plane_.id != plane.id) {
+    if (refined_plane_.id != plane.id || refined_plane_.shift != plane.shift) {
+        const exact::Differences d = exact::differences(seed_, plane.source);
         DoubleDouble square{};
-        for (int k = 0; k < 3; ++k) {
-            refined_plane_.n[k] = exact::two_sum(plane.source.seed[k], -seed_[k]);
-            square = square + refined_plane_.n[k] * refined_plane_.n[k];
-        }
+        for (int k = 0; k < 3; ++k) square = square + d.x[k] * d.x[k];
+        refined_plane_ = {plane.id, plane.shift, d.x, {}, 0.5 * (square.high + std::abs(plane.source.power.high)),
+                          d.exact};
+        square = square + plane.source.power;
         refined_plane_.minus_h = {-0.5 * square.high, -0.5 * square.low};
-        refined_plane_.id = plane.id;
     }
+    if (!refined_plane_.exact) return 0;
     DoubleDouble excess = refined_plane_.minus_h;
     for (int k = 0; k < 3; ++k) excess = excess + refined_plane_.n[k] * vertex.position[k];
     // At most 20 u^2 from each product, sum and rounding of the vertex.
-    const double bound = 0x1p-98 * (plane.norm * std::sqrt(radius_[slot]) + plane.h);
+    const double bound = 0x1p-98 * (plane.norm * std::sqrt(radius_[slot]) + refined_plane_.size);
     return excess.high > bound ? 1 : (excess.high < -bound ? -1 : 0);
 }
 
-bool Cell::outside_exact(int slot, const CellPlane& plane) {
+int Cell::side_exact(int slot, const CellPlane& plane) {
     used_exact_ = true;
-    if (const int refined = refined_side(slot, plane); refined != 0) return refined > 0;
+    if (const int refined = refined_side(slot, plane); refined != 0) return refined;
     const auto& [a, b, c] = corners_[slot].plane;
     const int side =
         exact::side_of_vertex(seed_, planes_[a].source, planes_[b].source, planes_[c].source, plane.source);
     if (side == 0) met_tie_ = true;
-    return side > 0;
+    return side;
 }
 
 int Cell::take_slot() {
@@ -209,9 +293,29 @@ bool Cell::clip(std::int32_t id, const exact::Point& q) {
     plane.id = id;
     plane.reliable = square > smallest_square;
     plane.source = exact::Plane::bisector(q);
-    const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
-                             plane.h,    plane.norm, plane.reliable ? 12 * unit * plane.h : infinity};
+    return clip(plane);
+}
 
+bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift) {
+    return clip(make_plane(seed_, id, source, shift));
+}
+
+// In a power diagram, where the bisector of a seed farther behind lies on that of a face: whether it is so, and then
+// the face is the other seed's, for beyond the plane its power is the least.
+bool Cell::take_over(const CellPlane& plane, int slot) {
+    for (const std::int32_t p : corners_[slot].plane) {
+        CellPlane& face = planes_[p];
+        if (!face.source.has_power() && !plane.source.has_power()) continue;
+        if (!face.source.is_bisector() || !exact::same_plane(seed_, face.source, plane.source)) continue;
+        if (exact::longer_normal(seed_, plane.source, face.source)) face = plane;
+        return true;
+    }
+    return false;
+}
+
+bool Cell::clip(const CellPlane& plane) {
+    const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
+                             plane.h,    plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
     const int words = (slots_ + word_slots - 1) / word_slots;
     bool any = false;
     for (int w = 0; w < words; ++w) {
@@ -220,7 +324,9 @@ bool Cell::clip(std::int32_t id, const exact::Point& q) {
         certain &= possible;
         for (std::uint64_t m = possible & ~certain; m != 0; m &= m - 1) {
             const int bit = std::countr_zero(m);
-            if (outside_exact(w * word_slots + bit, plane)) certain |= 1ull << bit;
+            const int side = side_exact(w * word_slots + bit, plane);
+            if (side > 0) certain |= 1ull << bit;
+            if (side == 0 && plane.source.is_bisector() && take_over(plane, w * word_slots + bit)) return false;
         }
         killed_[w] = certain;
         any |= certain != 0;
@@ -240,6 +346,7 @@ bool Cell::clip(std::int32_t id, const exact::Point& q) {
             }
         }
     }
+    if (horizon_.empty()) empty_ = true;
     const auto added = static_cast<std::int32_t>(planes_.size());
     planes_.push_back(plane);
     ring_.resize(planes_.size());

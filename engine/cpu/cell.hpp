@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "cpu/kernels.hpp"
+#include "domain/domain.hpp"
 #include "exact/double_double.hpp"
 #include "exact/predicate.hpp"
 #include "votess/votess.hpp"
@@ -26,12 +27,13 @@
 namespace votess::cpu {
 
 struct CellPlane {
-    std::array<double, 3> n;  // q - p rounded, or the outward unit normal of a wall
+    std::array<double, 3> n;  // q - p rounded, or the outward normal of a wall
     double h;                 // n.x = h on the plane
     double norm;              // |n|
-    std::int32_t id;          // what clip() was given; walls are -1..-6
-    bool reliable;            // large enough that no product underflows
+    std::int32_t id;          // what clip() was given; walls are -1..-6, then -7, -8, ...
+    bool reliable;            // h is known to its last digits, and large enough that no product underflows
     exact::Plane source;
+    exact::Shift shift{};  // of the image that q is, between positions inside a periodic box
 };
 
 struct CellGeometry {
@@ -56,13 +58,22 @@ public:
 
     // Begins anew with the box around the seed; the box contains the seed.
     void start(const exact::Point& seed, const Box& box);
+    // The same with a domain, whose walls bound the cell, and along periodic axes the nearest images of the seed, which
+    // is `id`. at: the seed as wrapped into the domain, rounded; what in_reach() goes by.
+    void start(const exact::Point& seed, const Domain& domain, std::int32_t id = 0);
+    void start(const exact::Point& seed, const Domain& domain, std::int32_t id, const exact::Point& at);
     // Cuts by the bisector with q (not equal to the seed). True when the cell changed.
     bool clip(std::int32_t id, const exact::Point& q);
+    // Cuts by any plane that is relative to seed(); a bisector with a seed at the same place needs power.
+    bool clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift = {});
 
     // At least the squared distance to the farthest vertex: no seed at 2 R or beyond cuts the cell.
     [[nodiscard]] double radius_squared();
-    // False only when no seed inside the box (absolute coordinates) can cut the cell.
-    [[nodiscard]] bool in_reach(const BoundingBox& box) const;
+    // False only when no seed inside the box (absolute coordinates, moved by `shift`) can cut the cell. more: how much
+    // the weight of the seed may exceed that of the cell's, 0 or more.
+    [[nodiscard]] bool in_reach(const BoundingBox& box, const exact::Point& shift = {}, double more = 0) const;
+    // Nothing is left: in a power diagram another seed is nearer everywhere.
+    [[nodiscard]] bool empty() const { return empty_; }
 
     [[nodiscard]] const exact::Point& seed() const { return seed_; }
     [[nodiscard]] std::span<const CellPlane> planes() const { return planes_; }
@@ -96,9 +107,14 @@ private:
     };
     struct RefinedPlane {
         std::int32_t id;
+        exact::Shift shift;
         std::array<exact::DoubleDouble, 3> n;
         exact::DoubleDouble minus_h;
+        double size;  // of what minus_h was summed from
+        bool exact;
     };
+    bool clip(const CellPlane& plane);
+    [[nodiscard]] bool take_over(const CellPlane& plane, int slot);
     struct HorizonEdge {
         std::int32_t first, second;  // planes, as ordered in the vertex that is cut off
         std::int32_t survivor;       // vertex slot that stays
@@ -106,7 +122,7 @@ private:
 
     void reserve_slots(int slots);
     [[nodiscard]] VertexBlock block(int word) const;
-    [[nodiscard]] bool outside_exact(int slot, const CellPlane& plane);
+    [[nodiscard]] int side_exact(int slot, const CellPlane& plane);
     // Sign of the refined test; 0 when that is uncertain too.
     [[nodiscard]] int refined_side(int slot, const CellPlane& plane);
     int take_slot();
@@ -118,7 +134,7 @@ private:
     void for_each_alive(Visit visit) const;
 
     const Kernels& kernels_;
-    exact::Point seed_{};
+    exact::Point seed_{}, at_{};
     std::vector<CellPlane> planes_;
 
     int slots_ = 0;  // slots in use or free below this
@@ -134,7 +150,7 @@ private:
     std::vector<std::int32_t> ring_;    // plane -> new vertex that has it first
     std::vector<std::int32_t> merged_;  // slot -> representative among equal vertices
     std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
-    bool radius_known_ = false, used_exact_ = false, met_tie_ = false;
+    bool radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
     double radius_squared_ = 0;
 };
 

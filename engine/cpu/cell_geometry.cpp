@@ -69,16 +69,41 @@ struct Pyramids {  // over the faces on one plane: volume = factor * doubled are
     Real factor;
 };
 
+// h / |n|^2 of a plane whose h is a sum that may cancel.
+template <class Real>
+Real height_ratio(const exact::Plane& plane, const Vector<Real>& n, const exact::Point& seed) {
+    const Real square = dot(n, n);
+    if (plane.is_bisector()) {
+        const Real power = static_cast<Real>(plane.power.high) + static_cast<Real>(plane.power.low);
+        return (square + power) / (2 * square);
+    }
+    Real h = static_cast<Real>(plane.wall);
+    for (int k = 0; k < 3; ++k) h -= n[k] * static_cast<Real>(seed[k]);
+    return h / square;
+}
+
 template <class Real>
 Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed) {
-    if (plane.source.kind == exact::Plane::Kind::bisector) {
-        const auto n = exact::difference<Real>(plane.source.seed, seed);
-        return {n, static_cast<Real>(1) / 12};
+    const exact::Plane& source = plane.source;
+    Vector<Real> n;
+    if (source.is_bisector()) {
+        n = exact::difference<Real>(seed, source);
+        if (!source.has_power()) return {n, static_cast<Real>(1) / 12};
+    } else if (source.kind == exact::Plane::Kind::wall) {
+        for (int k = 0; k < 3; ++k) n[k] = static_cast<Real>(source.seed[k]);
+    } else {
+        const int axis = source.axis;
+        const Real offset = static_cast<Real>(source.wall) - static_cast<Real>(seed[axis]);
+        return {{static_cast<Real>(plane.n[0]), static_cast<Real>(plane.n[1]), static_cast<Real>(plane.n[2])},
+                static_cast<Real>(offset * plane.n[axis] / 6)};
     }
-    const int axis = plane.source.axis;
-    const Real offset = static_cast<Real>(plane.source.wall) - static_cast<Real>(seed[axis]);
-    return {{static_cast<Real>(plane.n[0]), static_cast<Real>(plane.n[1]), static_cast<Real>(plane.n[2])},
-            static_cast<Real>(offset * plane.n[axis] / 6)};
+    if constexpr (std::is_same_v<Real, double>) {
+        Vector<exact::Quad> exact_n{n[0], n[1], n[2]};
+        if (source.is_bisector()) exact_n = exact::difference<exact::Quad>(seed, source);
+        return {n, static_cast<double>(height_ratio(source, exact_n, seed)) / 6};
+    } else {
+        return {n, height_ratio(source, n, seed) / 6};
+    }
 }
 
 // Turns doubled area vectors on a plane into areas.
@@ -112,7 +137,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const CellPlane& plane = cell.planes()[faces.planes[f]];
         const auto [n, factor] = pyramids<Real>(plane, cell.seed());
-        const double reach = static_cast<double>(factor) * length_bound(n);
+        const double reach = std::abs(static_cast<double>(factor)) * length_bound(n);
         const auto* slots = &faces.corners[faces.offsets[f]];
         const int count = faces.offsets[f + 1] - faces.offsets[f];
         const auto [apex, apex_error] = corner(slots[0]);

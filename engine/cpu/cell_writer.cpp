@@ -4,12 +4,25 @@
 #include <cmath>
 #include <numeric>
 
+#include "cpu/seed_images.hpp"
 #include "implied_wants.hpp"
 
 namespace votess::cpu {
 namespace {
 
 constexpr std::size_t usual_rows = std::size_t{1} << 16;  // ids of a block; memory that is not needed is not touched
+
+std::array<std::int8_t, 3> narrow(const exact::Shift& shift) {
+    std::array<std::int8_t, 3> result{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        result[j] = static_cast<std::int8_t>(shift[j]);
+        if (result[j] != shift[j])
+            throw Error(ErrorCode::unsupported,
+                        "the cell is so skewed that neighbors lie more than 127 box vectors away: give shorter vectors "
+                        "that span the same lattice");
+    }
+    return result;
+}
 
 }  // namespace
 
@@ -45,7 +58,12 @@ bool CellWriter::write(std::size_t seed, Star& star) {
     counters_.faces += faces.size();
     counters_.exact_cells += star.used_exact() ? 1 : 0;
     if (want_.normals) star.normals(face_normals_);
-    if (want_.neighbors) write_row({faces, {}, geometry_.areas.data(), face_normals_.data()});
+    if (want_.neighbors) {
+        face_shifts_.clear();
+        for (std::size_t f = 0; f < faces.size() && periodic_; ++f)
+            face_shifts_.push_back(faces[f] < 0 ? exact::Shift{} : seeds_.images->shift(faces[f]));
+        write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
+    }
     if (want_.vertices) {
         star.polygons(polygons_);
         write_polygons(seed, polygons_);
@@ -59,6 +77,8 @@ bool CellWriter::write(std::size_t seed, Star& star) {
 }
 
 void CellWriter::write(std::size_t seed, Cell& cell) {
+    counters_.exact_cells += cell.used_exact() ? 1 : 0;
+    if (cell.empty()) return write_empty(seed);
     std::span<const std::int32_t> planes;
     if (measure_ || want_.counts || cell.met_tie()) {
         cell.canonical_faces(faces_);
@@ -67,8 +87,9 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
         cell.face_planes(planes_);
         planes = planes_;
     }
+    constexpr std::size_t least_faces = 4;
+    if (planes.size() < least_faces) return write_empty(seed);  // flat
     counters_.faces += planes.size();
-    counters_.exact_cells += cell.used_exact() ? 1 : 0;
     if (measure_) {
         const CellGeometry geometry = cell.measure(faces_, want_.areas || want_.surfaces ? &face_areas_ : nullptr);
         write_geometry(seed, geometry.volume, geometry.centroid.data());
@@ -76,11 +97,13 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
     if (want_.neighbors) {
         ids_.clear();
         face_normals_.clear();
+        face_shifts_.clear();
         for (const std::int32_t p : planes) {
             ids_.push_back(cell.planes()[p].id);
+            if (periodic_) face_shifts_.push_back(cell.planes()[p].shift);
             if (want_.normals) face_normals_.push_back(unit_vector(cell.planes()[p].n));
         }
-        write_row({ids_, {}, face_areas_.data(), face_normals_.data()});
+        write_row({ids_, face_shifts_, face_areas_.data(), face_normals_.data()});
     }
     if (want_.vertices) {
         read_polygons(cell, faces_, polygons_);
@@ -88,6 +111,12 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
     }
     if (want_.surfaces || want_.radii) write_sizes(seed, face_areas_, cell.farthest_squared(faces_));
     write_counts(seed, planes.size(), faces_.edge_count, faces_.vertex_count);
+}
+
+void CellWriter::write_empty(std::size_t seed) {
+    out_->set_empty(static_cast<std::size_t>(seeds_.input[seed]), CellStatus::empty);
+    ++counters_.empty_cells;
+    leave_out();
 }
 
 void CellWriter::write_geometry(std::size_t seed, double volume, const double* centroid) {
@@ -111,6 +140,11 @@ void CellWriter::write_counts(std::size_t seed, std::size_t faces, std::uint32_t
     out_->face_counts()[input] = static_cast<std::uint32_t>(faces);
     out_->edge_counts()[input] = edges;
     out_->vertex_counts()[input] = vertices;
+}
+
+std::int32_t CellWriter::input_of(std::int32_t id) const {
+    const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
+    return seeds_.input[static_cast<std::size_t>(home)];
 }
 
 void CellWriter::make_room(std::size_t faces) {
@@ -168,8 +202,8 @@ void CellWriter::find_order(const Faces& faces) {
     order_.resize(faces.ids.size());
     for (std::size_t f = 0; f < faces.ids.size(); ++f) {
         const std::int32_t id = faces.ids[f];
-        labels_[f] = {id < 0 ? id : seeds_.input[static_cast<std::size_t>(id)], {}};
-        if (!faces.shifts.empty()) labels_[f].shift = faces.shifts[f];
+        labels_[f] = {id < 0 ? id : input_of(id), {}};
+        if (periodic_) labels_[f].shift = narrow(faces.shifts[f]);
         order_[f] = static_cast<std::uint32_t>(f);
     }
     std::ranges::sort(order_, {}, [this](std::uint32_t f) { return labels_[f]; });

@@ -38,11 +38,13 @@ private:
     // The faces of a cell in any order: sorted seeds or walls, and what is wanted beside them.
     struct Faces {
         std::span<const std::int32_t> ids;
-        std::span<const std::array<std::int8_t, 3>> shifts;  // as Tessellation::shifts(); empty when all are 0
+        std::span<const exact::Shift> shifts;  // as Tessellation::shifts(); empty when not periodic
         const double* areas = nullptr;
         const std::array<double, 3>* normals = nullptr;
     };
 
+    void write_empty(std::size_t seed);
+    [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
     void write_geometry(std::size_t seed, double volume, const double* centroid);
     void write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared);
     void write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
@@ -72,6 +74,7 @@ private:
     std::vector<std::int32_t> ids_, planes_;
     std::vector<double> face_areas_;
     std::vector<std::array<double, 3>> face_normals_;
+    std::vector<exact::Shift> face_shifts_;
     std::array<double, most_ranked> kept_areas_;
     std::array<std::uint16_t, most_ranked> places_;
     std::vector<FaceLabel> labels_;     // by face

@@ -47,10 +47,16 @@ void CpuClipper::end() {
 void CpuClipper::sort() {
     if (sorted_) return;
     const unsigned resolution = job_.options.grid_resolution;
-    if (job_.points.f32.empty())
+    seeds_.images = nullptr;
+    if (job_.domain->is_periodic())
+        images_.sort(job_, sorter_, *pool_, seeds_);
+    else if (!job_.outside.empty())
+        sort_inside();
+    else if (job_.points.f32.empty())
         sorter_.sort(job_.points.f64, job_.scale, resolution, *pool_, seeds_);
     else
         sorter_.sort(job_.points.f32, job_.scale, resolution, *pool_, seeds_);
+    gather_weights();
     if (seeds_.duplicates > 0 && job_.options.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());
@@ -59,14 +65,83 @@ void CpuClipper::sort() {
                         number(job_.points[3 * index + 1]) + ", " + number(job_.points[3 * index + 2]) +
                         ") is a duplicate of point " + std::to_string(*first));
     }
-    kept_order_.keep(seeds_, job_.scale);
+    if (job_.domain->is_plain()) kept_order_.keep(seeds_, job_.scale);
     sorted_ = true;
+}
+
+// Seeds outside of walls are left out.
+void CpuClipper::sort_inside() {
+    std::vector<double> points;
+    std::vector<std::int32_t> input;
+    for (std::size_t i = 0; i < job_.outside.size(); ++i) {
+        if (job_.outside[i] == CellStatus::outside) continue;
+        for (std::size_t k = 0; k < 3; ++k) points.push_back(job_.points[3 * i + k]);
+        input.push_back(static_cast<std::int32_t>(i));
+    }
+    sorter_.sort(points, job_.scale, job_.options.grid_resolution, *pool_, seeds_);
+    for (std::int32_t& i : seeds_.input) i = input[static_cast<std::size_t>(i)];
+    if (seeds_.duplicates == 0) return;
+    std::vector<std::int32_t> duplicate_of(job_.points.count(), -1);
+    for (std::size_t i = 0; i < input.size(); ++i)
+        if (const std::int32_t first = seeds_.duplicate_of[i]; first >= 0)
+            duplicate_of[static_cast<std::size_t>(input[i])] = input[static_cast<std::size_t>(first)];
+    seeds_.duplicate_of = std::move(duplicate_of);
+}
+
+// Of seeds at one place the heaviest has the cell, of those the first; lighter ones have no cell, equal ones are its
+// duplicates.
+void CpuClipper::gather_weights() {
+    seeds_.weights.clear();
+    buried_.clear();
+    const auto& weights = job_.domain->weights;
+    if (weights.empty()) return;
+    auto& duplicate_of = seeds_.duplicate_of;
+    if (seeds_.duplicates > 0) {
+        std::vector<std::int32_t> heaviest(duplicate_of.size(), -1);  // by the lowest index of a place
+        for (std::size_t i = 0; i < duplicate_of.size(); ++i) {
+            if (duplicate_of[i] < 0) continue;
+            const auto place = static_cast<std::size_t>(duplicate_of[i]);
+            auto& best = heaviest[place];
+            if (best < 0) best = static_cast<std::int32_t>(place);
+            if (weights[i] > weights[static_cast<std::size_t>(best)]) best = static_cast<std::int32_t>(i);
+        }
+        seeds_.duplicates = 0;
+        const auto settle = [&](std::size_t i, std::int32_t best) {
+            const bool equal = weights[i] == weights[static_cast<std::size_t>(best)];
+            const bool itself = static_cast<std::size_t>(best) == i;
+            duplicate_of[i] = equal && !itself ? best : -1;
+            if (equal && !itself) ++seeds_.duplicates;
+            if (!equal) buried_.push_back(static_cast<std::int32_t>(i));
+        };
+        for (std::int32_t& i : seeds_.input)
+            if (const std::int32_t best = heaviest[static_cast<std::size_t>(i)]; best >= 0) i = best;
+        std::vector<std::int32_t> place_of = duplicate_of;
+        for (std::size_t i = 0; i < place_of.size(); ++i) {
+            if (place_of[i] >= 0)
+                settle(i, heaviest[static_cast<std::size_t>(place_of[i])]);
+            else if (heaviest[i] >= 0)
+                settle(i, heaviest[i]);
+        }
+        if (seeds_.duplicates == 0) duplicate_of.clear();
+    }
+    for (const std::int32_t i : seeds_.input) seeds_.weights.push_back(weights[static_cast<std::size_t>(i)]);
+}
+
+void CpuClipper::set_empty(ResultBuilder& out) const {
+    for (const std::int32_t i : buried_) out.set_empty(static_cast<std::size_t>(i), CellStatus::empty);
+    std::size_t outside = 0;
+    for (std::size_t i = 0; i < job_.outside.size(); ++i) {
+        if (job_.outside[i] != CellStatus::outside) continue;
+        out.set_empty(i, CellStatus::outside);
+        ++outside;
+    }
+    out.count({.empty_cells = buried_.size() + outside});
 }
 
 void CpuClipper::sort_or_keep() {
     if (sorted_) return;
-    const bool keep = job_.update && last_finished_ && seeds_.duplicates == 0 && seeds_.size() == job_.points.count() &&
-                      kept_order_.fits(job_.points, seeds_);
+    const bool keep = job_.update && job_.domain->is_plain() && last_finished_ && seeds_.duplicates == 0 &&
+                      seeds_.size() == job_.points.count() && kept_order_.fits(job_.points, seeds_);
     if (!keep) return sort();
     KeptOrder::gather(job_.points, job_.scale, *pool_, seeds_);
     sorted_ = order_kept_ = true;
@@ -95,7 +170,7 @@ std::span<const std::int32_t> CpuClipper::duplicate_of() {
 }
 
 void CpuClipper::clip_all(ResultBuilder& out, const Stretch& stretch) {
-    const bool hints = job_.update;
+    const bool hints = job_.update && job_.domain->is_plain();
     if (hints) hints_.resize(blocks_for(seeds_.size(), block_seeds));
     if (!std::exchange(hints_known_, false) || !order_kept_)
         for (StarHints& h : hints_) h.drop();
@@ -115,7 +190,10 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
         std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, block_seeds);
     clip_blocks(
         kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, false, out, stretch);
-    for (const std::int32_t cell : kept) out.status()[static_cast<std::size_t>(cell)] = CellStatus::certified;
+    for (const std::int32_t cell : kept) {
+        CellStatus& status = out.status()[static_cast<std::size_t>(cell)];
+        if (status != CellStatus::empty) status = CellStatus::certified;
+    }
 }
 
 void CpuClipper::find_positions() {
@@ -161,12 +239,13 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
     while (workers_.size() < pool_->size()) workers_.emplace_back(seeds_, hierarchy_, *kernels_);
     for (Worker& worker : workers_) {
         worker.hard.clear();  // of a job that was cancelled
-        worker.builder.begin_job(job_.scaled_box);
-        worker.star->begin_job(job_.scaled_box);
+        worker.builder.begin_job(*job_.domain);
+        worker.star->begin_job(*job_.domain);
         worker.writer.begin_job(job_, star_kernels(kernels_->name), out);
     }
     const std::size_t blocks = blocks_for(cells.size(), block_cells);
     const bool measure = needs_geometry(job_.options.want);
+    const bool walks = !job_.domain->has_weights() && job_.domain->walls.empty();
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t done) { return progress_.going_on(stretch.at(done, blocks)); };
     const auto task = [&](std::size_t block, unsigned index) {
@@ -178,14 +257,15 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
         worker.budget.begin(block_cells);
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t seed = seed_at(k);
-            if (seed >= stretch_end) {
+            if (walks && seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
                 stretch_end = std::min(last, first + Star::most_seeds);
                 worker.star->begin(first, stretch_end, measure, hints ? &hints_[block] : nullptr,
                                    hints ? &worker.found : nullptr);
             }
             worker.writer.prefetch(seed);
-            if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star))
+            if (walks && worker.budget.worth_a_star() && worker.star->build(seed) &&
+                worker.writer.write(seed, *worker.star))
                 worker.budget.star_done();
             else
                 search(seed, worker);

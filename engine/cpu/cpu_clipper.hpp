@@ -12,6 +12,7 @@
 #include "cpu/hard_cells.hpp"
 #include "cpu/kept_order.hpp"
 #include "cpu/search.hpp"
+#include "cpu/seed_images.hpp"
 #include "cpu/sort.hpp"
 #include "cpu/star.hpp"
 #include "exact_clipper.hpp"
@@ -35,6 +36,8 @@ public:
     // NeedsSort, which asks for sort_anew() and another clip_all().
     void sort_or_keep();
     void sort_anew();
+    // Tells of the seeds that have no cell, but for duplicates.
+    void set_empty(ResultBuilder& out) const;
 
 private:
     struct Worker {  // scratch of one thread
@@ -50,6 +53,8 @@ private:
         CellFaces faces;
     };
 
+    void sort_inside();
+    void gather_weights();
     void find_positions();
     // Fills order_.
     void put_in_sorted_order(std::span<const std::int32_t> cells);
@@ -78,6 +83,8 @@ private:
     // Their memory is kept for the next job.
     SeedSorter sorter_;
     SortedSeeds seeds_;
+    SeedImages images_;
+    std::vector<std::int32_t> buried_;  // input indices of seeds lighter than another at the same place
     Hierarchy hierarchy_;
     KeptOrder kept_order_;
     std::vector<StarHints> hints_;  // by block of clip_all(), of the last job that was an update

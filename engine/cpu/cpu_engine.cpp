@@ -35,6 +35,7 @@ void CpuEngine::clip_all() {
 void CpuEngine::fallback() {}
 
 void CpuEngine::download(detail::Result& result) {
+    clipper_.set_empty(result_);
     result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
     result.stats.device = "cpu";

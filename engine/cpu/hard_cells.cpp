@@ -36,7 +36,7 @@ void CpuClipper::clip_hard(ResultBuilder& out, const Stretch& stretch) {
         if (tests >= 2 * count) tests = unlimited;
         // At least one of the two is done to the end: together they cost a few times what the cheaper one does.
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
-        if (count <= most_triangulated && (delaunay_ || many) && triangulate(stretch)) {
+        if (job_.domain->is_plain() && count <= most_triangulated && (delaunay_ || many) && triangulate(stretch)) {
             clip_each(hard, out, stretch, [this](std::size_t seed, Worker& worker) {
                 delaunay_->neighbors(seed, worker.candidates);
                 return &worker.builder.build_from(seed, worker.candidates);

@@ -18,7 +18,7 @@ std::size_t divide_up(std::size_t a, std::size_t b) {
 
 void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
     counts_.clear();
-    for (std::size_t count = divide_up(seeds.size(), group_size);; count = divide_up(count, fan)) {
+    for (std::size_t count = seeds.places() / group_size;; count = divide_up(count, fan)) {
         counts_.push_back(count);
         if (count <= 1) break;
     }
@@ -42,7 +42,7 @@ void Hierarchy::fill(const SortedSeeds& seeds, std::size_t level, std::size_t in
         if (node >= counts_[level]) continue;
         if (level == 0) {
             const Buffer<double>* coordinates[3] = {&seeds.x, &seeds.y, &seeds.z};
-            const std::size_t begin = node * group_size, end = std::min(seeds.size(), begin + group_size);
+            const std::size_t begin = node * group_size, end = seeds.group_end(begin);
             for (int k = 0; k < 3; ++k) {
                 const auto [least, most] =
                     std::minmax_element(coordinates[k]->data() + begin, coordinates[k]->data() + end);

@@ -1,5 +1,6 @@
-// An implicit tree of bounding boxes over the sorted seeds: level 0 holds the boxes of groups of consecutive seeds,
-// each box of level k+1 covers eight of level k. Seeds follow a Hilbert curve, so boxes are compact at any density.
+// An implicit tree of bounding boxes over the sorted seeds and their images: level 0 holds the boxes of groups of
+// consecutive seeds, each box of level k+1 covers eight of level k. Seeds follow a Hilbert curve, so boxes are compact
+// at any density.
 #pragma once
 
 #include <cstdint>

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <functional>
 #include <limits>
+#include <tuple>
 
 namespace votess::cpu {
 namespace {
@@ -48,6 +50,49 @@ void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit v
 CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
     : kernels_(kernels), seeds_(seeds), hierarchy_(hierarchy), cell_(kernels) {}
 
+void CellBuilder::begin_job(const Domain& domain) {
+    domain_ = &domain;
+    plain_ = !domain.is_periodic() && !domain.has_weights();
+    rounding_ = seeds_.images == nullptr ? 0 : 8 * 0x1p-53 * seeds_.images->largest_coordinate();
+    more_weight_ = 0;
+    group_ = ~std::size_t{0};
+    reach_ = 0;
+}
+
+void CellBuilder::start(std::size_t seed) {
+    const exact::Point at{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    base_ = seeds_.images == nullptr ? SeedImages::Base{at, {}} : seeds_.images->base(seed);
+    if (!seeds_.weights.empty()) more_weight_ = domain_->largest_weight - seeds_.weights[seed];
+    cell_.start(base_.point, *domain_, static_cast<std::int32_t>(seed), at);
+    seed_ = seed;
+}
+
+void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
+    if (plain_)
+        cell_.clip(id, {x, y, z});
+    else if (seeds_.images == nullptr)
+        clip_by_image(id, {});
+    else
+        clip_by_image(seeds_.images->home(id), seeds_.images->shift(id));
+}
+
+void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
+    const auto i = static_cast<std::size_t>(home);
+    exact::Plane plane = seeds_.images == nullptr ? exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]})
+                                                  : seeds_.images->bisector(base_, home, shift);
+    if (!seeds_.weights.empty()) plane.power = exact::two_sum(seeds_.weights[seed_], -seeds_.weights[i]);
+    cell_.clip(home, plane, shift);
+}
+
+// With R the distance to the farthest vertex, a seed of weight w cuts the cell of weight w_p only nearer than
+// R + sqrt(R^2 + w - w_p).
+double CellBuilder::reach_squared() {
+    const double square = cell_.radius_squared();
+    if (plain_) return 4 * square * distance_slack;
+    const double reach = (std::sqrt(square) + std::sqrt(square + more_weight_)) * distance_slack + rounding_;
+    return reach * reach;
+}
+
 void CellBuilder::open_window(std::size_t group) {
     group_ = group;
     home_ = hierarchy_.box(0, group);
@@ -90,12 +135,11 @@ void CellBuilder::extend_window(double distance_squared, std::size_t least_count
 }
 
 Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
-    seed_ = seed;
     tests_ = 0;
     most_tests_ = most_tests;
     if (most_tests == 0) return nullptr;
     if (seed / group_size != group_) open_window(seed / group_size);
-    cell_.start({seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]}, box_);
+    start(seed);
     measured_ = 0;
     double from = 0;
     double to = first_band * reach_;
@@ -110,17 +154,17 @@ Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
         }
         if (clip_band(seed, from, to) || to == infinity) break;
         from = to;
-        to = covered_ == infinity ? infinity : std::min(to * band_growth, 4 * cell_.radius_squared() * distance_slack);
+        to = covered_ == infinity ? infinity : std::min(to * band_growth, reach_squared());
     }
+    if (seeds_.images != nullptr) clip_far_images(seed);
     if (exhausted()) return nullptr;
-    reach_ = 4 * cell_.radius_squared();
+    reach_ = reach_squared();
     return &cell_;
 }
 
 Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates) {
-    seed_ = seed;
-    cell_.start({seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]}, box_);
-    const auto& p = cell_.seed();
+    start(seed);
+    const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     candidates_.clear();
     for (const std::int32_t i : candidates) {
         const double d[3] = {seeds_.x[i] - p[0], seeds_.y[i] - p[1], seeds_.z[i] - p[2]};
@@ -128,27 +172,45 @@ Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> ca
     }
     std::sort(candidates_.begin(), candidates_.end());
     for (const auto& [distance, i] : candidates_) {
-        if (distance >= 4 * cell_.radius_squared() * distance_slack) break;
-        cell_.clip(i, {seeds_.x[i], seeds_.y[i], seeds_.z[i]});
+        if (distance >= reach_squared()) break;
+        clip_by(i, seeds_.x[i], seeds_.y[i], seeds_.z[i]);
     }
     return cell_;
 }
 
 Cell& CellBuilder::again(CellFaces& faces) {
     cell_.canonical_faces(faces);
+    if (!plain_) return again_by_planes(faces);
     neighbors_.clear();
     for (const std::int32_t p : faces.planes)
         if (const std::int32_t id = cell_.planes()[p].id; id >= 0) neighbors_.push_back(id);
     return build_from(seed_, neighbors_);
 }
 
+Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
+    planes_.clear();
+    for (const std::int32_t p : faces.planes)
+        if (const CellPlane& plane = cell_.planes()[p]; plane.source.is_bisector()) planes_.push_back(plane);
+    if (cell_.empty()) return cell_;
+    std::ranges::sort(planes_, [](const CellPlane& a, const CellPlane& b) {
+        return std::tie(a.norm, a.id, a.shift) < std::tie(b.norm, b.id, b.shift);
+    });
+    start(seed_);
+    for (const CellPlane& plane : planes_) {
+        const bool there = std::ranges::any_of(
+            cell_.planes().first(6), [&](const CellPlane& p) { return p.id == plane.id && p.shift == plane.shift; });
+        if (!there) cell_.clip(plane.id, plane.source, plane.shift);
+    }
+    return cell_;
+}
+
 bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
     const std::size_t count = index_.size();
     if (measured_ < count) {
         distance_.resize(count);
-        const auto& p = cell_.seed();
+        const double p[3] = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
         kernels_.squared_distances(x_.data() + measured_, y_.data() + measured_, z_.data() + measured_,
-                                   static_cast<int>(count - measured_), p.data(), distance_.data() + measured_);
+                                   static_cast<int>(count - measured_), p, distance_.data() + measured_);
         // The home group comes first into the window, but equal distances may put another before it.
         for (std::size_t i = measured_; i < count; ++i)
             if (index_[i] == static_cast<std::int32_t>(seed)) distance_[i] = infinity;
@@ -160,30 +222,32 @@ bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
     for (int k = 0; k < selected; ++k) {
         const std::uint64_t key = band_[k];
         const double at_least = std::bit_cast<double>(key & key_distance_bits);
-        if (at_least >= 4 * cell_.radius_squared() * distance_slack) return true;
+        if (at_least >= reach_squared()) return true;
         if (++tests_ > most_tests_) return true;
         const auto i = static_cast<std::uint32_t>(key);
         if (at_least == 0) refuse_equal(x_[i], y_[i], z_[i]);
-        cell_.clip(index_[i], {x_[i], y_[i], z_[i]});
+        clip_by(index_[i], x_[i], y_[i], z_[i]);
     }
-    return to >= 4 * cell_.radius_squared() * distance_slack;
+    return to >= reach_squared();
 }
 
 void CellBuilder::refuse_equal(double x, double y, double z) const {
-    if (cell_.seed() == exact::Point{x, y, z}) throw NeedsSort();
+    if (plain_ && cell_.seed() == exact::Point{x, y, z}) throw NeedsSort();
 }
 
-void CellBuilder::clip_far(std::size_t seed, double from) {
-    const auto& p = cell_.seed();
+void CellBuilder::clip_far(std::size_t seed, double from, const exact::Shift& shift) {
+    const bool moved = shift != exact::Shift{};
+    const exact::Point by = moved ? domain_->translation(shift) : exact::Point{};
+    const exact::Point p{seeds_.x[seed] - by[0], seeds_.y[seed] - by[1], seeds_.z[seed] - by[2]};
     const BoundingBox here{{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
     far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
     while (!far_queue_.empty()) {
         std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
         const QueueEntry entry = far_queue_.back();
         far_queue_.pop_back();
-        if (entry.distance_squared >= 4 * cell_.radius_squared() * distance_slack) return;
+        if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > most_tests_) return;
-        if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node))) continue;
+        if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node), by, more_weight_)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
@@ -191,16 +255,32 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
             });
             continue;
         }
-        const std::size_t begin = entry.node * group_size, end = std::min(begin + group_size, seeds_.size());
+        const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
+        if (moved && begin >= seeds_.size()) continue;
         double distance[group_size];
         kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
                                    p.data(), distance);
-        for (std::size_t i = begin; i < end; ++i)
-            if (distance[i - begin] >= from && i != seed) {
-                if (distance[i - begin] == 0) refuse_equal(seeds_.x[i], seeds_.y[i], seeds_.z[i]);
-                cell_.clip(static_cast<std::int32_t>(i), {seeds_.x[i], seeds_.y[i], seeds_.z[i]});
-                ++tests_;
-            }
+        for (std::size_t i = begin; i < end; ++i) {
+            if (distance[i - begin] < from || (i == seed && !moved)) continue;
+            if (distance[i - begin] == 0) refuse_equal(seeds_.x[i], seeds_.y[i], seeds_.z[i]);
+            if (moved)
+                clip_by_image(static_cast<std::int32_t>(i), shift);
+            else
+                clip_by(static_cast<std::int32_t>(i), seeds_.x[i], seeds_.y[i], seeds_.z[i]);
+            ++tests_;
+        }
+    }
+}
+
+// In the basis of the short vectors, where shifts that come near are few even when the box is skewed.
+void CellBuilder::clip_far_images(std::size_t seed) {
+    const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    const double known = seeds_.images->reach(p);
+    if (reach_squared() <= known * known) return;
+    for (const exact::Shift& shift : domain_->shifts_within(p, std::sqrt(reach_squared()))) {
+        if (shift == exact::Shift{}) continue;
+        clip_far(seed, known * known * (1 - 1e-9), shift);
+        if (reach_squared() <= known * known) return;
     }
 }
 

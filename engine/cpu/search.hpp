@@ -12,6 +12,7 @@
 #include "cpu/cell.hpp"
 #include "cpu/hierarchy.hpp"
 #include "cpu/kept_order.hpp"
+#include "cpu/seed_images.hpp"
 #include "cpu/sort.hpp"
 
 namespace votess::cpu {
@@ -29,12 +30,9 @@ class CellBuilder {
 public:
     CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
 
-    // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory.
-    void begin_job(const Box& scaled_box) {
-        box_ = scaled_box;
-        group_ = ~std::size_t{0};
-        reach_ = 0;
-    }
+    // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory. The domain stays
+    // with the caller.
+    void begin_job(const Domain& domain);
     // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
     Cell& build(std::size_t seed) { return *build(seed, std::numeric_limits<std::size_t>::max()); }
     // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.
@@ -47,6 +45,12 @@ public:
     Cell& again(CellFaces& faces);
 
 private:
+    void start(std::size_t seed);
+    // A seed or image, by its id.
+    void clip_by(std::int32_t id, double x, double y, double z);
+    void clip_by_image(std::int32_t home, const exact::Shift& shift);
+    // No seed at this squared distance or beyond it can cut the cell as it is.
+    [[nodiscard]] double reach_squared();
     void open_window(std::size_t group);
     // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
     void extend_window(double distance_squared, std::size_t least_count);
@@ -55,15 +59,23 @@ private:
     // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
     // tests are exhausted.
     bool clip_band(std::size_t seed, double from, double to);
-    void clip_far(std::size_t seed, double from);
+    // By all seeds from that squared distance on, moved by `shift`; images only when that is 0.
+    void clip_far(std::size_t seed, double from, const exact::Shift& shift = {});
+    Cell& again_by_planes(const CellFaces& faces);
+    // By the images beyond those among the seeds.
+    void clip_far_images(std::size_t seed);
     // No seed has a bisector with itself.
     void refuse_equal(double x, double y, double z) const;
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
-    Box box_;
+    const Domain* domain_ = nullptr;
     Cell cell_;
+    bool plain_ = true;        // neither images nor weights
+    double rounding_ = 0;      // of distances to images
+    double more_weight_ = 0;   // by which any weight may exceed that of the seed
+    SeedImages::Base base_{};  // of the seed
 
     std::size_t group_ = ~std::size_t{0};
     BoundingBox home_{};
@@ -75,6 +87,7 @@ private:
     std::vector<std::uint64_t> band_;
     std::vector<std::pair<double, std::int32_t>> candidates_;
     std::vector<std::int32_t> neighbors_;
+    std::vector<CellPlane> planes_;
     std::size_t seed_ = 0;                    // of the last cell
     std::size_t tests_ = 0, most_tests_ = 0;  // of the current seed
     double reach_ = 0;                        // 4 R^2 expected of the next cell

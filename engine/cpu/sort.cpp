@@ -100,6 +100,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     sort_buckets(pool, out);
     if (out.duplicates > 0) remove_duplicates(count, pool, out);
     // Padding lies infinitely far away, so that the last group is full.
+    for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(blocks_for(out.size(), group_size) * group_size);
     for (auto* v : {&out.x, &out.y, &out.z})
         std::fill(v->begin() + out.size(), v->end(), std::numeric_limits<double>::infinity());
     records_.rest();  // clipping needs much memory

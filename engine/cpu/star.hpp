@@ -25,6 +25,7 @@
 #include "cpu/cell_polygons.hpp"
 #include "cpu/hierarchy.hpp"
 #include "cpu/sort.hpp"
+#include "domain/domain.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::cpu {
@@ -88,8 +89,8 @@ public:
 
     static constexpr std::size_t alignment = 16;  // of the first seed of a stretch
 
-    // The box of the seeds, once a job and before begin().
-    virtual void begin_job(const Box& scaled_box) = 0;
+    // Once a job and before begin(). The domain stays with the caller; it has no weights and no walls but the box's.
+    virtual void begin_job(const Domain& domain) = 0;
     // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
     // hints: of the same seeds in the last job; they change how fast vertices are found. found: becomes those for the
     // next job. Both or none are null.

@@ -41,6 +41,7 @@ bool StarWalk<Isa>::gather_candidates() {
     inverse_longest_ = 1 / longest_;
     extras_ = candidates_.count;
     for (int wall = -1; wall >= -6; --wall) {
+        if (!domain_->has_box_wall(-1 - wall)) continue;
         const int axis = (-1 - wall) / 2;
         const double distance = (-1 - wall) % 2 == 0 ? p_[axis] - box_.lower[axis] : box_.upper[axis] - p_[axis];
         if (2 * distance * scale < longest_) add_candidate(wall);
@@ -83,7 +84,7 @@ template <class Isa>
 bool StarWalk<Isa>::add_walls() {
     have_walls_ = true;
     for (int wall = -1; wall >= -6; --wall)
-        if (!is_extra(wall) && !add_candidate(wall)) return false;
+        if (domain_->has_box_wall(-1 - wall) && !is_extra(wall) && !add_candidate(wall)) return false;
     return true;
 }
 

@@ -15,6 +15,7 @@
 #include "cpu/hierarchy.hpp"
 #include "cpu/kept_order.hpp"
 #include "cpu/neighborhood.hpp"
+#include "cpu/seed_images.hpp"
 #include "cpu/star.hpp"
 #include "cpu/star_kernels.hpp"
 #include "cpu/window.hpp"

@@ -42,7 +42,12 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h) const {
     if (id >= 0) {
         const auto i = static_cast<std::size_t>(id);
         const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
-        const Wide difference = (q - p) * scale_;
+        Wide difference = q - p;
+        if (seeds_.images != nullptr) {
+            const auto& low = seeds_.images->low(id);
+            difference += Wide{low[0], low[1], low[2], 0};
+        }
+        difference *= scale_;
         wide(n) = difference;
         h = 0.5 * dot(difference, difference);
         return;
@@ -65,6 +70,8 @@ void StarWalk<Isa>::need_plane(int slot) {
 template <class Isa>
 exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
     if (id >= 0) {
+        if (seeds_.images != nullptr)
+            return seeds_.images->bisector({p_, {}}, seeds_.images->home(id), seeds_.images->shift(id));
         const auto i = static_cast<std::size_t>(id);
         return exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
     }
@@ -105,6 +112,14 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     seed_ = seed;
     own_local_ = cells_.local(static_cast<std::int32_t>(seed));
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    if (seeds_.images != nullptr) {
+        if (!seeds_.images->is_exact(seed)) {
+            planes_ = 0;
+            return false;
+        }
+        const double reach = seeds_.images->reach(p_);
+        known_reach2_ = reach * reach;
+    }
     planes_ = vertices_ = ends_ = 0;
     planes_known_ = active_ = 0;
     out_.fill(0);
@@ -304,10 +319,18 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
         }
+        if (seeds_.images != nullptr && !images_known(x2)) return false;
         reached_ = std::max(reached_, 4 * x2);
         return tied_.empty() ? add_vertex(edge, id, third, x) : add_tie(edge, id, third, x);
     }
     return false;
+}
+
+// Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
+template <class Isa>
+bool StarWalk<Isa>::images_known(double x2) const {
+    return 4 * x2 * unscale_ * unscale_ * (1 + 2 * margin) < known_reach2_ &&
+           (!window_open_ || x2 > least_image_vertex2);
 }
 
 // The margin derived in star.hpp, for a vertex of squared length x2: |X| <= X^2 / L + L / 4.

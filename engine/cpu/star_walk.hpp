@@ -14,7 +14,10 @@ public:
         static_assert(alignment % Window::home_seeds == 0);
     }
 
-    void begin_job(const Box& scaled_box) override { box_ = scaled_box; }
+    void begin_job(const Domain& domain) override {
+        domain_ = &domain;
+        box_ = domain.box;
+    }
     void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints, StarHints* found) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
@@ -33,6 +36,7 @@ private:
     static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
     static constexpr double reach_margin = 1.9;                    // of the squared security radius that is typical
     static constexpr int most_candidates = 160;                    // at first; room for others is left
+    static constexpr double least_image_vertex2 = 0x1p36;          // of squared window units, where images are rounded
     static constexpr int most_picks = 64;                          // planes tried for one vertex
     static constexpr double ray_scale = 0x1p-112;                  // (2^28 units)^-4
     static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
@@ -99,6 +103,7 @@ private:
     [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
     [[nodiscard]] float rounding_of(double x2) const;
+    [[nodiscard]] bool images_known(double x2) const;
     [[nodiscard]] std::uint64_t open(int a) const { return out_[a] & ~in_[a]; }
     void update_active(int slot) {
         active_ = (active_ & ~(1ull << slot)) | static_cast<std::uint64_t>(open(slot) != 0) << slot;
@@ -146,7 +151,9 @@ private:
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
+    const Domain* domain_ = nullptr;
     Box box_;
+    double known_reach2_ = 0;  // squared distance within which all images of seeds are there
     const StarKernels& kernels_;
     Neighborhood cells_;
     Window window_;

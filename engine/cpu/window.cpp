@@ -4,11 +4,14 @@
 #include <bit>
 #include <cmath>
 
+#include "cpu/seed_images.hpp"
+
 namespace votess::cpu {
 namespace {
 
 constexpr std::size_t least_groups = 4;  // fewer tell nothing about the surroundings
 constexpr int most_tries = 12;
+constexpr double most_rounding = 0x1p-8;    // of images, in units
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
 }  // namespace
@@ -84,6 +87,9 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
     if (!(extent > smallest_extent && extent < 1 / smallest_extent)) return false;
     // Twice the extent, times the scale, is at most window_range * (1 - 2^-20): the rounding of origin and extent.
     scale_ = std::ldexp(1.0, 28 - std::ilogb(extent) - 1);
+    // Images have been rounded, seeds have not.
+    if (seeds_.images != nullptr && seeds_.images->largest_coordinate() * 0x1p-53 * scale_ > most_rounding)
+        return false;
     reach_ = radius;
 
     const std::size_t most = group_count_ * group_size + 16;

@@ -50,7 +50,7 @@ auto lifted_determinant(const Row& a, const Row& b, const Row& c, const Row& d) 
 
 // N points minus a last one: rounded, and what rounding took off. The sum of both is exact.
 template <std::size_t N>
-struct Differences {
+struct PointRows {
     std::array<std::array<double, 3>, N> high;
     std::array<std::array<double, 3>, N> low;
 
@@ -67,7 +67,7 @@ int high_bit(double x) {
 
 // The differences as integers below 2^61 in units of a power of two; false when that would round one.
 template <std::size_t N>
-bool to_int64(const Differences<N>& d, std::array<std::array<std::int64_t, 3>, N>& out) {
+bool to_int64(const PointRows<N>& d, std::array<std::array<std::int64_t, 3>, N>& out) {
     double largest = 0;
     for (const auto& row : d.high)
         for (double x : row) largest = std::max(largest, std::abs(x));
@@ -86,7 +86,7 @@ bool to_int64(const Differences<N>& d, std::array<std::array<std::int64_t, 3>, N
 }
 
 template <int W, std::size_t N>
-std::array<std::array<WideInt<W>, 3>, N> wide_rows(const Differences<N>& d, int quantum) {
+std::array<std::array<WideInt<W>, 3>, N> wide_rows(const PointRows<N>& d, int quantum) {
     std::array<std::array<WideInt<W>, 3>, N> out;
     for (std::size_t i = 0; i < N; ++i)
         for (int k = 0; k < 3; ++k) out[i][k] = to_wide<W>(d.high[i][k], quantum) + to_wide<W>(d.low[i][k], quantum);
@@ -95,7 +95,7 @@ std::array<std::array<WideInt<W>, 3>, N> wide_rows(const Differences<N>& d, int 
 
 // The sign of a determinant of degree at most 5 in the differences: below 2^(5b + 8) when they are below 2^b.
 template <std::size_t N, class Determinant>
-int exact_sign(const Differences<N>& d, Determinant determinant_of) {
+int exact_sign(const PointRows<N>& d, Determinant determinant_of) {
     if (std::array<std::array<std::int64_t, 3>, N> small; to_int64(d, small)) {
         std::array<std::array<WideInt<1>, 3>, N> rows;
         for (std::size_t i = 0; i < N; ++i)
@@ -111,7 +111,7 @@ int exact_sign(const Differences<N>& d, Determinant determinant_of) {
 }
 
 template <std::size_t N>
-void subtract(const std::array<const Point*, N>& points, const Point& last, Differences<N>& d,
+void subtract(const std::array<const Point*, N>& points, const Point& last, PointRows<N>& d,
               std::array<double, 3>& largest) {
     largest = {};
     for (std::size_t i = 0; i < N; ++i)
@@ -125,7 +125,7 @@ void subtract(const std::array<const Point*, N>& points, const Point& last, Diff
 
 int orient(const Point& a, const Point& b, const Point& c, const Point& d) {
     const std::array points{&a, &b, &c};
-    Differences<3> rows;
+    PointRows<3> rows;
     std::array<double, 3> largest;
     subtract<3>(points, d, rows, largest);
     const double estimate = determinant(rows.high[0], rows.high[1], rows.high[2]);
@@ -137,7 +137,7 @@ int orient(const Point& a, const Point& b, const Point& c, const Point& d) {
 
 int insphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p) {
     const std::array points{&a, &b, &c, &d};
-    Differences<4> rows;
+    PointRows<4> rows;
     std::array<double, 3> largest;
     subtract<4>(points, p, rows, largest);
     const auto& h = rows.high;

@@ -47,9 +47,10 @@ inline int wall_sign(const Plane& wall) {
 template <int bits>
 bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
     double largest = 0;
-    for (const Plane* plane : planes)
-        if (is_bisector(*plane))
-            for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(plane->seed[k] - p[k]));
+    for (const Plane* plane : planes) {
+        if (plane->kind == Plane::Kind::wall) return false;
+        if (plane->is_bisector()) largest = std::max(largest, largest_difference(p, *plane));
+    }
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - bits) and its inverse must be normal.
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
     if (largest != 0 && (exponent <= bits || exponent == 0x7ff)) return false;
@@ -65,9 +66,11 @@ bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<
     for (std::size_t i = 0; i < planes.size(); ++i) {
         const Plane& plane = *planes[i];
         auto& n = normals[i];
-        if (is_bisector(plane)) {
+        if (plane.is_bisector()) {
+            const Differences difference = differences(p, plane);
+            if (!difference.exact) return false;
             for (int k = 0; k < 3; ++k) {
-                const auto [high, low] = two_sum(plane.seed[k], -p[k]);
+                const auto [high, low] = difference.x[k];
                 if (low != low) return false;  // overflow
                 n[k] = units(high) + (low != 0 ? units(low) : 0);
             }
@@ -84,7 +87,7 @@ bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<
 inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
     std::uint64_t any = 0, sizes = 0;
     for (std::size_t i = 0; i < planes.size(); ++i) {
-        if (!is_bisector(*planes[i])) continue;
+        if (!planes[i]->is_bisector()) continue;
         for (const std::int64_t x : normals[i]) {
             any |= static_cast<std::uint64_t>(x);
             sizes |= static_cast<std::uint64_t>(std::abs(x));
@@ -93,7 +96,7 @@ inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int6
     if (any == 0) return 1;
     const int zeros = std::countr_zero(any);
     for (std::size_t i = 0; i < planes.size(); ++i)
-        if (is_bisector(*planes[i]))
+        if (planes[i]->is_bisector())
             for (std::int64_t& x : normals[i]) x >>= zeros;
     return 64 - std::countl_zero(sizes) - zeros;
 }
@@ -101,7 +104,11 @@ inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int6
 // In units of its own; for coordinates that span at most 124 bits.
 inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& n) {
     n = {};
-    if (!is_bisector(plane)) {
+    if (plane.kind == Plane::Kind::wall) {
+        n = wall_row<2>(p, plane, 0).n;
+        return true;
+    }
+    if (!plane.is_bisector()) {
         n[plane.axis] = from_int128<2>(wall_sign(plane));
         return true;
     }
@@ -110,7 +117,9 @@ inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& 
     range.add(plane);
     const int q = range.quantum();
     if (range.span() > 124) return false;
-    for (int k = 0; k < 3; ++k) n[k] = from_int128<2>(to_int128(plane.seed[k], q) - to_int128(p[k], q));
+    const std::array seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
+    const Difference difference = int_difference(seed, plane, q);
+    for (int k = 0; k < 3; ++k) n[k] = from_int128<2>(difference.n[k]);
     return true;
 }
 

@@ -34,10 +34,34 @@ struct BitRange {
         for (double x : p) add(x);
     }
     void add(const Plane& plane) {
-        if (plane.kind == Plane::Kind::bisector)
-            add(plane.seed);
-        else
-            add(plane.wall);
+        if (!plane.is_bisector()) return add(plane.wall);
+        add(plane.seed);
+        if (plane.lattice != nullptr) add_image(plane);
+        if (plane.has_power()) {  // in units squared
+            BitRange power;
+            power.add(plane.power.high);
+            power.add(plane.power.low);
+            low = std::min(low, power.low >> 1);
+            high = std::max(high, ((power.high + 1) >> 1) + 1);
+        }
+    }
+    void add_image(const Plane& plane) {
+        BitRange sum;
+        sum.add(plane.seed);
+        for (int j = 0; j < 3; ++j) {
+            const auto times = static_cast<std::uint32_t>(std::abs(plane.shift[j]));
+            if (times == 0) continue;
+            BitRange product;
+            for (const DoubleDouble& x : plane.lattice->vector[j]) {
+                product.add(x.high);
+                product.add(x.low);
+            }
+            if (product.high < product.low) continue;
+            sum.low = std::min(sum.low, product.low);
+            sum.high = std::max(sum.high, product.high + static_cast<int>(std::bit_width(times)));
+        }
+        low = std::min(low, sum.low);
+        high = std::max(high, sum.high + 3);  // of up to seven terms
     }
     [[nodiscard]] int span() const { return high > low ? high - low : 0; }
     [[nodiscard]] int quantum() const { return high > low ? low : 0; }
@@ -71,7 +95,7 @@ struct Row {
     S s;
 };
 
-// N of a bisector, or the unit normal and distance of a wall.
+// N of a bisector, or the unit normal and distance of a wall of the box.
 struct Difference {
     std::array<Int128, 3> n{};
     Int128 wall = 0;
@@ -83,18 +107,20 @@ inline Int128 magnitude(Int128 x) {
 
 inline Difference int_difference(const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
     Difference d;
-    switch (plane.kind) {
-        case Plane::Kind::bisector:
-            for (int k = 0; k < 3; ++k) d.n[k] = to_int128(plane.seed[k], quantum) - seed[k];
-            break;
-        case Plane::Kind::lower_wall:
-            d.n[plane.axis] = -1;
-            d.wall = seed[plane.axis] - to_int128(plane.wall, quantum);
-            break;
-        case Plane::Kind::upper_wall:
-            d.n[plane.axis] = 1;
-            d.wall = to_int128(plane.wall, quantum) - seed[plane.axis];
-            break;
+    if (plane.is_bisector()) {
+        for (int k = 0; k < 3; ++k) {
+            d.n[k] = to_int128(plane.seed[k], quantum) - seed[k];
+            if (plane.lattice == nullptr) continue;
+            for (int j = 0; j < 3; ++j) {
+                if (plane.shift[j] == 0) continue;
+                const DoubleDouble& x = plane.lattice->vector[j][k];
+                d.n[k] += plane.shift[j] * (to_int128(x.high, quantum) + to_int128(x.low, quantum));
+            }
+        }
+    } else {
+        const Int128 sign = plane.kind == Plane::Kind::lower_wall ? -1 : 1;
+        d.n[plane.axis] = sign;
+        d.wall = sign * (to_int128(plane.wall, quantum) - seed[plane.axis]);
     }
     return d;
 }
@@ -103,10 +129,6 @@ inline Int128 largest(const Difference& d) {
     Int128 m = magnitude(d.wall);
     for (auto x : d.n) m = std::max(m, magnitude(x));
     return m;
-}
-
-inline bool is_bisector(const Plane& plane) {
-    return plane.kind == Plane::Kind::bisector;
 }
 
 template <int W>
@@ -128,25 +150,64 @@ WideRow<W> wide_row(const Difference& d, bool bisector) {
                        bisector);
 }
 
-// The widest case: coordinates themselves as W limbs.
+template <int W>
+void add_power(const Plane& plane, int quantum, WideRow<W>& row) {
+    if (!plane.has_power()) return;
+    row.s = row.s + to_wide<2 * W>(plane.power.high, 2 * quantum) + to_wide<2 * W>(plane.power.low, 2 * quantum);
+}
+
+// The power of two that brings the normal of a wall to integers; at most 1.
+inline int normal_quantum(const Plane& wall) {
+    BitRange range;
+    range.add(wall.seed);
+    return std::min(range.low, 0);
+}
+
+// A wall of any direction: W limbs hold N, and the coordinates.
+template <int W>
+WideRow<W> wall_row(const Point& p, const Plane& wall, int quantum) {
+    const int unit = normal_quantum(wall);
+    WideRow<W> r;
+    r.s = to_wide<2 * W>(wall.wall, unit + quantum);
+    for (int k = 0; k < 3; ++k) {
+        r.n[k] = to_wide<W>(wall.seed[k], unit);
+        r.s = r.s - r.n[k] * to_wide<W>(p[k], quantum);
+    }
+    r.s = r.s + r.s;
+    return r;
+}
+
+// The general case: W limbs hold coordinates.
 template <int W>
 WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
+    if (plane.kind == Plane::Kind::wall) return wall_row<W>(p, plane, quantum);
     std::array<WideInt<W>, 3> n{};
-    WideInt<W> wall{};
-    switch (plane.kind) {
-        case Plane::Kind::bisector:
-            for (int k = 0; k < 3; ++k) n[k] = to_wide<W>(plane.seed[k], quantum) - to_wide<W>(p[k], quantum);
-            break;
-        case Plane::Kind::lower_wall:
-            n[plane.axis] = from_int128<W>(-1);
-            wall = to_wide<W>(p[plane.axis], quantum) - to_wide<W>(plane.wall, quantum);
-            break;
-        case Plane::Kind::upper_wall:
-            n[plane.axis] = from_int128<W>(1);
-            wall = to_wide<W>(plane.wall, quantum) - to_wide<W>(p[plane.axis], quantum);
-            break;
+    if (!plane.is_bisector()) {
+        const bool lower = plane.kind == Plane::Kind::lower_wall;
+        const WideInt<W> distance = to_wide<W>(plane.wall, quantum) - to_wide<W>(p[plane.axis], quantum);
+        n[plane.axis] = from_int128<W>(lower ? -1 : 1);
+        return wide_row<W>(n, lower ? -distance : distance, false);
     }
-    return wide_row<W>(n, wall, is_bisector(plane));
+    for (int k = 0; k < 3; ++k) {
+        n[k] = to_wide<W>(plane.seed[k], quantum) - to_wide<W>(p[k], quantum);
+        if (plane.lattice == nullptr) continue;
+        for (int j = 0; j < 3; ++j) {
+            const DoubleDouble& x = plane.lattice->vector[j][k];
+            const auto length = to_wide<W>(x.high, quantum) + to_wide<W>(x.low, quantum);
+            n[k] = n[k] + resize<W>(length * from_int128<1>(plane.shift[j]));
+        }
+    }
+    WideRow<W> row = wide_row<W>(n, {}, true);
+    add_power(plane, quantum, row);
+    return row;
+}
+
+// Any plane whose coordinates span at most 124 bits.
+inline WideRow<2> narrow_row(const Point& p, const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
+    if (plane.kind == Plane::Kind::wall) return wall_row<2>(p, plane, quantum);
+    WideRow<2> row = wide_row<2>(int_difference(seed, plane, quantum), plane.is_bisector());
+    add_power(plane, quantum, row);
+    return row;
 }
 
 template <class N>
@@ -179,15 +240,19 @@ inline WallDifference wall_difference(const Point& p, const Plane& wall) {
     return {1, two_sum(wall.wall, -p[wall.axis])};
 }
 
-// Largest difference of a plane.
+// Largest difference of a plane other than a wall of any direction.
 inline double largest_difference(const Point& p, const Plane& plane) {
-    if (!is_bisector(plane)) return std::abs(wall_difference(p, plane).distance.high);
+    if (!plane.is_bisector()) return std::abs(wall_difference(p, plane).distance.high);
     double m = 0;
-    for (int k = 0; k < 3; ++k) m = std::max(m, std::abs(plane.seed[k] - p[k]));
+    if (plane.lattice != nullptr)
+        for (const DoubleDouble& x : image_differences(p, plane).x) m = std::max(m, std::abs(x.high));
+    else
+        for (int k = 0; k < 3; ++k) m = std::max(m, std::abs(plane.seed[k] - p[k]));
     return m;
 }
 
-inline constexpr int widest = 36;  // 2098 bits from the smallest subnormal to the largest double, plus sign and sum
+// 2098 bits from the smallest subnormal to the largest double, 34 for shifts and sums.
+inline constexpr int widest = 36;
 
 // side_of_vertex for any float64, without a look at the easy cases.
 int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);

@@ -8,7 +8,12 @@ namespace votess::exact {
 namespace {
 
 Normal<double> rounded_normal(const Point& p, const Plane& plane) {
-    if (is_bisector(plane)) return {plane.seed[0] - p[0], plane.seed[1] - p[1], plane.seed[2] - p[2]};
+    if (plane.lattice != nullptr) {
+        const auto [x, y, z] = image_differences(p, plane).x;
+        return {x.high, y.high, z.high};
+    }
+    if (plane.is_bisector()) return {plane.seed[0] - p[0], plane.seed[1] - p[1], plane.seed[2] - p[2]};
+    if (plane.kind == Plane::Kind::wall) return plane.seed;
     Normal<double> n{};
     n[plane.axis] = wall_sign(plane);
     return n;

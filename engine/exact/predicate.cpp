@@ -33,7 +33,10 @@ constexpr int most_bits = 60;        // 5 * 61 + 6.2 < 319, with one bit more fo
 // The planes in their largest common unit. Bits of the largest component; 0 when the rows do not fit.
 int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::array<WordRow, 4>& rows) {
     double largest = 0;
-    for (const Plane* plane : planes) largest = std::max(largest, largest_difference(p, *plane));
+    for (const Plane* plane : planes) {
+        if (plane->has_power() || plane->kind == Plane::Kind::wall) return 0;
+        largest = std::max(largest, largest_difference(p, *plane));
+    }
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - most_bits) and its inverse must be normal.
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
     if (exponent <= most_bits || exponent == 0x7ff) return 0;
@@ -56,8 +59,10 @@ int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::ar
     for (int i = 0; i < 4; ++i) {
         const Plane& plane = *planes[i];
         rows[i] = {};
-        if (is_bisector(plane)) {
-            for (int k = 0; k < 3; ++k) rows[i].n[k] = words(two_sum(plane.seed[k], -p[k]));
+        if (plane.is_bisector()) {
+            const Differences difference = differences(p, plane);
+            if (!difference.exact) return 0;
+            for (int k = 0; k < 3; ++k) rows[i].n[k] = words(difference.x[k]);
         } else {
             const auto [sign, distance] = wall_difference(p, plane);
             rows[i].n[plane.axis] = sign < 0 ? -1 : 1;
@@ -68,7 +73,7 @@ int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::ar
     const int zeros = std::countr_zero(any);
     for (int i = 0; i < 4; ++i) {
         rows[i].wall >>= zeros;
-        if (is_bisector(*planes[i]))
+        if (planes[i]->is_bisector())
             for (auto& x : rows[i].n) x >>= zeros;
     }
     return 64 - std::countl_zero(sizes) - zeros;
@@ -133,7 +138,7 @@ int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, 
                             wide_row<widest>(p, d, q));
     }
     const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
-    auto row = [&](const Plane& plane) { return wide_row<2>(int_difference(seed, plane, q), is_bisector(plane)); };
+    auto row = [&](const Plane& plane) { return narrow_row(p, seed, plane, q); };
     return side_of_rows(row(a), row(b), row(c), row(d));  // 5 * 125 + 8 < 640 bits
 }
 
@@ -142,16 +147,46 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
     const int bits = word_rows(p, {&a, &b, &c, &d}, rows);
     if (bits == 0) return side_of_any(p, a, b, c, d);
     auto side = [&]<class N>(N) {
-        return side_of_rows(row_of<N, N>(rows[0], is_bisector(a)), row_of<N, N>(rows[1], is_bisector(b)),
-                            row_of<N, N>(rows[2], is_bisector(c)), row_of<N, N>(rows[3], is_bisector(d)));
+        return side_of_rows(row_of<N, N>(rows[0], a.is_bisector()), row_of<N, N>(rows[1], b.is_bisector()),
+                            row_of<N, N>(rows[2], c.is_bisector()), row_of<N, N>(rows[3], d.is_bisector()));
     };
     if (bits <= bits_for_int64) return side(std::int64_t{});
     if (bits <= bits_for_int128) return side(Int128{});
     auto row = [](const WordRow& words, const Plane& plane) {
-        const auto r = row_of<std::int64_t, Int128>(words, is_bisector(plane));
+        const auto r = row_of<std::int64_t, Int128>(words, plane.is_bisector());
         return IntRow{r.n, r.s};
     };
     return IntVertex(row(rows[0], a), row(rows[1], b), row(rows[2], c)).side(row(rows[3], d));
+}
+
+namespace {
+
+// decide(row a, row b) at a width that holds any two planes.
+template <class Decide>
+bool decide_on_rows(const Point& p, const Plane& a, const Plane& b, Decide decide) {
+    BitRange range;
+    range.add(p);
+    range.add(a);
+    range.add(b);
+    const int q = range.quantum();
+    if (range.span() <= 124) return decide(wide_row<2>(p, a, q), wide_row<2>(p, b, q));
+    return decide(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q));
+}
+
+}  // namespace
+
+bool same_plane(const Point& p, const Plane& a, const Plane& b) {
+    return decide_on_rows(p, a, b, [](const auto& u, const auto& v) {
+        const auto turned = cross(u.n, v.n);
+        for (int k = 0; k < 3; ++k)
+            if (!turned[k].zero() || (u.s * v.n[k] - v.s * u.n[k]).sign() != 0) return false;
+        return dot(u.n, v.n).sign() > 0;
+    });
+}
+
+bool longer_normal(const Point& p, const Plane& a, const Plane& b) {
+    return decide_on_rows(p, a, b,
+                          [](const auto& u, const auto& v) { return (dot(u.n, u.n) - dot(v.n, v.n)).sign() > 0; });
 }
 
 template <class Real>
@@ -165,15 +200,44 @@ std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane&
                                       q);
     }
     const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
+    if (!a.plain() || !b.plain() || !c.plain())
+        return position<Real, 2>(narrow_row(p, seed, a, q), narrow_row(p, seed, b, q), narrow_row(p, seed, c, q), q);
     const Difference da = int_difference(seed, a, q), db = int_difference(seed, b, q), dc = int_difference(seed, c, q);
     const Int128 m = std::max({largest(da), largest(db), largest(dc)});
     auto at_width = [&]<int W>() {
-        return position<Real, W>(wide_row<W>(da, is_bisector(a)), wide_row<W>(db, is_bisector(b)),
-                                 wide_row<W>(dc, is_bisector(c)), q);
+        return position<Real, W>(wide_row<W>(da, a.is_bisector()), wide_row<W>(db, b.is_bisector()),
+                                 wide_row<W>(dc, c.is_bisector()), q);
     };
     return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<2>();
 }
 
+template <class Real>
+std::array<Real, 3> difference(const Point& p, const Plane& bisector) {
+    std::array<Real, 3> d;
+    if (bisector.lattice == nullptr) {
+        for (int k = 0; k < 3; ++k) d[k] = static_cast<Real>(bisector.seed[k]) - static_cast<Real>(p[k]);
+        return d;
+    }
+    const Differences sums = image_differences(p, bisector);
+    if (sums.exact) {
+        for (int k = 0; k < 3; ++k) d[k] = static_cast<Real>(sums.x[k].high) + static_cast<Real>(sums.x[k].low);
+        return d;
+    }
+    BitRange range;
+    range.add(p);
+    range.add(bisector);
+    const int q = range.quantum();
+    const auto row = wide_row<widest>(p, bisector, q);
+    for (int k = 0; k < 3; ++k) {
+        const auto number = scaled<Real>(row.n[k]);
+        d[k] = scale_by_power<Real>(number.mantissa, number.exponent + q);
+    }
+    return d;
+}
+
+template std::array<double, 3> difference(const Point&, const Plane&);
+template std::array<Quad, 3> difference(const Point&, const Plane&);
+template std::array<WideFloat, 3> difference(const Point&, const Plane&);
 template std::array<double, 3> vertex_position(const Point&, const Plane&, const Plane&, const Plane&);
 template std::array<Quad, 3> vertex_position(const Point&, const Plane&, const Plane&, const Plane&);
 template std::array<WideFloat, 3> vertex_position(const Point&, const Plane&, const Plane&, const Plane&);

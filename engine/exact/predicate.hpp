@@ -2,29 +2,85 @@
 //
 // Planes are relative to a seed p. With integers N, S in units of a common power of two, a bisector with seed q is
 //     2 N.X <= S,  N = q - p,  S = |N|^2        and a wall is        2 N.X <= S,  N = +-e_axis,  S = 2 (wall - p).N .
+// The seed of a bisector may be an image in a periodic box: q is then the exact sum of its coordinates and whole
+// multiples of box vectors. In a power diagram S = |N|^2 + w_p - w_q. A wall of any direction n.x <= d has N = n and
+// S = 2 (d - n.p), both times one power of two.
 // Float64 coordinates are integers times a power of two, so the 4x4 determinant is decided in integer arithmetic
 // without rounding, overflow or underflow for any float64 input; the width is chosen per call from the operands
 // (64 bits when the differences fit 11, as in a lattice; 128 when they fit 24; 320 when they fit 60; wider beyond).
 #pragma once
 
 #include <array>
+#include <cstdint>
+
+#include "exact/double_double.hpp"
 
 namespace votess::exact {
 
 using Point = std::array<double, 3>;
+using Shift = std::array<std::int32_t, 3>;
+
+inline constexpr std::int32_t most_shift = 1 << 30;
+
+// Vectors of a periodic box, each coordinate an exact sum of two doubles, because upper - lower need not be one.
+struct Lattice {
+    std::array<std::array<DoubleDouble, 3>, 3> vector{};
+};
 
 // A plane as the input gives it.
 struct Plane {
-    enum class Kind { bisector, lower_wall, upper_wall };
+    enum class Kind : std::uint8_t { bisector, lower_wall, upper_wall, wall };
     Kind kind = Kind::bisector;
-    int axis = 0;  // walls
-    Point seed{};  // bisector: coordinates of q
-    double wall = 0;
+    int axis = 0;                      // lower_wall, upper_wall
+    Point seed{};                      // bisector: coordinates of q; wall: its normal, of order one
+    double wall = 0;                   // where the wall is, or the offset d
+    Shift shift{};                     // bisector: added to q, in vectors of the lattice
+    const Lattice* lattice = nullptr;  // null when shift is 0
+    DoubleDouble power{};              // bisector: w_p - w_q, exact
 
-    static Plane bisector(const Point& q) { return {Kind::bisector, 0, q, 0}; }
-    static Plane lower(int axis, double at) { return {Kind::lower_wall, axis, {}, at}; }
-    static Plane upper(int axis, double at) { return {Kind::upper_wall, axis, {}, at}; }
+    static Plane bisector(const Point& q) {
+        Plane plane;
+        plane.seed = q;
+        return plane;
+    }
+    // Of the image of q by a shift, relative to p as given.
+    static Plane bisector(const Point& q, const Shift& shift, const Lattice& lattice) {
+        Plane plane = bisector(q);
+        if (shift != Shift{}) plane.shift = shift, plane.lattice = &lattice;
+        return plane;
+    }
+    static Plane lower(int axis, double at) { return box_wall(Kind::lower_wall, axis, at); }
+    static Plane upper(int axis, double at) { return box_wall(Kind::upper_wall, axis, at); }
+    static Plane box_wall(Kind kind, int axis, double at) {
+        Plane plane;
+        plane.kind = kind, plane.axis = axis, plane.wall = at;
+        return plane;
+    }
+    // normal.x <= offset; no component of the normal is finer than 2^-lowest_normal_bit, none larger than 2.
+    static Plane any_wall(const Point& normal, double offset) {
+        Plane plane = bisector(normal);
+        plane.kind = Kind::wall, plane.wall = offset;
+        return plane;
+    }
+    static constexpr int lowest_normal_bit = 110;
+
+    [[nodiscard]] bool is_bisector() const { return kind == Kind::bisector; }
+    // Neither image nor power nor a wall of any direction: S follows from N or the axis.
+    [[nodiscard]] bool plain() const { return lattice == nullptr && !has_power() && kind != Kind::wall; }
+    [[nodiscard]] bool has_power() const { return power.high != 0; }
 };
+
+// q - p. Each coordinate is an exact sum of two doubles unless that is impossible, or overflows (low is NaN).
+struct Differences {
+    std::array<DoubleDouble, 3> x;
+    bool exact = true;
+};
+Differences image_differences(const Point& p, const Plane& bisector);
+inline Differences differences(const Point& p, const Plane& bisector) {
+    if (bisector.lattice != nullptr) return image_differences(p, bisector);
+    const auto& q = bisector.seed;
+    return {{two_sum(q[0], -p[0]), two_sum(q[1], -p[1]), two_sum(q[2], -p[2])}, true};
+}
 
 // +1 when the vertex lies strictly outside d, -1 strictly inside, 0 on it. a, b, c must meet in one point.
 // For many d use ExactVertex (vertex.hpp).
@@ -33,15 +89,17 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
 // Sign of det(Na, Nb, Nc): +1 when the normals turn counterclockwise seen from outside.
 int orientation(const Point& p, const Plane& a, const Plane& b, const Plane& c);
 
+// Two bisectors of a power diagram: whether they are one plane, seen from the same side; then whether |Na| > |Nb|.
+bool same_plane(const Point& p, const Plane& a, const Plane& b);
+bool longer_normal(const Point& p, const Plane& a, const Plane& b);
+
 // The vertex relative to p and the difference q - p in a floating-point type: double, Quad or WideFloat
 // (wide_float.hpp). Each component has a relative error of a few units in the last place, cancellation or not.
 using Quad = __float128;
 template <class Real>
 std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c);
+// q - p of a bisector.
 template <class Real>
-std::array<Real, 3> difference(const Point& q, const Point& p) {
-    return {static_cast<Real>(q[0]) - static_cast<Real>(p[0]), static_cast<Real>(q[1]) - static_cast<Real>(p[1]),
-            static_cast<Real>(q[2]) - static_cast<Real>(p[2])};
-}
+std::array<Real, 3> difference(const Point& p, const Plane& bisector);
 
 }  // namespace votess::exact

@@ -29,14 +29,20 @@ int exponent_above(double x) {
     return static_cast<int>((std::bit_cast<std::uint64_t>(x) >> 52) & 0x7ff) - 1022;
 }
 
+// Planes that the fast ways can handle.
+bool in_two_doubles(const Point& p, const Plane& plane) {
+    return plane.plain() ||
+           (!plane.has_power() && plane.kind != Plane::Kind::wall && image_differences(p, plane).exact);
+}
+
 // All the bits of the differences of a plane.
 void add_differences(BitRange& range, const Point& p, const Plane& plane) {
     auto add = [&range](DoubleDouble d) {
         range.add(d.high);
         range.add(d.low);
     };
-    if (!is_bisector(plane)) return add(wall_difference(p, plane).distance);
-    for (int k = 0; k < 3; ++k) add(two_sum(plane.seed[k], -p[k]));
+    if (!plane.is_bisector()) return add(wall_difference(p, plane).distance);
+    for (const DoubleDouble& x : differences(p, plane).x) add(x);
 }
 
 // A plane in quanta, in double.
@@ -55,11 +61,9 @@ bool divides(double unit, double per_unit, double x) {
 FloatRow float_row(const Point& p, const Plane& plane, double unit, double per_unit) {
     FloatRow row;
     std::array<DoubleDouble, 3> difference{};
-    if (is_bisector(plane)) {
-        for (int k = 0; k < 3; ++k) {
-            difference[k] = two_sum(plane.seed[k], -p[k]);
-            row.n[k] = difference[k].high * per_unit;
-        }
+    if (plane.is_bisector()) {
+        difference = differences(p, plane).x;
+        for (int k = 0; k < 3; ++k) row.n[k] = difference[k].high * per_unit;
         row.s = row.n[0] * row.n[0] + row.n[1] * row.n[1] + row.n[2] * row.n[2];
     } else {
         const auto [sign, distance] = wall_difference(p, plane);
@@ -92,9 +96,10 @@ bool int_row(const Point& p, const Plane& plane, double per_unit, IntRow& row) {
         return static_cast<std::int64_t>(high) + static_cast<std::int64_t>(d.low * per_unit);
     };
     row = {};
-    if (is_bisector(plane)) {
+    if (plane.is_bisector()) {
+        const Differences difference = differences(p, plane);
         for (int k = 0; k < 3; ++k) {
-            row.n[k] = quanta(two_sum(plane.seed[k], -p[k]));
+            row.n[k] = quanta(difference.x[k]);
             row.s += static_cast<Int128>(row.n[k]) * row.n[k];
         }
     } else {
@@ -108,6 +113,7 @@ bool int_row(const Point& p, const Plane& plane, double per_unit, IntRow& row) {
 }  // namespace
 
 ExactVertex::ExactVertex(const Point& p, const Plane& a, const Plane& b, const Plane& c) : p_(p), a_(a), b_(b), c_(c) {
+    if (!in_two_doubles(p, a) || !in_two_doubles(p, b) || !in_two_doubles(p, c)) return;
     const double largest = std::max({largest_difference(p, a), largest_difference(p, b), largest_difference(p, c)});
     if (!(largest <= std::numeric_limits<double>::max())) return;
     exponent_ = exponent_above(largest);
@@ -158,7 +164,7 @@ bool ExactVertex::solve() {
 }
 
 int ExactVertex::side(const Plane& d) {
-    if (!usable_) return side_of_any(p_, a_, b_, c_, d);
+    if (!usable_ || !in_two_doubles(p_, d)) return side_of_any(p_, a_, b_, c_, d);
     FloatRow row = float_row(p_, d, unit_, per_unit_);
     if (!row.whole) {
         if (refine(d)) {

@@ -181,8 +181,9 @@ void check_cells(const test::PointSet& set) {
             box.upper[k] = std::max(box.upper[k], p[k] + 0.5);
         }
     CellBuilder search(seeds, hierarchy, test::kernels()), clip(seeds, hierarchy, test::kernels());
-    search.begin_job(box);
-    clip.begin_job(box);
+    const votess::Domain domain = votess::box_domain(box, {});
+    search.begin_job(domain);
+    clip.begin_job(domain);
     std::vector<std::int32_t> neighbors, back;
     for (std::size_t i = 0; i < seeds.size(); ++i) {
         delaunay.neighbors(i, neighbors);
@@ -306,7 +307,8 @@ TEST_SUITE("stages") {
             Hierarchy hierarchy;
             hierarchy.build(seeds, pool);
             CellBuilder search(seeds, hierarchy, test::kernels());
-            search.begin_job(t.box());
+            const votess::Domain domain = votess::box_domain(t.box(), {});
+            search.begin_job(domain);
             for (std::size_t i = 0; i<seeds.size(); i += n> 1000 ? 5 : 1) {
                 std::vector<std::int32_t> ids = faces_of(search.build(i));
                 for (auto& id : ids) id = id < 0 ? id : seeds.input[id];

@@ -27,8 +27,10 @@ struct Sorted {
     // scale: none = the engine's.
     explicit Sorted(const test::PointSet& set, double scale = 0) {
         const votess::Job job = votess::validate({set.points, {}}, test::all_options(set.box));
-        box = scale == 0 ? job.scaled_box : job.box;
-        for (int k = 0; k < 3 && scale != 0; ++k) box.lower[k] *= scale, box.upper[k] *= scale;
+        votess::Box box = job.box;
+        const double by = scale == 0 ? job.scale : scale;
+        for (int k = 0; k < 3; ++k) box.lower[k] *= by, box.upper[k] *= by;
+        domain = votess::box_domain(box, {});
         votess::ThreadPool pool(1);
         SeedSorter().sort(std::span<const double>(set.points), scale == 0 ? job.scale : scale, 0, pool, seeds);
         hierarchy.build(seeds, pool);
@@ -36,7 +38,7 @@ struct Sorted {
 
     [[nodiscard]] std::vector<ExpectedCell> clip() const {
         CellBuilder builder(seeds, hierarchy, test::kernels());
-        builder.begin_job(box);
+        builder.begin_job(domain);
         CellFaces faces;
         std::vector<double> areas;
         std::vector<ExpectedCell> cells(seeds.size());
@@ -56,7 +58,7 @@ struct Sorted {
 
     SortedSeeds seeds;
     Hierarchy hierarchy;
-    votess::Box box;
+    votess::Domain domain;
 };
 
 // One line on what differs, "" when nothing does.
@@ -96,7 +98,7 @@ struct Rates {
 Rates check(const Sorted& sorted, const std::vector<ExpectedCell>& cells, std::span<const std::size_t> chosen,
             std::size_t length, const Kernels& kernels, bool measure = true) {
     const auto star = make_star(kernels.name, sorted.seeds, sorted.hierarchy);
-    star->begin_job(sorted.box);
+    star->begin_job(sorted.domain);
     std::size_t built = 0, measured = 0;
     Star::Geometry geometry;
     for (std::size_t k = 0, last = 0; k < chosen.size(); ++k) {
@@ -227,7 +229,7 @@ TEST_SUITE("stages") {
                 // Alone, and with others in front that hand it vertices.
                 for (const std::size_t begin : {center, center / 2, std::size_t{0}}) {
                     const auto star = make_star(kernels->name, sorted.seeds, sorted.hierarchy);
-                    star->begin_job(sorted.box);
+                    star->begin_job(sorted.domain);
                     star->begin(begin / Star::alignment * Star::alignment, sorted.seeds.size(), false);
                     for (std::size_t s = begin; s < center; ++s) (void)star->build(s);
                     const bool built = star->build(center);

@@ -1,0 +1,59 @@
+// One array of NumPy's .npy layout, versions 1 to 3: magic, version, length of the header, header (a Python dict), raw
+// array. From any source of bytes: a file, a member of an archive.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "failure.hpp"
+
+namespace clvotess {
+
+// `size` bytes, taken front to back by `read`, which throws when there are fewer.
+struct ByteSource {
+    std::uint64_t size = 0;
+    std::function<void(void* to, std::uint64_t count)> read;
+};
+
+class NpyArray {
+public:
+    // Reads the header. `name` is for messages. Throws Failure.
+    NpyArray(ByteSource source, std::string name);
+
+    [[nodiscard]] const std::vector<std::uint64_t>& shape() const noexcept { return shape_; }
+    [[nodiscard]] bool is_points() const noexcept { return shape_.size() == 2 && shape_[1] == 3; }  // (N, 3)
+    [[nodiscard]] bool is_column() const noexcept { return shape_.size() == 1; }                    // (N,)
+    [[nodiscard]] bool is_float() const noexcept { return type_ == "<f8" || type_ == "<f4"; }
+    [[nodiscard]] bool is_whole() const noexcept {
+        return type_ == "<i8" || type_ == "<i4" || type_ == "<u4" || type_ == "<u8";
+    }
+
+    // Once: the values in row-major order, the type being float64 or float32. With `stride` and `offset` value k goes
+    // to to[offset + stride k].
+    void read_floats(std::vector<double>& to, std::size_t offset = 0, std::size_t stride = 1);
+    // Once: the type being a whole number.
+    [[nodiscard]] std::vector<std::int64_t> read_whole();
+    // Refuses what is no (N, 3) array of floats.
+    void check_points() const;
+
+private:
+    [[nodiscard]] Failure error(const std::string& message) const;
+    [[nodiscard]] std::string shape_text() const;
+    void parse_header(std::string_view dict);
+    void check_size(std::size_t item_size) const;
+    template <typename Number, typename Take>
+    void each(Take take);
+
+    ByteSource source_;
+    std::string name_;
+    std::string type_;  // such as <f8
+    bool column_major_ = false;
+    std::vector<std::uint64_t> shape_;
+    std::uint64_t count_ = 1;
+    std::uint64_t bytes_ = 0;  // behind the header
+};
+
+}  // namespace clvotess

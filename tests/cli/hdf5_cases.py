@@ -1,0 +1,150 @@
+"""HDF5 in and out, with h5py as the other side."""
+
+import os
+import resource
+import signal
+import unittest
+
+import numpy as np
+
+from cli_test import random_points
+from reader_cases import ReaderTest
+
+try:
+    import h5py
+except ImportError:
+    h5py = None
+
+
+@unittest.skipUnless(h5py, "NO h5py: HDF5 FILES ARE NOT TESTED (Debian: python3-h5py)")
+class Hdf5Files(ReaderTest):
+    def save(self, name, attributes=(), **arrays):
+        """A file of these datasets, `a__b` being b in the group a; attributes of the group Header."""
+        with h5py.File(self.folder / name, "w") as file:
+            for path, array in arrays.items():
+                file[path.replace("__", "/")] = array
+            for key, value in dict(attributes).items():
+                file.require_group("Header").attrs[key] = value
+        return name
+
+    def test_datasets(self):
+        points = random_points(400)
+        for name in ["a.h5", "a.hdf5", "A.HDF5"]:
+            self.assert_points(self.save(name, anything=points, mass=points[:, 0]), points)
+        self.assert_points(self.save("a.h5", deep__er__points=points.astype("f4")), points.astype("f4"))
+        self.assert_points(self.save("a.h5", points=points.astype(">f8")), points)
+        self.assert_points(self.save("a.h5", points=points.astype("f2")), points.astype("f2"))
+        self.assert_points(self.save("a.h5", points=np.zeros((0, 3))), np.zeros((0, 3)))
+        self.save("two.h5", a=points, g__b=2 * points, g__ids=np.arange(400)[::-1], g__r=points[:, 0] / 9, r=points[:, 1])
+        self.refuse("two.h5", says=["several", "--dataset", "a g/b"])
+        self.assert_points("two.h5", points, "--dataset", "a")
+        for name in ["g/b", "/g/b"]:
+            self.assert_points("two.h5", 2 * points, "--dataset", name, ids=range(399, -1, -1))
+        self.assert_column("two.h5", points[:, 0] / 9, "r", "--dataset", "g/b")  # beside the points first
+        self.assert_column("two.h5", points[:, 1], "/r", "--dataset", "a")
+        with h5py.File(self.folder / "packed.h5", "w") as file:
+            file.create_dataset("points", data=np.zeros((20000, 3)) + 0.5, chunks=(512, 3), compression="gzip", shuffle=True)
+            file["points"][:100] = points[:100]
+            file["points"][100:20000] = random_points(19900)
+        self.assert_points("packed.h5", np.concatenate([points[:100], random_points(19900)]))
+
+    def test_refused(self):
+        points = random_points(30)
+        box = {"BoxSize": 75000.0}
+        for name, says in [(self.save("a.h5", a=points[:, :2]), "(N, 3)"), (self.save("b.h5", a=points.astype(int)), "(N, 3)"),
+                           (self.save("c.h5", a=points, b=points), ["a b", "--dataset"]),
+                           (self.save("d.h5", box, PartType0__Coordinates=points, PartType1__Coordinates=points),
+                            ["PartType0/Coordinates PartType1/Coordinates", "--box 0,0,0,75000,75000,75000"]),
+                           (self.put("e.h5", b"1 2 3\n"), "not an HDF5 file"), (self.put("f.h5", b""), "not an HDF5 file"),
+                           ("absent.h5", ["absent.h5", "No such file"])]:
+            self.refuse(name, "-o", "out.npz", says=[name] + ([says] if isinstance(says, str) else says))
+        self.refuse("c.h5", "--dataset", "q", says=["'q'", "a b"])
+        self.refuse("c.h5", "--dataset", "a/b", says="'a/b'")
+        self.refuse("a.h5", "--dataset", "a", says="(30, 2)")
+        self.refuse("b.h5", "--dataset", "a", says="int64")
+        self.refuse("c.h5", "--dataset", "a", "--radii", "b", says="(30, 3)")
+        self.refuse("c.h5", "--dataset", "a", "--radii", "q", says="'q'")
+        self.refuse("c.h5", "--dataset", "a", "--frame", "0", says="--frame")
+        (self.folder / "folder.h5").mkdir()
+        self.refuse("folder.h5", says="folder.h5")
+        points[3, 2] = np.inf
+        self.assertRegex(self.refuse(self.save("a.h5", a=points), says="inf"), r"\b3\b")
+        with h5py.File(self.folder / "v.h5", "w") as file:
+            layout = h5py.VirtualLayout((30, 3), "f8")
+            layout[:] = h5py.VirtualSource("c.h5", "a", (30, 3))
+            file.create_virtual_dataset("points", layout)
+        self.refuse("v.h5", says="virtual")
+        with h5py.File(self.folder / "w.h5", "w") as file:
+            file.create_dataset("points", (100, 3), "f8", chunks=(10, 3))[:10] = points[:10]
+        self.refuse("w.h5", says="more numbers")
+
+    def snapshot(self, base, parts, points, **header):
+        """Gadget's layout, with the particles of type 1 in the even files only."""
+        pieces = np.array_split(points, (parts + 1) // 2)
+        for part in range(parts):
+            own = pieces[part // 2] if part % 2 == 0 else points[:0]
+            attributes = {"NumFilesPerSnapshot": parts, "NumPart_ThisFile": [9, len(own), 0, 0, 0, 0], "BoxSize": 1.0,
+                          "NumPart_Total": np.array([9, len(points), 0, 0, 0, 0], "u4"),
+                          "NumPart_Total_HighWord": np.zeros(6, "u4"), **header}
+            arrays = {"PartType0__Coordinates": points[:9]}
+            if len(own):
+                first = sum(map(len, pieces[:part // 2]))
+                arrays.update(PartType1__Coordinates=own, PartType1__Velocities=own * 2,
+                              PartType1__ParticleIDs=np.arange(first, first + len(own), dtype="u8") + 1000,
+                              PartType1__SmoothingLength=own[:, 0])
+            self.save(f"{base}.{part}.hdf5" if parts > 1 else f"{base}.hdf5", attributes, **arrays)
+
+    def test_snapshots(self):
+        points = random_points(101)
+        ids = range(1000, 1101)
+        wish = ["--dataset", "PartType1/Coordinates"]
+        self.snapshot("one", 1, points)
+        self.assert_points("one.hdf5", points, *wish, ids=ids)
+        self.snapshot("snap_010", 5, points)
+        for name in ["snap_010.0.hdf5", "snap_010.hdf5", "snap_010"]:
+            self.assert_points(name, points, *wish, ids=ids)
+            self.assert_column(name, points[:, 0], "SmoothingLength", *wish)
+        self.assertRegex(self.run_cli("snap_010", *wish).stdout, "(?m)^input +5 files of a snapshot$")
+        self.refuse("snap_010.3.hdf5", *wish, says=["first", "'snap_010.0.hdf5'"])
+        self.refuse("snap_010", "--dataset", "PartType2/Coordinates", says=["PartType2/Coordinates", "BoxSize"])
+        (self.folder / "snap_010.0.hdf5").rename(self.folder / "renamed.hdf5")
+        self.refuse("renamed.hdf5", *wish, says=["5 files", "NAME.0.hdf5"])
+        self.snapshot("short", 3, points, NumPart_Total=np.array([9, 102, 0, 0, 0, 0], "u4"))
+        self.refuse("short", *wish, says=["101 points", "102"])
+        self.snapshot("gone", 3, points)
+        (self.folder / "gone.2.hdf5").unlink()
+        self.refuse("gone", *wish, says=["gone.2.hdf5", "No such file"])
+
+    def test_damaged(self):
+        points = random_points(40)
+        self.save("a.h5", points=points)
+        self.damage("a.h5", (self.folder / "a.h5").read_bytes())
+        with h5py.File(self.folder / "p.h5", "w", libver="latest") as file:
+            file.create_dataset("points", data=points, chunks=(8, 3), compression="gzip", fletcher32=True)
+        self.damage("p.h5", (self.folder / "p.h5").read_bytes())
+
+    def test_output_equals_npz(self):
+        words = "neighbors,volumes,centroids,areas,normals,surfaces,radii,counts,vertices,faces"
+        duplicates = self.put("d.txt", "0 0 0\n1 0 0\n0 0 0\n0 1 0.5\n")
+        for source in [["--random", 3000], ["--random", 0], [duplicates], ["--random", 50, "--walls"]]:
+            for want in [[], ["--want", words], ["--want", "volumes"]]:
+                self.run_cli(*source, *want, "-o", "out.npz", "-o", "out.h5", "-o", "out.hdf5")
+                with np.load(self.folder / "out.npz") as arrays, h5py.File(self.folder / "out.h5") as file:
+                    self.assertEqual(sorted(arrays.files), sorted(file))
+                    for name in arrays.files:
+                        self.assertEqual((arrays[name].dtype, arrays[name].shape), (file[name].dtype, file[name].shape), name)
+                        np.testing.assert_array_equal(arrays[name], file[name][()], name)
+                self.assertEqual((self.folder / "out.h5").read_bytes(), (self.folder / "out.hdf5").read_bytes())
+
+    def test_output_whole_or_not_at_all(self):
+        self.refuse("--random", 50, "-o", "absent/out.h5", says="no folder")
+        os.mkfifo(self.folder / "pipe.h5")
+        self.refuse("--random", 50, "-o", "pipe.h5", says=["pipe.h5", "regular file"])
+        (self.folder / "pipe.h5").unlink()
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        done = self.run_cli("--random", 2000, "-o", "out.h5", code=1, preexec_fn=limit, restore_signals=False)
+        self.assertRegex(done.stderr, r"\Aclvotess: cannot write 'out.h5'[^\n]*\n\Z")
+        self.assertEqual(self.files(), [])

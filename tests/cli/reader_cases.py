@@ -1,0 +1,313 @@
+"""Files of every kind that clvotess reads: written by NumPy, h5py, VTK or by hand, whole and damaged."""
+
+import io
+import os
+import random
+import shutil
+import struct
+import subprocess
+import zipfile
+
+import numpy as np
+
+from cli_test import CLI, SANITIZED, CliTest, random_points, text_of
+
+FUZZ = int(os.environ.get("VOTESS_FUZZ_FILES", "1"))  # how many times as many damaged files
+
+
+class ReaderTest(CliTest):
+    def read(self, name, *arguments):
+        """The points and the ids that a file gives."""
+        rows = [row.split() for row in self.rows(name, *arguments, "--format", "%i %q")]
+        return np.array([row[1:] for row in rows], float).reshape(-1, 3), [int(row[0]) for row in rows]
+
+    def assert_points(self, name, points, *arguments, ids=None):
+        got, got_ids = self.read(name, *arguments)
+        np.testing.assert_array_equal(got, points, name)
+        self.assertEqual(got_ids, list(range(len(points))) if ids is None else list(ids), name)
+
+    def assert_column(self, name, values, column, *arguments):
+        """What --radii takes out of a file, as %r prints it."""
+        rows = self.rows(name, "--radii", column, *arguments, "--format", "%r")
+        np.testing.assert_array_equal(np.array(rows, float), values, name)
+
+    def damage(self, name, content):
+        """No cut and no flipped bit crashes: exit code 0 or 2, at most one line on stderr, and little memory."""
+        tries = 20 * FUZZ
+        cuts = sorted({0, 1, len(content) - 1} | {len(content) * k // tries for k in range(tries)})
+        cases = [(f"cut to {cut}", content[:cut]) for cut in cuts]
+        generator = random.Random(name)
+        for k in range(4 * tries):
+            at = generator.randrange(min(len(content), 2000) if k % 4 else len(content))
+            damaged = bytearray(content)
+            damaged[at] ^= 1 << generator.randrange(8) if k % 2 else 0xFF
+            cases.append((f"byte {at}", bytes(damaged)))
+        limit = [] if SANITIZED or not shutil.which("prlimit") else ["prlimit", f"--as={2**33}"]
+        refused = 0
+        for what, damaged in cases:
+            (self.folder / name).write_bytes(damaged)
+            done = subprocess.run([*limit, CLI, name, "-q", "-t", "1", "-x", "cpu"], cwd=self.folder,
+                                  capture_output=True, timeout=60, check=False)
+            message = done.stderr.decode(errors="replace")
+            self.assertIn(done.returncode, [0, 2], f"{name}, {what}: {message}")
+            self.assertRegex(message, r"\A(clvotess: [^\n]+\n)?\Z", what)
+            refused += done.returncode == 2
+        self.assertGreater(refused, tries // 2)  # a cut may take away what nobody needs, such as a line end
+
+
+class ArrayFiles(ReaderTest):
+    def test_npz(self):
+        points = random_points(500)
+        for save in [np.savez, np.savez_compressed]:
+            with self.subTest(save.__name__):
+                save(self.folder / "a.npz", points=points, other=points[:5], velocities=points * 2)
+                self.assert_points("a.npz", points)
+                self.assert_points("a.npz", points * 2, "--dataset", "velocities")
+                save(self.folder / "b.npz", anything=points.astype("f4"), mass=points[:, 0])
+                self.assert_points("b.npz", points.astype("f4"))
+                save(self.folder / "c.npz", x=points[:, 0], y=points[:, 1].astype("f4"), z=points[:, 2],
+                     ids=np.arange(500)[::-1])
+                expected = np.stack([points[:, 0], points[:, 1].astype("f4"), points[:, 2]], axis=1)
+                self.assert_points("c.npz", expected, ids=range(499, -1, -1))
+                save(self.folder / "f.npz", points=np.asfortranarray(points), id=np.arange(500, dtype="u4") + 7)
+                self.assert_points("f.npz", points, ids=range(7, 507))
+                save(self.folder / "none.npz", points=np.zeros((0, 3)))
+                self.assert_points("none.npz", np.zeros((0, 3)))
+                save(self.folder / "r.npz", points=points, radii=points[:, 0] / 50, k=np.arange(500))
+                self.assert_column("r.npz", points[:, 0] / 50, "radii")
+                self.assert_column("r.npz", np.arange(500), "k")
+        # Large enough for several pieces of zlib and of the widening.
+        many = random_points(50000).astype("f4")
+        np.savez_compressed(self.folder / "many.npz", points=np.asfortranarray(many))
+        self.assert_points("many.npz", many)
+        # What clvotess writes it reads back, zip64 or not.
+        self.run_cli("--random", 300, "-o", "own.npz", "--want", "centroids")
+        with np.load(self.folder / "own.npz") as arrays:
+            self.assert_points("own.npz", arrays["centroids"])
+        with zipfile.ZipFile(self.folder / "z64.npz", "w") as archive:
+            whole = io.BytesIO()
+            np.save(whole, points)
+            with archive.open("points.npy", "w", force_zip64=True) as member:
+                member.write(whole.getvalue())
+        self.assert_points("z64.npz", points)
+
+    def test_npz_refused(self):
+        points = random_points(50)
+        for arrays, says in [({"a": points, "b": points}, ["several", "--dataset", "a b"]),
+                             ({"a": points[:, :2]}, "(N, 3)"), ({"points": points[:, :2]}, "(50, 2)"),
+                             ({"points": points.astype(int)}, "'<i8'"), ({}, "(N, 3)"),
+                             ({"x": points[:, 0], "y": points[:9, 0], "z": points[:, 0]}, ["y has 9", "50"]),
+                             ({"x": points, "y": points[:, 0], "z": points[:, 0]}, "x is no array")]:
+            np.savez(self.folder / "a.npz", **arrays)
+            self.refuse("a.npz", "-o", "out.txt", says=["a.npz"] + ([says] if isinstance(says, str) else says))
+        np.savez(self.folder / "a.npz", points=points, r=points[:9, 0], s=points)
+        self.refuse("a.npz", "--dataset", "q", says=["'q'", "points r s"])
+        self.refuse("a.npz", "--radii", "q", says="'q'")
+        self.refuse("a.npz", "--radii", "r", says=["r has 9", "50"])
+        self.refuse("a.npz", "--radii", "s", says="(N,)")
+        self.refuse("a.npz", "--frame", "1", says="--frame")
+        points[7, 1] = np.nan
+        np.savez(self.folder / "a.npz", points=points)
+        self.assertRegex(self.refuse("a.npz", says="nan"), r"\b7\b")
+        with zipfile.ZipFile(self.folder / "a.npz", "w", zipfile.ZIP_BZIP2) as archive:
+            archive.writestr("points.npy", b"anything" * 99)
+        self.refuse("a.npz", says="deflate")
+        self.refuse(self.put("b.npz", b"PK\x03\x04"), says="damaged")
+        self.refuse(self.put("b.npz", b"1 2 3\n"), says="not a zip")
+
+    def test_npz_damaged(self):
+        points = random_points(60)
+        for save in [np.savez, np.savez_compressed]:
+            save(self.folder / "a.npz", points=points, ids=np.arange(60))
+            content = (self.folder / "a.npz").read_bytes()
+            self.damage("a.npz", content)
+            # The numbers themselves are guarded by their checksum.
+            at = content.index(b"NUMPY") if save is np.savez else 80
+            damaged = bytearray(content)
+            damaged[at + 500] ^= 4
+            self.refuse(self.put("b.npz", bytes(damaged)), says="checksum")
+
+
+class LammpsFiles(ReaderTest):
+    DUMP = ("ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n0 2\n0 1\n-1 1\n"
+            "ITEM: ATOMS {names}\n")
+
+    def dump(self, names, rows, step=0, head=DUMP):
+        return head.format(step=step, count=len(rows), names=names) + "".join(row + "\n" for row in rows)
+
+    def test_dump(self):
+        points = random_points(40) * [2, 1, 2] - [0, 0, 1]
+        lines = text_of(points).splitlines()
+        ids = list(range(100, 140))
+        random.Random(1).shuffle(ids)
+        for names, rows in [("id type x y z", [f"{i} 1 {line}" for i, line in zip(ids, lines)]),
+                            ("type z y vx x id", [f"1 {p[2]!r} {p[1]!r} 9 {p[0]!r} {i}" for i, p in
+                                                  zip(ids, points.tolist())]),
+                            ("id element xu yu zu c_1[2]", [f"{i} He {line} 3" for i, line in zip(ids, lines)])]:
+            self.put("a.dump", self.dump(names, rows))
+            self.assert_points("a.dump", points, ids=ids)
+            self.assertEqual(self.json("a.dump")["box_volume"], 4)
+            self.assertEqual(self.json("a.dump", "--box=-3,-3,-3,3,3,3")["box_volume"], 216)
+        self.put("a.lammpstrj", self.dump("x y z", lines))
+        self.assert_points("a.lammpstrj", points)
+        self.assertRegex(self.run_cli("a.lammpstrj").stdout, "(?m)^input +frame 0, timestep 0, box of the file$")
+
+    def test_dump_scaled(self):
+        scaled = random_points(30)
+        rows = text_of(scaled).splitlines()
+        for names in ["xs ys zs", "xsu ysu zsu"]:
+            self.put("a.dump", self.dump(names, rows))
+            got, _ = self.read("a.dump")
+            np.testing.assert_allclose(got, scaled * [2, 1, 2] - [0, 0, 1], rtol=1e-15, atol=1e-15)
+
+    def test_dump_frames(self):
+        frames = [random_points(10 + k, k) * [2, 1, 1] for k in range(3)]
+        self.put("a.dump", "".join(self.dump("x y z radius", [f"{row} {0.01 * j}" for j, row in
+                                                              enumerate(text_of(frame).splitlines())], 100 * k)
+                                   for k, frame in enumerate(frames)))
+        self.assert_points("a.dump", frames[0])
+        for k in range(3):
+            self.assert_points("a.dump", frames[k], "--frame", k)
+            self.assertIn(f"frame {k}, timestep {100 * k}", self.run_cli("a.dump", "--frame", k).stdout)
+        self.refuse("a.dump", "--frame", 3, says=["no frame 3", "has 3"])
+        self.refuse("a.dump", "--frame", "-1", says="'-1'")
+        self.assert_column("a.dump", [0.01 * j for j in range(12)], "radius", "--frame", 2)
+        self.assert_column("a.dump", [0.01 * j for j in range(10)], "4")
+        self.refuse("a.dump", "--radii", "r", says=["'r'", "x y z radius"])
+        self.refuse("a.dump", "--radii", "5", says="'5'")
+
+    def test_dump_refused(self):
+        row = ["0.5 0.5 0.5"]
+        whole = self.dump("x y z", row)
+        for content, says in [("", "ends"), ("1 2 3\n", [":1:", "ITEM: TIMESTEP"]), (whole[:-13], [":9:", "0 of the 1"]),
+                              (whole + "1 2 3\n", [":11:", "more rows"]), (self.dump("x y q", row), [":9:", "x y z"]),
+                              (self.dump("x y z id", row), [":10:", "3 columns", "4"]),
+                              (self.dump("x y z", ["a 1 2"]), [":10:", "'a'"]),
+                              (self.dump("x y z id", ["0 0 0 1.5"]), [":10:", "'1.5'"]),
+                              (whole.replace("0 2\n", "2 0\n"), [":8:", "along x"]),
+                              (whole.replace("0 2\n", "0 nan\n"), "along x"),
+                              (whole.replace("OF ATOMS\n1\n", "OF ATOMS\n99999999999999\n"), [":4:", "99999999999999"]),
+                              (whole.replace("OF ATOMS\n1\n", "OF ATOMS\n-1\n"), [":4:", "whole number"]),
+                              (whole.replace("ff ff ff", "xy xz yz pp pp ff").replace("0 2\n", "0 2 1\n")
+                               .replace("0 1\n", "0 1 0\n").replace("-1 1\n", "-1 1 0\n"), ["tilted", "periodic"]),
+                              (whole.replace("ITEM: NUMBER OF ATOMS\n1\n", ""), [":7:", "NUMBER OF ATOMS"])]:
+            self.refuse(self.put("a.dump", content), "-o", "out.npz", says=["a.dump"] + ([says] if isinstance(says, str) else says))
+        self.put("a.dump", self.dump("x y z", row + ["3 0 0"]))
+        self.refuse("a.dump", says=["point 1", "outside"])
+
+    def test_dump_damaged(self):
+        points = random_points(20)
+        self.damage("a.dump", self.dump("id x y z", [f"{i} {row}" for i, row in
+                                                     enumerate(text_of(points).splitlines())]).encode())
+
+    DATA = ("LAMMPS data file\n\n{count} atoms\n2 atom types\n\n0 2 xlo xhi\n0 1 ylo yhi\n-1 1 zlo zhi\n\nMasses\n\n"
+            "1 12.0\n2 1.0\n\nAtoms{hint}\n\n{rows}\nVelocities\n\n1 0 0 0\n")
+
+    def data(self, rows, hint="", head=DATA):
+        return head.format(count=len(rows), hint=hint, rows="".join(row + "\n" for row in rows))
+
+    def test_data(self):
+        points = random_points(25) * [2, 1, 2] - [0, 0, 1]
+        lines = text_of(points).splitlines()
+        for style, before in [("atomic", "1"), ("charge", "1 -0.5"), ("molecular", "3 1"), ("bond", "3 1"),
+                              ("angle", "3 2"), ("full", "3 1 0.25"), ("sphere", "1 0.5 1.0")]:
+            for flags in ["", " 0 -1 2"]:
+                rows = [f"{i + 1} {before} {line}{flags}" for i, line in enumerate(lines)]
+                for hint in ["", f" # {style}"]:
+                    with self.subTest(style=style, flags=flags, hint=hint):
+                        self.put("a.data", self.data(rows, hint))
+                        self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+        self.put("a.lmp", self.data([f"{i} 1 {0.1 * i} 1.0 {line}" for i, line in enumerate(lines, 1)], " # sphere"))
+        self.assert_column("a.lmp", [0.1 * i / 2 for i in range(1, 26)], "radius")
+        self.assert_column("a.lmp", [0.1 * i for i in range(1, 26)], "diameter")
+        self.assert_column("a.lmp", [0.1 * i for i in range(1, 26)], "3")
+
+    def test_data_refused(self):
+        whole = self.data(["1 1 0.5 0.5 0.5", "2 1 1.5 0.5 0.5"])
+        for content, says in [("", "ends before its section Atoms"), (whole.replace("Atoms", "Bonds"), "ends before"),
+                              (whole.replace("2 atoms", "3 atoms"), ["1 column,"]),
+                              (whole.replace("2 atoms", "9999999999999 atoms"), "0 of the 9999999999999"),
+                              (whole.replace("2 atoms", "x atoms"), [":3:", "'x'"]),
+                              (whole.replace("2 atoms\n", ""), "N atoms"), (whole.replace("0 1 ylo yhi", ""), "ylo yhi"),
+                              (whole.replace("0 1 ylo", "1 1 ylo"), "along y"), (whole.replace("1.5 0.5", "1.5 q"), "'q'"),
+                              (whole.replace("Atoms", "Atoms # dipole"), "'dipole'"),
+                              (whole.replace("Atoms", "Atoms # full"), ["full", "5 columns"]),
+                              (whole.replace("2 1 1.5", "2.5 1 1.5"), "'2.5'")]:
+            self.refuse(self.put("a.data", content), "-o", "out.npz", says=["a.data"] + ([says] if isinstance(says, str) else says))
+
+    def test_data_damaged(self):
+        rows = [f"{i} 1 {row}" for i, row in enumerate(text_of(random_points(20)).splitlines(), 1)]
+        self.damage("a.data", self.data(rows).encode())
+
+
+class PlyFiles(ReaderTest):
+    def ply(self, kind, properties, rows, before=("", b"")):
+        """A file of one element vertex, behind another element."""
+        head = f"ply\nformat {kind} 1.0\ncomment by hand\n{before[0]}element vertex {len(rows)}\n"
+        head += "".join(f"property {t} {name}\n" for t, name in properties) + "element face 0\n"
+        head += "property list uchar int vertex_indices\nend_header\n"
+        if kind == "ascii":
+            return head.encode() + before[1] + "".join(" ".join(map(repr, row)) + "\n" for row in rows).encode()
+        codes = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
+                 "int8": "b", "uint16": "H", "float64": "d"}
+        layout = (">" if "big" in kind else "<") + "".join(codes[t] for t, _ in properties)
+        return head.encode() + before[1] + b"".join(struct.pack(layout, *row) for row in rows)
+
+    def test_ply(self):
+        points = random_points(50)
+        plain = [("double", "x"), ("double", "y"), ("double", "z")]
+        mixed = [("uchar", "red"), ("float64", "z"), ("int", "id"), ("double", "x"), ("short", "s"), ("double", "y"),
+                 ("float", "r"), ("uint16", "u")]
+        rows = points.tolist()
+        mixed_rows = [[7, p[2], 3 * i, p[0], -5, p[1], i / 128, 65535] for i, p in enumerate(rows)]
+        for kind in ["ascii", "binary_little_endian", "binary_big_endian"]:
+            with self.subTest(kind):
+                self.put("a.ply", self.ply(kind, plain, rows))
+                self.assert_points("a.ply", points)
+                self.put("a.ply", self.ply(kind, mixed, mixed_rows))
+                self.assert_points("a.ply", points, ids=range(0, 150, 3))
+                self.assert_column("a.ply", np.arange(50) / 128, "r")
+                self.put("a.ply", self.ply(kind, [("float", a) for a in "xyz"], points.astype("f4").tolist()))
+                self.assert_points("a.ply", points.astype("f4"))
+                # Another element with a list in front of the vertices.
+                order = ">" if "big" in kind else "<"
+                lists = (b"3 1 2 3 0.5\n0 0.5\n" if kind == "ascii" else
+                         b"".join(struct.pack(f"{order}H{n}if", n, *range(n), 0.5) for n in [3, 0]))
+                front = "element other 2\nproperty list ushort int l\nproperty float w\n", lists
+                self.put("a.ply", self.ply(kind, plain, rows, front))
+                self.assert_points("a.ply", points)
+        self.put("a.ply", self.ply("ascii", plain, rows).replace(b"\n", b"\r\n"))
+        self.assert_points("a.ply", points)
+
+    def test_own_ply(self):
+        self.run_cli("--random", 100, "-o", "own.ply", "-o", "own.npz", "--want", "vertices")
+        with np.load(self.folder / "own.npz") as arrays:
+            self.assert_points("own.ply", arrays["vertices"])
+
+    def test_ply_refused(self):
+        plain = [("double", "x"), ("double", "y"), ("double", "z")]
+        rows = random_points(9).tolist()
+        for kind in ["ascii", "binary_little_endian"]:
+            whole = self.ply(kind, plain, rows)
+            for content, says in [(whole.replace(b"vertex 9", b"vertex 10"), ["ends after", "of the 10"]),
+                                  (whole.replace(b"vertex 9", b"vertex 9999999999999999"), "0 of the 9999999999999999"),
+                                  (whole.replace(b"vertex 9", b"vertex x"), "element NAME COUNT"),
+                                  (whole.replace(b"double y", b"double q"), "x, y, z"),
+                                  (whole.replace(b"double y", b"quad y"), "unknown type"),
+                                  (whole.replace(b"element vertex", b"element vertices"), "no element vertex"),
+                                  (whole.replace(kind.encode(), b"binary"), "unknown format"),
+                                  (whole.replace(b"end_header", b"end_haeder"), "'end_haeder'"),
+                                  (whole[:whole.index(b"element")], ["end_header", "ends"]), (b"solid\n", "not a PLY")]:
+                self.refuse(self.put("a.ply", content), "-o", "out.npz",
+                            says=["a.ply"] + ([says] if isinstance(says, str) else says))
+            self.refuse(self.put("a.ply", whole), "--radii", "w", says=["'w'", "x y z"])
+        rows[4][2] = float("nan")
+        self.assertRegex(self.refuse(self.put("a.ply", self.ply("binary_little_endian", plain, rows)), says="nan"), r"\b4\b")
+
+    def test_ply_damaged(self):
+        properties = [("double", "x"), ("float", "y"), ("double", "z"), ("int", "id")]
+        rows = [[*p, i] for i, p in enumerate(random_points(20).tolist())]
+        for kind in ["ascii", "binary_little_endian", "binary_big_endian"]:
+            front = "element other 1\nproperty list int int l\n", (b"1 7\n" if kind == "ascii" else
+                                                                     struct.pack(">ii" if "big" in kind else "<ii", 1, 7))
+            self.damage("a.ply", self.ply(kind, properties, rows, front))

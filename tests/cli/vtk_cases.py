@@ -1,0 +1,205 @@
+"""VTK's files in and out, and faces as .ply and .obj, with VTK as the other side."""
+
+import itertools
+import unittest
+
+import numpy as np
+
+from cli_test import CUBE, CUBE_BOX, SANITIZED, random_points
+from reader_cases import ReaderTest
+
+try:
+    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkPolyData, vtkUnstructuredGrid
+    from vtkmodules.vtkIOPLY import vtkPLYReader
+    from vtkmodules.vtkIOGeometry import vtkOBJReader
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
+    HAS_VTK = True
+except ImportError:
+    HAS_VTK = False
+
+
+@unittest.skipUnless(HAS_VTK, "NO VTK: .vtp AND .vtu FILES ARE NOT TESTED (Debian: python3-vtk9)")
+class VtkFiles(ReaderTest):
+    def save(self, name, points, mode="appended", encoded=False, swapped=False, packed=True, wide=True, block=None,
+             columns=()):
+        """Writes points, in blocks of `block` bytes when packed."""
+        data = vtkPolyData() if name.endswith("vtp") else vtkUnstructuredGrid()
+        vtk_points = vtkPoints()
+        self.kept = [np.ascontiguousarray(points)] + [np.ascontiguousarray(values) for values in dict(columns).values()]
+        vtk_points.SetData(numpy_to_vtk(self.kept[0]))
+        data.SetPoints(vtk_points)
+        for column, values in zip(dict(columns), self.kept[1:]):
+            array = numpy_to_vtk(values)
+            array.SetName(column)
+            data.GetPointData().AddArray(array)
+        writer = vtkXMLPolyDataWriter() if name.endswith("vtp") else vtkXMLUnstructuredGridWriter()
+        writer.SetFileName(str(self.folder / name))
+        writer.SetInputData(data)
+        {"appended": writer.SetDataModeToAppended, "binary": writer.SetDataModeToBinary,
+         "ascii": writer.SetDataModeToAscii}[mode]()
+        writer.SetEncodeAppendedData(encoded)
+        (writer.SetByteOrderToBigEndian if swapped else writer.SetByteOrderToLittleEndian)()
+        (writer.SetHeaderTypeToUInt64 if wide else writer.SetHeaderTypeToUInt32)()
+        (writer.SetCompressorTypeToZLib if packed else writer.SetCompressorTypeToNone)()
+        if block:
+            writer.SetBlockSize(block)
+        self.assertEqual(writer.Write(), 1)
+        return name
+
+    def test_points(self):
+        points = random_points(333)
+        columns = {"id": np.arange(333)[::-1].copy(), "r": points[:, 0] / 9, "v": points}
+        for mode, encoded in [("ascii", False), ("binary", False), ("appended", False), ("appended", True)]:
+            for swapped, packed, wide in itertools.product([False, True], repeat=3):
+                for name in ["a.vtp", "a.vtu"]:
+                    with self.subTest(mode=mode, encoded=encoded, swapped=swapped, packed=packed, wide=wide, name=name):
+                        self.save(name, points, mode, encoded, swapped, packed, wide, 3008 if wide else None, columns)
+                        rows = np.array([row.split() for row in self.rows(name, "--radii", "r", "--format", "%i %q %r")], float)
+                        tolerance = 1e-9 if mode == "ascii" else 0  # VTK's own digits
+                        np.testing.assert_array_equal(rows[:, 0], columns["id"])
+                        np.testing.assert_allclose(rows[:, 1:4], points, rtol=0, atol=tolerance)
+                        np.testing.assert_allclose(rows[:, 4], columns["r"], rtol=0, atol=tolerance)
+        self.assert_points(self.save("a.vtp", points.astype("f4")), points.astype("f4"))
+        many = random_points(30000)
+        self.assert_points(self.save("a.vtu", many, "binary"), many)
+        self.assert_points(self.save("a.vtu", many), many)
+        self.assert_points(self.save("a.vtp", np.zeros((0, 3))), np.zeros((0, 3)))
+
+    def test_by_hand(self):
+        text = """<?xml version='1.0'?><!-- <Points> -->
+            <VTKFile type="PolyData"><PolyData>
+            <Piece NumberOfPoints="2"><Points><DataArray type="Float32" NumberOfComponents="3" Name="a>b">
+              0 0 0
+              1 0.5 2e-1 </DataArray></Points></Piece>
+            <Piece NumberOfPoints = '0'/>
+            <Piece NumberOfPoints="1"><Points><DataArray type="Int32" NumberOfComponents="3" format="ascii">3 2 1</DataArray>
+            </Points></Piece></PolyData></VTKFile>"""
+        self.assert_points(self.put("a.vtp", text), [[0, 0, 0], [1, 0.5, 0.2], [3, 2, 1]])
+        for content, says in [(text.replace("1 0.5 2e-1", "1 0.5"), ["points", "after 5 of 6"]),
+                              (text.replace("2e-1", "2e-1 7"), "more than the 6"), (text.replace("2e-1", "two"), "'two'"),
+                              (text.replace('"2"', '"99999999999999999"'), "299999999999999997 numbers"),
+                              (text.replace('"2"', '"x"'), "NumberOfPoints"),
+                              (text.replace('"PolyData"', '"ImageData"'), "'ImageData'"),
+                              (text.replace('Components="3" Name', 'Components="2" Name'), "3 components"),
+                              (text.replace("Float32", "String"), "'String'"), (text[:-12], "too early"),
+                              (text.replace("<VTKFile", "<html"), "not a VTK"), ("", "not a VTK"),
+                              (text.replace('type="PolyData"', 'type="PolyData" compressor="vtkLZ4DataCompressor"'), "vtkLZ4"),
+                              (text.replace("3 2 1", "3 nan 1"), ["point 2", "nan"])]:
+            self.refuse(self.put("b.vtp", content), "-o", "out.npz", says=[says] if isinstance(says, str) else says)
+        self.refuse("a.vtp", "--radii", "r", says=["'r'", "none"])
+
+    def test_damaged(self):
+        points = random_points(40)
+        for mode, encoded, packed in [("ascii", False, False), ("binary", False, True), ("binary", False, False),
+                                      ("appended", False, True), ("appended", True, False), ("appended", False, False)]:
+            name = self.save("a.vtp", points, mode, encoded, packed=packed)
+            self.damage(name, (self.folder / name).read_bytes())
+
+    def grid(self, name):
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(self.folder / name))
+        errors = []
+        reader.AddObserver("ErrorEvent", lambda *_: errors.append(1))
+        reader.Update()
+        self.assertEqual(errors, [])
+        return reader.GetOutput()
+
+    @staticmethod
+    def polygons(grid, cell):
+        stream = vtkIdList()
+        grid.GetFaceStream(cell, stream)
+        numbers = [stream.GetId(k) for k in range(stream.GetNumberOfIds())]
+        faces, at = [], 1
+        while at < len(numbers):
+            faces.append(numbers[at + 1:at + 1 + numbers[at]])
+            at += 1 + numbers[at]
+        assert len(faces) == numbers[0]
+        return faces
+
+    def check_grid(self, name, volumes, box_volume):
+        """Watertight, oriented cells whose volumes are those of the library and fill the box."""
+        grid = self.grid(name)
+        self.assertEqual(grid.GetNumberOfCells(), len(volumes))
+        vertices = vtk_to_numpy(grid.GetPoints().GetData())
+        total = 0
+        for cell in range(grid.GetNumberOfCells()):
+            if volumes[cell] == 0:
+                self.assertEqual(grid.GetCellType(cell), 0)
+                continue
+            self.assertEqual(grid.GetCellType(cell), 42)
+            faces = self.polygons(grid, cell)
+            edges = [edge for face in faces for edge in zip(face, face[1:] + face[:1])]
+            self.assertEqual(len(set(edges)), len(edges))
+            self.assertEqual({(b, a) for a, b in edges}, set(edges))  # each edge once in either direction
+            corners = {v for face in faces for v in face}
+            self.assertEqual(len(corners) - len(edges) // 2 + len(faces), 2)
+            ids = vtkIdList()
+            grid.GetCellPoints(cell, ids)
+            self.assertEqual({ids.GetId(k) for k in range(ids.GetNumberOfIds())}, corners)
+            origin = vertices[faces[0][0]]
+            volume = 0
+            for face in faces:
+                fan = vertices[face] - origin
+                volume += sum(np.dot(fan[0], np.cross(fan[k], fan[k + 1])) for k in range(1, len(fan) - 1)) / 6
+            self.assertAlmostEqual(volume, volumes[cell], delta=1e-12 * box_volume)
+            total += volume
+        self.assertAlmostEqual(total, box_volume, delta=1e-11 * box_volume)
+        return grid
+
+    def test_vtu(self):
+        self.put("a.txt", "".join(f"{i + 50} {row}\n" for i, row in enumerate(CUBE.splitlines())) + "99 0 0 0\n")
+        self.run_cli("a.txt", "--box", CUBE_BOX, "-o", "a.vtu")
+        grid = self.check_grid("a.vtu", [1] * 8 + [0], 8)
+        self.assertEqual(grid.GetNumberOfPoints(), 27)
+        data = {grid.GetCellData().GetArrayName(k): vtk_to_numpy(grid.GetCellData().GetArray(k))
+                for k in range(grid.GetCellData().GetNumberOfArrays())}
+        self.assertEqual(data["id"].tolist(), [*range(50, 58), 99])
+        self.assertEqual(data["volume"].tolist(), [1] * 8 + [0])
+        self.assertEqual(data["neighbors"].tolist(), [3] * 8 + [0])
+        self.assertEqual(data["status"].tolist(), [0] * 8 + [5])
+        np.testing.assert_allclose(data["centroid"][:8], np.loadtxt(CUBE.splitlines()), atol=1e-15)
+        self.assertTrue(np.isnan(data["centroid"][8]).all())
+        self.run_cli("--random", 0, "-o", "none.vtu")
+        self.assertEqual(self.grid("none.vtu").GetNumberOfCells(), 0)
+
+    def test_vtu_of_many(self):
+        count = 2000 if SANITIZED else 10000
+        self.run_cli("--random", count, "-o", "a.vtu", "-o", "a.npz", "--want", "vertices,volumes")
+        with np.load(self.folder / "a.npz") as arrays:
+            grid = self.check_grid("a.vtu", arrays["volumes"], 1)
+            np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), arrays["vertices"])
+
+    def test_faces(self):
+        self.run_cli("--random", 500, "-o", "a.ply", "-o", "a.obj", "-o", "a.npz", "--want", "faces,neighbors")
+        with np.load(self.folder / "a.npz") as arrays:
+            arrays = dict(arrays)
+        rows = np.repeat(np.arange(500), np.diff(arrays["indptr"]))
+        once = np.flatnonzero((arrays["indices"] < 0) | (rows < arrays["indices"]))
+        polygons = [arrays["face_vertices"][arrays["face_offsets"][k]:arrays["face_offsets"][k + 1]].tolist() for k in once]
+        for name, reader in [("a.ply", vtkPLYReader()), ("a.obj", vtkOBJReader())]:
+            reader.SetFileName(str(self.folder / name))
+            reader.Update()
+            mesh = reader.GetOutput()
+            # VTK keeps float32 here.
+            np.testing.assert_allclose(vtk_to_numpy(mesh.GetPoints().GetData()), arrays["vertices"], rtol=0, atol=1e-6)
+            self.assertEqual(mesh.GetNumberOfPolys(), len(once))
+            ids = vtkIdList()
+            for k, polygon in enumerate(polygons):
+                mesh.GetCellPoints(k, ids)
+                self.assertEqual([ids.GetId(j) for j in range(ids.GetNumberOfIds())], polygon)
+        obj = (self.folder / "a.obj").read_text().splitlines()
+        vertices = np.array([line.split()[1:] for line in obj if line.startswith("v ")], float)
+        np.testing.assert_array_equal(vertices, arrays["vertices"])
+        # The two cells of each face, out of the binary rows.
+        content = (self.folder / "a.ply").read_bytes()
+        head, body = content.split(b"end_header\n", 1)
+        self.assertIn(b"property list uchar int vertex_indices\nproperty int cell\nproperty int neighbor", head)
+        at = 24 * len(vertices)
+        for k, polygon in zip(once, polygons):
+            self.assertEqual(body[at], len(polygon))
+            pair = np.frombuffer(body, "<i4", 2, at + 1 + 4 * len(polygon)).tolist()
+            self.assertEqual(pair, [rows[k], arrays["indices"][k]])
+            at += 9 + 4 * len(polygon)
+        self.assertEqual(at, len(body))
