@@ -18,7 +18,8 @@ JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum",
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--output", "--format", "--want", "--walls", "--box", "--device", "--threads",
            "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify", "--json",
-           "--list-devices", "--version", "--quiet", "--help"]
+           "--list-devices", "--version", "--quiet", "--help", "--image", "--slice", "--image-size", "--color",
+           "--colormap", "--cut", "--view", "--seeds"]
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 
 CUBE = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"

@@ -62,7 +62,7 @@ class Usage(CliTest):
     def test_options_of_later_versions_do_not_exist(self):
         self.put("a.txt", CUBE)
         for option in ["--periodic", "--cell=1", "--origin=1", "--wall=1,0,0,1", "--min-face=0", "--weights=1",
-                       "--radii=1", "--image=a.png", "--dataset=a", "--bogus", "-z"]:
+                       "--radii=1", "--dataset=a", "--bogus", "-z"]:
             with self.subTest(option):
                 self.refuse("a.txt", option, "-o", "out.txt", says=["unknown option", option.split("=")[0]])
         for name in ["a.h5", "a.vtu", "a.ply", "a.hdf5", "out", "out.csv"]:

@@ -52,7 +52,7 @@ double area_of(const std::vector<FillVertex>& triangles) {
 }
 
 Scene scene_of(const test::PointSet& set, const Tessellation& t, const PictureOptions& options) {
-    return build_scene(mesh_of(t), {t.box(), {}, t.periodic()}, set.points, t.volumes(), options);
+    return build_scene(mesh_of(t), {t.box(), {}, {}}, set.points, t.volumes(), options);
 }
 
 PictureOptions plain(Cut cut) {
