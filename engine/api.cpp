@@ -86,6 +86,9 @@ std::span<const std::int64_t> Tessellation::cell_vertex_indptr() const noexcept 
 std::span<const std::int32_t> Tessellation::cell_vertex_indices() const noexcept {
     return view(result_->cell_vertex_indices);
 }
+double Tessellation::least_face() const noexcept {
+    return result_->least_face;
+}
 std::span<const CellStatus> Tessellation::status() const noexcept {
     return view(result_->status);
 }

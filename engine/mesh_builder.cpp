@@ -71,6 +71,8 @@ void MeshBuilder::finish(detail::Result& result, ThreadPool& pool) {
     for (auto* list : {&result.face_offsets, &result.cell_vertex_indptr}) list->resize_uninitialized(0);
     for (auto* list : {&result.face_vertices, &result.cell_vertex_indices}) list->resize_uninitialized(0);
     result.vertices.resize_uninitialized(0);
+    result.vertex_image_of.resize_uninitialized(0);
+    result.vertex_shifts.resize_uninitialized(0);
     if (!wanted_) return;
     if (vertices_ > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
         throw Error(ErrorCode::unsupported, "the cells have " + std::to_string(vertices_) +
@@ -178,7 +180,8 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
     });
     const std::vector<std::size_t> numbers = sums_before(firsts);
     result.vertices.resize_uninitialized(tasks == 0 ? 0 : 3 * (numbers.back() + firsts.back()));
-    auto& number_at = least;  // by place
+    Buffer<std::uint32_t> number_at;  // by place, of those that are first
+    number_at.resize_uninitialized(vertices_);
     for_cells(pool, count, [&](std::size_t task, std::size_t begin, std::size_t end) {
         std::size_t number = numbers[task];
         for (std::size_t i = begin; i < end; ++i) {
@@ -193,6 +196,31 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
             }
         }
     });
+    if (!moved.empty()) {
+        // The first vertex of each set is what the others are images of.
+        const std::size_t vertices = result.vertices.size() / 3;
+        result.vertex_image_of.resize_uninitialized(vertices);
+        result.vertex_shifts.resize_uninitialized(3 * vertices);
+        std::iota(result.vertex_image_of.begin(), result.vertex_image_of.end(), 0);
+        std::ranges::fill(result.vertex_shifts, 0);
+        for (std::size_t k = 0; k < moved.size();) {
+            const std::size_t group = k;
+            // Of the root's own place, and then of the moved ones.
+            std::uint32_t best = least[moved[group].root];
+            Shift from{};
+            for (; k < moved.size() && moved[k].root == moved[group].root; ++k)
+                if (moved[k].place < best) best = moved[k].place, from = moved[k].shift;
+            const auto note = [&](std::uint32_t place, const Shift& shift) {
+                const std::size_t vertex = number_at[place];
+                result.vertex_image_of[vertex] = static_cast<std::int32_t>(number_at[best]);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    result.vertex_shifts[3 * vertex + axis] = static_cast<std::int8_t>(shift[axis] - from[axis]);
+            };
+            note(least[moved[group].root], {});
+            for (std::size_t m = group; m < k; ++m)
+                if (is_first(moved[m].place)) note(moved[m].place, moved[m].shift);
+        }
+    }
     for_cells(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::int64_t place = indptr[begin]; place < indptr[end]; ++place) {
             auto& id = first[static_cast<std::size_t>(place)];

@@ -249,6 +249,8 @@ void check_options(const Options& options) {
         refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
     if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
         refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
+    if (!(options.min_face >= 0 && std::isfinite(options.min_face)))
+        refuse("min_face = " + number(options.min_face) + " is no share of the mean face: give a number from 0 on");
     check_domain(options);
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "face_filter.hpp"
 #include "implied_wants.hpp"
 #include "packed_ids.hpp"
 
@@ -108,6 +109,8 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     result_.planes = job.options.planes;
     box_volume_ = job.box_volume;
     result_.lists_walls = job.options.walls;
+    result_.least_face = 0;
+    min_face_ = job.options.min_face;
     fill(result_.status, count, CellStatus::certified, pool);
     fill(result_.indptr, want.neighbors ? count + 1 : 0, std::int64_t{0}, pool);
     for (auto* rows : {&result_.volumes, &result_.centroids, &result_.surface_areas, &result_.security_radii,
@@ -262,6 +265,7 @@ void ResultBuilder::finish(detail::Result& result, ThreadPool& pool) {
         place_rows(pool);
     }
     mesh_.finish(result_, pool);
+    if (min_face_ > 0) counters_.faces -= drop_small_faces(result_, min_face_);
     finish_stats(result_.stats, pool);
     result_.stats.device = std::move(result.stats.device);
     result_.stats.seconds = result.stats.seconds;

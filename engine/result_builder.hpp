@@ -95,6 +95,7 @@ private:
 
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
     bool narrow_ids_ = false, fast_ids_ = false;
+    double min_face_ = 0;
     double box_volume_ = 0;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()
     std::mutex mutex_;       // of what follows

@@ -107,7 +107,7 @@ struct Want {
     bool normals = false;    // face_normals; and neighbors
     bool surfaces = false;   // surface_areas
     bool radii = false;      // security_radii
-    bool vertices = false;   // vertices, cell_vertex_indptr, cell_vertex_indices
+    bool vertices = false;   // vertices, cell_vertex_indptr, cell_vertex_indices; and neighbors
     bool faces = false;      // face_offsets, face_vertices; and vertices, neighbors, and walls in the rows
 };
 
@@ -135,8 +135,9 @@ struct Options {
     // |x - p_i|^2 - w_i is least. Empty: all weights are 0, the Voronoi diagram. Or N radii: weights are their squares,
     // rounded to float64.
     std::span<const double> weights, radii;
-    // Drop faces smaller than this times the mean face area of the run from rows, areas, normals and polygons; decided
-    // once per pair of cells, so that rows stay symmetric. Adds areas and neighbors. 0 drops nothing.
+    // Drop faces between two cells that are smaller than this times the mean area of all such faces of the run from
+    // rows, areas, normals, polygons and face_counts; decided once per pair, by the area that the cell of lower index
+    // has found, so that rows stay symmetric. Walls stay, and vertices. Adds areas and neighbors. 0 drops nothing.
     double min_face = 0;
     Want want;
     Duplicates duplicates = Duplicates::merge;
@@ -190,6 +191,8 @@ struct Result;
 struct TessellatorState;
 }  // namespace detail
 
+struct Delaunay;
+
 // The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans stay
 // valid as long as any copy of the handle. An array that was not wanted is an empty span. N is the number of seeds,
 // rows follow the input order.
@@ -231,6 +234,8 @@ public:
     // N+1 and its last: the vertices of each cell, ascending.
     [[nodiscard]] std::span<const std::int64_t> cell_vertex_indptr() const noexcept;
     [[nodiscard]] std::span<const std::int32_t> cell_vertex_indices() const noexcept;
+    // The area below which faces were dropped, see Options::min_face; 0: none were.
+    [[nodiscard]] double least_face() const noexcept;
     [[nodiscard]] std::span<const CellStatus> status() const noexcept;  // N
     // N when the input has duplicates, else empty: index of the seed that keeps the cell; -1 for those not duplicate.
     [[nodiscard]] std::span<const std::int32_t> duplicate_of() const noexcept;
@@ -242,6 +247,7 @@ public:
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:
+    friend VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
     std::shared_ptr<const detail::Result> result_;
 };
 
@@ -278,10 +284,28 @@ private:
 [[nodiscard]] VOTESS_API Tessellation tessellate(std::span<const double> points, const Options& options = {});
 [[nodiscard]] VOTESS_API Tessellation tessellate(std::span<const float> points, const Options& options = {});
 
+// The dual of the cells. Around each vertex of the mesh that lies off the walls: the tetrahedron of its four cells, or
+// where more cells meet (seeds on an empty sphere) the convex polytope that their seeds span, which has no one way to
+// be cut into tetrahedra. Together the Delaunay complex of the seeds, but for simplices whose empty sphere has its
+// center outside of the domain. In order of the vertices; in a periodic domain each once, not for each image.
+struct Delaunay {
+    std::vector<std::int32_t> tetrahedra;          // 4T seeds, the first the lowest, positive: det(b-a, c-a, d-a) > 0
+    std::vector<std::int8_t> tetrahedra_shifts;    // 12T in a periodic domain, else empty: as Tessellation::shifts()
+    std::vector<std::int32_t> tetrahedra_centers;  // T: the vertex that is the center of the empty sphere
+    std::vector<std::int64_t> polytope_indptr;     // P+1
+    std::vector<std::int32_t> polytope_indices;    // seeds of polytope p from polytope_indptr[p], ascending
+    std::vector<std::int8_t> polytope_shifts;      // three for each of these, as above
+    std::vector<std::int32_t> polytope_centers;    // P
+};
+// Needs Want::faces without min_face, else throws invalid_argument.
+[[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
+
 // The checker of --verify. Volumes sum to the domain's (relative 1e-9; 1e-4 when stats().precision is single), neighbor
 // lists are symmetric, Euler's formula V - E + F = 2 holds for each cell, and `sample` cells drawn with `rng_seed`
-// equal cells clipped anew by every seed, without any search structure. Checks whose arrays the result lacks are
-// skipped and named in `skipped`.
+// equal cells clipped anew by every seed, without any search structure. Where there are polygons, each cell is
+// watertight (every edge twice, in opposite directions, and both cells of a face have the same polygon), and where
+// there are normals and areas of all faces, it is closed (their sum is 0 to 1e-9 of the surface; 1e-4 when single).
+// Checks whose arrays the result lacks, or from which faces were dropped, are skipped and named in `skipped`.
 struct VerifyOptions {
     std::size_t sample = 64;
     std::uint64_t rng_seed = 1;
@@ -289,7 +313,7 @@ struct VerifyOptions {
 struct VerifyReport {
     bool passed = false;
     std::string failure;               // one line on the first failed check; empty when passed
-    std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
+    std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample", "mesh"
 };
 // points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
