@@ -192,6 +192,8 @@ struct TessellatorState;
 }  // namespace detail
 
 struct Delaunay;
+struct VerifyOptions;
+struct VerifyReport;
 
 // The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans stay
 // valid as long as any copy of the handle. An array that was not wanted is an empty span. N is the number of seeds,
@@ -248,6 +250,8 @@ public:
 
 private:
     friend VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
+    friend VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
+                                          const VerifyOptions& options);
     std::shared_ptr<const detail::Result> result_;
 };
 
