@@ -35,4 +35,10 @@ private:
 // one line.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
+// Names for a message, a blank between two.
+inline void add_name(std::string& list, std::string_view name) {
+    if (!list.empty()) list += ' ';
+    list += name;
+}
+
 }  // namespace clvotess

@@ -12,10 +12,20 @@ Prints a short summary and writes the files that -o names.
 input
   INPUT                  .xyz .txt .csv  text rows `x y z` or `id x y z`, separated by blanks, tabs,
                                          commas or semicolons; # begins a comment; ids are whole
-                                         numbers. A .csv may begin with a line of names; an .xyz may
-                                         have the classic layout (count, comment, `Element x y z`).
-                         .npy            NumPy array (N, 3), float64 or float32
+                                         numbers. A .csv may begin with a line of names, which says
+                                         where x, y, z and id are; an .xyz may have the classic
+                                         layout (count, comment, `Element x y z`)
+                         .npy .npz       NumPy arrays (N, 3), float64 or float32; in .npz the array
+                                         `points`, the only one that fits, or x, y and z; ids
+                         .h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
+                                         in several files by NAME.0.hdf5 or NAME; ParticleIDs, ids
+                         .dump .lammpstrj  LAMMPS dump in text
+                         .data .lmp      LAMMPS data file, its section Atoms
+                         .ply            element vertex: x y z, id
+                         .vtp .vtu       VTK in XML: Points, id out of PointData
                          -               text on stdin
+  --dataset NAME         which dataset of .h5 or array of .npz; default the only one that fits
+  --frame N              which frame of a LAMMPS dump, from 0; default the first
   --random N             N uniform points in the box 0..1 (domain: that box, unless --box is given)
   --rng-seed S           which random points; default 1, the same points on every machine
 
@@ -23,6 +33,22 @@ domain
   --box x0,y0,z0,x1,y1,z1
                          default: bounds of the points, each side moved out by half of
                          (longest side / cbrt(N)); a point outside a given box is an error
+  --periodic [xyz]       the box repeats along these axes; alone: along all three. Points beyond it
+                         are wrapped into it
+  --cell ax,ay,az,bx,by,bz,cx,cy,cz
+                         a triclinic box, periodic along its edges a, b and c, instead of --box
+  --origin x,y,z         the corner of --cell; default 0,0,0
+                         The box of a LAMMPS file is taken, with its tilt and its periodic axes (in
+                         a data file all three), unless --box or --cell is given; --periodic alone
+                         keeps the box
+  --wall nx,ny,nz,d      keep where nx x + ny y + nz z <= d; repeatable: a convex polyhedron, whose
+                         walls are -7, -8, ...
+  --outside error|drop   a point outside of a --wall is an error (default) or gets an empty cell
+  --min-face A           drop faces smaller than A times the mean face area of the run; default 0
+  --weights COL          power diagram with a column of the input as weights ...
+  --radii COL            ... or as radii, whose squares are the weights. COL is a name (.csv with a
+                         line of names, LAMMPS, .ply, PointData, an array or dataset of N numbers;
+                         of atom style sphere also `radius`) or the number of a column from 1
   --duplicates merge|error
                          points of equal coordinates: the first keeps the cell, the others get an
                          empty one (merge, the default), or the input is refused (error)
@@ -30,23 +56,38 @@ domain
 output
   -o, --output FILE      .txt   one row per point, in the order of the input, see --format
                          .npz   NumPy arrays: indptr, indices (row i of the neighbor lists is
-                                indices[indptr[i]:indptr[i+1]]), face_areas beside indices,
-                                volumes, centroids, status, duplicate_of when there are duplicates
+                                indices[indptr[i]:indptr[i+1]]), shifts in periodic domains, what
+                                --want names, status, duplicate_of when there are duplicates
+                         .h5    HDF5: the same arrays (also .hdf5)
+                         .vtu   the cells as polyhedra for ParaView and PyVista, with id, volume,
+                                neighbors, centroid and status; empty cells are VTK_EMPTY_CELL
+                         .ply   the faces, each once, with its two cells (rows from 0, walls < 0)
+                         .obj   the faces, each once
                          -      text on stdout
                          Repeatable. A file is written whole or not at all. A device or a pipe
                          without an extension, such as /dev/null, gets text.
   --format FMT           text row, with the codes of Voro++; default "%i %n"
                            %i  id: that of the input, else the index from 0
-                           %x %y %z  coordinates         %q  the three: "x y z"
-                           %w  number of vertices        %s  number of faces, walls included
-                           %n  ids of the neighbors      %v  volume
-                           %c  centroid relative to the point: "x y z"
-                           %f  areas of the faces, in the order of %n
-                           %F  area of the whole surface; needs --walls
+                           %x %y %z  coordinates of the input  %q  the three: "x y z"
+                           %r  radius, of --radii; without it 0.5, as Voro++ prints
+                           %w  number of vertices        %o  number of edges at each vertex
+                           %p  vertices relative to the point "(x,y,z) ..."    %P  absolute
+                           %m  largest squared distance of a vertex from the point
+                           %g  number of edges           %E  sum of their lengths
+                           %s  number of faces, walls included
+                           %n  neighbors of the faces, ids ascending, walls first; in this order:
+                           %f  areas     %e  perimeters  %a  numbers of edges  %l  outward normals
+                           %t  vertices of each face "(0,3,1) ...", numbers into %p, clockwise
+                               seen from outside
+                           %A  how many faces have 0, 1, 2, ... edges
+                           %F  area of the surface       %v  volume
+                           %c  centroid relative to the point "x y z"          %C  absolute
+                           (a point beyond a periodic box counts where it lies inside)
                            %%  a percent sign
                          Numbers have the fewest digits that read back as the same float64.
-  --want LIST            of neighbors,volumes,centroids,areas; default neighbors,volumes;
-                         an output that needs more adds it, areas add neighbors
+  --want LIST            of neighbors,volumes,centroids,counts,areas,normals,surfaces,radii,
+                         vertices,faces; default neighbors,volumes; an output that needs more adds
+                         it. Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add --walls
   --walls                list the walls of the box too, as neighbors -1 to -6 = xmin, xmax, ymin,
                          ymax, zmin, zmax
   --json                 the summary as one JSON object on stdout

@@ -140,8 +140,11 @@ int run(const Arguments& arguments) {
         const auto write_began = Clock::now();
         std::string png;
         if (arguments.picture) {
+            // The CPU has polygons, whatever the device of the run.
+            for_picture.device = "cpu";
+            const bool drawable = once && !tessellation.vertices().empty();
             png = draw_picture(*arguments.picture, input,
-                               once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began));
+                               drawable ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began));
         }
         const InterruptGuard guard;
         std::optional<OutputFile> image;

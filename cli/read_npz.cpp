@@ -54,7 +54,7 @@ private:
 
     [[nodiscard]] std::string list(const std::vector<const ZipMember*>& members) const {
         std::string text;
-        for (const ZipMember* member : members) text += (text.empty() ? "" : " ") + plain_name(*member);
+        for (const ZipMember* member : members) add_name(text, plain_name(*member));
         return text;
     }
 

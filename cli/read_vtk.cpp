@@ -145,7 +145,7 @@ private:
         const VtkArray* const column = find(piece, request_.column);
         if (!column || column->components != 1) {
             std::string names;
-            for (const VtkArray& array : piece.columns) names += (names.empty() ? "" : " ") + array.name;
+            for (const VtkArray& array : piece.columns) add_name(names, array.name);
             throw error("no column " + in_quotes(request_.column) + " of one number a point in PointData; there are " +
                         (names.empty() ? "none" : names));
         }

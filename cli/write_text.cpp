@@ -5,6 +5,7 @@
 
 #include "output.hpp"
 #include "output_buffer.hpp"
+#include "seed_images.hpp"
 
 namespace clvotess {
 namespace {
@@ -16,7 +17,11 @@ using Polygon = std::span<const std::int32_t>;
 class TextWriter {
 public:
     TextWriter(OutputFile& file, const OutputData& data)
-        : data_(data), cells_(data.tessellation), buffer_(file), areas_(cells_.face_areas()) {}
+        : data_(data),
+          cells_(data.tessellation),
+          buffer_(file),
+          seeds_(data.input.points, cells_),
+          areas_(cells_.face_areas()) {}
 
     void write() {
         for (std::size_t i = 0; i < cells_.size(); ++i) {
@@ -65,14 +70,15 @@ private:
                 return buffer_.put_number(cells_.volumes()[i]);
             case 'c': {
                 const double* const centroid = cells_.centroids().data() + 3 * i;
-                return buffer_.put_three(centroid[0] - seed[0], centroid[1] - seed[1], centroid[2] - seed[2]);
+                const Point origin = seeds_.image(i, {centroid[0], centroid[1], centroid[2]});
+                return buffer_.put_three(centroid[0] - origin[0], centroid[1] - origin[1], centroid[2] - origin[2]);
             }
             case 'C': {
                 const double* const centroid = cells_.centroids().data() + 3 * i;
                 return buffer_.put_three(centroid[0], centroid[1], centroid[2]);
             }
             case 'p':
-                return put_vertices(i, {seed[0], seed[1], seed[2]});
+                return put_vertices(i, seeds_.image(i, mean_vertex(i)));
             case 'P':
                 return put_vertices(i, {});
             default:
@@ -179,20 +185,31 @@ private:
         return length;
     }
 
-    void put_vertices(std::size_t i, const std::array<double, 3>& origin) {
+    // Inside the cell; of none if there is no cell.
+    [[nodiscard]] Point mean_vertex(std::size_t i) const {
+        Point sum{};
+        const Polygon vertices = vertices_of(i);
+        for (const std::int32_t index : vertices) {
+            for (std::size_t k = 0; k < 3; ++k) sum[k] += vertex(index)[k];
+        }
+        for (double& x : sum) x /= static_cast<double>(vertices.size());
+        return sum;
+    }
+
+    void put_vertices(std::size_t i, const Point& origin) {
         put_list(vertices_of(i), [&](std::int32_t index) {
             const double* const at = vertex(index);
             put_bracketed(at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]);
         });
     }
 
-    // The numbers are those of the cell's vertices in %p and %P.
+    // The numbers are those of the cell's vertices in %p and %P, clockwise seen from outside as Voro++ has them.
     void put_polygon(std::size_t i, Polygon corners) {
         const Polygon vertices = vertices_of(i);
         buffer_.put('(');
         for (std::size_t k = 0; k < corners.size(); ++k) {
             if (k > 0) buffer_.put(',');
-            buffer_.put_number(local_number(vertices, corners[k]));
+            buffer_.put_number(local_number(vertices, corners[corners.size() - 1 - k]));
         }
         buffer_.put(')');
     }
@@ -221,6 +238,7 @@ private:
     const OutputData& data_;
     const votess::Tessellation& cells_;
     OutputBuffer buffer_;
+    SeedImages seeds_;
     std::span<const double> areas_;
     std::vector<std::size_t> order_, counts_;
     bool ordered_ = false;  // whether order_ is that of the row at hand

@@ -61,7 +61,7 @@ void main() {
     float line = 0.0;
     if (slope > 0.0 && push.light.w > 0.0) {
         const float size = 1.0 / slope;
-        const float presence = clamp((size - 1.5) / 15.0, 0.0, 1.0);  // none where cells are as small as lines
+        const float presence = clamp(0.05 * size / push.light.w - 0.1, 0.0, 1.0);  // none where cells are as small as lines
         line = presence * (1.0 - smoothstep(push.light.w - 0.5, push.light.w + 0.6, edge * size));
     }
     pixel = vec4(mix(shaded, shaded * 0.16, 0.85 * line), color.a);

@@ -29,6 +29,7 @@ for part in "$@"; do
             need libboost-dev
             need libcli11-dev
             need zlib1g-dev
+            need libhdf5-dev
             need libpng-dev
             need libvulkan-dev
             need libvulkan-volk-dev
@@ -42,9 +43,12 @@ for part in "$@"; do
             need libgmp-dev
             need libqhull-dev
             need voro++-dev
+            need voro++
             need vulkan-validationlayers
             need spirv-tools
             tools/python.sh -c '' 2>/dev/null || wanted+=(python3-numpy)
+            tools/python.sh -c 'import h5py' 2>/dev/null || need python3-h5py
+            tools/python.sh -c 'import vtkmodules' 2>/dev/null || need python3-vtk9
             ;;
         bench)
             need libcli11-dev

@@ -128,8 +128,8 @@ double Scale::at(double value) const {
 }
 
 Ticks Scale::ticks(int wanted) const {
-    // Below a factor of three there are too few round powers.
-    if (logarithmic && high / low > 3) return logarithmic_ticks(*this, wanted);
+    // Within a factor of ten there may be too few round powers.
+    if (logarithmic && high / low >= 10) return logarithmic_ticks(*this, wanted);
     return linear_ticks(*this, wanted);
 }
 

@@ -74,13 +74,12 @@ double color_bar_width(const Scale& scale, const PictureOptions& options, const 
            widest(scale.ticks(bar_ticks), style) + label;
 }
 
-double add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& whole,
-                     Scene& scene) {
-    const double begin = scene.width - color_bar_width(scale, options, sizes);
-    if (!options.color_bar) return begin;
+void add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& whole,
+                   Scene& scene) {
+    if (!options.color_bar) return;
     const TextStyle style = sizes.style(1, options.background);
     const double u = sizes.unit, point = 0.9 * bar_width * u;
-    const double left = begin + bar_gap * u, right = left + bar_width * u;
+    const double left = whole.right + bar_gap * u, right = left + bar_width * u;
     Area area = whole;  // without the points at its ends
     if (scale.above) area.top += point;
     if (scale.below) area.bottom -= point;
@@ -120,7 +119,6 @@ double add_color_bar(const Scale& scale, const PictureOptions& options, const Si
         upwards.upwards = true;
         draw_text(options.label, x, 0.5 * (area.top + area.bottom), 0.5, upwards, out);
     }
-    return begin;
 }
 
 void add_axes(const Axes& axes, const Sizes& sizes, const Area& area, Scene& scene) {

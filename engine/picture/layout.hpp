@@ -23,10 +23,10 @@ struct Sizes {
 // The color of lines and text on this background.
 [[nodiscard]] Color ink(const std::array<std::uint8_t, 4>& background);
 
-// A bar along the right edge of the picture, `area.top` to `area.bottom`; returns where it begins with its margin.
-double add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& area,
-                     Scene& scene);
-// Width that the color bar will take.
+// A bar at the right of the area, from its top to its bottom.
+void add_color_bar(const Scale& scale, const PictureOptions& options, const Sizes& sizes, const Area& area,
+                   Scene& scene);
+// Width that the color bar takes with its margins and text.
 [[nodiscard]] double color_bar_width(const Scale& scale, const PictureOptions& options, const Sizes& sizes);
 
 // A frame around the area with ticks below and at the left. ranges: of the coordinates across and up.

@@ -73,7 +73,10 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     }
     if (options.colormap > Colormap::gray) refuse("picture: no such color map");
     if (options.slice) check_slice(*options.slice, t.box());
-    if (options.threads > 1024) refuse("picture: threads = " + std::to_string(options.threads) + ": give at most 1024");
+    Options run;  // the options that both share
+    run.device = options.device;
+    run.threads = options.threads;
+    check_options(run);
 }
 
 std::vector<Color> color_cells(std::span<const double> values, const Scale& scale, Colormap map) {
@@ -111,6 +114,19 @@ std::vector<Vec3> domain_corners(const Tessellation& t) {
     return corners;
 }
 
+// Vectors by which the domain repeats.
+std::vector<Vec3> domain_periods(const Tessellation& t) {
+    if (t.cell()) return {t.cell()->a, t.cell()->b, t.cell()->c};
+    std::vector<Vec3> periods;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!t.periodic()[k]) continue;
+        Vec3 period{};
+        period[k] = t.box().upper[k] - t.box().lower[k];
+        periods.push_back(period);
+    }
+    return periods;
+}
+
 }  // namespace
 
 Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double> points,
@@ -139,10 +155,10 @@ Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double
             area.left += 110 * sizes.unit;
             area.bottom -= 70 * sizes.unit;
         }
-        area = build_slice({mesh, shown, points, colors, options, domain.periodic, area}, sizes, pool, scene);
+        area = build_slice({mesh, shown, points, colors, options, domain.periods, area}, sizes, pool, scene);
     } else {
         const auto corners = options.frame && !shown.walls_hidden ? std::span(domain.corners) : std::span<const Vec3>();
-        build_solid({mesh, shown, points, colors, options, area}, corners, pool, scene);
+        build_solid({mesh, shown, points, colors, options, area, !domain.periods.empty()}, corners, pool, scene);
         area.top = 0.14 * scene.height;
         area.bottom = 0.86 * scene.height;
     }
@@ -156,8 +172,8 @@ Picture render(const Tessellation& tessellation, std::span<const double> points,
     picture::check(tessellation, points, options);
     const picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
                              tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};
-    picture::Domain domain{tessellation.box(), picture::domain_corners(tessellation), tessellation.periodic()};
-    if (tessellation.cell()) domain.periodic = {};
+    const picture::Domain domain{tessellation.box(), picture::domain_corners(tessellation),
+                                 picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
 #if VOTESS_HAVE_VULKAN
     return gpu::draw(picture::build_scene(mesh, domain, points, values, options), options.device);

@@ -38,16 +38,17 @@ Plane place(const SliceJob& job, const Slice& slice) {
     return plane;
 }
 
-// The places of a cell that may reach into the box.
-std::vector<Vec3> images(const SliceJob& job) {
-    std::vector<Vec3> all;
-    const Box& box = job.shown.bounds;
-    Vec3 size{};
-    for (std::size_t k = 0; k < 3; ++k) size[k] = job.periodic[k] ? box.upper[k] - box.lower[k] : 0;
-    for (int z = job.periodic[2] ? -1 : 0; z <= (job.periodic[2] ? 1 : 0); ++z)
-        for (int y = job.periodic[1] ? -1 : 0; y <= (job.periodic[1] ? 1 : 0); ++y)
-            for (int x = job.periodic[0] ? -1 : 0; x <= (job.periodic[0] ? 1 : 0); ++x)
-                all.push_back({x * size[0], y * size[1], z * size[2]});
+// The shifts of the images of a cell that may reach into the bounds of the domain, which are longer than its edges.
+std::vector<Vec3> images(std::span<const Vec3> periods) {
+    std::vector<Vec3> all{{0, 0, 0}};
+    for (const Vec3& period : periods) {
+        const bool oblique = std::count(period.begin(), period.end(), 0.0) < 2;
+        const int most = oblique ? 2 : 1;
+        std::vector<Vec3> more;
+        for (const Vec3& image : all)
+            for (int k = -most; k <= most; ++k) more.push_back(image + static_cast<double>(k) * period);
+        all = std::move(more);
+    }
     return all;
 }
 
@@ -105,7 +106,7 @@ void add_seeds(const SliceJob& job, const Plane& plane, const Slice& slice, std:
 Area build_slice(const SliceJob& job, const Sizes& sizes, ThreadPool& pool, Scene& scene) {
     const Slice& slice = *job.options.slice;
     const Plane plane = place(job, slice);
-    const std::vector<Vec3> all = images(job);
+    const std::vector<Vec3> all = images(job.periods);
     const std::size_t n = job.mesh.cells();
     std::vector<std::vector<FillVertex>> blocks(block_count(n));
     std::vector<char> met(n);

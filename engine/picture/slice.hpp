@@ -15,8 +15,8 @@ struct SliceJob {
     std::span<const double> points;
     std::span<const Color> colors;  // of the cells
     const PictureOptions& options;
-    std::array<bool, 3> periodic;  // axes along which the cells repeat
-    Area area;                     // at most; the section keeps its shape
+    std::span<const Vec3> periods;  // vectors by which the cells repeat
+    Area area;                      // at most; the section keeps its shape
 };
 
 // Adds the polygons, the seeds and the frame; returns the area that they take.

@@ -55,7 +55,7 @@ void fit(View& view, std::span<const Vec3> points, const Area& area, double heig
     view.distance = 0;
     // The projected middle moves with the distance: a few rounds settle it.
     double shift[2] = {0, 0};
-    for (int round = 0; round < 16; ++round) {
+    for (int round = 0; round < 8; ++round) {
         double distance = 0;
         for (const Vec3& p : points) {
             const double x = std::abs(dot(view.right, p) - shift[0]), y = std::abs(dot(view.up, p) - shift[1]);
@@ -224,6 +224,10 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
                 outline.push_back(frame({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}));
         }
     }
+    // Cells of a periodic domain stick out of it.
+    for (std::size_t v = 0; job.sticks_out && v < job.mesh.vertices.size() / 3; ++v) {
+        outline.push_back(frame(job.mesh.vertex(static_cast<std::int32_t>(v))));
+    }
     for (int corner = 0; !job.shown.walls_hidden && corner < 8; ++corner) {
         Vec3 p;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -232,7 +236,12 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
         outline.push_back(frame(p));
     }
     for (const Vec3& corner : corners) outline.push_back(frame(corner));
-    fit(view, outline, job.area, scene.height);
+    Area area = job.area;
+    if (job.shown.walls_hidden) {  // cells reach beyond their seeds
+        const double margin = 0.03 * scene.height;
+        area = {area.left + margin, area.top + margin, area.right - margin, area.bottom - margin};
+    }
+    fit(view, outline, area, scene.height);
 
     CutSpace space = cut_space(job.options, view, job.shown.bounds);
     std::vector<char> kept = job.shown.cells;

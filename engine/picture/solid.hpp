@@ -19,7 +19,8 @@ struct SolidJob {
     std::span<const double> points;
     std::span<const Color> colors;  // of the cells
     const PictureOptions& options;
-    Area area;  // to fill
+    Area area;        // to fill
+    bool sticks_out;  // cells reach beyond the bounds
 };
 
 // Adds the view, the triangles and the domain's edges. `corners` holds the domain's eight corners, bit a of the index
@@ -33,7 +34,7 @@ void add_fan(const Polygon& polygon, const Vec3& normal, Color color, std::vecto
 struct Domain {
     Box box;                    // its bounds
     std::vector<Vec3> corners;  // as in build_solid
-    std::array<bool, 3> periodic{};
+    std::vector<Vec3> periods;  // vectors by which the cells repeat
 };
 
 // All of a picture but the drawing. values: what the cells are colored by.

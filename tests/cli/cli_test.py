@@ -16,9 +16,11 @@ SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreig
 JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
              "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
-OPTIONS = ["--random", "--rng-seed", "--output", "--format", "--want", "--walls", "--box", "--device", "--threads",
-           "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify", "--json",
-           "--list-devices", "--version", "--quiet", "--help"]
+OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--output", "--format", "--want",
+           "--walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--outside", "--min-face", "--image",
+           "--image-size", "--slice", "--cut", "--view", "--color", "--colormap", "--seeds", "--device", "--threads",
+           "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
+           "--json", "--list-devices", "--version", "--quiet", "--help"]
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 
 CUBE = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"

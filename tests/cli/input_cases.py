@@ -45,10 +45,33 @@ class Source(CliTest):
                           [9, 8])
         self.assert_reads("a.csv", "pos x,pos y,pos z\n1,2,3\n", [[1, 2, 3]])
         self.assert_reads("a.csv", "x,y,z\n", [])
-        self.refuse(self.put("a.csv", "x,y,z,id\n1,2,3,4\n"), says=["a.csv:2:", "'x' in column 1"])
+        # Names say where the columns are; others are passed over, or taken as values.
+        self.assert_reads("a.csv", "x,y,z,id\n1,2,3,4\n", [[1, 2, 3]], [4])
+        many = self.put("a.csv", 'mass,"Z",name_is_1,y,ID,x\n0.5,3,7,2,9,1\n0.25,6,7,5,8,4\n')
+        self.assert_reads("a.csv", (self.folder / many).read_text(), [[1, 2, 3], [4, 5, 6]], [9, 8])
+        for column in ["mass", "Mass", "1"]:
+            self.assertEqual(self.rows(many, "--radii", column, "--format", "%r"), ["0.5", "0.25"])
+        self.refuse(many, "--radii", "r", says=["a.csv:2:", "'r'", "mass z name_is_1 y id x"])
+        self.refuse(self.put("a.csv", "x,y,w\n1,2,3\n"), says=["a.csv:2:", "not all three"])
         self.refuse(self.put("a.csv", "1,2,3\nx,y,z\n"), says=["a.csv:2:", "'x'"])
         self.refuse(self.put("a.csv", "1,2,oops\n1,2,3\n"), says=["a.csv:1:", "'oops'"])
         self.refuse(self.put("a.txt", "x y z\n1 2 3\n"), says=["a.txt:1:", "'x'"])
+
+    def test_columns(self):
+        for content, column, ids in [("1 2 3 0.1\n4 5 6 0.2\n", "4", None), ("7 1 2 3 0.1\n8 4 5 6 0.2\n", "5", [7, 8]),
+                                     ("0.1 1 2 3\n0.2 4 5 6\n", "1", None), ("7 0.1 1 2 3\n8 0.2 4 5 6\n", "2", [7, 8])]:
+            for option in ["--radii", "--weights"]:
+                rows = [row.split() for row in self.rows(self.put("a.txt", content), option, column, "--format", "%i %q %r")]
+                self.assertEqual([row[1:4] for row in rows], [["1", "2", "3"], ["4", "5", "6"]])
+                self.assertEqual([int(row[0]) for row in rows], ids or [0, 1])
+                self.assertEqual([row[4] for row in rows], ["0.1", "0.2"] if option == "--radii" else ["0.5", "0.5"])
+        self.refuse("a.txt", "--radii", "6", says=["'6'", "1 2 3 4 5"])
+        self.refuse("a.txt", "--radii", "0", says="'0'")
+        self.refuse(self.put("a.txt", "1 2 3 a\n"), "--radii", "4", says=["a.txt:1:", "'a'"])
+        self.refuse(self.put("a.txt", "1 2 3\n"), "--radii", "3", says="that of the values")
+        self.assertEqual(self.rows(self.put("a.xyz", "2\n\nH 1 2 3 9 0.1\nH 4 5 6 9 0.2\n"), "--radii", "6", "--format", "%q %r"),
+                         ["1 2 3 0.1", "4 5 6 0.2"])
+        self.refuse(self.put("a.xyz", "2\n\nH 1 2 3 0.1\nH 4 5 6\n"), "--radii", "5", says=["a.xyz:4:", "4 columns"])
 
     def test_classic_xyz(self):
         classic = "2\n# anything, 1 2 3\nH 1 2 3\nHe 4 5 6\n"
@@ -143,10 +166,10 @@ class Source(CliTest):
     def test_unreadable(self):
         self.refuse("absent.txt", says=["absent.txt", "No such file"])
         self.refuse("absent.npy", says=["absent.npy", "No such file"])
-        for name in ["a.h5", "a.hdf5", "a", "a.dat"]:
+        for name in ["a", "a.dat"]:
             self.put(name, CUBE)
             self.refuse(name, says=[name, ".npy"])
-        for name in ["folder.txt", "folder.npy"]:
+        for name in ["folder.txt", "folder.npy", "folder.npz", "folder.ply", "folder.vtu", "folder.dump"]:
             (self.folder / name).mkdir()
             self.refuse(name, says=name)
         self.refuse("", says="INPUT")

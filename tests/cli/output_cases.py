@@ -31,7 +31,7 @@ class TextOutput(CliTest):
 
     def test_bad_codes(self):
         self.put("a.txt", CUBE)
-        for form, says in [("%i %k", "'%k'"), ("%r", "'%r'"), ("%", "%%"), ("%i %", "%%"), ("", "empty"), ("% i", "'% '"),
+        for form, says in [("%i %k", "'%k'"), ("%b", "'%b'"), ("%", "%%"), ("%i %", "%%"), ("", "empty"), ("% i", "'% '"),
                            ("%I", "'%I'"), ("%i\n%n", "line end")]:
             self.refuse("a.txt", "-o", "out.txt", "--format", form, says=["--format", says])
 
@@ -97,28 +97,112 @@ class TextOutput(CliTest):
     def digits(text):
         return re.sub(r"e.*|[-.]", "", text).strip("0")
 
+    CODES = "ixyzqrwpPomgEesFAaftlnvcC"
+
+    @staticmethod
+    def lists_of_faces(row):
+        """Of a row with all codes: for each neighbor what the lists of faces say, the polygon as its corners."""
+        corners = TextOutput.brackets(row["P"])
+        faces = {}
+        columns = [row["n"].split(), row["e"].split(), row["a"].split(), row["f"].split(), TextOutput.brackets(row["l"]),
+                   [[int(v) for v in face] for face in TextOutput.brackets(row["t"])]]
+        for neighbor, perimeter, size, area, normal, polygon in zip(*columns, strict=True):
+            faces[int(neighbor)] = (float(perimeter), int(size), float(area), normal, [corners[v] for v in polygon])
+        return faces
+
+    @staticmethod
+    def brackets(text):
+        return [[float(x) for x in group.split(",")] for group in re.findall(r"\(([^)]*)\)", text)]
+
+    def assert_same_polygon(self, mine, other):
+        """The same corners in the same sense, whichever comes first."""
+        mine, other = np.array(mine), np.array(other)
+        self.assertEqual(mine.shape, other.shape)
+        self.assertLess(min(np.abs(np.roll(mine, k, axis=0) - other).max() for k in range(len(mine))), 2e-5)
+
     def test_against_voropp(self):
         voropp = shutil.which("voro++")
         if not voropp:
             self.skipTest("no voro++")
-        self.put("v", "".join(f"{i} {row}" for i, row in enumerate(text_of(random_points(400)).splitlines(True))))
+        count = 400
+        form = "|".join("%" + code for code in self.CODES)
+        radii = 0.05 + random_points(count)[:, 2] / 50
+        rows = [f"{i} {row}" for i, row in enumerate(text_of(random_points(count)).splitlines())]
+        self.put("v", "".join(row + "\n" for row in rows))
         shutil.copy(self.folder / "v", self.folder / "v.txt")
-        subprocess.run([voropp, "-c", "%i|%q|%w|%s|%n|%v|%c|%F|%f", *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True,
+        subprocess.run([voropp, "-c", form, *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True, capture_output=True)
+        mine, other = ({int(row[0]): dict(zip(self.CODES, row, strict=True)) for row in (line.split("|") for line in lines)}
+                       for lines in [self.rows("v.txt", "--walls", "--box", "0,0,0,1,1,1", "--format", form),
+                                     (self.folder / "v.vol").read_text().splitlines()])
+        self.assertEqual(len(other), count)
+        for i, row in mine.items():
+            their = other[i]
+            for code in "iwsgA":
+                self.assertEqual(row[code], their[code], code)
+            for code in "xyzqrmEFvcC":
+                np.testing.assert_allclose(np.array(row[code].split(), float), np.array(their[code].split(), float),
+                                           rtol=1e-4, atol=2e-6, err_msg=code)
+            for code in "pP":  # their order of vertices is another
+                vertices, their_vertices = np.array(self.brackets(row[code])), np.array(self.brackets(their[code]))
+                apart = np.abs(vertices[:, None] - their_vertices[None]).max(axis=2)
+                self.assertLess(apart.min(axis=1).max(), 2e-5, code)
+                self.assertLess(apart.min(axis=0).max(), 2e-5, code)
+            self.assertEqual(sorted(row["o"].split()), sorted(their["o"].split()))
+            faces, their_faces = self.lists_of_faces(row), self.lists_of_faces(their)
+            self.assertEqual(list(faces), sorted(faces))
+            self.assertEqual(faces.keys(), their_faces.keys())
+            for neighbor, face in faces.items():
+                one = their_faces[neighbor]
+                self.assertEqual(face[1], one[1])
+                np.testing.assert_allclose([face[0], face[2]], [one[0], one[2]], rtol=1e-4, atol=1e-5)
+                if one[2] > 1e-4:  # theirs of tiny faces are noise
+                    np.testing.assert_allclose(face[3], one[3], atol=1e-4)
+                self.assert_same_polygon(face[4], one[4])
+        # Radii: what -r reads in Voro++. Its radii change the cells, which %r does not tell.
+        self.put("r", "".join(f"{row} {r!r}\n" for row, r in zip(rows, radii.tolist())))
+        subprocess.run([voropp, "-r", "-c", "%i %r", *"0 1 0 1 0 1 r".split()], cwd=self.folder, check=True,
                        capture_output=True)
-        rows = self.rows("v.txt", "--walls", "--box", "0,0,0,1,1,1", "--format", "%i|%q|%w|%s|%n|%v|%c|%F|%f")
-        theirs = {int(row.split("|")[0]): row.split("|") for row in (self.folder / "v.vol").read_text().splitlines()}
-        self.assertEqual(len(theirs), 400)
-        for row in rows:
-            mine = row.split("|")
-            other = theirs[int(mine[0])]
-            self.assertEqual(mine[2:4], other[2:4])
-            self.assertEqual(sorted(map(int, mine[4].split())), sorted(map(int, other[4].split())))
-            areas = dict(zip(other[4].split(), map(float, other[8].split())))
-            np.testing.assert_allclose(np.array(mine[8].split(), float), [areas[id] for id in mine[4].split()],
-                                       rtol=1e-4, atol=1e-6)
-            for column in [1, 5, 6, 7]:
-                np.testing.assert_allclose(np.array(mine[column].split(), float), np.array(other[column].split(), float),
-                                           rtol=1e-4, atol=1e-6)
+        shutil.copy(self.folder / "r", self.folder / "r.txt")
+        their = dict(row.split() for row in (self.folder / "r.vol").read_text().splitlines())
+        for row in self.rows("r.txt", "--radii", "5", "--box", "0,0,0,1,1,1", "--format", "%i %r"):
+            i, r = row.split()
+            self.assertAlmostEqual(float(r), float(their[i]), delta=1e-6)
+
+    def test_codes_of_faces(self):
+        # A cube: what every code must say is known. With ids whose order is not that of the rows.
+        self.put("a.txt", "".join(f"{9 - i} {row}\n" for i, row in enumerate(CUBE.splitlines())))
+        form = "%n|%a|%A|%e|%E|%o|%m|%g|%F|%r|%C|%P|%p|%l|%t"
+        for i, text in enumerate(self.rows("a.txt", "--box", CUBE_BOX, "--format", form)):
+            row = dict(zip(re.sub("[%|]", "", form), text.split("|"), strict=True))
+            walls = [-5 - (i >> 2), -3 - (i >> 1 & 1), -1 - (i & 1)]
+            self.assertEqual([int(j) for j in row["n"].split()], walls + sorted(9 - j for j in CUBE_NEIGHBORS[i]))
+            self.assertEqual((row["a"], row["A"], row["o"]), ("4 4 4 4 4 4", "0 0 0 0 6", "3 3 3 3 3 3 3 3"))
+            self.assertEqual((row["e"], row["E"], row["g"], row["F"], row["r"]), ("4 4 4 4 4 4", "12", "12", "6", "0.5"))
+            self.assertAlmostEqual(float(row["m"]), 0.75, places=15)
+            center = np.array(CUBE.splitlines()[i].split(), float)
+            np.testing.assert_allclose(np.array(row["C"].split(), float), center, atol=1e-15)
+            corners = np.array(self.brackets(row["P"]))
+            np.testing.assert_array_equal(corners - center, self.brackets(row["p"]))
+            self.assertEqual(len(np.unique(corners, axis=0)), 8)
+            np.testing.assert_array_equal(np.abs(corners - center), np.full((8, 3), 0.5))
+            for neighbor, normal, polygon in zip(row["n"].split(), self.brackets(row["l"]), self.brackets(row["t"]), strict=True):
+                face = corners[[int(v) for v in polygon]] - center
+                np.testing.assert_array_equal(face.mean(axis=0), np.array(normal) / 2)  # outward
+                turn = np.cross(face[1] - face[0], face[2] - face[1])
+                np.testing.assert_array_equal(-turn, normal)  # clockwise seen from outside, as Voro++ has it
+                if int(neighbor) >= 0:
+                    other = np.array(CUBE.splitlines()[9 - int(neighbor)].split(), float)
+                    np.testing.assert_array_equal(other - center, normal)
+        # A cell that is not there has empty lists and no size.
+        self.put("d.txt", "0 0 0\n1 1 1\n0 0 0\n")
+        self.assertEqual(self.rows("d.txt", "--format", form)[2], "||||0||0|0|0|0.5|nan nan nan||||")
+
+    def test_faces_list_walls(self):
+        # Without polygons the rows hold no walls, unless asked for.
+        self.put("a.txt", CUBE)
+        for form, walls in [("%n", False), ("%n %f %l %s %F", False), ("%n %w %p", False), ("%n %t", True), ("%n %o", True)]:
+            row = self.rows("a.txt", "--box", CUBE_BOX, "--format", form)[0]
+            self.assertEqual(row.startswith("-5 -3 -1"), walls, form)
 
     def test_rows_longer_than_usual(self):
         # One seed inside a sphere of many: a row of thousands of neighbors.
@@ -161,7 +245,13 @@ class ArrayOutput(CliTest):
                             (["--want", "neighbors"], ["indptr", "indices", "status"]),
                             (["--want", "volumes"], ["volumes", "status"]),
                             (["--want", "areas"], ["indptr", "indices", "face_areas", "status"]),
-                            (["--want=centroids,volumes"], ["volumes", "centroids", "status"])]:
+                            (["--want=centroids,volumes"], ["volumes", "centroids", "status"]),
+                            (["--want=counts"], ["face_counts", "edge_counts", "vertex_counts", "status"]),
+                            (["--want=normals"], ["indptr", "indices", "face_normals", "status"]),
+                            (["--want=surfaces,radii"], ["surface_areas", "security_radii", "status"]),
+                            (["--want=vertices"], ["vertices", "cell_vertex_indptr", "cell_vertex_indices", "status"]),
+                            (["--want=faces"], ["indptr", "indices", "vertices", "cell_vertex_indptr",
+                                                "cell_vertex_indices", "face_offsets", "face_vertices", "status"])]:
             self.assertEqual(sorted(self.load("--random", "50", *want)), sorted(names))
         # Text that needs more adds it.
         self.run_cli("--random", "50", "--want", "volumes", "-o", "cells.txt", "--format", "%n %c %w")

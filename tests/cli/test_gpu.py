@@ -6,8 +6,9 @@ import unittest
 
 from cli_test import CLI
 from device_cases import Devices
+from picture_cases import Pictures
 
-__all__ = ["Devices"]
+__all__ = ["Devices", "Pictures"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -49,23 +49,26 @@ class Usage(CliTest):
                                 (["a.txt", "-g", "-1"], "--grid-resolution"), (["a.txt", "-g", "1048577"], "1048576"),
                                 (["a.txt", "-g", "99999999999999999999"], "--grid-resolution"),
                                 (["a.txt", "--duplicates", "maybe"], "'maybe'"),
-                                (["a.txt", "--want", "faces"], ["'faces'", "neighbors, volumes, centroids and areas"]),
-                                (["a.txt", "--want", "volumes,vertices"], "'vertices'"), (["a.txt", "--want", ""], "''"),
+                                (["a.txt", "--want", "cells"], ["'cells'", "neighbors, volumes, centroids, counts"]),
+                                (["a.txt", "--want", "volumes,edges"], "'edges'"), (["a.txt", "--want", ""], "''"),
+                                (["a.txt", "--weights", "4", "--radii", "4"], "not both"),
+                                (["--random", "5", "--radii", "4"], "--random"), (["a.txt", "--weights", ""], "--weights"),
+                                (["a.txt", "--dataset", "a"], "--dataset"), (["a.txt", "--dataset", ""], "--dataset"),
+                                (["--random", "5", "--dataset", "a"], "--random"), (["a.txt", "--frame", "x"], "'x'"),
+                                (["a.txt", "--frame", "1"], "LAMMPS"), (["--random", "5", "--frame", "1"], "--random"),
                                 (["a.txt", "--format", "%i"], "text output"),
                                 (["a.txt", "-o", "c.npz", "--format", "%i"], "text output"),
-                                (["a.txt", "-o", "-", "--format", "%F"], "--walls"),
                                 (["a.txt", "-o", "-", "--json"], "stdout"), (["a.txt", "-o", "-", "-o", "-"], "twice"),
                                 (["a.txt", "--quiet=maybe"], "quiet"), (["a.txt", "-o"], "output")]:
             with self.subTest(arguments):
                 self.refuse(*arguments, says=says)
 
-    def test_options_of_later_versions_do_not_exist(self):
+    def test_options_and_outputs_that_do_not_exist(self):
         self.put("a.txt", CUBE)
-        for option in ["--periodic", "--cell=1", "--origin=1", "--wall=1,0,0,1", "--min-face=0", "--weights=1",
-                       "--radii=1", "--image=a.png", "--dataset=a", "--bogus", "-z"]:
+        for option in ["--bogus", "-z"]:
             with self.subTest(option):
                 self.refuse("a.txt", option, "-o", "out.txt", says=["unknown option", option.split("=")[0]])
-        for name in ["a.h5", "a.vtu", "a.ply", "a.hdf5", "out", "out.csv"]:
+        for name in ["a.vtp", "a.stl", "out", "out.csv"]:
             self.refuse("a.txt", "-o", name, says=[f"'{name}'", ".npz"])
 
     def test_bad_domain(self):
@@ -121,9 +124,10 @@ class Usage(CliTest):
         self.assertEqual(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", text)), set(OPTIONS))
         for option in SHORT_OPTIONS:
             self.assertRegex(text, rf"(?m)^  {option}, --")
-        for code in "ixyzqwsnvc%":
+        for code in "ixyzqrwpPomgEesFAaftlnvcC%":
             self.assertIn("%" + code, text)
-        for word in ["units", "exit codes", ".xyz", ".txt", ".csv", ".npy", ".npz", "stdin", "stdout", "default"]:
+        for word in ["units", "exit codes", ".xyz", ".txt", ".csv", ".npy", ".npz", ".h5", ".hdf5", ".dump", ".lammpstrj",
+                     ".data", ".lmp", ".ply", ".vtp", ".vtu", ".obj", "stdin", "stdout", "default"]:
             self.assertIn(word, text)
         self.assertLessEqual(max(map(len, text.splitlines())), 100)
         # The example runs as it stands, with fewer points.

@@ -754,6 +754,25 @@ class Tessellation:
         """Counts and seconds per stage."""
         return self._stats
 
+    def plot(
+        self,
+        slice: Optional[Tuple[str, float]] = None,
+        color: Union[str, npt.ArrayLike] = "volume",
+        ax: Any = None,
+        **style: Any,
+    ) -> Any:
+        """Shows the cells; needs "faces" in want, and volumes unless another color is given.
+
+        ``slice=("z", 0.5)`` draws the section by that plane with matplotlib, into ``ax`` or a new figure, and returns
+        the axes. Without a slice PyVista, where it is installed, shows the cells in space without those of one octant,
+        and the plotter is returned (``t.plot().show()``); else the section through the middle is drawn.
+        ``color``: "volume", "neighbors", "x", "y", "z", or one value for each cell. ``style`` goes to matplotlib's
+        PolyCollection or to PyVista's add_mesh, such as ``cmap="magma"``.
+        """
+        from ._plot import plot
+
+        return plot(self, slice, color, ax, **style)
+
     def verify(self, sample: int = 64, rng_seed: int = 1) -> VerifyReport:
         """Checks this result against its points.
 

@@ -1,0 +1,217 @@
+"""Pictures of a tessellation: plane sections by matplotlib, cells in space by PyVista. Imported by the first plot()."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .tessellation import Tessellation
+
+    Float64Array = npt.NDArray[np.float64]
+    Int64Array = npt.NDArray[np.int64]
+
+_AXES = "xyz"
+
+
+def _mesh(t: Tessellation) -> Tuple[Int64Array, Int64Array, Int64Array, Float64Array]:
+    """Face of each row's begin, begins of the faces' polygons, their vertices, and the vertices' coordinates."""
+    try:
+        return (
+            np.asarray(t.neighbors.indptr, np.int64),
+            np.asarray(t.face_offsets, np.int64),
+            np.asarray(t.face_vertices, np.int64),
+            np.asarray(t.vertices, np.float64),
+        )
+    except AttributeError:
+        raise ValueError("plot() needs the polygons of the cells: put 'faces' into want") from None
+
+
+def section(t: Tessellation, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
+    """The cells that the plane ``coordinate[axis] == value`` cuts, ascending, and for each its polygon (M, 2).
+
+    The coordinates of the polygons are the other two, in the order x, y, z.
+    """
+    indptr, offsets, loops, vertices = _mesh(t)
+    above = vertices[:, axis] > value
+    # Every side of every polygon, to the next corner of its loop.
+    following = np.arange(1, len(loops) + 1)
+    sizes = np.diff(offsets)
+    following[offsets[1:][sizes > 0] - 1] = offsets[:-1][sizes > 0]
+    crossed = np.flatnonzero(above[loops] != above[loops[following]])
+    a, b = loops[crossed], loops[following[crossed]]
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    cell_of_face = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
+    cell = cell_of_face[np.searchsorted(offsets, crossed, side="right") - 1]
+    # Two faces of a cell share each of its edges.
+    edges = np.unique(np.stack([cell, low, high], axis=1), axis=0)
+    if len(edges) == 0:
+        return np.empty(0, np.int64), []
+    cell, low, high = edges.T
+    start, end = vertices[low], vertices[high]
+    part = (value - start[:, axis]) / (end[:, axis] - start[:, axis])
+    others = [k for k in range(3) if k != axis]
+    points = (start + part[:, None] * (end - start))[:, others]
+    # A section is convex: around its middle, the order by angle is that along its border.
+    cells, first, which, count = np.unique(cell, return_index=True, return_inverse=True, return_counts=True)
+    middle = np.stack([np.bincount(which, points[:, k]) for k in range(2)], axis=1) / count[:, None]
+    away = points - middle[which]
+    order = np.lexsort((np.arctan2(away[:, 1], away[:, 0]), which))
+    polygons = np.split(points[order], first[1:])
+    kept = count >= 3
+    return cells[kept], [polygon for polygon, keep in zip(polygons, kept) if keep]
+
+
+def _values(t: Tessellation, color: Any) -> Tuple[Float64Array, str]:
+    if isinstance(color, str):
+        if color == "volume":
+            return np.asarray(t.volumes), "volume"
+        if color == "neighbors":
+            lists = t.neighbors
+            cell = np.repeat(np.arange(len(t)), np.diff(lists.indptr))
+            return np.bincount(cell[lists.indices >= 0], minlength=len(t)).astype(np.float64), "neighbors"
+        if color in _AXES:
+            return np.asarray(t.points, np.float64)[:, _AXES.index(color)], color
+        raise ValueError(f"color is {color!r}: give 'volume', 'neighbors', 'x', 'y', 'z' or {len(t)} values")
+    values = np.asarray(color, np.float64)
+    if values.shape != (len(t),):
+        raise ValueError(f"color has shape {values.shape}: give one value for each of the {len(t)} cells")
+    return values, ""
+
+
+def _limits(values: Float64Array) -> Tuple[float, float, bool]:
+    """The range of colors, and whether it is so wide that a logarithmic scale serves better."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return 0.0, 1.0, False
+    low, high = (float(x) for x in np.quantile(finite, (0.005, 0.995)))
+    return low, high, low > 0 and high / low > 30
+
+
+def _periods(t: Tessellation) -> List[Sequence[float]]:
+    """For each axis the shifts of the images of a cell that may reach into the box."""
+    size = np.asarray(t.box)[1] - np.asarray(t.box)[0]
+    periodic = getattr(t, "periodic", (False, False, False))
+    if np.ndim(periodic) == 0:
+        periodic = (bool(periodic),) * 3
+    return [(-s, 0.0, s) if p else (0.0,) for s, p in zip(size, periodic)]
+
+
+def _images(t: Tessellation, axis: int, value: float) -> Iterator[Tuple[Int64Array, List[Float64Array]]]:
+    periods = _periods(t)
+    others = [k for k in range(3) if k != axis]
+    for shift in periods[axis]:
+        cells, polygons = section(t, axis, value - shift)
+        for image in itertools.product(*(periods[k] for k in others)):
+            yield cells, [polygon + image for polygon in polygons] if any(image) else polygons
+
+
+def _parse_slice(t: Tessellation, where: Any) -> Tuple[int, float]:
+    try:
+        name, value = where
+        axis, value = _AXES.index(name), float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"slice is {where!r}: give an axis and a value, such as ('z', 0.5)") from None
+    low, high = np.asarray(t.box)[:, axis]
+    if not low < value < high:
+        raise ValueError(f"slice at {name} = {value:g} is not inside the box, which spans {low:g} to {high:g}")
+    return axis, value
+
+
+def _plot_slice(t: Tessellation, axis: int, value: float, color: Any, ax: Any, **style: Any) -> Any:
+    import matplotlib.pyplot as plt
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import LogNorm, Normalize
+
+    values, label = _values(t, color)
+    low, high, logarithmic = _limits(values)
+    style.setdefault("norm", (LogNorm if logarithmic else Normalize)(low, high))
+    style.setdefault("edgecolors", (0, 0, 0, 0.6))
+    style.setdefault("linewidths", 0.5)
+    polygons: List[Float64Array] = []
+    colors: List[Float64Array] = []
+    for cells, some in _images(t, axis, value):
+        polygons += some
+        colors.append(values[cells])
+    if ax is None:
+        ax = plt.subplots()[1]
+    collection = PolyCollection(polygons, array=np.concatenate(colors), **style)
+    ax.add_collection(collection)
+    box = np.asarray(t.box)
+    across, up = (k for k in range(3) if k != axis)
+    ax.set(
+        xlim=box[:, across],
+        ylim=box[:, up],
+        xlabel=_AXES[across],
+        ylabel=_AXES[up],
+        aspect="equal",
+        title=f"{_AXES[axis]} = {value:g}",
+    )
+    ax.figure.colorbar(collection, ax=ax, label=label, extend="both")
+    return ax
+
+
+def _polyhedra(t: Tessellation) -> Tuple[Int64Array, Int64Array, Float64Array]:
+    """The cells that are not empty, their faces as VTK wants polyhedra, and the vertices' coordinates."""
+    indptr, offsets, loops, vertices = _mesh(t)
+    # A face is its number of corners, then these; a cell the length of the rest, its number of faces, then these.
+    sizes = np.diff(offsets)
+    face_begin = np.concatenate(([0], np.cumsum(sizes + 1)))
+    faces = np.empty(face_begin[-1], np.int64)
+    faces[face_begin[:-1]] = sizes
+    faces[np.delete(np.arange(len(faces)), face_begin[:-1])] = loops
+    cells = np.flatnonzero(np.diff(indptr) > 0)
+    words: List[npt.NDArray[Any]] = []
+    for i in cells:
+        stream = faces[face_begin[indptr[i]] : face_begin[indptr[i + 1]]]
+        words += [np.array((len(stream) + 1, indptr[i + 1] - indptr[i])), stream]
+    return cells, np.concatenate(words) if words else np.empty(0, np.int64), vertices
+
+
+def _plot_space(t: Tessellation, pyvista: Any, color: Any, **style: Any) -> Any:
+    values, label = _values(t, color)
+    cells, words, vertices = _polyhedra(t)
+    vtk_polyhedron = 42
+    grid = pyvista.UnstructuredGrid(words, np.full(len(cells), vtk_polyhedron, np.uint8), vertices)
+    grid.cell_data[label or "value"] = values[cells]
+    # Cut open: without the cells of one octant.
+    points = np.asarray(t.points, np.float64)[cells]
+    middle = np.asarray(t.box).mean(axis=0)
+    grid = grid.extract_cells(np.flatnonzero(~(points > middle).all(axis=1)))
+    low, high, logarithmic = _limits(values)
+    plotter = pyvista.Plotter()
+    style = {"scalars": label or "value", "show_edges": True, "clim": (low, high), "log_scale": logarithmic, **style}
+    plotter.add_mesh(grid, **style)
+    plotter.add_mesh(pyvista.Box(np.asarray(t.box).T.ravel()), style="wireframe", color="gray")
+    plotter.camera_position = "iso"
+    return plotter
+
+
+def plot(
+    t: Tessellation,
+    slice: Optional[Tuple[str, float]] = None,
+    color: Union[str, npt.ArrayLike] = "volume",
+    ax: Any = None,
+    **style: Any,
+) -> Any:
+    """See :meth:`Tessellation.plot`."""
+    _mesh(t)
+    if slice is None and ax is None:
+        try:
+            import pyvista
+        except ImportError:
+            pass
+        else:
+            return _plot_space(t, pyvista, color, **style)
+    try:
+        import matplotlib.pyplot  # noqa: F401
+    except ImportError:
+        needed = "matplotlib" if slice is not None or ax is not None else "PyVista or matplotlib"
+        raise ImportError(f"plot() needs {needed}: pip install {needed.split()[-1].lower()}") from None
+    middle = float(np.asarray(t.box)[:, 2].mean())
+    axis, value = _parse_slice(t, slice if slice is not None else ("z", middle))
+    return _plot_slice(t, axis, value, color, ax, **style)

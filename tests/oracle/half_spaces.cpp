@@ -1,0 +1,305 @@
+#include "half_spaces.hpp"
+
+#include <gmpxx.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+namespace test {
+namespace {
+
+using Vec = std::array<mpq_class, 3>;
+using Polygon = std::vector<Vec>;
+
+struct HalfSpace {  // n.x <= h
+    Vec n;
+    mpq_class h;
+    ExactFace face;
+    double near = 0;  // for the order of clipping
+    bool bisector = false;
+};
+
+mpq_class dot(const Vec& a, const Vec& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vec cross(const Vec& a, const Vec& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+void clip(Polygon& polygon, const HalfSpace& by) {
+    std::vector<mpq_class> s;
+    for (const Vec& v : polygon) s.push_back(dot(by.n, v) - by.h);
+    if (std::ranges::none_of(s, [](const mpq_class& x) { return x > 0; })) return;
+    Polygon kept;
+    for (std::size_t a = 0; a < polygon.size(); ++a) {
+        const std::size_t b = (a + 1) % polygon.size();
+        if (s[a] <= 0) kept.push_back(polygon[a]);
+        if (sgn(s[a]) * sgn(s[b]) >= 0) continue;
+        const mpq_class t = s[a] / (s[a] - s[b]);
+        Vec v;
+        for (std::size_t k = 0; k < 3; ++k) v[k] = polygon[a][k] + t * (polygon[b][k] - polygon[a][k]);
+        kept.push_back(std::move(v));
+    }
+    if (kept.size() < 3) kept.clear();
+    polygon = std::move(kept);
+}
+
+// The plane inside a cube of that half width.
+Polygon begin_polygon(const HalfSpace& plane, const mpq_class& width) {
+    std::size_t k = 0;
+    for (std::size_t a = 1; a < 3; ++a)
+        if (abs(plane.n[a]) > abs(plane.n[k])) k = a;
+    const std::size_t u = (k + 1) % 3, v = (k + 2) % 3;
+    Polygon polygon;
+    for (const auto& [at_u, at_v] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}}) {
+        Vec corner;
+        corner[u] = at_u * width;
+        corner[v] = at_v * width;
+        corner[k] = (plane.h - plane.n[u] * corner[u] - plane.n[v] * corner[v]) / plane.n[k];
+        polygon.push_back(corner);
+    }
+    return polygon;
+}
+
+// Most planes are far from the cell, which floating point can tell: clips by half-spaces moved outward by more than all
+// rounding. True: the exact polygon is empty.
+struct Rounded {
+    std::array<double, 3> n;  // of length one
+    double h;
+};
+
+bool surely_empty(const std::vector<Rounded>& all, std::size_t plane, double width, double cube) {
+    const auto& [n, h] = all[plane];
+    std::size_t k = 0;
+    for (std::size_t a = 1; a < 3; ++a)
+        if (std::abs(n[a]) > std::abs(n[k])) k = a;
+    const std::size_t u = (k + 1) % 3, v = (k + 2) % 3;
+    std::vector<std::array<double, 3>> polygon, kept;
+    for (const auto& [at_u, at_v] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}}) {
+        std::array<double, 3> corner;
+        corner[u] = at_u * cube;
+        corner[v] = at_v * cube;
+        corner[k] = (h - n[u] * corner[u] - n[v] * corner[v]) / n[k];
+        polygon.push_back(corner);
+    }
+    const double outward = 1e-7 * width;
+    for (std::size_t o = 0; o < all.size() && !polygon.empty(); ++o) {
+        if (o == plane) continue;
+        const auto side = [&](const std::array<double, 3>& x) {
+            return all[o].n[0] * x[0] + all[o].n[1] * x[1] + all[o].n[2] * x[2] - all[o].h - outward;
+        };
+        kept.clear();
+        for (std::size_t a = 0; a < polygon.size(); ++a) {
+            const auto &from = polygon[a], &to = polygon[(a + 1) % polygon.size()];
+            const double s = side(from), t = side(to);
+            if (s <= 0) kept.push_back(from);
+            if ((s > 0) == (t > 0)) continue;
+            std::array<double, 3> x;
+            for (std::size_t axis = 0; axis < 3; ++axis) x[axis] = from[axis] + s / (s - t) * (to[axis] - from[axis]);
+            kept.push_back(x);
+        }
+        polygon.swap(kept);
+    }
+    return polygon.empty();
+}
+
+// The same plane, seen from the same side.
+bool coincide(const HalfSpace& a, const HalfSpace& b) {
+    const Vec turned = cross(a.n, b.n);
+    if (turned[0] != 0 || turned[1] != 0 || turned[2] != 0 || dot(a.n, b.n) <= 0) return false;
+    return a.h * dot(b.n, b.n) == b.h * dot(a.n, b.n);
+}
+
+Vec exact(const std::array<double, 3>& x) {
+    return {mpq_class(x[0]), mpq_class(x[1]), mpq_class(x[2])};
+}
+
+std::array<Vec, 3> vectors_of(const votess::Options& options) {
+    std::array<Vec, 3> vectors;
+    if (options.cell) return {exact(options.cell->a), exact(options.cell->b), exact(options.cell->c)};
+    for (std::size_t k = 0; k < 3; ++k)
+        if (options.periodic[k]) vectors[k][k] = mpq_class(options.box->upper[k]) - mpq_class(options.box->lower[k]);
+    return vectors;
+}
+
+// Where the seed lies inside a periodic domain.
+Vec wrapped(Vec x, const votess::Options& options, const std::array<Vec, 3>& vectors) {
+    const Vec origin = exact(options.cell ? options.cell->origin : options.box->lower);
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!options.cell && !options.periodic[j]) continue;
+        const Vec across = options.cell ? cross(vectors[(j + 1) % 3], vectors[(j + 2) % 3]) : vectors[j];
+        const Vec from{x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
+        const mpq_class f = dot(from, across) / dot(vectors[j], across);
+        mpz_class whole;
+        mpz_fdiv_q(whole.get_mpz_t(), f.get_num_mpz_t(), f.get_den_mpz_t());
+        for (std::size_t k = 0; k < 3; ++k) x[k] -= whole * vectors[j][k];
+    }
+    return x;
+}
+
+std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess::Options& options, std::size_t i,
+                                   int reach) {
+    const auto vectors = vectors_of(options);
+    const auto at = [&](std::size_t j) {
+        return wrapped(exact({points[3 * j], points[3 * j + 1], points[3 * j + 2]}), options, vectors);
+    };
+    const auto weight = [&](std::size_t j) {
+        return options.weights.empty() ? mpq_class(0) : mpq_class(options.weights[j]);
+    };
+    const Vec p = at(i);
+    std::vector<HalfSpace> all;
+    std::array<int, 3> range{};
+    for (std::size_t k = 0; k < 3; ++k) range[k] = options.cell || options.periodic[k] ? reach : 0;
+    for (std::size_t j = 0; j < points.size() / 3; ++j) {
+        const Vec q = at(j);
+        for (int a = -range[0]; a <= range[0]; ++a)
+            for (int b = -range[1]; b <= range[1]; ++b)
+                for (int c = -range[2]; c <= range[2]; ++c) {
+                    if (j == i && a == 0 && b == 0 && c == 0) continue;
+                    HalfSpace s;
+                    s.face = {static_cast<std::int32_t>(j), {a, b, c}};
+                    for (std::size_t k = 0; k < 3; ++k)
+                        s.n[k] = q[k] - p[k] + a * vectors[0][k] + b * vectors[1][k] + c * vectors[2][k];
+                    s.h = (dot(s.n, s.n) + weight(i) - weight(j)) / 2;
+                    s.bisector = true;
+                    all.push_back(std::move(s));
+                }
+    }
+    for (std::size_t k = 0; k < 3 && !options.cell; ++k) {
+        if (options.periodic[k]) continue;
+        for (const int sign : {-1, 1}) {
+            HalfSpace s;
+            s.face.id = -1 - static_cast<std::int32_t>(2 * k) - (sign > 0 ? 1 : 0);
+            s.n[k] = sign;
+            s.h = sign * (mpq_class(sign > 0 ? options.box->upper[k] : options.box->lower[k]) - p[k]);
+            all.push_back(std::move(s));
+        }
+    }
+    for (std::size_t w = 0; w < options.planes.size(); ++w) {
+        HalfSpace s;
+        s.face.id = -7 - static_cast<std::int32_t>(w);
+        s.n = exact(options.planes[w].normal);
+        s.h = mpq_class(options.planes[w].offset) - dot(s.n, p);
+        all.push_back(std::move(s));
+    }
+    return all;
+}
+
+}  // namespace
+
+ExactDomainCell exact_cell(std::span<const double> points, const votess::Options& options, std::size_t i, int reach) {
+    std::vector<HalfSpace> all = half_spaces(points, options, i, reach);
+    ExactDomainCell cell;
+    // A seed at the same place leaves all or nothing.
+    const auto place = [](const HalfSpace& s) { return s.n[0] == 0 && s.n[1] == 0 && s.n[2] == 0; };
+    if (std::ranges::any_of(all, [&](const HalfSpace& s) { return place(s) && s.h < 0; })) return cell;
+    std::erase_if(all, place);
+    double width = 1;
+    for (HalfSpace& s : all) {
+        s.near = mpq_class(s.h * s.h / dot(s.n, s.n)).get_d() * sgn(s.h);
+        width = std::max(width, std::abs(s.h.get_d()) / std::sqrt(dot(s.n, s.n).get_d()));
+    }
+    std::ranges::sort(all, {}, [](const HalfSpace& s) { return s.near; });
+    const double cube = std::ldexp(1.0, std::ilogb(width) + 12);
+    std::vector<Rounded> rounded;
+    for (const HalfSpace& s : all) {
+        const double length = std::sqrt(dot(s.n, s.n).get_d());
+        rounded.push_back({{s.n[0].get_d() / length, s.n[1].get_d() / length, s.n[2].get_d() / length},
+                           s.h.get_d() / length});
+    }
+    for (std::size_t index = 0; index < all.size(); ++index) {
+        if (surely_empty(rounded, index, width, cube)) continue;
+        const HalfSpace& s = all[index];
+        // Of equal planes the face is that of the seed farthest behind: beyond the plane it is the nearest.
+        const bool hidden = !options.weights.empty() && std::ranges::any_of(all, [&](const HalfSpace& other) {
+            return &other != &s && coincide(s, other) &&
+                   (!other.bisector || (s.bisector && dot(other.n, other.n) > dot(s.n, s.n)));
+        });
+        if (hidden) continue;
+        Polygon polygon = begin_polygon(s, mpq_class(cube));
+        for (const HalfSpace& other : all) {
+            if (polygon.empty()) break;
+            if (&other != &s) clip(polygon, other);
+        }
+        if (polygon.empty()) continue;
+        cell.faces.push_back(s.face);
+        Vec area{0, 0, 0};
+        for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
+            Vec a, b;
+            for (std::size_t x = 0; x < 3; ++x) {
+                a[x] = polygon[k][x] - polygon[0][x];
+                b[x] = polygon[k + 1][x] - polygon[0][x];
+            }
+            const Vec part = cross(a, b);
+            for (std::size_t x = 0; x < 3; ++x) area[x] += part[x];
+        }
+        // The sign of the turn is that of the polygon's orientation: volumes need its size only.
+        const mpq_class along = dot(area, s.n);
+        cell.volume += mpq_class(abs(along) * s.h / dot(s.n, s.n) / 6).get_d();
+    }
+    std::ranges::sort(cell.faces);
+    if (cell.faces.size() < 4) return {};
+    return cell;
+}
+
+std::string check_against_half_spaces(const votess::Tessellation& t, std::span<const double> points,
+                                      const votess::Options& options, int reach) {
+    const auto line = [](const std::vector<ExactFace>& faces) {
+        std::string text;
+        for (const auto& [id, shift] : faces) {
+            text += " " + std::to_string(id);
+            if (shift != std::array<int, 3>{})
+                text += "(" + std::to_string(shift[0]) + "," + std::to_string(shift[1]) + "," +
+                        std::to_string(shift[2]) + ")";
+        }
+        return text;
+    };
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        const ExactDomainCell expected = exact_cell(points, options, i, reach);
+        const auto row = t.neighbors(i);
+        std::vector<ExactFace> faces;
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            ExactFace face{row[k], {}};
+            if (!t.shifts().empty())
+                std::copy_n(t.shifts().data() + 3 * (static_cast<std::size_t>(t.indptr()[i]) + k), 3,
+                            face.shift.begin());
+            faces.push_back(face);
+        }
+        if (faces != expected.faces)
+            return "cell " + std::to_string(i) + " has" + line(faces) + ", exact are" + line(expected.faces);
+        const bool empty = t.status()[i] == votess::CellStatus::empty;
+        if (empty != expected.faces.empty()) return "cell " + std::to_string(i) + " has the wrong status";
+        if (!(std::abs(t.volumes()[i] - expected.volume) <= 1e-10 * expected.volume))
+            return "cell " + std::to_string(i) + " has volume " + std::to_string(t.volumes()[i]) + ", exact is " +
+                   std::to_string(expected.volume);
+    }
+    return "";
+}
+
+std::string check_domain(const votess::Tessellation& t) {
+    const auto& stats = t.stats();
+    if (!(std::abs(stats.volume_sum - stats.box_volume) <= 1e-9 * stats.box_volume))
+        return "volumes sum to " + std::to_string(stats.volume_sum) + " of " + std::to_string(stats.box_volume);
+    std::set<std::tuple<std::int32_t, std::int32_t, int, int, int>> faces;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        const auto row = t.neighbors(i);
+        const bool gone = t.status()[i] != votess::CellStatus::certified;
+        if (gone && (!row.empty() || t.volumes()[i] != 0)) return "cell " + std::to_string(i) + " is not empty";
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            std::array<int, 3> s{};
+            if (!t.shifts().empty())
+                std::copy_n(t.shifts().data() + 3 * (static_cast<std::size_t>(t.indptr()[i]) + k), 3, s.begin());
+            if (!faces.emplace(static_cast<std::int32_t>(i), row[k], s[0], s[1], s[2]).second)
+                return "cell " + std::to_string(i) + " lists a face twice";
+        }
+    }
+    for (const auto& [i, j, a, b, c] : faces)
+        if (j >= 0 && !faces.contains({j, i, -a, -b, -c}))
+            return "cell " + std::to_string(i) + " lists " + std::to_string(j) + ", which does not list it back";
+    return "";
+}
+
+}  // namespace test
