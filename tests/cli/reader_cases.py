@@ -172,8 +172,9 @@ class LammpsFiles(ReaderTest):
             self.assert_points("a.dump", points, ids=ids)
             self.assertEqual(self.json("a.dump")["box_volume"], 4)
             self.assertEqual(self.json("a.dump", "--box=-3,-3,-3,3,3,3")["box_volume"], 216)
-        self.put("a.lammpstrj", self.dump("x y z", lines))
-        self.assert_points("a.lammpstrj", points)
+        for name in ["dump.melt", "dump.0.lammpstrj", "a.lammpstrj"]:
+            self.put(name, self.dump("x y z", lines))
+            self.assert_points(name, points)
         self.assertRegex(self.run_cli("a.lammpstrj").stdout, "(?m)^input +frame 0, timestep 0, box of the file$")
 
     def test_dump_scaled(self):
@@ -244,6 +245,8 @@ class LammpsFiles(ReaderTest):
                     with self.subTest(style=style, flags=flags, hint=hint):
                         self.put("a.data", self.data(rows, hint))
                         self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+        self.put("data.melt", (self.folder / "a.data").read_text())
+        self.assert_points("data.melt", points, ids=range(1, 26))
         self.put("a.lmp", self.data([f"{i} 1 {0.1 * i} 1.0 {line}" for i, line in enumerate(lines, 1)], " # sphere"))
         self.assert_column("a.lmp", [0.1 * i / 2 for i in range(1, 26)], "radius")
         self.assert_column("a.lmp", [0.1 * i for i in range(1, 26)], "diameter")
