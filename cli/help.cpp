@@ -19,8 +19,8 @@ input
                                          `points`, the only one that fits, or x, y and z; ids
                          .h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
                                          in several files by NAME.0.hdf5 or NAME; ParticleIDs, ids
-                         .dump .lammpstrj  LAMMPS dump in text
-                         .data .lmp      LAMMPS data file, its section Atoms
+                         .dump .lammpstrj  LAMMPS dump in text, also called dump.NAME
+                         .data .lmp      LAMMPS data file, its section Atoms; also data.NAME
                          .ply            element vertex: x y z, id
                          .vtp .vtu       VTK in XML: Points, id out of PointData
                          -               text on stdin
