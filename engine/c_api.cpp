@@ -23,6 +23,10 @@ struct votess_result {
     votess::Tessellation tessellation;
 };
 
+struct votess_delaunay {
+    votess::Delaunay delaunay;
+};
+
 namespace {
 
 template <typename Enum>
@@ -51,8 +55,17 @@ static_assert(same(VOTESS_PRECISION_DOUBLE, votess::Precision::double_));
 // The status bytes are handed out as they lie in memory.
 static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t));
 
-constexpr std::uint32_t known_want_bits =
-    VOTESS_WANT_NEIGHBORS | VOTESS_WANT_VOLUMES | VOTESS_WANT_CENTROIDS | VOTESS_WANT_COUNTS | VOTESS_WANT_AREAS;
+struct WantBit {
+    std::uint32_t bit;
+    bool votess::Want::*member;
+};
+constexpr WantBit want_bits[] = {
+    {VOTESS_WANT_NEIGHBORS, &votess::Want::neighbors}, {VOTESS_WANT_VOLUMES, &votess::Want::volumes},
+    {VOTESS_WANT_CENTROIDS, &votess::Want::centroids}, {VOTESS_WANT_COUNTS, &votess::Want::counts},
+    {VOTESS_WANT_AREAS, &votess::Want::areas},         {VOTESS_WANT_NORMALS, &votess::Want::normals},
+    {VOTESS_WANT_SURFACES, &votess::Want::surfaces},   {VOTESS_WANT_RADII, &votess::Want::radii},
+    {VOTESS_WANT_VERTICES, &votess::Want::vertices},   {VOTESS_WANT_FACES, &votess::Want::faces},
+};
 
 // Up to the last field of the first release. These never change; fields added later lie beyond.
 constexpr std::size_t first_options_size = offsetof(votess_options, log_user) + sizeof(votess_options::log_user);
@@ -60,7 +73,7 @@ constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof
 
 // No padding at the end: whatever is added later makes the struct larger, which tells callers with and without it
 // apart.
-static_assert(sizeof(votess_options) == offsetof(votess_options, instructions) + sizeof(votess_options::instructions));
+static_assert(sizeof(votess_options) == offsetof(votess_options, min_face) + sizeof(votess_options::min_face));
 static_assert(sizeof(votess_stats) == offsetof(votess_stats, reserved) + sizeof(votess_stats::reserved));
 
 // The last failure of each thread. The one variable that outlives a call: thread-local, so that no thread sees or
@@ -127,10 +140,8 @@ votess_options default_options() {
     const votess::Options defaults;
     votess_options options{};
     options.struct_size = sizeof(votess_options);
-    options.want = (defaults.want.neighbors ? VOTESS_WANT_NEIGHBORS : 0u) |
-                   (defaults.want.volumes ? VOTESS_WANT_VOLUMES : 0u) |
-                   (defaults.want.centroids ? VOTESS_WANT_CENTROIDS : 0u) |
-                   (defaults.want.counts ? VOTESS_WANT_COUNTS : 0u) | (defaults.want.areas ? VOTESS_WANT_AREAS : 0u);
+    for (const WantBit& word : want_bits)
+        if (defaults.want.*word.member) options.want |= word.bit;
     options.walls = defaults.walls ? 1 : 0;
     options.duplicates = static_cast<std::int32_t>(defaults.duplicates);
     options.threads = defaults.threads;
@@ -148,7 +159,9 @@ votess::Options convert_options(const votess_options* given) {
     votess_options c_options = default_options();
     std::memcpy(&c_options, given, std::min<std::size_t>(given->struct_size, sizeof c_options));
 
-    if (const std::uint32_t unknown = c_options.want & ~known_want_bits; unknown != 0) {
+    std::uint32_t unknown = c_options.want;
+    for (const WantBit& word : want_bits) unknown &= ~word.bit;
+    if (unknown != 0) {
         refuse("options.want is " + std::to_string(c_options.want) + ": its bits " + std::to_string(unknown) +
                " are unknown; combine VOTESS_WANT_* bits");
     }
@@ -175,11 +188,8 @@ votess::Options convert_options(const votess_options* given) {
         options.box = box;
     }
     options.walls = c_options.walls != 0;
-    options.want.neighbors = (c_options.want & VOTESS_WANT_NEIGHBORS) != 0;
-    options.want.volumes = (c_options.want & VOTESS_WANT_VOLUMES) != 0;
-    options.want.centroids = (c_options.want & VOTESS_WANT_CENTROIDS) != 0;
-    options.want.counts = (c_options.want & VOTESS_WANT_COUNTS) != 0;
-    options.want.areas = (c_options.want & VOTESS_WANT_AREAS) != 0;
+    for (const WantBit& word : want_bits) options.want.*word.member = (c_options.want & word.bit) != 0;
+    options.min_face = c_options.min_face;
     options.duplicates = static_cast<votess::Duplicates>(c_options.duplicates);
     if (c_options.device != nullptr) options.device = c_options.device;
     options.threads = c_options.threads;
@@ -235,6 +245,19 @@ const Element* expose(const votess_result* result, std::size_t* length,
         elements = (result->tessellation.*array)();
     } else {
         set_last_error("result is NULL");
+    }
+    if (length != nullptr) *length = elements.size();
+    return elements.empty() ? nullptr : elements.data();
+}
+
+template <typename Element>
+const Element* expose(const votess_delaunay* delaunay, std::size_t* length,
+                      std::vector<Element> votess::Delaunay::*array) noexcept {
+    std::span<const Element> elements;
+    if (delaunay != nullptr) {
+        elements = delaunay->delaunay.*array;
+    } else {
+        set_last_error("delaunay is NULL");
     }
     if (length != nullptr) *length = elements.size();
     return elements.empty() ? nullptr : elements.data();
@@ -334,6 +357,14 @@ const double* votess_result_face_areas(const votess_result* result, size_t* leng
     return expose(result, length, &votess::Tessellation::face_areas);
 }
 
+const double* votess_result_face_normals(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_normals);
+}
+
+const int8_t* votess_result_shifts(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::shifts);
+}
+
 const double* votess_result_volumes(const votess_result* result, size_t* length) {
     return expose(result, length, &votess::Tessellation::volumes);
 }
@@ -354,6 +385,34 @@ const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t*
     return expose(result, length, &votess::Tessellation::vertex_counts);
 }
 
+const double* votess_result_surface_areas(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::surface_areas);
+}
+
+const double* votess_result_security_radii(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::security_radii);
+}
+
+const double* votess_result_vertices(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::vertices);
+}
+
+const int64_t* votess_result_face_offsets(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_offsets);
+}
+
+const int32_t* votess_result_face_vertices(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_vertices);
+}
+
+const int64_t* votess_result_cell_vertex_indptr(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::cell_vertex_indptr);
+}
+
+const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::cell_vertex_indices);
+}
+
 const uint8_t* votess_result_status(const votess_result* result, size_t* length) {
     return reinterpret_cast<const std::uint8_t*>(expose(result, length, &votess::Tessellation::status));
 }
@@ -364,6 +423,12 @@ const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* l
 
 int votess_result_lists_walls(const votess_result* result) {
     if (result != nullptr) return result->tessellation.lists_walls() ? 1 : 0;
+    set_last_error("result is NULL");
+    return 0;
+}
+
+double votess_result_least_face(const votess_result* result) {
+    if (result != nullptr) return result->tessellation.least_face();
     set_last_error("result is NULL");
     return 0;
 }
@@ -411,6 +476,47 @@ votess_status votess_result_stats(const votess_result* result, votess_stats* out
         c_stats.precision = static_cast<std::int32_t>(stats.precision);
         std::memcpy(out, &c_stats, std::min<std::size_t>(size, sizeof c_stats));
     });
+}
+
+votess_status votess_delaunay_new(const votess_result* result, votess_delaunay** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(result, "result");
+        *out = new votess_delaunay{votess::delaunay(result->tessellation)};
+    });
+}
+
+void votess_delaunay_free(votess_delaunay* delaunay) {
+    delete delaunay;
+}
+
+const int32_t* votess_delaunay_tetrahedra(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::tetrahedra);
+}
+
+const int8_t* votess_delaunay_tetrahedra_shifts(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::tetrahedra_shifts);
+}
+
+const int32_t* votess_delaunay_tetrahedra_centers(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::tetrahedra_centers);
+}
+
+const int64_t* votess_delaunay_polytope_indptr(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::polytope_indptr);
+}
+
+const int32_t* votess_delaunay_polytope_indices(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::polytope_indices);
+}
+
+const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::polytope_shifts);
+}
+
+const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::polytope_centers);
 }
 
 votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,

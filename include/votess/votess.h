@@ -45,7 +45,12 @@ typedef enum votess_cell_status {
 #define VOTESS_WANT_VOLUMES 2u
 #define VOTESS_WANT_CENTROIDS 4u
 #define VOTESS_WANT_COUNTS 8u
-#define VOTESS_WANT_AREAS 16u  // adds neighbors
+#define VOTESS_WANT_AREAS 16u      // adds neighbors
+#define VOTESS_WANT_NORMALS 32u    // adds neighbors
+#define VOTESS_WANT_SURFACES 64u   // surface_areas
+#define VOTESS_WANT_RADII 128u     // security_radii
+#define VOTESS_WANT_VERTICES 256u  // vertices, cell_vertex_*; adds neighbors
+#define VOTESS_WANT_FACES 512u     // face_offsets, face_vertices; adds vertices, and walls to the rows
 
 // Checks that votess_verify can skip, see VerifyReport::skipped in votess.hpp.
 #define VOTESS_CHECK_VOLUMES 1u
@@ -88,6 +93,7 @@ typedef struct votess_options {
     uint32_t chunk_size;       // GPU: cells in flight at once, 0 = automatic
     uint32_t reserved2;        // 0
     const char* instructions;  // CPU: "baseline", "avx2", "avx512"; NULL or "" = the best that the processor has
+    double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
 } votess_options;
 
 typedef struct votess_stats {
@@ -103,6 +109,7 @@ typedef struct votess_stats {
 
 typedef struct votess_tessellator votess_tessellator;
 typedef struct votess_result votess_result;
+typedef struct votess_delaunay votess_delaunay;
 
 // Version of the library that is loaded: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -143,16 +150,38 @@ VOTESS_API size_t votess_result_size(const votess_result* result);  // N
 VOTESS_API const int64_t* votess_result_indptr(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_indices(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_face_areas(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_face_normals(const votess_result* result, size_t* length);
+VOTESS_API const int8_t* votess_result_shifts(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_volumes(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_centroids(const votess_result* result, size_t* length);
 VOTESS_API const uint32_t* votess_result_face_counts(const votess_result* result, size_t* length);
 VOTESS_API const uint32_t* votess_result_edge_counts(const votess_result* result, size_t* length);
 VOTESS_API const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_surface_areas(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_security_radii(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_vertices(const votess_result* result, size_t* length);
+VOTESS_API const int64_t* votess_result_face_offsets(const votess_result* result, size_t* length);
+VOTESS_API const int32_t* votess_result_face_vertices(const votess_result* result, size_t* length);
+VOTESS_API const int64_t* votess_result_cell_vertex_indptr(const votess_result* result, size_t* length);
+VOTESS_API const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
 VOTESS_API int votess_result_lists_walls(const votess_result* result);  // 1 when the rows hold wall ids, else 0
+VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
 VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
 VOTESS_API votess_status votess_result_stats(const votess_result* result, votess_stats* stats);
+
+// The dual of the cells, see delaunay() in votess.hpp; result needs faces. It does not need the result afterwards.
+// Arrays as those of a result; orders as in struct Delaunay.
+VOTESS_API votess_status votess_delaunay_new(const votess_result* result, votess_delaunay** out);
+VOTESS_API void votess_delaunay_free(votess_delaunay* delaunay);
+VOTESS_API const int32_t* votess_delaunay_tetrahedra(const votess_delaunay* delaunay, size_t* length);
+VOTESS_API const int8_t* votess_delaunay_tetrahedra_shifts(const votess_delaunay* delaunay, size_t* length);
+VOTESS_API const int32_t* votess_delaunay_tetrahedra_centers(const votess_delaunay* delaunay, size_t* length);
+VOTESS_API const int64_t* votess_delaunay_polytope_indptr(const votess_delaunay* delaunay, size_t* length);
+VOTESS_API const int32_t* votess_delaunay_polytope_indices(const votess_delaunay* delaunay, size_t* length);
+VOTESS_API const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* delaunay, size_t* length);
+VOTESS_API const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length);
 
 // Checks a result against the points it came from (see verify() in votess.hpp). *passed becomes 1 or 0; a failed check
 // is not a failed call: its one-line description, else "", is copied to failure (failure_size bytes, zero-terminated,

@@ -192,6 +192,8 @@ struct TessellatorState;
 }  // namespace detail
 
 struct Delaunay;
+struct VerifyOptions;
+struct VerifyReport;
 
 // The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans stay
 // valid as long as any copy of the handle. An array that was not wanted is an empty span. N is the number of seeds,
@@ -248,6 +250,8 @@ public:
 
 private:
     friend VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
+    friend VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
+                                          const VerifyOptions& options);
     std::shared_ptr<const detail::Result> result_;
 };
 
@@ -302,10 +306,10 @@ struct Delaunay {
 
 // The checker of --verify. Volumes sum to the domain's (relative 1e-9; 1e-4 when stats().precision is single), neighbor
 // lists are symmetric, Euler's formula V - E + F = 2 holds for each cell, and `sample` cells drawn with `rng_seed`
-// equal cells clipped anew by every seed, without any search structure. Where there are polygons, each cell is
-// watertight (every edge twice, in opposite directions, and both cells of a face have the same polygon), and where
-// there are normals and areas of all faces, it is closed (their sum is 0 to 1e-9 of the surface; 1e-4 when single).
-// Checks whose arrays the result lacks, or from which faces were dropped, are skipped and named in `skipped`.
+// equal cells clipped anew by every seed, without any search structure. Checks whose arrays the result lacks are
+// skipped and named in `skipped`. Where there are polygons, each cell is also watertight: every edge twice, in opposite
+// directions, and both cells of a face have the same polygon. Where there are areas and normals of all faces, it is
+// closed: their sum is 0 to 1e-9 of the surface (1e-4 when single). After min_face neither these nor Euler's formula.
 struct VerifyOptions {
     std::size_t sample = 64;
     std::uint64_t rng_seed = 1;
@@ -313,7 +317,7 @@ struct VerifyOptions {
 struct VerifyReport {
     bool passed = false;
     std::string failure;               // one line on the first failed check; empty when passed
-    std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample", "mesh"
+    std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
 };
 // points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,

@@ -9,6 +9,7 @@ See :func:`tessellate` for the options and :class:`Tessellation` for the arrays.
 
 from ._c_api import CellStatus, ErrorCode
 from ._library import VERSION as __version__
+from .mesh import Delaunay, Faces, Lists
 from .tessellation import (
     DeviceInfo,
     Neighbors,
@@ -24,8 +25,11 @@ from .tessellation import (
 
 __all__ = [
     "CellStatus",
+    "Delaunay",
     "DeviceInfo",
     "ErrorCode",
+    "Faces",
+    "Lists",
     "Neighbors",
     "StageSeconds",
     "Stats",

@@ -46,7 +46,18 @@ class CellStatus(IntEnum):
     OUTSIDE = 7  #: the seed lies outside the domain
 
 
-WANT_BITS: Dict[str, int] = {"neighbors": 1, "volumes": 2, "centroids": 4, "counts": 8, "areas": 16}
+WANT_BITS: Dict[str, int] = {
+    "neighbors": 1,
+    "volumes": 2,
+    "centroids": 4,
+    "counts": 8,
+    "areas": 16,
+    "normals": 32,
+    "surfaces": 64,
+    "radii": 128,
+    "vertices": 256,
+    "faces": 512,
+}
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
@@ -79,6 +90,7 @@ class Options(ctypes.Structure):
         ("chunk_size", c_uint32),
         ("reserved2", c_uint32),
         ("instructions", c_char_p),
+        ("min_face", c_double),
     ]
 
 
@@ -134,16 +146,35 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_indptr": _ARRAY,  # int64
     "votess_result_indices": _ARRAY,  # int32
     "votess_result_face_areas": _ARRAY,  # float64
+    "votess_result_face_normals": _ARRAY,  # float64
+    "votess_result_shifts": _ARRAY,  # int8
     "votess_result_volumes": _ARRAY,  # float64
     "votess_result_centroids": _ARRAY,  # float64
     "votess_result_face_counts": _ARRAY,  # uint32
     "votess_result_edge_counts": _ARRAY,  # uint32
     "votess_result_vertex_counts": _ARRAY,  # uint32
+    "votess_result_surface_areas": _ARRAY,  # float64
+    "votess_result_security_radii": _ARRAY,  # float64
+    "votess_result_vertices": _ARRAY,  # float64
+    "votess_result_face_offsets": _ARRAY,  # int64
+    "votess_result_face_vertices": _ARRAY,  # int32
+    "votess_result_cell_vertex_indptr": _ARRAY,  # int64
+    "votess_result_cell_vertex_indices": _ARRAY,  # int32
     "votess_result_status": _ARRAY,  # uint8
     "votess_result_duplicate_of": _ARRAY,  # int32
     "votess_result_lists_walls": (c_int, (_HANDLE,)),
+    "votess_result_least_face": (c_double, (_HANDLE,)),
     "votess_result_box": (c_int, (_HANDLE, POINTER(c_double), POINTER(c_double))),
     "votess_result_stats": (c_int, (_HANDLE, POINTER(Stats))),
+    "votess_delaunay_new": (c_int, (_HANDLE, POINTER(_HANDLE))),
+    "votess_delaunay_free": (None, (_HANDLE,)),
+    "votess_delaunay_tetrahedra": _ARRAY,  # int32
+    "votess_delaunay_tetrahedra_shifts": _ARRAY,  # int8
+    "votess_delaunay_tetrahedra_centers": _ARRAY,  # int32
+    "votess_delaunay_polytope_indptr": _ARRAY,  # int64
+    "votess_delaunay_polytope_indices": _ARRAY,  # int32
+    "votess_delaunay_polytope_shifts": _ARRAY,  # int8
+    "votess_delaunay_polytope_centers": _ARRAY,  # int32
     "votess_verify": (
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_size_t, c_uint64, POINTER(c_int), POINTER(c_uint32), c_char_p, c_size_t),

@@ -15,6 +15,7 @@ import numpy as np
 from . import _c_api
 from ._c_api import ErrorCode
 from ._library import lib
+from .mesh import Delaunay, Faces, Lists, make_delaunay
 
 if TYPE_CHECKING:
     from types import FrameType, TracebackType
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     Float64Array = npt.NDArray[np.float64]
+    Int8Array = npt.NDArray[np.int8]
     Int64Array = npt.NDArray[np.int64]
     Int32Array = npt.NDArray[np.int32]
     UInt32Array = npt.NDArray[np.uint32]
@@ -85,10 +87,12 @@ class _Memory:
         }
 
 
-def _array(result: _Handle, name: str, dtype: Any, columns: int = 0) -> npt.NDArray[Any]:
-    """Read-only view, without a copy, of ``votess_result_<name>``; shape (length,) or (length / columns, columns)."""
+def _array(
+    result: _Handle, name: str, dtype: Any, columns: int = 0, prefix: str = "votess_result_"
+) -> npt.NDArray[Any]:
+    """Read-only view, without a copy, of ``<prefix><name>``; shape (length,) or (length / columns, columns)."""
     length = ctypes.c_size_t()
-    address = getattr(lib, "votess_result_" + name)(result.pointer, ctypes.byref(length))
+    address = getattr(lib, prefix + name)(result.pointer, ctypes.byref(length))
     shape = (length.value // columns, columns) if columns else (length.value,)
     if not address:
         array = np.empty(shape, dtype)
@@ -147,13 +151,22 @@ def _as_count(value: Any, name: str, bits: int) -> int:
     return number
 
 
+#: What belongs to entries of the rows, or refers to what another word asks for.
+_IMPLIED: Dict[str, Tuple[str, ...]] = {
+    "areas": ("neighbors",),
+    "normals": ("neighbors",),
+    "vertices": ("neighbors",),
+    "faces": ("vertices", "neighbors"),
+}
+
+
 def _as_want(want: Union[str, Iterable[str]]) -> Tuple[str, ...]:
     words = [word.strip() for word in want.split(",")] if isinstance(want, str) else list(want)
     for word in words:
         if word not in _c_api.WANT_BITS:
             raise ValueError(f"want has {word!r}: the words are {', '.join(_c_api.WANT_BITS)}")
-    if "areas" in words:
-        words.append("neighbors")  # the areas belong to their entries
+    for word in tuple(words):
+        words.extend(_IMPLIED.get(word, ()))
     return tuple(word for word in _c_api.WANT_BITS if word in words)
 
 
@@ -256,10 +269,14 @@ def _tessellate(
     walls: bool,
     duplicates: str,
     progress: Optional[Progress],
+    min_face: float = 0.0,
     function_name: str = "votess_tessellate",
 ) -> Tessellation:
     array = _as_points(points)
     wanted = _as_want(want)
+    options.min_face = float(min_face)
+    if options.min_face > 0:
+        wanted = _as_want((*wanted, "areas"))
     options.want = sum(_c_api.WANT_BITS[word] for word in wanted)
     options.walls = bool(walls)
     if duplicates not in _c_api.DUPLICATES:
@@ -294,6 +311,7 @@ def tessellate(
     duplicates: str = "merge",
     progress: Optional[Progress] = None,
     instructions: str = "",
+    min_face: float = 0.0,
 ) -> Tessellation:
     """Voronoi cells of ``points`` in a box. The neighbor lists are exact for the coordinates as given.
 
@@ -304,8 +322,9 @@ def tessellate(
         changed by another thread meanwhile.
     box : (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1)), the domain.
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
-    want : words out of "neighbors", "volumes", "centroids", "counts", "areas", as a sequence or with commas in one
-        string. "areas" adds "neighbors".
+    want : words out of "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii",
+        "vertices", "faces", as a sequence or with commas in one string. What belongs to entries of the rows adds
+        "neighbors"; "faces" adds "vertices", and the walls to the rows.
     walls : list the walls of the box, -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, in the rows too.
     device : "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device
         that is software; or an ``id`` out of :func:`devices`. One that cannot be had raises VotessError.
@@ -317,6 +336,8 @@ def tessellate(
     instructions : of the CPU: "baseline", "avx2", "avx512", or "" for the best that it has; never changes the lists.
         One that it lacks raises VotessError.
     duplicates : "merge": the lowest index of equal points keeps the cell; "error": refuse them.
+    min_face : drop faces between two cells that are smaller than this times their mean area, from rows, areas,
+        normals, polygons and face_counts; decided once per pair of cells. 0 drops nothing.
     progress : called some ten times a second with the fraction done; returning False stops the run with
         :class:`VotessError`, an exception stops it and goes on to the caller.
 
@@ -329,7 +350,7 @@ def tessellate(
         DEVICE_LOST when it failed.
     """
     options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
-    return _tessellate(None, options, points, box, want, walls, duplicates, progress)
+    return _tessellate(None, options, points, box, want, walls, duplicates, progress, min_face)
 
 
 class Tessellator:
@@ -375,9 +396,10 @@ class Tessellator:
         walls: bool = False,
         duplicates: str = "merge",
         progress: Optional[Progress] = None,
+        min_face: float = 0.0,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
-        return self._call("votess_tessellate", points, box, want, walls, duplicates, progress)
+        return self._call("votess_tessellate", points, box, want, walls, duplicates, progress, min_face)
 
     def update(
         self,
@@ -387,6 +409,7 @@ class Tessellator:
         walls: bool = False,
         duplicates: str = "merge",
         progress: Optional[Progress] = None,
+        min_face: float = 0.0,
     ) -> Tessellation:
         """As :meth:`tessellate`, with the hint that these are the points of the last call, each moved a little.
 
@@ -394,7 +417,7 @@ class Tessellator:
         in the last digits. On the CPU it keeps some 110 bytes a point more from the first call on; other devices ignore
         the hint.
         """
-        return self._call("votess_update", points, box, want, walls, duplicates, progress)
+        return self._call("votess_update", points, box, want, walls, duplicates, progress, min_face)
 
     def _call(
         self,
@@ -405,12 +428,15 @@ class Tessellator:
         walls: bool,
         duplicates: str,
         progress: Optional[Progress],
+        min_face: float,
     ) -> Tessellation:
         with self._alone():
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
-            return _tessellate(self._handle, options, points, box, want, walls, duplicates, progress, function_name)
+            return _tessellate(
+                self._handle, options, points, box, want, walls, duplicates, progress, min_face, function_name
+            )
 
     def close(self) -> None:
         """Frees device and buffers. Harmless when repeated."""
@@ -564,6 +590,21 @@ class Tessellation:
             self._neighbors = Neighbors(_array(result, "indptr", np.int64), _array(result, "indices", np.int32))
         if "areas" in wanted:
             self._arrays["face_areas"] = _array(result, "face_areas", np.float64)
+        if "normals" in wanted:
+            self._arrays["face_normals"] = _array(result, "face_normals", np.float64, columns=3)
+        if "surfaces" in wanted:
+            self._arrays["surface_areas"] = _array(result, "surface_areas", np.float64)
+        if "radii" in wanted:
+            self._arrays["security_radii"] = _array(result, "security_radii", np.float64)
+        if "vertices" in wanted:
+            self._arrays["vertices"] = _array(result, "vertices", np.float64, columns=3)
+            self._cell_vertices = Lists(
+                _array(result, "cell_vertex_indptr", np.int64), _array(result, "cell_vertex_indices", np.int32)
+            )
+        if "faces" in wanted:
+            self._faces = Faces(_array(result, "face_offsets", np.int64), _array(result, "face_vertices", np.int32))
+        shifts = _array(result, "shifts", np.int8, columns=3)
+        self._shifts = shifts if len(shifts) else None
         if "volumes" in wanted:
             self._arrays["volumes"] = _array(result, "volumes", np.float64)
         if "centroids" in wanted:
@@ -610,6 +651,58 @@ class Tessellation:
         most 1e-10 of the area of the cell's whole surface, 1e-5 when ``stats.precision`` is "single".
         """
         return self._wanted_array("face_areas", "areas")
+
+    @property
+    def face_normals(self) -> Float64Array:
+        """(indptr[N], 3) float64: outward unit normal of the face behind each entry of ``neighbors.indices``."""
+        return self._wanted_array("face_normals", "normals")
+
+    @property
+    def shifts(self) -> Optional[Int8Array]:
+        """(indptr[N], 3) int8: box vectors that carry each neighbor to where it touches; None unless periodic."""
+        return self._shifts
+
+    @property
+    def surface_areas(self) -> Float64Array:
+        """(N,) float64, area of the whole surface of each cell, walls included."""
+        return self._wanted_array("surface_areas", "surfaces")
+
+    @property
+    def security_radii(self) -> Float64Array:
+        """(N,) float64, twice the distance from the seed to the farthest vertex of its cell."""
+        return self._wanted_array("security_radii", "radii")
+
+    @property
+    def vertices(self) -> Float64Array:
+        """(V, 3) float64. Vertices that are equal in exact arithmetic are one, shared by all cells that have it."""
+        return self._wanted_array("vertices", "vertices")
+
+    @property
+    def cell_vertices(self) -> Lists:
+        """The vertices of each cell, ascending: N rows."""
+        if "vertices" not in self._wanted:
+            raise AttributeError(f"cell_vertices was not computed: put 'vertices' into want, which was {self._wanted}")
+        return self._cell_vertices
+
+    @property
+    def faces(self) -> Faces:
+        """The polygon behind each entry of ``neighbors.indices``, counterclockwise seen from outside the cell."""
+        if "faces" not in self._wanted:
+            raise AttributeError(f"faces was not computed: put 'faces' into want, which was {self._wanted}")
+        return self._faces
+
+    @property
+    def least_face(self) -> float:
+        """The area below which ``min_face`` has dropped faces; 0 when none were."""
+        return float(lib.votess_result_least_face(self._result.pointer))
+
+    def delaunay(self) -> Delaunay:
+        """The dual Delaunay complex. Needs "faces" in want, and no ``min_face``."""
+        handle = _Handle(lib.votess_delaunay_free)
+        _raise_on_failure(lib.votess_delaunay_new(self._result.pointer, ctypes.byref(handle.pointer)))
+        return make_delaunay(
+            lambda name, dtype: _array(handle, name, dtype, prefix="votess_delaunay_"), self._shifts is not None
+        )
 
     @property
     def centroids(self) -> Float64Array:

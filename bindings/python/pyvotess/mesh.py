@@ -1,0 +1,91 @@
+"""The mesh of a tessellation: lists of lists, and the dual Delaunay complex."""
+
+from __future__ import annotations
+
+import operator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Iterator, Optional
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Int64Array = npt.NDArray[np.int64]
+    Int32Array = npt.NDArray[np.int32]
+    Int8Array = npt.NDArray[np.int8]
+
+
+class Lists:
+    """Rows of ids of any length, one after the other: row k is ``indices[indptr[k]:indptr[k+1]]``, or ``lists[k]``."""
+
+    def __init__(self, indptr: Int64Array, indices: Int32Array) -> None:
+        self._indptr = indptr
+        self._indices = indices
+
+    @property
+    def indptr(self) -> Int64Array:
+        """(rows + 1,) int64."""
+        return self._indptr
+
+    @property
+    def indices(self) -> Int32Array:
+        """(indptr[rows],) int32."""
+        return self._indices
+
+    def __len__(self) -> int:
+        return len(self._indptr) - 1
+
+    def __getitem__(self, index: int) -> Int32Array:
+        number = operator.index(index)
+        row = number + len(self) if number < 0 else number
+        if not 0 <= row < len(self):
+            raise IndexError(f"row {number} of {len(self)} rows")
+        return self._indices[self._indptr[row] : self._indptr[row + 1]]
+
+    def __iter__(self) -> Iterator[Int32Array]:
+        for row in range(len(self)):
+            yield self[row]
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.{type(self).__name__}: {len(self)} rows, {len(self._indices)} ids>"
+
+
+class Faces(Lists):
+    """Polygons as rows of ``vertices``, counterclockwise seen from outside the cell.
+
+    Row k is the face behind ``neighbors.indices[k]``: those of cell i are k in ``range(neighbors.indptr[i],
+    neighbors.indptr[i+1])``.
+    """
+
+
+@dataclass(frozen=True)
+class Delaunay:
+    """The dual of the cells: tetrahedra where four cells meet, convex polytopes where more do.
+
+    Simplices whose empty sphere has its center outside of the domain, or on a wall, are not there.
+    """
+
+    tetrahedra: Int32Array  #: (T, 4) seeds, positive: det(b-a, c-a, d-a) > 0
+    centers: Int32Array  #: (T,) the vertex that is the center of the empty sphere
+    polytopes: Lists  #: P rows of five or more seeds on one empty sphere, ascending
+    polytope_centers: Int32Array  #: (P,) as centers
+    shifts: Optional[Int8Array]  #: (T, 4, 3) box vectors that carry the seeds there; None unless periodic
+    polytope_shifts: Optional[Int8Array]  #: (polytopes.indptr[P], 3) the same
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.Delaunay: {len(self.tetrahedra)} tetrahedra, {len(self.polytopes)} polytopes>"
+
+
+def make_delaunay(read: Any, periodic: bool) -> Delaunay:
+    """read(name, dtype): an array of ``votess_delaunay``."""
+    tetrahedra = read("tetrahedra", np.int32).reshape(-1, 4)
+    indptr = read("polytope_indptr", np.int64)
+    return Delaunay(
+        tetrahedra=tetrahedra,
+        centers=read("tetrahedra_centers", np.int32),
+        polytopes=Lists(indptr, read("polytope_indices", np.int32)),
+        polytope_centers=read("polytope_centers", np.int32),
+        shifts=read("tetrahedra_shifts", np.int8).reshape(-1, 4, 3) if periodic else None,
+        polytope_shifts=read("polytope_shifts", np.int8).reshape(-1, 3) if periodic else None,
+    )
