@@ -5,6 +5,7 @@
 
 #include "cpu/cpu_engine.hpp"
 #include "cpu/kernels.hpp"
+#include "implied_wants.hpp"
 #include "options.hpp"
 #include "pipeline.hpp"
 #if VOTESS_HAVE_VULKAN
@@ -74,7 +75,9 @@ std::vector<DeviceInfo> Engines::devices() {
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays,
                       bool update) {
     check_options(options);
-    Engine& engine = engines.choose(options.device);
+    // Of other domains a GPU would hand every cell to the CPU.
+    const bool on_cpu_anyway = options.device == "auto" && !has_plain_domain(options);
+    Engine& engine = on_cpu_anyway ? engines.cpu() : engines.choose(options.device);
     try {
         return run_pipeline(points, options, engine, std::move(arrays), update);
     } catch (const Error& error) {

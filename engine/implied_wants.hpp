@@ -17,6 +17,11 @@ inline bool is_periodic(const Options& options) {
     return options.cell || options.periodic[0] || options.periodic[1] || options.periodic[2];
 }
 
+// A box with walls, of which all seeds weigh the same.
+inline bool has_plain_domain(const Options& options) {
+    return !is_periodic(options) && options.planes.empty() && options.weights.empty() && options.radii.empty();
+}
+
 // Whether vertices must be placed, and cells measured.
 inline bool needs_geometry(const Want& want) {
     return want.volumes || want.centroids || want.areas || want.surfaces || want.radii || want.vertices;

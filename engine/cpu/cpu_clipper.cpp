@@ -127,7 +127,8 @@ void CpuClipper::gather_weights() {
     for (const std::int32_t i : seeds_.input) seeds_.weights.push_back(weights[static_cast<std::size_t>(i)]);
 }
 
-void CpuClipper::set_empty(ResultBuilder& out) const {
+void CpuClipper::set_empty(ResultBuilder& out) {
+    sort();
     for (const std::int32_t i : buried_) out.set_empty(static_cast<std::size_t>(i), CellStatus::empty);
     std::size_t outside = 0;
     for (std::size_t i = 0; i < job_.outside.size(); ++i) {
@@ -199,7 +200,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
 void CpuClipper::find_positions() {
     if (positions_known_) return;
     position_.resize_uninitialized(job_.points.count());
-    if (seeds_.duplicates > 0) std::ranges::fill(position_, -1);
+    if (seeds_.size() < position_.size()) std::ranges::fill(position_, -1);
     const std::size_t count = seeds_.size();
     pool_->run(blocks_for(count, index_task), [&](std::size_t task, unsigned) {
         for (std::size_t s = task * index_task; s < std::min(count, (task + 1) * index_task); ++s)

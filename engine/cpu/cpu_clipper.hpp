@@ -26,6 +26,7 @@ public:
     void prepare() override;
     std::span<const std::int32_t> duplicate_of() override;
     void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) override;
+    void set_empty(ResultBuilder& out) override;
     void end() override;
 
     // The stages of a full run, in this order.
@@ -36,8 +37,6 @@ public:
     // NeedsSort, which asks for sort_anew() and another clip_all().
     void sort_or_keep();
     void sort_anew();
-    // Tells of the seeds that have no cell, but for duplicates.
-    void set_empty(ResultBuilder& out) const;
 
 private:
     struct Worker {  // scratch of one thread
