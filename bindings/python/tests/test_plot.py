@@ -63,6 +63,25 @@ class Sections(unittest.TestCase):
             np.testing.assert_allclose(polygon.mean(axis=0), points[cell, :2])
             self.assertAlmostEqual(area(polygon), 1)
 
+    def test_periodic_images_fill_the_box(self):
+        sheared = np.array([[1.0, 0, 0], [0.3, 1, 0], [0.2, 0.4, 1]])
+        for domain, size in (({"box": BOX, "periodic": True}, np.eye(3)), ({"cell": sheared}, sheared)):
+            t = vt.tessellate(seeds(200, 3) @ size, want=WANT, **domain)
+            np.testing.assert_allclose(_plot._periods(t), size, atol=1e-12)
+            for axis, value in ((0, 0.01), (1, 0.5), (2, 0.99)):
+                # Points of the unit square that no polygon or more than one holds.
+                at = np.stack(np.meshgrid(np.linspace(0.013, 0.987, 23), np.linspace(0.017, 0.991, 23)), -1)
+                held = np.zeros(at.shape[:2], int)
+                for _, polygons in _plot._images(t, axis, value):
+                    for p in polygons:
+                        side = np.roll(p, -1, axis=0) - p
+                        off = at[..., None, :] - p
+                        held += (side[:, 0] * off[..., 1] - side[:, 1] * off[..., 0] > 0).all(axis=-1)
+                self.assertTrue((held == 1).all(), (axis, np.unique(held)))
+        t = vt.tessellate(seeds(50, 4), box=BOX, periodic="xy", want=WANT)
+        np.testing.assert_allclose(_plot._periods(t), np.eye(3)[:2], atol=1e-12)
+        self.assertEqual(len(_plot._periods(vt.tessellate(seeds(50), box=BOX, want=WANT))), 0)
+
     def test_outside_there_is_nothing(self):
         t = vt.tessellate(seeds(20), box=BOX, want=WANT)
         cells, polygons = _plot.section(t, 0, 2.0)
