@@ -713,8 +713,8 @@ class Tessellation:
         ``slice=("z", 0.5)`` draws the section by that plane with matplotlib, into ``ax`` or a new figure, and returns
         the axes. Without a slice PyVista, where it is installed, shows the cells in space without those of one octant,
         and the plotter is returned (``t.plot().show()``); else the section through the middle is drawn.
-        ``color``: "volume", "neighbors", "x", "y", "z", or one value for each cell. ``style`` goes to matplotlib's
-        PolyCollection or to PyVista's add_mesh, such as ``cmap="magma"``.
+        ``color``: "volume", "neighbors", "area", "x", "y", "z", or one value for each cell. ``style`` goes to
+        matplotlib's PolyCollection or to PyVista's add_mesh, such as ``cmap="magma"``.
         """
         from ._plot import plot
 
