@@ -103,12 +103,12 @@ typedef struct votess_options {
     double cell_a[3];
     double cell_b[3];
     double cell_c[3];
-    const double* planes;      // 4 * plane_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
+    const double* planes;  // 4 * plane_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
     uint64_t plane_count;
-    const double* weights;     // as many as points, or NULL: a power diagram; read only during the call
-    const double* radii;       // the same as radii, whose squares are the weights; not both
-    int32_t outside;           // VOTESS_OUTSIDE_*: seeds outside of planes
-    uint32_t reserved3;        // 0
+    const double* weights;  // as many as points, or NULL: a power diagram; read only during the call
+    const double* radii;    // the same as radii, whose squares are the weights; not both
+    int32_t outside;        // VOTESS_OUTSIDE_*: seeds outside of planes
+    uint32_t reserved3;     // 0
 } votess_options;
 
 typedef struct votess_stats {
