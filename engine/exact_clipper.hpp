@@ -1,6 +1,7 @@
 // The exact clipper of the CPU as other engines see it: they hand it the cells that they could not certify.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -10,6 +11,14 @@
 #include "thread_pool.hpp"
 
 namespace votess {
+
+// Rows of some cells, one after the other: input indices, and walls, which count for nothing.
+struct NeighborLists {
+    std::span<const std::int32_t> cells;
+    std::span<const std::uint32_t> lengths;
+    std::span<const std::int32_t> ids;
+    std::span<const std::array<std::int8_t, 3>> shifts;  // beside ids in a periodic domain, else empty
+};
 
 // One call at a time, from any thread; the calling thread works with the pool's.
 class ExactClipper {
@@ -32,6 +41,10 @@ public:
     // are left as they are: they are for set_empty() and ResultBuilder::set_duplicates(). Calls options.progress from
     // the calling thread, with fractions of this stretch of the run, and throws `cancelled` when it says so.
     virtual void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) = 0;
+
+    // For cells whose neighbors are known, each cell once: makes their polytopes from these alone, in float64, and
+    // stores what clip() would, though they do not count as fallback cells. Throws as clip().
+    virtual void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Stretch& stretch) = 0;
 
     // Tells of the seeds that have no cell, but for duplicates: outside of walls, or lighter than another at their
     // place.

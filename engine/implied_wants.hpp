@@ -22,6 +22,11 @@ inline bool has_plain_domain(const Options& options) {
     return !is_periodic(options) && options.planes.empty() && options.weights.empty() && options.radii.empty();
 }
 
+// What needs polytopes, and not only lists, volumes, centroids, counts and areas.
+inline bool needs_polytopes(const Want& want) {
+    return want.vertices || want.normals || want.surfaces || want.radii;
+}
+
 // Whether vertices must be placed, and cells measured.
 inline bool needs_geometry(const Want& want) {
     return want.volumes || want.centroids || want.areas || want.surfaces || want.radii || want.vertices;

@@ -234,9 +234,7 @@ void CpuClipper::put_in_sorted_order(std::span<const std::int32_t> cells) {
 CpuClipper::Worker::Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
     : builder(seeds, hierarchy, kernels), star(make_star(kernels.name, seeds, hierarchy)), writer(seeds) {}
 
-template <class SeedAt>
-void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
-                             bool fallback, bool hints, ResultBuilder& out, const Stretch& stretch) {
+void CpuClipper::begin_workers(ResultBuilder& out) {
     while (workers_.size() < pool_->size()) workers_.emplace_back(seeds_, hierarchy_, *kernels_);
     for (Worker& worker : workers_) {
         worker.hard.clear();  // of a job that was cancelled
@@ -244,6 +242,12 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
         worker.star->begin_job(*job_.domain);
         worker.writer.begin_job(job_, star_kernels(kernels_->name), out);
     }
+}
+
+template <class SeedAt>
+void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
+                             bool fallback, bool hints, ResultBuilder& out, const Stretch& stretch) {
+    begin_workers(out);
     const std::size_t blocks = blocks_for(cells.size(), block_cells);
     const bool measure = needs_geometry(job_.options.want);
     const bool walks = !job_.domain->has_weights() && job_.domain->walls.empty();

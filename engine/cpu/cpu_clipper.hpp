@@ -27,6 +27,7 @@ public:
     std::span<const std::int32_t> duplicate_of() override;
     void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) override;
     void set_empty(ResultBuilder& out) override;
+    void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Stretch& stretch) override;
     void end() override;
 
     // The stages of a full run, in this order.
@@ -49,11 +50,13 @@ private:
         SearchBudget budget;
         std::vector<std::int32_t> hard;  // sorted seeds whose search was given up
         std::vector<std::int32_t> candidates;
+        std::vector<exact::Shift> shifts;
         CellFaces faces;
     };
 
     void sort_inside();
     void gather_weights();
+    void begin_workers(ResultBuilder& out);
     void find_positions();
     // Fills order_.
     void put_in_sorted_order(std::span<const std::int32_t> cells);

@@ -178,6 +178,13 @@ Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> ca
     return cell_;
 }
 
+Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates,
+                              std::span<const exact::Shift> shifts) {
+    start(seed);
+    for (std::size_t k = 0; k < candidates.size(); ++k) clip_by_image(candidates[k], shifts[k]);
+    return cell_;
+}
+
 Cell& CellBuilder::again(CellFaces& faces) {
     cell_.canonical_faces(faces);
     if (!plain_) return again_by_planes(faces);

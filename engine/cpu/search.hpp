@@ -40,6 +40,8 @@ public:
     [[nodiscard]] std::size_t tests() const { return tests_; }
     // Clips the cell by these seeds, which include its neighbors.
     Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates);
+    // The same by images of seeds in a periodic domain.
+    Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates, std::span<const exact::Shift> shifts);
     // Clips the last cell once more, by its neighbors only: its vertices then have the same rounding however it was
     // found. faces: scratch.
     Cell& again(CellFaces& faces);

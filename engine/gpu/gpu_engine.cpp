@@ -7,6 +7,8 @@
 #include <numeric>
 #include <string>
 
+#include "implied_wants.hpp"
+
 namespace votess::gpu {
 namespace {
 
@@ -38,7 +40,8 @@ GpuEngine::GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipp
 
 PassSettings GpuEngine::pass_settings(const Options& options) const {
     const bool float64 = device_->has_float64();
-    if (options.precision == Precision::double_ && !float64)
+    const bool measured_double = options.precision == Precision::double_ && !lists_only_;
+    if (measured_double && !float64)
         throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name +
                                                 "' has no float64 arithmetic: use precision single, or the CPU");
     PassSettings s;
@@ -50,12 +53,12 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     TierLimits& second = s.tiers[1];
     first.planes = 32;
     first.vertices = 64;
-    first.float64 = options.precision == Precision::double_;
+    first.float64 = measured_double;
     second.planes = 64;
     second.vertices = 128;
     second.float64 = float64;
-    s.measure = options.want.volumes || options.want.centroids || options.want.areas;
-    s.areas = options.want.areas;
+    s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
+    s.areas = !lists_only_ && options.want.areas;
     if (limits_.local_size != 0) s.local_size = limits_.local_size;
     return s;
 }
@@ -87,6 +90,7 @@ void GpuEngine::upload(const Job& job) {
     // A run that was stopped may have left the device at work.
     for (auto& chunk : chunks_)
         if (chunk) chunk->wait();
+    lists_only_ = needs_polytopes(job_.options.want);
     clipper_.begin(job_);
     result_.begin(job_, clipper_.pool());
     if (job_.points.count() == 0) return;
@@ -180,7 +184,7 @@ void GpuEngine::clip_part(std::size_t index) {
         }
     ChunkJob job;
     const Options& options = job_.options;
-    job.neighbors = options.want.neighbors;
+    job.neighbors = options.want.neighbors || lists_only_;
     job.walls = options.walls;
     job.volume_tolerance = options.precision == Precision::double_ ? 0.5e-10 : 0.5e-5;
     job.own_count = part_.own_count;
@@ -216,18 +220,18 @@ void GpuEngine::clip_part(std::size_t index) {
         Progress::require(progress_.going_on(progress));
         if (running != nullptr) {
             running->wait();
-            collect(*running);
+            collect(*running, progress);
         }
         running = started;
         if (trial && running != nullptr) {  // what it tells is worth the wait
             running->wait();
-            collect(*running);
+            collect(*running, progress);
             running = nullptr;
         }
     }
 }
 
-void GpuEngine::collect(const Chunk& chunk) {
+void GpuEngine::collect(const Chunk& chunk, double progress) {
     const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
     const auto infos = chunk.info();
     const auto lengths = chunk.row_lengths();
@@ -252,6 +256,7 @@ void GpuEngine::collect(const Chunk& chunk) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t info = infos[i], status = info & 0xff;
             if (status == STATUS_CERTIFIED) {
+                if (lists_only_) continue;
                 counters.faces += (info >> INFO_FACES_SHIFT) & 0xff;
                 collect_cell(chunk, static_cast<std::uint32_t>(i), cells[i]);
             } else if (status == STATUS_OUTSIDE) {
@@ -261,12 +266,13 @@ void GpuEngine::collect(const Chunk& chunk) {
             }
         }
         result_.count(counters);
-        if (job_.options.want.neighbors) collect_rows(chunk, cells, begin, end, row_begin[block]);
+        if (job_.options.want.neighbors && !lists_only_) collect_rows(chunk, cells, begin, end, row_begin[block]);
         const std::lock_guard lock(mutex);
         left += pending.size();
         beside += outside;
         pending_.insert(pending_.end(), pending.begin(), pending.end());
     });
+    if (lists_only_) collect_lists(chunk, progress);
     done_cells_ += chunk.count() - beside;
 
     const auto seconds = chunk.seconds();
@@ -279,6 +285,30 @@ void GpuEngine::collect(const Chunk& chunk) {
         static_cast<double>(left) > hopeless * todo)
         second_tier_ = false;
     skip_ = of_all > hopeless ? std::min(2 * skip_ + 1, most_skipped) : 0;
+}
+
+void GpuEngine::collect_lists(const Chunk& chunk, double progress) {
+    const auto infos = chunk.info();
+    const auto lengths = chunk.row_lengths();
+    const std::size_t size = std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
+    const std::span<const std::int32_t> rows = chunk.rows(size);
+    listed_cells_.clear();
+    listed_lengths_.clear();
+    listed_ids_.clear();
+    listed_shifts_.clear();
+    for (std::size_t i = 0, entry = 0; i < chunk.count(); entry += lengths[i++]) {
+        if ((infos[i] & 0xff) != STATUS_CERTIFIED) continue;
+        listed_cells_.push_back(chunk_inputs_[i]);
+        listed_lengths_.push_back(lengths[i]);
+        for (const std::int32_t id : rows.subspan(entry, lengths[i])) {
+            listed_ids_.push_back(id < 0 || part_.members.empty() ? id : input_of(static_cast<std::uint32_t>(id)));
+            if (!periodic_) continue;
+            listed_shifts_.push_back({});
+            if (id >= 0) listed_shifts_.back() = periodic_->shifts[static_cast<std::size_t>(id)];
+        }
+    }
+    const Stopwatch watch(spent_.fallback);
+    clipper_.clip_listed({listed_cells_, listed_lengths_, listed_ids_, listed_shifts_}, result_, {progress, progress});
 }
 
 // Of the chunk's cells begin .. end - 1; their rows begin at entry `first_entry`.
@@ -319,7 +349,8 @@ void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> c
             for (std::size_t k = 0; k < row.size(); ++k) {
                 named[at + k] = row[k].id;
                 if (!areas.empty()) areas[at + k] = row[k].area;
-                if (periodic_) std::ranges::copy(row[k].shift, shifts.begin() + static_cast<std::ptrdiff_t>(3 * (at + k)));
+                if (periodic_)
+                    std::ranges::copy(row[k].shift, shifts.begin() + static_cast<std::ptrdiff_t>(3 * (at + k)));
             }
         }
         rows = named;
@@ -383,7 +414,7 @@ void GpuEngine::download(detail::Result& result) {
     }
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;
-    result.stats.precision = device_clips_ ? job_.options.precision : Precision::double_;
+    result.stats.precision = device_clips_ && !lists_only_ ? job_.options.precision : Precision::double_;
     clipper_.end();
     check_messages();
     progress_.report(1);

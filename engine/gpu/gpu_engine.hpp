@@ -48,16 +48,19 @@ private:
 
     [[nodiscard]] PassSettings pass_settings(const Options& options) const;
     [[nodiscard]] std::uint32_t chunk_cells(const PassSettings& settings) const;
-    // Whether the passes can do the job: in a box with walls, or a periodic one; else the exact clipper takes all cells.
+    // Whether the passes can do the job: in a box with walls, or a periodic one; else the exact clipper takes all
+    // cells.
     [[nodiscard]] bool find_domain();
     [[nodiscard]] std::uint32_t most_seeds() const;
     void begin_part(std::size_t index);
     void sort_part();
     void clip_part(std::size_t index);
     // Takes over the cells of a finished chunk; those not certified are added to the pending ones.
-    void collect(const Chunk& chunk);
+    void collect(const Chunk& chunk, double progress);
     void collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin, std::size_t end,
                       std::size_t first_entry);
+    // The chunk's certified cells as lists, for the CPU to make polytopes of.
+    void collect_lists(const Chunk& chunk, double progress);
     void collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input);
     void leave_to_cpu(std::uint32_t first, std::uint32_t count);
     void clip_pending(double progress);
@@ -87,6 +90,11 @@ private:
     std::vector<std::int32_t> pending_;       // cells (input index) for the CPU
     std::vector<std::int32_t> chunk_inputs_;  // of the cells of the chunk being collected
     std::vector<std::size_t> row_begin_;      // of its blocks of cells
+    // The device gives lists only, and the CPU's clipper makes the cells from them.
+    bool lists_only_ = false;
+    std::vector<std::int32_t> listed_cells_, listed_ids_;
+    std::vector<std::uint32_t> listed_lengths_;
+    std::vector<std::array<std::int8_t, 3>> listed_shifts_;
     std::size_t done_cells_ = 0;
     Spent spent_;
 };

@@ -14,10 +14,10 @@ namespace votess::gpu {
 struct PeriodicPart {
     Part part;
     Box box;  // of seeds and images, in the units of length given; along axes that are not periodic the domain's
-    std::vector<std::uint64_t> coordinates;         // 3 for each member: in units, modulo 2^64
-    std::vector<std::array<std::int8_t, 3>> shifts; // by member: of the image, from where its seed lies in the domain
-    bool lossy = false;                             // some coordinates have been rounded down
-    std::vector<std::array<double, 3>> wraps;       // by seed: what carries it into the domain; empty when none is moved
+    std::vector<std::uint64_t> coordinates;          // 3 for each member: in units, modulo 2^64
+    std::vector<std::array<std::int8_t, 3>> shifts;  // by member: of the image, from where its seed lies in the domain
+    bool lossy = false;                              // some coordinates have been rounded down
+    std::vector<std::array<double, 3>> wraps;  // by seed: what carries it into the domain; empty when none is moved
 };
 
 // Nothing when that is more than `most_seeds`, or the box vectors are no whole numbers of units.

@@ -17,8 +17,8 @@ struct UploadPush {
     uvec2 origin[3];  // the box's lower corner in units, modulo 2^64
     uint first;       // point that the raw buffer begins with
     uint count;
-    int shift;      // a point's coordinate times 2^shift is in units
-    uint format;    // of the raw buffer: POINTS_
+    int shift;    // a point's coordinate times 2^shift is in units
+    uint format;  // of the raw buffer: POINTS_
 };
 
 struct SortPush {

@@ -1,0 +1,53 @@
+// Cells whose neighbors another engine has found and certified: their polytopes, for what that engine does not measure.
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "cpu/cpu_clipper.hpp"
+
+namespace votess::cpu {
+namespace {
+
+constexpr std::size_t block_cells = 512;
+
+}  // namespace
+
+void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, const Stretch& stretch) {
+    if (lists.cells.empty()) return;
+    sort();
+    find_positions();
+    begin_workers(out);
+    const std::size_t count = lists.cells.size(), blocks = (count + block_cells - 1) / block_cells;
+    const std::span<std::int32_t> cells = out.keep(count);
+    std::ranges::copy(lists.cells, cells.begin());
+    std::vector<std::size_t> first_entry(blocks + 1, 0);
+    for (std::size_t k = 0; k < count; ++k) first_entry[k / block_cells + 1] += lists.lengths[k];
+    for (std::size_t b = 0; b < blocks; ++b) first_entry[b + 1] += first_entry[b];
+    ThreadPool::Watch watch;
+    if (progress_) watch = [&](std::size_t done) { return progress_.going_on(stretch.at(done, blocks)); };
+    const auto task = [&](std::size_t block, unsigned index) {
+        Worker& worker = workers_[index];
+        const std::size_t begin = block * block_cells, end = std::min(count, begin + block_cells);
+        std::size_t entry = first_entry[block];
+        for (std::size_t k = begin; k < end; ++k) {
+            worker.candidates.clear();
+            worker.shifts.clear();
+            for (const std::size_t row_end = entry + lists.lengths[k]; entry < row_end; ++entry) {
+                if (lists.ids[entry] < 0) continue;
+                worker.candidates.push_back(position_[static_cast<std::size_t>(lists.ids[entry])]);
+                if (lists.shifts.empty()) continue;
+                const auto& [a, b, c] = lists.shifts[entry];
+                worker.shifts.push_back({a, b, c});
+            }
+            const auto seed = static_cast<std::size_t>(position_[static_cast<std::size_t>(cells[k])]);
+            Cell& cell = lists.shifts.empty() ? worker.builder.build_from(seed, worker.candidates)
+                                              : worker.builder.build_from(seed, worker.candidates, worker.shifts);
+            worker.writer.write(seed, cell);
+        }
+        worker.writer.end_block(cells.subspan(begin, end - begin));
+    };
+    Progress::require(pool_->run(blocks, std::cref(task), watch));
+    for (const Worker& worker : workers_) out.count(worker.writer.counters());
+}
+
+}  // namespace votess::cpu
