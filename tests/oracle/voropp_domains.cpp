@@ -121,13 +121,14 @@ TEST_SUITE("oracle") {
     TEST_CASE("voro++: triclinic cells, tilted and of high aspect") {
         for (const double tilt : {-0.45, 0.45})
             for (const double aspect : {1.0, 20.0})
-                for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(10000, 500)}) {
+                for (const std::size_t n :
+                     {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(10000, 500)}) {
                     const double bx = aspect, by = 1, bz = 1;
                     const Coordinates points = random_points(n, n + 7, {bx, by, bz});
                     Options options = domain_options();
                     options.box.reset();
-                    options.cell = votess::TriclinicBox{
-                        {0, 0, 0}, {bx, 0, 0}, {tilt * bx, by, 0}, {-tilt * bx, tilt * by, bz}};
+                    options.cell =
+                        votess::TriclinicBox{{0, 0, 0}, {bx, 0, 0}, {tilt * bx, by, 0}, {-tilt * bx, tilt * by, bz}};
                     const auto t = tessellate(points, options);
                     voro::container_periodic container(bx, tilt * bx, by, -tilt * bx, tilt * by, bz,
                                                        blocks_for(n, bx, bx), blocks_for(n, by, bx),
