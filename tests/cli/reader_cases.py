@@ -245,6 +245,14 @@ class LammpsFiles(ReaderTest):
                     with self.subTest(style=style, flags=flags, hint=hint):
                         self.put("a.data", self.data(rows, hint))
                         self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+        for style, before, after in [("dipole", "1 0.5", " 0.1 0.2 0.3"), ("electron", "1 3.0 0 0.5", ""),
+                                     ("spin", "1", " 0.0 0.5 1.0 2.2"), ("line", "1 1 1 0.5", ""), ("sph", "1 1.0 0 0.5", ""),
+                                     ("ellipsoid", "1 1 2.0", ""), ("hybrid", "1", " 0.5 7 8.0 9"), ("hybrid", "1", " 3")]:
+            self.put("a.data", self.data([f"{i} {before} {line}{after}" for i, line in enumerate(lines, 1)], " # " + style))
+            self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+            self.put("a.data", self.data([f"{i} {before} {line}{after}" for i, line in enumerate(lines, 1)]))
+            if style in ["electron", "spin", "line", "sph"]:
+                self.refuse("a.data", says=["a.data:17:", "is not a whole number", "Atoms # sphere"])
         self.put("data.melt", (self.folder / "a.data").read_text())
         self.assert_points("data.melt", points, ids=range(1, 26))
         self.put("a.lmp", self.data([f"{i} 1 {0.1 * i} 1.0 {line}" for i, line in enumerate(lines, 1)], " # sphere"))
@@ -260,7 +268,8 @@ class LammpsFiles(ReaderTest):
                               (whole.replace("2 atoms", "x atoms"), [":3:", "'x'"]),
                               (whole.replace("2 atoms\n", ""), "N atoms"), (whole.replace("0 1 ylo yhi", ""), "ylo yhi"),
                               (whole.replace("0 1 ylo", "1 1 ylo"), "along y"), (whole.replace("1.5 0.5", "1.5 q"), "'q'"),
-                              (whole.replace("Atoms", "Atoms # dipole"), "'dipole'"),
+                              (whole.replace("Atoms", "Atoms # oxdna"), "'oxdna'"),
+                              (whole.replace(" 1 0.5", " 1 1 1 1 1 1 1 0.5"), ["11 columns", "Atoms # sphere"]),
                               (whole.replace("Atoms", "Atoms # full"), ["full", "5 columns"]),
                               (whole.replace("2 1 1.5", "2.5 1 1.5"), "'2.5'")]:
             self.refuse(self.put("a.data", content), "-o", "out.npz", says=["a.data"] + ([says] if isinstance(says, str) else says))
