@@ -253,7 +253,7 @@ class LammpsFiles(ReaderTest):
             self.put("a.data", self.data([f"{i} {before} {line}{after}" for i, line in enumerate(lines, 1)]))
             if style in ["electron", "spin", "line", "sph"]:
                 self.refuse("a.data", says=["a.data:17:", "is not a whole number", "Atoms # sphere"])
-        self.put("data.melt", (self.folder / "a.data").read_text())
+        self.put("data.melt", self.data([f"{i} 1 {line}" for i, line in enumerate(lines, 1)]))
         self.assert_points("data.melt", points, ids=range(1, 26))
         self.put("a.lmp", self.data([f"{i} 1 {0.1 * i} 1.0 {line}" for i, line in enumerate(lines, 1)], " # sphere"))
         self.assert_column("a.lmp", [0.1 * i / 2 for i in range(1, 26)], "radius")
