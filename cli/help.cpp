@@ -43,7 +43,8 @@ domain
                          keeps the box
   --wall nx,ny,nz,d      keep where nx x + ny y + nz z <= d; repeatable: a convex polyhedron, whose
                          walls are -7, -8, ...
-  --outside error|drop   a point outside of a --wall is an error (default) or gets an empty cell
+  --outside error|drop   a point outside of --box or a --wall is an error (default), or dropped: it
+                         gets an empty cell
   --min-face A           drop faces smaller than A times the mean face area of the run; default 0
   --weights COL          power diagram with a column of the input as weights ...
   --radii COL            ... or as radii, whose squares are the weights. COL is a name (.csv with a

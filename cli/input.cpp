@@ -11,7 +11,8 @@ namespace clvotess {
 namespace {
 
 constexpr const char* known =
-    "known are .xyz .txt .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, and text on stdin as -";
+    "known are .xyz .txt .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, text without an "
+    "extension, and on stdin as -";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
     if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
@@ -67,7 +68,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         const MappedFile file(path);
         return parser(file.bytes(), path == "-" ? "stdin" : path, request);
     };
-    if (extension == ".txt") {
+    if (extension == ".txt" || extension.empty()) {
         return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::plain, name, wish); });
     }
     if (extension == ".xyz") {

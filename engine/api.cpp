@@ -107,6 +107,9 @@ const std::optional<TriclinicBox>& Tessellation::cell() const noexcept {
 std::span<const Wall> Tessellation::planes() const noexcept {
     return result_->planes;
 }
+std::span<const double> Tessellation::weights() const noexcept {
+    return result_->weights;
+}
 bool Tessellation::lists_walls() const noexcept {
     return result_->lists_walls;
 }

@@ -50,6 +50,8 @@ static_assert(same(VOTESS_CELL_EMPTY, votess::CellStatus::empty));
 static_assert(same(VOTESS_CELL_OUTSIDE, votess::CellStatus::outside));
 static_assert(same(VOTESS_DUPLICATES_MERGE, votess::Duplicates::merge));
 static_assert(same(VOTESS_DUPLICATES_ERROR, votess::Duplicates::error));
+static_assert(same(VOTESS_OUTSIDE_ERROR, votess::Outside::error));
+static_assert(same(VOTESS_OUTSIDE_DROP, votess::Outside::drop));
 static_assert(same(VOTESS_PRECISION_SINGLE, votess::Precision::single));
 static_assert(same(VOTESS_PRECISION_DOUBLE, votess::Precision::double_));
 // The status bytes are handed out as they lie in memory.
@@ -73,7 +75,7 @@ constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof
 
 // No padding at the end: whatever is added later makes the struct larger, which tells callers with and without it
 // apart.
-static_assert(sizeof(votess_options) == offsetof(votess_options, min_face) + sizeof(votess_options::min_face));
+static_assert(sizeof(votess_options) == offsetof(votess_options, reserved3) + sizeof(votess_options::reserved3));
 static_assert(sizeof(votess_stats) == offsetof(votess_stats, reserved) + sizeof(votess_stats::reserved));
 
 // The last failure of each thread. The one variable that outlives a call: thread-local, so that no thread sees or
@@ -152,7 +154,39 @@ votess_options default_options() {
     return options;
 }
 
-votess::Options convert_options(const votess_options* given) {
+// count: of the points, and so of weights and radii.
+void convert_domain(const votess_options& given, std::size_t count, votess::Options& options) {
+    if (given.has_box != 0) {
+        votess::Box box;
+        std::copy_n(given.box_lower, 3, box.lower.begin());
+        std::copy_n(given.box_upper, 3, box.upper.begin());
+        options.box = box;
+    }
+    for (std::size_t k = 0; k < 3; ++k) options.periodic[k] = given.periodic[k] != 0;
+    if (given.has_cell != 0) {
+        votess::TriclinicBox& cell = options.cell.emplace();
+        std::copy_n(given.cell_origin, 3, cell.origin.begin());
+        std::copy_n(given.cell_a, 3, cell.a.begin());
+        std::copy_n(given.cell_b, 3, cell.b.begin());
+        std::copy_n(given.cell_c, 3, cell.c.begin());
+    }
+    if (given.planes == nullptr && given.plane_count != 0) {
+        refuse("options.planes is NULL but plane_count is " + std::to_string(given.plane_count));
+    }
+    for (std::uint64_t w = 0; w < given.plane_count; ++w) {
+        const double* plane = given.planes + 4 * w;
+        options.planes.push_back({{plane[0], plane[1], plane[2]}, plane[3]});
+    }
+    if (given.weights != nullptr) options.weights = {given.weights, count};
+    if (given.radii != nullptr) options.radii = {given.radii, count};
+    if (given.outside != VOTESS_OUTSIDE_ERROR && given.outside != VOTESS_OUTSIDE_DROP) {
+        refuse("options.outside is " + std::to_string(given.outside) +
+               ": use VOTESS_OUTSIDE_ERROR or VOTESS_OUTSIDE_DROP");
+    }
+    options.outside = static_cast<votess::Outside>(given.outside);
+}
+
+votess::Options convert_options(const votess_options* given, std::size_t count) {
     if (given == nullptr) return {};
     require_struct_size(given->struct_size, first_options_size, "options.struct_size",
                         "call votess_options_init first");
@@ -180,13 +214,12 @@ votess::Options convert_options(const votess_options* given) {
         refuse("options.reserved2 is " + std::to_string(c_options.reserved2) + ": it must be 0");
     }
 
-    votess::Options options;
-    if (c_options.has_box != 0) {
-        votess::Box box;
-        std::copy_n(c_options.box_lower, 3, box.lower.begin());
-        std::copy_n(c_options.box_upper, 3, box.upper.begin());
-        options.box = box;
+    if (c_options.reserved3 != 0) {
+        refuse("options.reserved3 is " + std::to_string(c_options.reserved3) + ": it must be 0");
     }
+
+    votess::Options options;
+    convert_domain(c_options, count, options);
     options.walls = c_options.walls != 0;
     for (const WantBit& word : want_bits) options.want.*word.member = (c_options.want & word.bit) != 0;
     options.min_face = c_options.min_face;
@@ -227,7 +260,7 @@ votess_status tessellate(votess_tessellator* tessellator, const Coordinate* poin
         require(out, "out");
         *out = nullptr;
         const std::span<const Coordinate> input = coordinates(points, count);
-        const votess::Options converted = convert_options(options);
+        const votess::Options converted = convert_options(options, count);
         const auto run = [&] {
             if (tessellator == nullptr) return votess::tessellate(input, converted);
             votess::Tessellator& t = tessellator->tessellator;

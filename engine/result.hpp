@@ -13,6 +13,7 @@ struct Result {
     std::array<bool, 3> periodic{};
     std::optional<TriclinicBox> cell;
     std::vector<Wall> planes;
+    std::vector<double> weights;
     bool lists_walls = false;
     double least_face = 0;
     Buffer<std::int64_t> indptr;

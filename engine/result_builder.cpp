@@ -107,6 +107,8 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     result_.periodic = job.options.cell ? std::array{true, true, true} : job.options.periodic;
     result_.cell = job.options.cell;
     result_.planes = job.options.planes;
+    result_.weights.assign(job.options.weights.begin(), job.options.weights.end());
+    for (const double radius : job.options.radii) result_.weights.push_back(radius * radius);
     box_volume_ = job.box_volume;
     result_.lists_walls = job.options.walls;
     result_.least_face = 0;

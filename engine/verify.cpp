@@ -73,7 +73,7 @@ std::string check_symmetry(const Tessellation& t) {
 
 std::string check_euler(const Tessellation& t) {
     for (std::size_t i = 0; i < t.size(); ++i) {
-        if (t.status()[i] == CellStatus::duplicate || t.status()[i] == CellStatus::empty) continue;
+        if (t.status()[i] != CellStatus::certified) continue;
         const std::int64_t v = t.vertex_counts()[i], e = t.edge_counts()[i], f = t.face_counts()[i];
         if (v - e + f != 2)
             return "cell " + std::to_string(i) + " has " + std::to_string(v) + " vertices, " + std::to_string(e) +
@@ -134,7 +134,9 @@ void clip_by_all(const Tessellation& t, const Job& job, std::size_t i, cpu::Cell
             const Wrapped theirs = wrapped_seed(job, j);
             exact::Shift total;
             for (std::size_t k = 0; k < 3; ++k) total[k] = o.shift[k] + theirs.shift[k] - own.shift[k];
-            cell.clip(o.id, exact::Plane::bisector(scaled_seed(job, j), total, domain.lattice), o.shift);
+            exact::Plane plane = exact::Plane::bisector(scaled_seed(job, j), total, domain.lattice);
+            if (domain.has_weights()) plane.power = exact::two_sum(domain.weights[i], -domain.weights[j]);
+            cell.clip(o.id, plane, o.shift);
         }
     };
     std::vector<Other> others;
@@ -146,15 +148,18 @@ void clip_by_all(const Tessellation& t, const Job& job, std::size_t i, cpu::Cell
     clip(others);
     if (!domain.is_periodic()) return;
     others.clear();
-    const double reach = 4 * cell.radius_squared() * (1 + 1e-9);
-    for (const exact::Shift& shift : domain.shifts_within(own.at, std::sqrt(reach) * (1 + 1e-9))) {
+    // R + sqrt(R^2 + w - w_i) for the largest weight w.
+    const double square = cell.radius_squared() * (1 + 1e-9);
+    const double more = domain.has_weights() ? domain.largest_weight - domain.weights[i] : 0;
+    const double distance = (std::sqrt(square) + std::sqrt(square + more)) * (1 + 1e-9), reach = distance * distance;
+    for (const exact::Shift& shift : domain.shifts_within(own.at, distance)) {
         if (shift == exact::Shift{}) continue;
         const exact::Point step = domain.translation(shift);
         for (std::size_t j = 0; j < t.size(); ++j) {
             if (!takes_part(t, j)) continue;
             const exact::Point q = wrapped_seed(job, j).at;
-            const double distance = distance_squared(own.at, {q[0] + step[0], q[1] + step[1], q[2] + step[2]});
-            if (distance <= reach) others.push_back({distance, static_cast<std::int32_t>(j), shift});
+            const double square_there = distance_squared(own.at, {q[0] + step[0], q[1] + step[1], q[2] + step[2]});
+            if (square_there <= reach) others.push_back({square_there, static_cast<std::int32_t>(j), shift});
         }
     }
     clip(others);
@@ -231,6 +236,7 @@ std::string check_sample(const Tessellation& t, std::span<const double> points, 
         as_before.box = t.box(), as_before.periodic = t.periodic();
     as_before.planes.assign(t.planes().begin(), t.planes().end());
     as_before.outside = Outside::drop;
+    as_before.weights = t.weights();
     const Job job = validate({points, {}}, as_before);
     std::vector<std::size_t> cells;
     for (std::size_t i = 0; i < t.size(); ++i)

@@ -24,7 +24,9 @@ uvec2 in_units(bool negative, uvec2 mantissa, int exponent, inout bool lost) {
 uvec2 coordinate(uint point, uint axis, inout bool lost) {
     const uint at = 3u * point + axis;
     uvec2 value;
-    if (push.is_float != 0u) {
+    if (push.format == POINTS_UNITS) {
+        value = uvec2(raw[2u * at], raw[2u * at + 1u]);
+    } else if (push.format == POINTS_FLOAT32) {
         const uint bits = raw[at];
         const uint exponent = (bits >> 23) & 0xffu;
         const uint mantissa = (bits & 0x7fffffu) | (exponent > 0u ? 0x800000u : 0u);

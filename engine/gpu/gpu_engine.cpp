@@ -90,8 +90,8 @@ void GpuEngine::upload(const Job& job) {
     clipper_.begin(job_);
     result_.begin(job_, clipper_.pool());
     if (job_.points.count() == 0) return;
-    if (!job_.domain->is_plain()) {
-        // The passes know boxes with walls only: the exact clipper takes all cells.
+    device_clips_ = find_domain();
+    if (!device_clips_) {
         pending_.resize(job_.points.count());
         std::iota(pending_.begin(), pending_.end(), 0);
         return;
@@ -102,18 +102,36 @@ void GpuEngine::upload(const Job& job) {
         for (auto& chunk : chunks_) chunk.reset();
         passes_.emplace(*device_, settings);
     }
-    const std::uint32_t most = limits_.most_seeds != 0 ? limits_.most_seeds : SeedStore::most_seeds(*device_, memory_);
+    const std::uint32_t most = most_seeds();
     std::span<const std::int32_t> duplicate_of;
     if (job_.points.count() > most) {
         // Copies of a seed would otherwise lie in several parts.
         duplicate_of = clipper_.duplicate_of();
         duplicates_ = !duplicate_of.empty();
     }
-    parts_.emplace(job_, duplicate_of, Units::for_box(job_.box), most);
+    parts_.emplace(job_, duplicate_of, Units::for_box(job_.box), periodic_ ? INDEX_MASK : most);
     if (parts_->size() == 1) begin_part(0);
 }
 
+bool GpuEngine::find_domain() {
+    periodic_.reset();
+    const Domain& domain = *job_.domain;
+    if (domain.has_weights() || !domain.walls.empty() || !job_.outside.empty()) return false;
+    if (!domain.is_periodic()) return true;
+    periodic_ = periodic_part(job_, most_seeds());
+    return periodic_.has_value();
+}
+
+std::uint32_t GpuEngine::most_seeds() const {
+    return limits_.most_seeds != 0 ? limits_.most_seeds : SeedStore::most_seeds(*device_, memory_);
+}
+
 void GpuEngine::begin_part(std::size_t index) {
+    if (periodic_) {
+        part_ = periodic_->part;
+        seeds_.upload(*periodic_, *passes_);
+        return;
+    }
     part_ = parts_->get(index);
     seeds_.upload(job_, part_.members, *passes_);
 }
@@ -279,23 +297,34 @@ void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> c
                 areas.push_back(std::ldexp(chunk.area(first_entry + areas.size()), 2 * exponent));
         }
     }
+    std::vector<std::int8_t> shifts;
     if (!part_.members.empty()) {  // the device knows them by other names, and another order
-        std::vector<std::pair<std::int32_t, double>> row;
+        struct Entry {
+            std::int32_t id;
+            std::array<std::int8_t, 3> shift;
+            double area;
+        };
+        std::vector<Entry> row;
         named.assign(rows.begin(), rows.end());
+        if (periodic_) shifts.resize(3 * size);
         for (std::size_t at = 0, i = 0; i < lengths.size(); at += lengths[i++]) {
             row.clear();
-            for (std::size_t e = at; e < at + lengths[i]; ++e)
-                row.emplace_back(named[e] < 0 ? named[e] : input_of(static_cast<std::uint32_t>(named[e])),
-                                 areas.empty() ? 0 : areas[e]);
-            std::sort(row.begin(), row.end());
+            for (std::size_t e = at; e < at + lengths[i]; ++e) {
+                Entry entry{named[e], {}, areas.empty() ? 0 : areas[e]};
+                if (named[e] >= 0) entry.id = input_of(static_cast<std::uint32_t>(named[e]));
+                if (named[e] >= 0 && periodic_) entry.shift = periodic_->shifts[static_cast<std::size_t>(named[e])];
+                row.push_back(entry);
+            }
+            std::ranges::sort(row, {}, [](const Entry& entry) { return std::pair(entry.id, entry.shift); });
             for (std::size_t k = 0; k < row.size(); ++k) {
-                named[at + k] = row[k].first;
-                if (!areas.empty()) areas[at + k] = row[k].second;
+                named[at + k] = row[k].id;
+                if (!areas.empty()) areas[at + k] = row[k].area;
+                if (periodic_) std::ranges::copy(row[k].shift, shifts.begin() + static_cast<std::ptrdiff_t>(3 * (at + k)));
             }
         }
         rows = named;
     }
-    result_.copy_rows(cells.subspan(begin, end - begin), lengths, rows, {areas, {}, {}});
+    result_.copy_rows(cells.subspan(begin, end - begin), lengths, rows, {areas, {}, shifts});
 }
 
 void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input) {
@@ -306,7 +335,9 @@ void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_
     if (want.volumes) result_.volumes()[i] = std::ldexp(chunk.geometry(cell, 0), 3 * exponent);
     if (want.centroids)
         for (std::uint32_t k = 0; k < 3; ++k)
-            result_.centroids()[3 * i + k] = job_.points[3 * i + k] + std::ldexp(chunk.geometry(cell, 1 + k), exponent);
+            result_.centroids()[3 * i + k] = job_.points[3 * i + k] +
+                                             (periodic_ && !periodic_->wraps.empty() ? periodic_->wraps[i][k] : 0) +
+                                             std::ldexp(chunk.geometry(cell, 1 + k), exponent);
     if (want.counts) {
         const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff;
         result_.face_counts()[i] = (info >> INFO_FACES_SHIFT) & 0xff;
@@ -335,9 +366,8 @@ void GpuEngine::fallback() {
 }
 
 void GpuEngine::download(detail::Result& result) {
-    const bool plain = job_.domain->is_plain();
-    if (!plain) clipper_.set_empty(result_);
-    if (duplicates_ || !plain) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
+    if (!device_clips_) clipper_.set_empty(result_);
+    if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     // clip() did more than its name says: upload and sort of parts, and the CPU's share beside the device's passes.
     StageSeconds& seconds = result.stats.seconds;
     const double overlapped = std::max(0.0, spent_.fallback - seconds.fallback);
@@ -353,11 +383,12 @@ void GpuEngine::download(detail::Result& result) {
     }
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;
-    result.stats.precision = plain ? job_.options.precision : Precision::double_;
+    result.stats.precision = device_clips_ ? job_.options.precision : Precision::double_;
     clipper_.end();
     check_messages();
     progress_.report(1);
     parts_.reset();
+    periodic_.reset();
     part_ = {};
     job_ = {};
 }

@@ -48,6 +48,9 @@ private:
 
     [[nodiscard]] PassSettings pass_settings(const Options& options) const;
     [[nodiscard]] std::uint32_t chunk_cells(const PassSettings& settings) const;
+    // Whether the passes can do the job: in a box with walls, or a periodic one; else the exact clipper takes all cells.
+    [[nodiscard]] bool find_domain();
+    [[nodiscard]] std::uint32_t most_seeds() const;
     void begin_part(std::size_t index);
     void sort_part();
     void clip_part(std::size_t index);
@@ -75,7 +78,9 @@ private:
     Progress progress_;
     ResultBuilder result_;
     std::optional<Parts> parts_;
+    std::optional<PeriodicPart> periodic_;
     Part part_;
+    bool device_clips_ = true;                // else the exact clipper takes all cells
     bool duplicates_ = false;                 // there are some, or there may be
     bool second_tier_ = true;                 // worth its time
     std::uint32_t skip_ = 0;                  // chunks to leave to the CPU after hopeless ones

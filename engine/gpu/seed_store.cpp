@@ -127,31 +127,45 @@ void SeedStore::reserve(std::uint32_t count) {
 }
 
 void SeedStore::upload(const Job& job, std::span<const std::int32_t> members, const Passes& passes) {
-    count_ = static_cast<std::uint32_t>(members.empty() ? job.points.count() : members.size());
+    const auto& points = job.points;
+    if (points.f32.empty())
+        upload({std::as_bytes(points.f64), 24, POINTS_FLOAT64, false}, members, job.box, passes);
+    else
+        upload({std::as_bytes(points.f32), 12, POINTS_FLOAT32, false}, members, job.box, passes);
+}
+
+void SeedStore::upload(const PeriodicPart& periodic, const Passes& passes) {
+    const auto bytes = std::as_bytes(std::span(periodic.coordinates));
+    upload({bytes, 24, POINTS_UNITS, periodic.lossy}, {}, periodic.box, passes);
+}
+
+void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box,
+                       const Passes& passes) {
+    count_ = static_cast<std::uint32_t>(members.empty() ? points.bytes.size() / points.bytes_each : members.size());
     reserve(count_);
     plan_levels(count_, level_first_, level_size_);
-    units_ = Units::for_box(job.box);
+    units_ = Units::for_box(box);
     bool box_lossy = false;
     UploadPush push{};
     for (int k = 0; k < 3; ++k) {
-        origin_[k] = units_.of(job.box.lower[k], box_lossy);
-        extent_[k] = units_.of(job.box.upper[k], box_lossy) - origin_[k];
+        origin_[k] = units_.of(box.lower[k], box_lossy);
+        extent_[k] = units_.of(box.upper[k], box_lossy) - origin_[k];
         push.origin[k] = words(origin_[k]);
     }
     push.shift = units_.shift;
-    push.is_float = job.points.f32.empty() ? 0 : 1;
+    push.format = points.format;
 
     commands_.begin();
     commands_.fill(run_state_, 0, sizeof(RunState), 0);
-    if (box_lossy) commands_.fill(run_state_, offsetof(RunState, lossy), 4, LOSSY_BOX);
+    const std::uint32_t lossy = (box_lossy ? LOSSY_BOX : 0) | (points.lossy ? LOSSY_POINTS : 0);
+    if (lossy != 0) commands_.fill(run_state_, offsetof(RunState, lossy), 4, lossy);
     commands_.barrier();
     commands_.end();
     commands_.submit();
     seconds_ = {};
 
-    const std::size_t point_bytes = job.points.f32.empty() ? 24 : 12;
-    const auto* bytes = job.points.f32.empty() ? reinterpret_cast<const std::byte*>(job.points.f64.data())
-                                               : reinterpret_cast<const std::byte*>(job.points.f32.data());
+    const std::size_t point_bytes = points.bytes_each;
+    const std::byte* const bytes = points.bytes.data();
     const auto slice = static_cast<std::uint32_t>(staging_[0].size() / point_bytes);
     Bindings bindings = bindings_;
     struct Stamps {

@@ -9,6 +9,7 @@
 
 #include "engine.hpp"
 #include "gpu/passes.hpp"
+#include "gpu/periodic_part.hpp"
 #include "gpu/units.hpp"
 #include "gpu/vulkan/commands.hpp"
 #include "shared/layout.h"
@@ -49,6 +50,8 @@ public:
 
     // members: input indices of the seeds to take; empty = all points.
     void upload(const Job& job, std::span<const std::int32_t> members, const Passes& passes);
+    // Seeds and images of a periodic domain.
+    void upload(const PeriodicPart& periodic, const Passes& passes);
     // key_bits: per axis.
     void sort(const Passes& passes, std::uint32_t key_bits);
     void build_hierarchy(const Passes& passes);
@@ -76,6 +79,14 @@ public:
     [[nodiscard]] const Buffer& sorted_index() const { return index_[0]; }
 
 private:
+    struct RawPoints {
+        std::span<const std::byte> bytes;
+        std::size_t bytes_each;
+        std::uint32_t format;  // POINTS_
+        bool lossy;            // already rounded
+    };
+
+    void upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
     void reserve(std::uint32_t count);
     void record_radix_pass(std::uint32_t pass, const Passes& passes);
 

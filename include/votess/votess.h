@@ -61,6 +61,9 @@ typedef enum votess_cell_status {
 #define VOTESS_DUPLICATES_MERGE 0
 #define VOTESS_DUPLICATES_ERROR 1
 
+#define VOTESS_OUTSIDE_ERROR 0
+#define VOTESS_OUTSIDE_DROP 1
+
 // What volumes, centroids and areas hold; see Precision in votess.hpp.
 typedef enum votess_precision {
     VOTESS_PRECISION_SINGLE = 0,  // relative error 1e-5 from a GPU, 1e-10 from the CPU
@@ -94,6 +97,18 @@ typedef struct votess_options {
     uint32_t reserved2;        // 0
     const char* instructions;  // CPU: "baseline", "avx2", "avx512"; NULL or "" = the best that the processor has
     double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
+    int32_t periodic[3];       // nonzero: the box repeats along x, y, z
+    int32_t has_cell;          // nonzero: a triclinic periodic box, instead of box and periodic
+    double cell_origin[3];
+    double cell_a[3];
+    double cell_b[3];
+    double cell_c[3];
+    const double* planes;  // 4 * plane_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
+    uint64_t plane_count;
+    const double* weights;  // as many as points, or NULL: a power diagram; read only during the call
+    const double* radii;    // the same as radii, whose squares are the weights; not both
+    int32_t outside;        // VOTESS_OUTSIDE_*: seeds outside of box or planes
+    uint32_t reserved3;     // 0
 } votess_options;
 
 typedef struct votess_stats {

@@ -5,6 +5,11 @@
 // Coordinates are whole numbers of 64 bits: the longest side of the box is in [2^61, 2^62) units, the box begins at 0.
 #define COORDINATE_BITS 62
 
+// UploadPush.format
+#define POINTS_FLOAT64 0u
+#define POINTS_FLOAT32 1u
+#define POINTS_UNITS 2u  // whole numbers of units already, modulo 2^64
+
 // RunState.lossy
 #define LOSSY_POINTS 1u
 #define LOSSY_BOX 2u

@@ -18,7 +18,7 @@ struct UploadPush {
     uint first;       // point that the raw buffer begins with
     uint count;
     int shift;      // a point's coordinate times 2^shift is in units
-    uint is_float;  // 1: the raw buffer holds float32, else float64
+    uint format;    // of the raw buffer: POINTS_
 };
 
 struct SortPush {

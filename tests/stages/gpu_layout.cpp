@@ -101,7 +101,7 @@ TEST_SUITE("stages") {
         };
         const auto upload = filled<UploadPush>();
         check("UploadPush", shaders::test_layout_upload, upload,
-              words_of(upload.origin, upload.first, upload.count, upload.shift, upload.is_float));
+              words_of(upload.origin, upload.first, upload.count, upload.shift, upload.format));
         const auto sort = filled<SortPush>();
         check("SortPush", shaders::test_layout_sort, sort,
               words_of(sort.count, sort.tiles, sort.shift, sort.high_word));

@@ -59,6 +59,7 @@ WANT_BITS: Dict[str, int] = {
     "faces": 512,
 }
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
+OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 
@@ -91,6 +92,18 @@ class Options(ctypes.Structure):
         ("reserved2", c_uint32),
         ("instructions", c_char_p),
         ("min_face", c_double),
+        ("periodic", c_int32 * 3),
+        ("has_cell", c_int32),
+        ("cell_origin", c_double * 3),
+        ("cell_a", c_double * 3),
+        ("cell_b", c_double * 3),
+        ("cell_c", c_double * 3),
+        ("planes", c_void_p),
+        ("plane_count", c_uint64),
+        ("weights", c_void_p),
+        ("radii", c_void_p),
+        ("outside", c_int32),
+        ("reserved3", c_uint32),
     ]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -23,8 +23,8 @@ def _mesh(t: Tessellation) -> Tuple[Int64Array, Int64Array, Int64Array, Float64A
     try:
         return (
             np.asarray(t.neighbors.indptr, np.int64),
-            np.asarray(t.face_offsets, np.int64),
-            np.asarray(t.face_vertices, np.int64),
+            np.asarray(t.faces.indptr, np.int64),
+            np.asarray(t.faces.indices, np.int64),
             np.asarray(t.vertices, np.float64),
         )
     except AttributeError:
@@ -74,9 +74,11 @@ def _values(t: Tessellation, color: Any) -> Tuple[Float64Array, str]:
             lists = t.neighbors
             cell = np.repeat(np.arange(len(t)), np.diff(lists.indptr))
             return np.bincount(cell[lists.indices >= 0], minlength=len(t)).astype(np.float64), "neighbors"
+        if color == "area":
+            return np.asarray(t.surface_areas), "surface area"
         if color in _AXES:
             return np.asarray(t.points, np.float64)[:, _AXES.index(color)], color
-        raise ValueError(f"color is {color!r}: give 'volume', 'neighbors', 'x', 'y', 'z' or {len(t)} values")
+        raise ValueError(f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values")
     values = np.asarray(color, np.float64)
     if values.shape != (len(t),):
         raise ValueError(f"color has shape {values.shape}: give one value for each of the {len(t)} cells")
@@ -92,22 +94,40 @@ def _limits(values: Float64Array) -> Tuple[float, float, bool]:
     return low, high, low > 0 and high / low > 30
 
 
-def _periods(t: Tessellation) -> List[Sequence[float]]:
-    """For each axis the shifts of the images of a cell that may reach into the box."""
-    size = np.asarray(t.box)[1] - np.asarray(t.box)[0]
-    periodic = getattr(t, "periodic", (False, False, False))
-    if np.ndim(periodic) == 0:
-        periodic = (bool(periodic),) * 3
-    return [(-s, 0.0, s) if p else (0.0,) for s, p in zip(size, periodic)]
+def _periods(t: Tessellation) -> List[Float64Array]:
+    """The vectors by which the cells repeat, found where a face and its counterpart across the domain lie."""
+    if t.shifts is None:
+        return []
+    indptr, offsets, loops, vertices = _mesh(t)
+
+    def middle(face: int) -> Any:
+        return vertices[loops[offsets[face] : offsets[face + 1]]].mean(axis=0)
+
+    periods = []
+    for step in np.eye(3, dtype=np.int8):
+        for face in np.flatnonzero((t.shifts == step).all(axis=1))[:1]:
+            cell = np.searchsorted(indptr, face, side="right") - 1
+            other = int(t.neighbors.indices[face])
+            row = slice(indptr[other], indptr[other + 1])
+            back = (t.neighbors.indices[row] == cell) & (t.shifts[row] == -step).all(axis=1)
+            periods.append(middle(face) - middle(indptr[other] + int(np.flatnonzero(back)[0])))
+    return periods
 
 
 def _images(t: Tessellation, axis: int, value: float) -> Iterator[Tuple[Int64Array, List[Float64Array]]]:
+    """The sections of all images of the cells that may reach into the bounds of the domain."""
     periods = _periods(t)
     others = [k for k in range(3) if k != axis]
-    for shift in periods[axis]:
-        cells, polygons = section(t, axis, value - shift)
-        for image in itertools.product(*(periods[k] for k in others)):
-            yield cells, [polygon + image for polygon in polygons] if any(image) else polygons
+    # Bounds are longer than oblique edges.
+    most = 2 if any(np.count_nonzero(np.abs(p) > 1e-9 * np.abs(p).max()) > 1 for p in periods) else 1
+    found: Dict[float, Tuple[Int64Array, List[Float64Array]]] = {}  # by height
+    for steps in itertools.product(range(-most, most + 1), repeat=len(periods)):
+        shift = sum((k * p for k, p in zip(steps, periods)), np.zeros(3))
+        height = value - shift[axis]
+        if height not in found:
+            found[height] = section(t, axis, height)
+        cells, polygons = found[height]
+        yield cells, [polygon + shift[others] for polygon in polygons]
 
 
 def _parse_slice(t: Tessellation, where: Any) -> Tuple[int, float]:
@@ -134,15 +154,16 @@ def _plot_slice(t: Tessellation, axis: int, value: float, color: Any, ax: Any, *
     style.setdefault("linewidths", 0.5)
     polygons: List[Float64Array] = []
     colors: List[Float64Array] = []
+    box = np.asarray(t.box)
+    across, up = others = [k for k in range(3) if k != axis]
     for cells, some in _images(t, axis, value):
-        polygons += some
-        colors.append(values[cells])
+        seen = [bool((p.max(axis=0) > box[0, others]).all() and (p.min(axis=0) < box[1, others]).all()) for p in some]
+        polygons += itertools.compress(some, seen)
+        colors.append(values[cells[np.array(seen, bool)]])
     if ax is None:
         ax = plt.subplots()[1]
     collection = PolyCollection(polygons, array=np.concatenate(colors), **style)
     ax.add_collection(collection)
-    box = np.asarray(t.box)
-    across, up = (k for k in range(3) if k != axis)
     ax.set(
         xlim=box[:, across],
         ylim=box[:, up],

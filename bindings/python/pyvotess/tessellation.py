@@ -14,6 +14,7 @@ import numpy as np
 
 from . import _c_api
 from ._c_api import ErrorCode
+from ._input import Domain, as_count, as_points, as_precision, as_text, as_want
 from ._library import lib
 from .mesh import Delaunay, Faces, Lists, make_delaunay
 
@@ -101,89 +102,6 @@ def _array(
     return np.asarray(_Memory(result, address, shape, np.dtype(dtype)))
 
 
-# ---- input ----
-
-
-def _as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
-    """C-contiguous float64, or float32 as it is; no copy when it is one already. Refuses what would change a value."""
-    if np.ma.is_masked(values):
-        raise ValueError(f"{name} has masked values: remove them first, e.g. numpy.ma.compress_rows({name})")
-    try:
-        array = np.asarray(values)
-    except ValueError as error:
-        raise ValueError(f"{name} is not an array of numbers: {error}") from error
-    if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8:
-        raise ValueError(f"{name} has dtype {array.dtype}: give float64, float32 or integers")
-    if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
-        inexact = array > 2**53
-        if array.dtype.kind == "i":
-            inexact |= array < -(2**53)
-        if inexact.any():
-            index = tuple(int(i) for i in np.argwhere(inexact)[0])
-            place = "".join(f"[{i}]" for i in index)
-            raise ValueError(
-                f"{name}{place} is {array[index]}: integers beyond 2**53 are not all exact in float64; give float64"
-            )
-    dtype = np.float32 if array.dtype == np.float32 else np.float64
-    return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
-
-
-def _as_points(points: Any) -> npt.NDArray[Any]:
-    array = _as_float64_or_float32(points, "points")
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"points has shape {array.shape}: it must be (N, 3)")
-    return array
-
-
-def _as_box(box: Any) -> Float64Array:
-    array = _as_float64_or_float32(box, "box").astype(np.float64)
-    if array.shape not in ((6,), (2, 3)):
-        raise ValueError(
-            f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1))"
-        )
-    return array.reshape(2, 3)
-
-
-def _as_count(value: Any, name: str, bits: int) -> int:
-    number = operator.index(value)
-    if not 0 <= number < 2**bits:  # ctypes would wrap it silently
-        raise ValueError(f"{name} is {number}: it must be from 0 to {2**bits - 1}")
-    return number
-
-
-#: What belongs to entries of the rows, or refers to what another word asks for.
-_IMPLIED: Dict[str, Tuple[str, ...]] = {
-    "areas": ("neighbors",),
-    "normals": ("neighbors",),
-    "vertices": ("neighbors",),
-    "faces": ("vertices", "neighbors"),
-}
-
-
-def _as_want(want: Union[str, Iterable[str]]) -> Tuple[str, ...]:
-    words = [word.strip() for word in want.split(",")] if isinstance(want, str) else list(want)
-    for word in words:
-        if word not in _c_api.WANT_BITS:
-            raise ValueError(f"want has {word!r}: the words are {', '.join(_c_api.WANT_BITS)}")
-    for word in tuple(words):
-        words.extend(_IMPLIED.get(word, ()))
-    return tuple(word for word in _c_api.WANT_BITS if word in words)
-
-
-def _as_text(text: Any, name: str) -> bytes:
-    if not isinstance(text, str):
-        raise TypeError(f"{name} must be a str, not {type(text).__name__}")
-    if "\0" in text:
-        raise ValueError(f"{name} is {text!r}: it must hold no zero character")
-    return text.encode()
-
-
-def _as_precision(precision: str) -> int:
-    if precision not in _c_api.PRECISIONS:
-        raise ValueError(f"precision is {precision!r}: the words are {', '.join(_c_api.PRECISIONS)}")
-    return _c_api.PRECISIONS[precision]
-
-
 def _new_options(
     device: str,
     threads: int,
@@ -195,13 +113,13 @@ def _new_options(
 ) -> _c_api.Options:
     options = _c_api.Options()
     _raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
-    options.device = _as_text(device, "device")
-    options.threads = _as_count(threads, "threads", 32)
-    options.precision = _as_precision(precision)
-    options.grid_resolution = _as_count(grid_resolution, "grid_resolution", 32)
-    options.k_init = _as_count(k_init, "k_init", 32)
-    options.chunk_size = _as_count(chunk_size, "chunk_size", 32)
-    options.instructions = _as_text(instructions, "instructions")
+    options.device = as_text(device, "device")
+    options.threads = as_count(threads, "threads", 32)
+    options.precision = as_precision(precision)
+    options.grid_resolution = as_count(grid_resolution, "grid_resolution", 32)
+    options.k_init = as_count(k_init, "k_init", 32)
+    options.chunk_size = as_count(chunk_size, "chunk_size", 32)
+    options.instructions = as_text(instructions, "instructions")
     return options
 
 
@@ -264,7 +182,7 @@ def _tessellate(
     tessellator: Optional[_Handle],
     options: _c_api.Options,
     points: Any,
-    box: Any,
+    domain: Domain,
     want: Union[str, Iterable[str]],
     walls: bool,
     duplicates: str,
@@ -272,21 +190,17 @@ def _tessellate(
     min_face: float = 0.0,
     function_name: str = "votess_tessellate",
 ) -> Tessellation:
-    array = _as_points(points)
-    wanted = _as_want(want)
+    array = as_points(points)
+    wanted = as_want(want)
     options.min_face = float(min_face)
     if options.min_face > 0:
-        wanted = _as_want((*wanted, "areas"))
+        wanted = as_want((*wanted, "areas"))
     options.want = sum(_c_api.WANT_BITS[word] for word in wanted)
     options.walls = bool(walls)
     if duplicates not in _c_api.DUPLICATES:
         raise ValueError(f"duplicates is {duplicates!r}: the words are {', '.join(_c_api.DUPLICATES)}")
     options.duplicates = _c_api.DUPLICATES[duplicates]
-    if box is not None:
-        lower, upper = _as_box(box)
-        options.has_box = 1
-        options.box_lower[:] = lower.tolist()
-        options.box_upper[:] = upper.tolist()
+    kept = domain.fill(options, len(array))
     if progress is not None and not callable(progress):
         raise TypeError(f"progress must be callable, not {type(progress).__name__}")
 
@@ -294,12 +208,16 @@ def _tessellate(
     result = _Handle(lib.votess_result_free)
     arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
     _run(function, arguments, options, ctypes.byref(result.pointer), progress)
+    del kept
     return Tessellation(result, array, wanted)
 
 
 def tessellate(
     points: npt.ArrayLike,
     box: Optional[npt.ArrayLike] = None,
+    periodic: Union[bool, str, Iterable[bool]] = False,
+    weights: Optional[npt.ArrayLike] = None,
+    radii: Optional[npt.ArrayLike] = None,
     want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
     walls: bool = False,
     device: str = "auto",
@@ -312,6 +230,10 @@ def tessellate(
     progress: Optional[Progress] = None,
     instructions: str = "",
     min_face: float = 0.0,
+    cell: Optional[npt.ArrayLike] = None,
+    origin: Optional[npt.ArrayLike] = None,
+    planes: Optional[npt.ArrayLike] = None,
+    outside: str = "error",
 ) -> Tessellation:
     """Voronoi cells of ``points`` in a box. The neighbor lists are exact for the coordinates as given.
 
@@ -322,6 +244,11 @@ def tessellate(
         changed by another thread meanwhile.
     box : (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1)), the domain.
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
+        A point outside of it is an error.
+    periodic : True, or axes such as "xy", or three flags: the box repeats; points beyond it are wrapped into it.
+        ``shifts`` tells which image a neighbor is.
+    weights, radii : (N,) numbers: a power diagram, with these weights or the squares of these radii. A seed whose cell
+        is empty has status EMPTY.
     want : words out of "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii",
         "vertices", "faces", as a sequence or with commas in one string. What belongs to entries of the rows adds
         "neighbors"; "faces" adds "vertices", and the walls to the rows.
@@ -338,6 +265,9 @@ def tessellate(
     duplicates : "merge": the lowest index of equal points keeps the cell; "error": refuse them.
     min_face : drop faces between two cells that are smaller than this times their mean area, from rows, areas,
         normals, polygons and face_counts; decided once per pair of cells. 0 drops nothing.
+    cell, origin : a triclinic periodic box instead of ``box``: the vectors of its edges, a row each, and its corner.
+    planes : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
+    outside : of points outside of ``box`` or ``planes``: "error" refuses them, "drop" gives them an empty cell, status OUTSIDE.
     progress : called some ten times a second with the fraction done; returning False stops the run with
         :class:`VotessError`, an exception stops it and goes on to the caller.
 
@@ -350,7 +280,8 @@ def tessellate(
         DEVICE_LOST when it failed.
     """
     options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
-    return _tessellate(None, options, points, box, want, walls, duplicates, progress, min_face)
+    domain = Domain(box, periodic, weights, radii, cell, origin, planes, outside)
+    return _tessellate(None, options, points, domain, want, walls, duplicates, progress, min_face)
 
 
 class Tessellator:
@@ -392,24 +323,39 @@ class Tessellator:
         self,
         points: npt.ArrayLike,
         box: Optional[npt.ArrayLike] = None,
+        periodic: Union[bool, str, Iterable[bool]] = False,
+        weights: Optional[npt.ArrayLike] = None,
+        radii: Optional[npt.ArrayLike] = None,
         want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
         walls: bool = False,
         duplicates: str = "merge",
         progress: Optional[Progress] = None,
         min_face: float = 0.0,
+        cell: Optional[npt.ArrayLike] = None,
+        origin: Optional[npt.ArrayLike] = None,
+        planes: Optional[npt.ArrayLike] = None,
+        outside: str = "error",
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
-        return self._call("votess_tessellate", points, box, want, walls, duplicates, progress, min_face)
+        domain = Domain(box, periodic, weights, radii, cell, origin, planes, outside)
+        return self._call("votess_tessellate", points, domain, want, walls, duplicates, progress, min_face)
 
     def update(
         self,
         points: npt.ArrayLike,
         box: Optional[npt.ArrayLike] = None,
+        periodic: Union[bool, str, Iterable[bool]] = False,
+        weights: Optional[npt.ArrayLike] = None,
+        radii: Optional[npt.ArrayLike] = None,
         want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
         walls: bool = False,
         duplicates: str = "merge",
         progress: Optional[Progress] = None,
         min_face: float = 0.0,
+        cell: Optional[npt.ArrayLike] = None,
+        origin: Optional[npt.ArrayLike] = None,
+        planes: Optional[npt.ArrayLike] = None,
+        outside: str = "error",
     ) -> Tessellation:
         """As :meth:`tessellate`, with the hint that these are the points of the last call, each moved a little.
 
@@ -417,13 +363,14 @@ class Tessellator:
         in the last digits. On the CPU it keeps some 110 bytes a point more from the first call on; other devices ignore
         the hint.
         """
-        return self._call("votess_update", points, box, want, walls, duplicates, progress, min_face)
+        domain = Domain(box, periodic, weights, radii, cell, origin, planes, outside)
+        return self._call("votess_update", points, domain, want, walls, duplicates, progress, min_face)
 
     def _call(
         self,
         function_name: str,
         points: Any,
-        box: Any,
+        domain: Domain,
         want: Union[str, Iterable[str]],
         walls: bool,
         duplicates: str,
@@ -435,7 +382,7 @@ class Tessellator:
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
             return _tessellate(
-                self._handle, options, points, box, want, walls, duplicates, progress, min_face, function_name
+                self._handle, options, points, domain, want, walls, duplicates, progress, min_face, function_name
             )
 
     def close(self) -> None:
@@ -766,8 +713,8 @@ class Tessellation:
         ``slice=("z", 0.5)`` draws the section by that plane with matplotlib, into ``ax`` or a new figure, and returns
         the axes. Without a slice PyVista, where it is installed, shows the cells in space without those of one octant,
         and the plotter is returned (``t.plot().show()``); else the section through the middle is drawn.
-        ``color``: "volume", "neighbors", "x", "y", "z", or one value for each cell. ``style`` goes to matplotlib's
-        PolyCollection or to PyVista's add_mesh, such as ``cmap="magma"``.
+        ``color``: "volume", "neighbors", "area", "x", "y", "z", or one value for each cell. ``style`` goes to
+        matplotlib's PolyCollection or to PyVista's add_mesh, such as ``cmap="magma"``.
         """
         from ._plot import plot
 
@@ -781,7 +728,7 @@ class Tessellation:
         whose arrays were not wanted are skipped.
         """
         points = np.ascontiguousarray(self._points, dtype=np.float64)
-        count = _as_count(sample, "sample", 8 * ctypes.sizeof(ctypes.c_size_t))
+        count = as_count(sample, "sample", 8 * ctypes.sizeof(ctypes.c_size_t))
         passed, skipped = ctypes.c_int(), ctypes.c_uint32()
         failure = ctypes.create_string_buffer(1024)
         _raise_on_failure(
@@ -790,7 +737,7 @@ class Tessellation:
                 points.ctypes.data,
                 len(points),
                 count,
-                _as_count(rng_seed, "rng_seed", 64),
+                as_count(rng_seed, "rng_seed", 64),
                 ctypes.byref(passed),
                 ctypes.byref(skipped),
                 failure,

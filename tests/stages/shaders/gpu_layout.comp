@@ -45,7 +45,7 @@ void main() {
     put(push.first);
     put(push.count);
     put(push.shift);
-    put(push.is_float);
+    put(push.format);
 #elif defined(SORT)
     put(push.count);
     put(push.tiles);

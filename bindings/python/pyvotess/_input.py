@@ -1,0 +1,169 @@
+"""What users give, checked and brought to the form that the library reads."""
+
+from __future__ import annotations
+
+import ctypes
+import operator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _c_api
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Float64Array = npt.NDArray[np.float64]
+
+
+def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
+    """C-contiguous float64, or float32 as it is; no copy when it is one already. Refuses what would change a value."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked values: remove them first, e.g. numpy.ma.compress_rows({name})")
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise ValueError(f"{name} is not an array of numbers: {error}") from error
+    if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8:
+        raise ValueError(f"{name} has dtype {array.dtype}: give float64, float32 or integers")
+    if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
+        inexact = array > 2**53
+        if array.dtype.kind == "i":
+            inexact |= array < -(2**53)
+        if inexact.any():
+            index = tuple(int(i) for i in np.argwhere(inexact)[0])
+            place = "".join(f"[{i}]" for i in index)
+            raise ValueError(
+                f"{name}{place} is {array[index]}: integers beyond 2**53 are not all exact in float64; give float64"
+            )
+    dtype = np.float32 if array.dtype == np.float32 else np.float64
+    return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
+
+
+def as_points(points: Any) -> npt.NDArray[Any]:
+    array = as_float64_or_float32(points, "points")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"points has shape {array.shape}: it must be (N, 3)")
+    return array
+
+
+def as_box(box: Any) -> Float64Array:
+    array = as_float64_or_float32(box, "box").astype(np.float64)
+    if array.shape not in ((6,), (2, 3)):
+        raise ValueError(
+            f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1))"
+        )
+    return array.reshape(2, 3)
+
+
+def as_count(value: Any, name: str, bits: int) -> int:
+    number = operator.index(value)
+    if not 0 <= number < 2**bits:  # ctypes would wrap it silently
+        raise ValueError(f"{name} is {number}: it must be from 0 to {2**bits - 1}")
+    return number
+
+
+#: What belongs to entries of the rows, or refers to what another word asks for.
+_IMPLIED: Dict[str, Tuple[str, ...]] = {
+    "areas": ("neighbors",),
+    "normals": ("neighbors",),
+    "vertices": ("neighbors",),
+    "faces": ("vertices", "neighbors"),
+}
+
+
+def as_want(want: Union[str, Iterable[str]]) -> Tuple[str, ...]:
+    words = [word.strip() for word in want.split(",")] if isinstance(want, str) else list(want)
+    for word in words:
+        if word not in _c_api.WANT_BITS:
+            raise ValueError(f"want has {word!r}: the words are {', '.join(_c_api.WANT_BITS)}")
+    for word in tuple(words):
+        words.extend(_IMPLIED.get(word, ()))
+    return tuple(word for word in _c_api.WANT_BITS if word in words)
+
+
+def as_text(text: Any, name: str) -> bytes:
+    if not isinstance(text, str):
+        raise TypeError(f"{name} must be a str, not {type(text).__name__}")
+    if "\0" in text:
+        raise ValueError(f"{name} is {text!r}: it must hold no zero character")
+    return text.encode()
+
+
+def as_precision(precision: str) -> int:
+    if precision not in _c_api.PRECISIONS:
+        raise ValueError(f"precision is {precision!r}: the words are {', '.join(_c_api.PRECISIONS)}")
+    return _c_api.PRECISIONS[precision]
+
+
+def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Float64Array:
+    array = as_float64_or_float32(values, name).astype(np.float64)
+    if array.size != int(np.prod(shape)):
+        raise ValueError(f"{name} has shape {array.shape}: give {form}")
+    return array.reshape(shape)
+
+
+def _as_periodic(periodic: Any) -> Tuple[bool, bool, bool]:
+    if isinstance(periodic, str):
+        if len(set(periodic)) != len(periodic) or not set(periodic) <= set("xyz"):
+            raise ValueError(f"periodic is {periodic!r}: name axes, such as 'xyz' or 'xy'")
+        return ("x" in periodic, "y" in periodic, "z" in periodic)
+    if np.ndim(periodic) == 0:
+        return (bool(periodic),) * 3
+    flags = tuple(bool(flag) for flag in periodic)
+    if len(flags) != 3:
+        raise ValueError(f"periodic holds {len(flags)} values: give one for each axis, or True for all")
+    return (flags[0], flags[1], flags[2])
+
+
+@dataclass(frozen=True)
+class Domain:
+    """The domain as :func:`tessellate` takes it."""
+
+    box: Any = None
+    periodic: Any = False
+    weights: Any = None
+    radii: Any = None
+    cell: Any = None
+    origin: Any = None
+    planes: Any = None
+    outside: str = "error"
+
+    def fill(self, options: _c_api.Options, count: int) -> List[Any]:
+        """Puts the domain of ``count`` points into the options; returns what has to live as long as these are used."""
+        if self.box is not None:
+            lower, upper = as_box(self.box)
+            options.has_box = 1
+            options.box_lower[:] = lower.tolist()
+            options.box_upper[:] = upper.tolist()
+        options.periodic[:] = _as_periodic(self.periodic)
+        if self.cell is not None:
+            rows = _as_numbers(self.cell, "cell", (3, 3), "three vectors ((ax, ay, az), (bx, ...), (cx, ...))")
+            options.has_cell = 1
+            options.cell_a[:], options.cell_b[:], options.cell_c[:] = rows.tolist()
+        if self.origin is not None:
+            if self.cell is None:
+                raise ValueError("origin goes with cell only: a box has its corners")
+            options.cell_origin[:] = _as_numbers(self.origin, "origin", (3,), "(x, y, z)").tolist()
+        if self.outside not in _c_api.OUTSIDE:
+            raise ValueError(f"outside is {self.outside!r}: the words are {', '.join(_c_api.OUTSIDE)}")
+        options.outside = _c_api.OUTSIDE[self.outside]
+        kept: List[Any] = []
+        if self.planes is not None and len(self.planes) > 0:
+            walls = np.ascontiguousarray(
+                _as_numbers(self.planes, "planes", (len(self.planes), 4), "(M, 4) rows nx, ny, nz, d")
+            )
+            options.planes, options.plane_count = walls.ctypes.data, len(walls)
+            kept.append(walls)
+        for name in ("weights", "radii"):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            array = as_float64_or_float32(values, name).astype(np.float64)
+            if array.shape != (count,):
+                raise ValueError(f"{name} has shape {array.shape} for {count} points: it must be ({count},)")
+            array = np.ascontiguousarray(array)
+            setattr(options, name, array.ctypes.data if count else None)
+            kept.append(array)
+        return kept
