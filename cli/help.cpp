@@ -23,7 +23,7 @@ input
                          .data .lmp      LAMMPS data file, its section Atoms; also data.NAME
                          .ply            element vertex: x y z, id
                          .vtp .vtu       VTK in XML: Points, id out of PointData
-                         -               text on stdin
+                         NAME, -         text without an extension; on stdin
   --dataset NAME         which dataset of .h5 or array of .npz; default the only one that fits
   --frame N              which frame of a LAMMPS dump, from 0; default the first
   --random N             N uniform points in the box 0..1 (domain: that box, unless --box is given)

@@ -13,22 +13,32 @@ namespace {
 
 // Columns of the Atoms section; three whole numbers, the image flags, may follow.
 struct Style {
-    std::string_view name;
-    Words columns;
+    std::string_view name, columns;
 };
 
-const std::array<Style, 7>& styles() {
-    static const std::array<Style, 7> all{{
-        {"atomic", {"id", "type", "x", "y", "z"}},
-        {"charge", {"id", "type", "q", "x", "y", "z"}},
-        {"molecular", {"id", "mol", "type", "x", "y", "z"}},
-        {"bond", {"id", "mol", "type", "x", "y", "z"}},
-        {"angle", {"id", "mol", "type", "x", "y", "z"}},
-        {"full", {"id", "mol", "type", "q", "x", "y", "z"}},
-        {"sphere", {"id", "type", "diameter", "density", "x", "y", "z"}},
-    }};
-    return all;
-}
+constexpr std::array<Style, 19> styles{{
+    {"atomic", "id type x y z"},
+    {"charge", "id type q x y z"},
+    {"molecular", "id mol type x y z"},
+    {"bond", "id mol type x y z"},
+    {"angle", "id mol type x y z"},
+    {"full", "id mol type q x y z"},
+    {"sphere", "id type diameter density x y z"},
+    {"dipole", "id type q x y z mux muy muz"},
+    {"dpd", "id type theta x y z"},
+    {"edpd", "id type temp cv x y z"},
+    {"mdpd", "id type rho x y z"},
+    {"electron", "id type q spin eradius x y z"},
+    {"ellipsoid", "id type ellipsoidflag density x y z"},
+    {"body", "id type bodyflag mass x y z"},
+    {"line", "id mol type lineflag density x y z"},
+    {"tri", "id mol type triangleflag density x y z"},
+    {"peri", "id type volume density x y z"},
+    {"spin", "id type x y z spx spy spz sp"},
+    {"sph", "id type rho esph cv x y z"},
+}};
+
+constexpr const char* ask_for_style = "name the atom style behind the word Atoms, as in \"Atoms # sphere\"";
 
 class DataReader {
 public:
@@ -82,35 +92,48 @@ private:
 
     // The columns of the first row, by the hint behind `Atoms #` or by their number.
     [[nodiscard]] Words columns_of(std::string_view hint, const Words& row) const {
-        for (const Style& style : styles()) {
-            if (style.name != hint) continue;
-            const std::size_t own = style.columns.size();
+        Words columns;
+        if (hint == "hybrid") {  // what follows depends on the styles that it joins
+            split_words("id type x y z", columns);
+            for (std::size_t k = columns.size(); k < row.size(); ++k) columns.push_back("");
+            if (row.size() < 5) throw lines_.error("atoms of style hybrid have at least 5 columns");
+            return columns;
+        }
+        const auto* const style = std::ranges::find(styles, hint, &Style::name);
+        if (style != styles.end()) {
+            split_words(style->columns, columns);
+            const std::size_t own = columns.size();
             if (row.size() != own && row.size() != own + 3) {
                 throw lines_.error("this row has " + std::to_string(row.size()) + " columns, but atoms of style " +
                                    std::string(hint) + " have " + std::to_string(own) + ", or with image flags " +
                                    std::to_string(own + 3));
             }
-            return style.columns;
+            return columns;
         }
         if (!hint.empty()) {
-            throw lines_.error("atom style " + in_quotes(hint) +
-                               " is not known: atomic, charge, bond, angle, molecular, full and sphere are");
+            std::string known;
+            for (const Style& other : styles) add_name(known, other.name);
+            throw lines_.error("atom style " + in_quotes(hint) + " is not known: " + known + " hybrid are");
         }
-        // Without a hint: what lies before the coordinates depends on the style, their place only on the number.
+        // Without a hint: what lies before the coordinates depends on the style, but in the common ones their place
+        // follows from the number of columns.
         switch (row.size()) {
             case 5:
             case 8:
-                return styles()[0].columns;
+                split_words("id type x y z", columns);
+                break;
             case 6:
             case 9:
-                return {"id", "2", "3", "x", "y", "z"};
+                split_words("id 2 3 x y z", columns);
+                break;
             case 7:
             case 10:
-                return {"id", "2", "3", "4", "x", "y", "z"};
+                split_words("id 2 3 4 x y z", columns);
+                break;
             default:
-                throw lines_.error("this row has " + std::to_string(row.size()) +
-                                   " columns, which is none of the known atom styles");
+                throw lines_.error("this row has " + std::to_string(row.size()) + " columns: " + ask_for_style);
         }
+        return columns;
     }
 
     // Of style sphere also `radius`, half of the diameter.
@@ -150,7 +173,7 @@ private:
             if (columns.empty()) {
                 columns = columns_of(hint, words_);
                 row_size = words_.size();
-                first = columns.size() - 3;
+                first = static_cast<std::size_t>(std::ranges::find(columns, "x") - columns.begin());
                 find_value(columns);
             }
             if (words_.size() != row_size) {
@@ -160,7 +183,11 @@ private:
             }
             input.ids.push_back(lines_.whole(words_[0], "an id"));
             for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[first + k]));
-            for (std::size_t k = first + 3; k < row_size; ++k) (void)lines_.whole(words_[k], "an image flag");
+            for (std::size_t k = columns.size(); k < row_size; ++k) {
+                if (read_int64(words_[k])) continue;
+                throw lines_.error(in_quotes(words_[k]) + " is not a whole number, as an image flag must be" +
+                                   (hint.empty() ? std::string("; ") + ask_for_style : ""));
+            }
             if (value_column_) input.column.push_back(factor_ * lines_.number(words_[*value_column_]));
         }
         return input;

@@ -21,7 +21,8 @@ class FileDomains(CliTest):
             name = self.dump("a.dump", points, [[0.0, 2.0], [0.0, 1.0], [0.0, 1.5]], flags)
             expected = self.rows("a.npy", *box, "--periodic", axes, "--format", "%n %v")
             self.assertEqual(self.rows(name, "--format", "%n %v"), expected)
-            self.assertRegex(self.run_cli(name).stdout, f"(?m)^input +frame 0, timestep 7, box of the file, periodic {axes}$")
+            self.assertRegex(self.run_cli(name).stdout,
+                             f"(?m)^input +frame 0, timestep 7, box of the file, periodic {axes}$")
         # What the user says goes before what the file says.
         self.assertEqual(self.rows(name, *box), self.rows("a.npy", *box))
         self.assertEqual(self.rows(name, "--periodic", "x"), self.rows("a.npy", *box, "--periodic", "x"))
@@ -41,12 +42,14 @@ class FileDomains(CliTest):
         cell = ["--cell", "2,0,0,0.5,1,0,-0.25,0.125,1.5", "--origin", "1,-2,0.5"]
         expected = self.rows("a.npy", *cell, "--format", "%n")
         lower, upper = origin, origin + [2, 1, 1.5]
-        bounds = [[lower[0] - 0.25, upper[0] + 0.5, 0.5], [lower[1], upper[1] + 0.125, -0.25], [lower[2], upper[2], 0.125]]
+        bounds = [[lower[0] - 0.25, upper[0] + 0.5, 0.5], [lower[1], upper[1] + 0.125, -0.25],
+                  [lower[2], upper[2], 0.125]]
         name = self.dump("a.dump", points, [[float(x) for x in row] for row in bounds], "xy xz yz pp pp pp")
         self.assertEqual(self.rows(name, "--format", "%n"), expected)
         self.assertIn("triclinic periodic domain of the file", self.run_cli(name).stdout)
         rows = "".join(f"{i} 1 {row}\n" for i, row in enumerate(text_of(points).splitlines()))
-        self.put("a.data", "comment\n\n150 atoms\n1 3 xlo xhi\n-2 -1 ylo yhi\n0.5 2 zlo zhi\n0.5 -0.25 0.125 xy xz yz\n\n"
+        self.put("a.data",
+                 "comment\n\n150 atoms\n1 3 xlo xhi\n-2 -1 ylo yhi\n0.5 2 zlo zhi\n0.5 -0.25 0.125 xy xz yz\n\n"
                            f"Atoms # atomic\n\n{rows}")
         self.assertEqual(self.rows("a.data", "--format", "%n"), expected)
         # Scaled coordinates are fractions of the three edges.

@@ -35,7 +35,8 @@ class Hdf5Files(ReaderTest):
         self.assert_points(self.save("a.h5", points=points.astype(">f8")), points)
         self.assert_points(self.save("a.h5", points=points.astype("f2")), points.astype("f2"))
         self.assert_points(self.save("a.h5", points=np.zeros((0, 3))), np.zeros((0, 3)))
-        self.save("two.h5", a=points, g__b=2 * points, g__ids=np.arange(400)[::-1], g__r=points[:, 0] / 9, r=points[:, 1])
+        self.save("two.h5", a=points, g__b=2 * points, g__ids=np.arange(400)[::-1], g__r=points[:, 0] / 9,
+                  r=points[:, 1])
         self.refuse("two.h5", says=["several", "--dataset", "a g/b"])
         self.assert_points("two.h5", points, "--dataset", "a")
         for name in ["g/b", "/g/b"]:
@@ -43,7 +44,8 @@ class Hdf5Files(ReaderTest):
         self.assert_column("two.h5", points[:, 0] / 9, "r", "--dataset", "g/b")  # beside the points first
         self.assert_column("two.h5", points[:, 1], "/r", "--dataset", "a")
         with h5py.File(self.folder / "packed.h5", "w") as file:
-            file.create_dataset("points", data=np.zeros((20000, 3)) + 0.5, chunks=(512, 3), compression="gzip", shuffle=True)
+            file.create_dataset("points", data=np.zeros((20000, 3)) + 0.5, chunks=(512, 3), compression="gzip",
+                                shuffle=True)
             file["points"][:100] = points[:100]
             file["points"][100:20000] = random_points(19900)
         self.assert_points("packed.h5", np.concatenate([points[:100], random_points(19900)]))
@@ -51,11 +53,13 @@ class Hdf5Files(ReaderTest):
     def test_refused(self):
         points = random_points(30)
         box = {"BoxSize": 75000.0}
-        for name, says in [(self.save("a.h5", a=points[:, :2]), "(N, 3)"), (self.save("b.h5", a=points.astype(int)), "(N, 3)"),
+        for name, says in [(self.save("a.h5", a=points[:, :2]), "(N, 3)"),
+                           (self.save("b.h5", a=points.astype(int)), "(N, 3)"),
                            (self.save("c.h5", a=points, b=points), ["a b", "--dataset"]),
                            (self.save("d.h5", box, PartType0__Coordinates=points, PartType1__Coordinates=points),
                             ["PartType0/Coordinates PartType1/Coordinates", "--box 0,0,0,75000,75000,75000"]),
-                           (self.put("e.h5", b"1 2 3\n"), "not an HDF5 file"), (self.put("f.h5", b""), "not an HDF5 file"),
+                           (self.put("e.h5", b"1 2 3\n"), "not an HDF5 file"),
+                           (self.put("f.h5", b""), "not an HDF5 file"),
                            ("absent.h5", ["absent.h5", "No such file"])]:
             self.refuse(name, "-o", "out.npz", says=[name] + ([says] if isinstance(says, str) else says))
         self.refuse("c.h5", "--dataset", "q", says=["'q'", "a b"])
@@ -132,7 +136,8 @@ class Hdf5Files(ReaderTest):
                 with np.load(self.folder / "out.npz") as arrays, h5py.File(self.folder / "out.h5") as file:
                     self.assertEqual(sorted(arrays.files), sorted(file))
                     for name in arrays.files:
-                        self.assertEqual((arrays[name].dtype, arrays[name].shape), (file[name].dtype, file[name].shape), name)
+                        self.assertEqual((arrays[name].dtype, arrays[name].shape),
+                                         (file[name].dtype, file[name].shape), name)
                         np.testing.assert_array_equal(arrays[name], file[name][()], name)
                 self.assertEqual((self.folder / "out.h5").read_bytes(), (self.folder / "out.hdf5").read_bytes())
 

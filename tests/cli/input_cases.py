@@ -59,9 +59,11 @@ class Source(CliTest):
 
     def test_columns(self):
         for content, column, ids in [("1 2 3 0.1\n4 5 6 0.2\n", "4", None), ("7 1 2 3 0.1\n8 4 5 6 0.2\n", "5", [7, 8]),
-                                     ("0.1 1 2 3\n0.2 4 5 6\n", "1", None), ("7 0.1 1 2 3\n8 0.2 4 5 6\n", "2", [7, 8])]:
+                                     ("0.1 1 2 3\n0.2 4 5 6\n", "1", None),
+                                     ("7 0.1 1 2 3\n8 0.2 4 5 6\n", "2", [7, 8])]:
             for option in ["--radii", "--weights"]:
-                rows = [row.split() for row in self.rows(self.put("a.txt", content), option, column, "--format", "%i %q %r")]
+                rows = [row.split() for row in self.rows(self.put("a.txt", content), option, column, "--format",
+                                                         "%i %q %r")]
                 self.assertEqual([row[1:4] for row in rows], [["1", "2", "3"], ["4", "5", "6"]])
                 self.assertEqual([int(row[0]) for row in rows], ids or [0, 1])
                 self.assertEqual([row[4] for row in rows], ["0.1", "0.2"] if option == "--radii" else ["0.5", "0.5"])
@@ -69,7 +71,8 @@ class Source(CliTest):
         self.refuse("a.txt", "--radii", "0", says="'0'")
         self.refuse(self.put("a.txt", "1 2 3 a\n"), "--radii", "4", says=["a.txt:1:", "'a'"])
         self.refuse(self.put("a.txt", "1 2 3\n"), "--radii", "3", says="that of the values")
-        self.assertEqual(self.rows(self.put("a.xyz", "2\n\nH 1 2 3 9 0.1\nH 4 5 6 9 0.2\n"), "--radii", "6", "--format", "%q %r"),
+        self.assertEqual(self.rows(self.put("a.xyz", "2\n\nH 1 2 3 9 0.1\nH 4 5 6 9 0.2\n"), "--radii", "6",
+                                   "--format", "%q %r"),
                          ["1 2 3 0.1", "4 5 6 0.2"])
         self.refuse(self.put("a.xyz", "2\n\nH 1 2 3 0.1\nH 4 5 6\n"), "--radii", "5", says=["a.xyz:4:", "4 columns"])
 
@@ -112,7 +115,8 @@ class Source(CliTest):
                               (whole[:-1], "239 bytes"), (whole + b"x", "241 bytes"), (whole[:50], "too early"),
                               (whole[:5], "not a .npy"), (b"", "not a .npy"), (b"1 2 3\n" * 9, "not a .npy"),
                               (b"\x93NUMPY\x09" + whole[7:], "version 9"),
-                              (whole.replace(b"(10, 3)", b"(9999999999999999999, 3)").replace(b" " * 19 + b"\n", b" \n"),
+                              (whole.replace(b"(10, 3)", b"(9999999999999999999, 3)")
+                               .replace(b" " * 19 + b"\n", b" \n"),
                                "a.npy"),
                               (whole.replace(b"'shape'", b"'spahe'"), "'shape'"),
                               (whole.replace(b"'<f8'", b"x<f8x"), "type")]:
@@ -131,11 +135,13 @@ class Source(CliTest):
         self.assertEqual(len(self.rows("-", stdin=long_text)), 40000)
 
     def test_bad_rows_name_file_and_line(self):
-        for content, line, says in [("1 2 3\n4 5 6\n7 8\n", 3, "2 columns"), ("1 2 3\n\n# c\n1 2 3 4\n", 4, "4 columns"),
+        for content, line, says in [("1 2 3\n4 5 6\n7 8\n", 3, "2 columns"),
+                                    ("1 2 3\n\n# c\n1 2 3 4\n", 4, "4 columns"),
                                     ("1 2 3\n1\n", 2, "1 column,"), ("1 2\n", 1, "2 columns"), ("1\n", 1, "1 column,"),
                                     ("1 2 3 4 5\n", 1, "radii"), ("1 2 3 4 5 6\n", 1, "6 columns"),
                                     ("1 2 3 4\n1 2 3 4 5\n", 2, "5 columns"),
-                                    ("1 2 3\n4 five 6\n", 2, "'five'"), ("1 2 3x\n", 1, "'3x'"), ("1 2 0x3\n", 1, "'0x3'"),
+                                    ("1 2 3\n4 five 6\n", 2, "'five'"), ("1 2 3x\n", 1, "'3x'"),
+                                    ("1 2 0x3\n", 1, "'0x3'"),
                                     ("1 2 1e\n", 1, "'1e'"), ("1 2 --3\n", 1, "'--3'"), ("1 2 +-3\n", 1, "'+-3'"),
                                     ("1 2 3\n1,,2,3\n", 2, "column 2 is empty"), ("1,2,\n", 1, "column 3 is empty"),
                                     (",1,2,3\n", 1, "column 1 is empty"), ("1,2,;3\n", 1, "column 3 is empty"),
@@ -166,7 +172,7 @@ class Source(CliTest):
     def test_unreadable(self):
         self.refuse("absent.txt", says=["absent.txt", "No such file"])
         self.refuse("absent.npy", says=["absent.npy", "No such file"])
-        for name in ["a", "a.dat"]:
+        for name in ["a.log", "a.dat"]:
             self.put(name, CUBE)
             self.refuse(name, says=[name, ".npy"])
         for name in ["folder.txt", "folder.npy", "folder.npz", "folder.ply", "folder.vtu", "folder.dump"]:
@@ -178,12 +184,16 @@ class Source(CliTest):
             (self.folder / "closed.txt").chmod(0)
             self.refuse("closed.txt", says=["closed.txt", "Permission"])
 
+    def test_text_without_an_extension(self):
+        self.assert_reads("points", "1 2 3\n4 5 6\n", [[1, 2, 3], [4, 5, 6]])
+
     def test_empty_input_everywhere(self):
         self.put("a.txt", "# nothing\n")
         self.put("a.npy", np.zeros((0, 3), "f4"))
         for source in [["a.txt"], ["a.npy"], ["--random", "0"], ["-"]]:
             with self.subTest(source):
-                summary = self.json(*source, "-o", "out.txt", "-o", "out.npz", "--verify", "--format", "%i %q %w %s %v %c %n",
+                summary = self.json(*source, "-o", "out.txt", "-o", "out.npz", "--verify", "--format",
+                                    "%i %q %w %s %v %c %n",
                                     "--want", "neighbors,volumes,centroids")
                 self.assertEqual((summary["points"], summary["mean_faces"], summary["verified"]), (0, 0, True))
                 self.assertEqual((self.folder / "out.txt").read_text(), "")

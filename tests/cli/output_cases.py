@@ -24,14 +24,16 @@ class TextOutput(CliTest):
 
     def test_codes(self):
         self.put("a.txt", CUBE)
-        row = self.rows("a.txt", "--box", CUBE_BOX, "--format", "i=%i x=%x y=%y z=%z q=%q w=%w s=%s n=%n v=%v c=%c 5%%n\t.")[5]
+        row = self.rows("a.txt", "--box", CUBE_BOX, "--format",
+                        "i=%i x=%x y=%y z=%z q=%q w=%w s=%s n=%n v=%v c=%c 5%%n\t.")[5]
         self.assertEqual(row, "i=5 x=1 y=0 z=1 q=1 0 1 w=8 s=6 n=1 4 7 v=1 c=0 0 0 5%n\t.")
         self.assertEqual(self.rows("a.txt", "--format", "%%i"), ["%i"] * 8)
         self.assertEqual(self.rows("a.txt", "--format", "%n%i", "--box", CUBE_BOX)[0], "1 2 40")
 
     def test_bad_codes(self):
         self.put("a.txt", CUBE)
-        for form, says in [("%i %k", "'%k'"), ("%b", "'%b'"), ("%", "%%"), ("%i %", "%%"), ("", "empty"), ("% i", "'% '"),
+        for form, says in [("%i %k", "'%k'"), ("%b", "'%b'"), ("%", "%%"), ("%i %", "%%"), ("", "empty"),
+                           ("% i", "'% '"),
                            ("%I", "'%I'"), ("%i\n%n", "line end")]:
             self.refuse("a.txt", "-o", "out.txt", "--format", form, says=["--format", says])
 
@@ -104,7 +106,8 @@ class TextOutput(CliTest):
         """Of a row with all codes: for each neighbor what the lists of faces say, the polygon as its corners."""
         corners = TextOutput.brackets(row["P"])
         faces = {}
-        columns = [row["n"].split(), row["e"].split(), row["a"].split(), row["f"].split(), TextOutput.brackets(row["l"]),
+        columns = [row["n"].split(), row["e"].split(), row["a"].split(), row["f"].split(),
+                   TextOutput.brackets(row["l"]),
                    [[int(v) for v in face] for face in TextOutput.brackets(row["t"])]]
         for neighbor, perimeter, size, area, normal, polygon in zip(*columns, strict=True):
             faces[int(neighbor)] = (float(perimeter), int(size), float(area), normal, [corners[v] for v in polygon])
@@ -125,7 +128,8 @@ class TextOutput(CliTest):
         program = shutil.which("voro++")
         if not program:
             self.skipTest("no voro++")
-        subprocess.run([program, *arguments, *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True, capture_output=True)
+        subprocess.run([program, *arguments, *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True,
+                       capture_output=True)
         return (self.folder / "v.vol").read_text().splitlines()
 
     def test_against_voropp(self):
@@ -135,9 +139,10 @@ class TextOutput(CliTest):
         self.put("v.txt", rows)
         form = "|".join("%" + code for code in self.CODES)
         for theirs, domain in [([], ["--walls"]), (["-p"], ["--periodic"]), (["-px"], ["--periodic", "x", "--walls"])]:
-            lines = self.rows("v.txt", *domain, "--box", "0,0,0,1,1,1", "--format", form), self.voropp(*theirs, "-c", form)
-            mine, other = ({int(row[0]): dict(zip(self.CODES, row, strict=True)) for row in (line.split("|") for line in side)}
-                           for side in lines)
+            sides = [self.rows("v.txt", *domain, "--box", "0,0,0,1,1,1", "--format", form),
+                     self.voropp(*theirs, "-c", form)]
+            mine, other = ({int(row[0]): dict(zip(self.CODES, row, strict=True))
+                            for row in (line.split("|") for line in side)} for side in sides)
             self.assertEqual((len(mine), len(other)), (count, count))
             for i, row in mine.items():
                 self.assert_same_cell(row, other[i])
@@ -191,7 +196,8 @@ class TextOutput(CliTest):
             walls = [-5 - (i >> 2), -3 - (i >> 1 & 1), -1 - (i & 1)]
             self.assertEqual([int(j) for j in row["n"].split()], walls + sorted(9 - j for j in CUBE_NEIGHBORS[i]))
             self.assertEqual((row["a"], row["A"], row["o"]), ("4 4 4 4 4 4", "0 0 0 0 6", "3 3 3 3 3 3 3 3"))
-            self.assertEqual((row["e"], row["E"], row["g"], row["F"], row["r"]), ("4 4 4 4 4 4", "12", "12", "6", "0.5"))
+            self.assertEqual((row["e"], row["E"], row["g"], row["F"], row["r"]),
+                             ("4 4 4 4 4 4", "12", "12", "6", "0.5"))
             self.assertAlmostEqual(float(row["m"]), 0.75, places=15)
             center = np.array(CUBE.splitlines()[i].split(), float)
             np.testing.assert_allclose(np.array(row["C"].split(), float), center, atol=1e-15)
@@ -199,7 +205,8 @@ class TextOutput(CliTest):
             np.testing.assert_array_equal(corners - center, self.brackets(row["p"]))
             self.assertEqual(len(np.unique(corners, axis=0)), 8)
             np.testing.assert_array_equal(np.abs(corners - center), np.full((8, 3), 0.5))
-            for neighbor, normal, polygon in zip(row["n"].split(), self.brackets(row["l"]), self.brackets(row["t"]), strict=True):
+            for neighbor, normal, polygon in zip(row["n"].split(), self.brackets(row["l"]), self.brackets(row["t"]),
+                                                 strict=True):
                 face = corners[[int(v) for v in polygon]] - center
                 np.testing.assert_array_equal(face.mean(axis=0), np.array(normal) / 2)  # outward
                 turn = np.cross(face[1] - face[0], face[2] - face[1])
@@ -214,7 +221,8 @@ class TextOutput(CliTest):
     def test_faces_list_walls(self):
         # Without polygons the rows hold no walls, unless asked for.
         self.put("a.txt", CUBE)
-        for form, walls in [("%n", False), ("%n %f %l %s %F", False), ("%n %w %p", False), ("%n %t", True), ("%n %o", True)]:
+        for form, walls in [("%n", False), ("%n %f %l %s %F", False), ("%n %w %p", False), ("%n %t", True),
+                            ("%n %o", True)]:
             row = self.rows("a.txt", "--box", CUBE_BOX, "--format", form)[0]
             self.assertEqual(row.startswith("-5 -3 -1"), walls, form)
 
@@ -304,8 +312,10 @@ class ArrayOutput(CliTest):
                 file.finish();
                 file.publish();
             }""")
-        sources = [ROOT / "cli" / name for name in ["zip_writer.cpp", "atomic_file.cpp", "interrupt.cpp", "numbers.cpp"]]
-        subprocess.run([compiler, "-std=c++20", f"-I{ROOT / 'cli'}", "driver.cpp", *map(str, sources), "-lz", "-o", "driver"],
+        sources = [ROOT / "cli" / name for name in ["zip_writer.cpp", "atomic_file.cpp", "interrupt.cpp",
+                                                    "numbers.cpp"]]
+        subprocess.run([compiler, "-std=c++20", f"-I{ROOT / 'cli'}", "driver.cpp", *map(str, sources), "-lz", "-o",
+                        "driver"],
                        cwd=self.folder, check=True)
         subprocess.run(["./driver"], cwd=self.folder, check=True)
         content = (self.folder / "out.npz").read_bytes()
@@ -317,7 +327,8 @@ class ArrayOutput(CliTest):
                          (0x04034B50, 45, 2**32 - 1, 2**32 - 1, 5, 20, b"large", 1, 16, 200, 200))
         with zipfile.ZipFile(self.folder / "out.npz") as archive:
             self.assertIsNone(archive.testzip())
-            self.assertEqual([archive.read(name) for name in ["small", "large", "later"]], [b"s" * 99, b"l" * 200, b"s" * 99])
+            self.assertEqual([archive.read(name) for name in ["small", "large", "later"]],
+                             [b"s" * 99, b"l" * 200, b"s" * 99])
         unzip = shutil.which("unzip")
         if unzip:
             subprocess.run([unzip, "-tq", str(self.folder / "out.npz")], check=True, capture_output=True)

@@ -37,7 +37,8 @@ class ReaderTest(CliTest):
         fuzz = os.environ.get("VOTESS_READER_FUZZ")
         if not fuzz:
             self.skipTest("VOTESS_READER_FUZZ does not name votess_reader_fuzz")
-        done = subprocess.run([*MEMORY_LIMIT, fuzz, name, str(2000 * FUZZ), *([column] if column else [])], cwd=self.folder,
+        done = subprocess.run([*MEMORY_LIMIT, fuzz, name, str(2000 * FUZZ), *([column] if column else [])],
+                              cwd=self.folder,
                               capture_output=True, text=True, timeout=300, check=False)
         self.assertEqual((done.returncode, done.stderr), (0, ""), name)
         read, refused = map(int, done.stdout.split())
@@ -145,7 +146,8 @@ class TextFiles(ReaderTest):
         rows = text_of(random_points(20)).splitlines()
         self.put("a.txt", "".join(f"{i} {row} 0.5 # c\n" for i, row in enumerate(rows)))
         self.damage("a.txt", "5")
-        self.put("a.csv", "id,z,y,r,x\n" + "".join(f"{i},{row.replace(' ', ',0.5,', 1).replace(' ', ',')}\n" for i, row in
+        self.put("a.csv",
+                 "id,z,y,r,x\n" + "".join(f"{i},{row.replace(' ', ',0.5,', 1).replace(' ', ',')}\n" for i, row in
                                                     enumerate(rows)))
         self.damage("a.csv", "r")
         self.put("a.xyz", "20\n\n" + "".join(f"H {row}\n" for row in rows))
@@ -204,7 +206,8 @@ class LammpsFiles(ReaderTest):
     def test_dump_refused(self):
         row = ["0.5 0.5 0.5"]
         whole = self.dump("x y z", row)
-        for content, says in [("", "ends"), ("1 2 3\n", [":1:", "ITEM: TIMESTEP"]), (whole[:-13], [":9:", "0 of the 1"]),
+        for content, says in [("", "ends"), ("1 2 3\n", [":1:", "ITEM: TIMESTEP"]),
+                              (whole[:-13], [":9:", "0 of the 1"]),
                               (whole + "1 2 3\n", [":11:", "more rows"]), (self.dump("x y q", row), [":9:", "x y z"]),
                               (self.dump("x y z id", row), [":10:", "3 columns", "4"]),
                               (self.dump("x y z", ["a 1 2"]), [":10:", "'a'"]),
@@ -216,7 +219,8 @@ class LammpsFiles(ReaderTest):
                               (whole.replace("ff ff ff", "xy xz yz pp pp ff").replace("0 2\n", "0 2 1\n")
                                .replace("0 1\n", "0 1 0\n").replace("-1 1\n", "-1 1 0\n"), ["tilted", "periodic"]),
                               (whole.replace("ITEM: NUMBER OF ATOMS\n1\n", ""), [":7:", "NUMBER OF ATOMS"])]:
-            self.refuse(self.put("a.dump", content), "-o", "out.npz", says=["a.dump"] + ([says] if isinstance(says, str) else says))
+            self.refuse(self.put("a.dump", content), "-o", "out.npz",
+                        says=["a.dump"] + ([says] if isinstance(says, str) else says))
         self.put("a.dump", self.dump("x y z", row + ["3 0 0"]))
         self.refuse("a.dump", says=["point 1", "outside"])
 
@@ -225,7 +229,8 @@ class LammpsFiles(ReaderTest):
         self.put("a.dump", self.dump("id x y z", rows))
         self.damage("a.dump", "y")
         tilted = "ff ff ff", "xy xz yz pp pp pp"
-        self.put("a.dump", self.dump("id xs ys zs", rows).replace(*tilted).replace("0 2\n0 1\n-1 1", "0 2 0.1\n0 1 0\n-1 1 0"))
+        self.put("a.dump",
+                 self.dump("id xs ys zs", rows).replace(*tilted).replace("0 2\n0 1\n-1 1", "0 2 0.1\n0 1 0\n-1 1 0"))
         self.damage("a.dump")
 
     DATA = ("LAMMPS data file\n\n{count} atoms\n2 atom types\n\n0 2 xlo xhi\n0 1 ylo yhi\n-1 1 zlo zhi\n\nMasses\n\n"
@@ -245,7 +250,18 @@ class LammpsFiles(ReaderTest):
                     with self.subTest(style=style, flags=flags, hint=hint):
                         self.put("a.data", self.data(rows, hint))
                         self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
-        self.put("data.melt", (self.folder / "a.data").read_text())
+        for style, before, after in [("dipole", "1 0.5", " 0.1 0.2 0.3"), ("electron", "1 3.0 0 0.5", ""),
+                                     ("spin", "1", " 0.0 0.5 1.0 2.2"), ("line", "1 1 1 0.5", ""),
+                                     ("sph", "1 1.0 0 0.5", ""),
+                                     ("ellipsoid", "1 1 2.0", ""), ("hybrid", "1", " 0.5 7 8.0 9"),
+                                     ("hybrid", "1", " 3")]:
+            self.put("a.data",
+                     self.data([f"{i} {before} {line}{after}" for i, line in enumerate(lines, 1)], " # " + style))
+            self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+            self.put("a.data", self.data([f"{i} {before} {line}{after}" for i, line in enumerate(lines, 1)]))
+            if style in ["electron", "spin", "line", "sph"]:
+                self.refuse("a.data", says=["a.data:17:", "is not a whole number", "Atoms # sphere"])
+        self.put("data.melt", self.data([f"{i} 1 {line}" for i, line in enumerate(lines, 1)]))
         self.assert_points("data.melt", points, ids=range(1, 26))
         self.put("a.lmp", self.data([f"{i} 1 {0.1 * i} 1.0 {line}" for i, line in enumerate(lines, 1)], " # sphere"))
         self.assert_column("a.lmp", [0.1 * i / 2 for i in range(1, 26)], "radius")
@@ -258,12 +274,16 @@ class LammpsFiles(ReaderTest):
                               (whole.replace("2 atoms", "3 atoms"), ["1 column,"]),
                               (whole.replace("2 atoms", "9999999999999 atoms"), "0 of the 9999999999999"),
                               (whole.replace("2 atoms", "x atoms"), [":3:", "'x'"]),
-                              (whole.replace("2 atoms\n", ""), "N atoms"), (whole.replace("0 1 ylo yhi", ""), "ylo yhi"),
-                              (whole.replace("0 1 ylo", "1 1 ylo"), "along y"), (whole.replace("1.5 0.5", "1.5 q"), "'q'"),
-                              (whole.replace("Atoms", "Atoms # dipole"), "'dipole'"),
+                              (whole.replace("2 atoms\n", ""), "N atoms"),
+                              (whole.replace("0 1 ylo yhi", ""), "ylo yhi"),
+                              (whole.replace("0 1 ylo", "1 1 ylo"), "along y"),
+                              (whole.replace("1.5 0.5", "1.5 q"), "'q'"),
+                              (whole.replace("Atoms", "Atoms # oxdna"), "'oxdna'"),
+                              (whole.replace(" 1 0.5", " 1 1 1 1 1 1 1 0.5"), ["11 columns", "Atoms # sphere"]),
                               (whole.replace("Atoms", "Atoms # full"), ["full", "5 columns"]),
                               (whole.replace("2 1 1.5", "2.5 1 1.5"), "'2.5'")]:
-            self.refuse(self.put("a.data", content), "-o", "out.npz", says=["a.data"] + ([says] if isinstance(says, str) else says))
+            self.refuse(self.put("a.data", content), "-o", "out.npz",
+                        says=["a.data"] + ([says] if isinstance(says, str) else says))
 
     def test_data_damaged(self):
         rows = [f"{i} 1 {row}" for i, row in enumerate(text_of(random_points(20)).splitlines(), 1)]
@@ -279,7 +299,8 @@ class PlyFiles(ReaderTest):
         head += "property list uchar int vertex_indices\nend_header\n"
         if kind == "ascii":
             return head.encode() + before[1] + "".join(" ".join(map(repr, row)) + "\n" for row in rows).encode()
-        codes = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
+        codes = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f",
+                 "double": "d",
                  "int8": "b", "uint16": "H", "float64": "d"}
         layout = (">" if "big" in kind else "<") + "".join(codes[t] for t, _ in properties)
         return head.encode() + before[1] + b"".join(struct.pack(layout, *row) for row in rows)
@@ -333,13 +354,15 @@ class PlyFiles(ReaderTest):
                             says=["a.ply"] + ([says] if isinstance(says, str) else says))
             self.refuse(self.put("a.ply", whole), "--radii", "w", says=["'w'", "x y z"])
         rows[4][2] = float("nan")
-        self.assertRegex(self.refuse(self.put("a.ply", self.ply("binary_little_endian", plain, rows)), says="nan"), r"\b4\b")
+        self.assertRegex(self.refuse(self.put("a.ply", self.ply("binary_little_endian", plain, rows)), says="nan"),
+                         r"\b4\b")
 
     def test_ply_damaged(self):
         properties = [("double", "x"), ("float", "y"), ("double", "z"), ("int", "id")]
         rows = [[*p, i] for i, p in enumerate(random_points(20).tolist())]
         for kind in ["ascii", "binary_little_endian", "binary_big_endian"]:
             front = "element other 1\nproperty list int int l\n", (b"1 7\n" if kind == "ascii" else
-                                                                     struct.pack(">ii" if "big" in kind else "<ii", 1, 7))
+                                                                     struct.pack(">ii" if "big" in kind else "<ii", 1,
+                                                                                 7))
             self.put("a.ply", self.ply(kind, properties, rows, front))
             self.damage("a.ply", "y")

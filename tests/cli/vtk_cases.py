@@ -56,7 +56,8 @@ class VtkFiles(ReaderTest):
                 for name in ["a.vtp", "a.vtu"]:
                     with self.subTest(mode=mode, encoded=encoded, swapped=swapped, packed=packed, wide=wide, name=name):
                         self.save(name, points, mode, encoded, swapped, packed, wide, 3008 if wide else None, columns)
-                        rows = np.array([row.split() for row in self.rows(name, "--radii", "r", "--format", "%i %q %r")], float)
+                        rows = np.array([row.split() for row in self.rows(name, "--radii", "r", "--format",
+                                                                          "%i %q %r")], float)
                         tolerance = 1e-9 if mode == "ascii" else 0  # VTK's own digits
                         np.testing.assert_array_equal(rows[:, 0], columns["id"])
                         np.testing.assert_allclose(rows[:, 1:4], points, rtol=0, atol=tolerance)
@@ -74,18 +75,20 @@ class VtkFiles(ReaderTest):
               0 0 0
               1 0.5 2e-1 </DataArray></Points></Piece>
             <Piece NumberOfPoints = '0'/>
-            <Piece NumberOfPoints="1"><Points><DataArray type="Int32" NumberOfComponents="3" format="ascii">3 2 1</DataArray>
-            </Points></Piece></PolyData></VTKFile>"""
+            <Piece NumberOfPoints="1"><Points>
+            <DataArray type="Int32" NumberOfComponents="3" format="ascii">3 2 1</DataArray></Points></Piece></PolyData></VTKFile>"""
         self.assert_points(self.put("a.vtp", text), [[0, 0, 0], [1, 0.5, 0.2], [3, 2, 1]])
         for content, says in [(text.replace("1 0.5 2e-1", "1 0.5"), ["points", "after 5 of 6"]),
-                              (text.replace("2e-1", "2e-1 7"), "more than the 6"), (text.replace("2e-1", "two"), "'two'"),
+                              (text.replace("2e-1", "2e-1 7"), "more than the 6"),
+                              (text.replace("2e-1", "two"), "'two'"),
                               (text.replace('"2"', '"99999999999999999"'), "299999999999999997 numbers"),
                               (text.replace('"2"', '"x"'), "NumberOfPoints"),
                               (text.replace('"PolyData"', '"ImageData"'), "'ImageData'"),
                               (text.replace('Components="3" Name', 'Components="2" Name'), "3 components"),
                               (text.replace("Float32", "String"), "'String'"), (text[:-12], "too early"),
                               (text.replace("<VTKFile", "<html"), "not a VTK"), ("", "not a VTK"),
-                              (text.replace('type="PolyData"', 'type="PolyData" compressor="vtkLZ4DataCompressor"'), "vtkLZ4"),
+                              (text.replace('type="PolyData"', 'type="PolyData" compressor="vtkLZ4DataCompressor"'),
+                               "vtkLZ4"),
                               (text.replace("3 2 1", "3 nan 1"), ["point 2", "nan"])]:
             self.refuse(self.put("b.vtp", content), "-o", "out.npz", says=[says] if isinstance(says, str) else says)
         self.refuse("a.vtp", "--radii", "r", says=["'r'", "none"])
@@ -177,7 +180,8 @@ class VtkFiles(ReaderTest):
             arrays = dict(arrays)
         rows = np.repeat(np.arange(500), np.diff(arrays["indptr"]))
         once = np.flatnonzero((arrays["indices"] < 0) | (rows < arrays["indices"]))
-        polygons = [arrays["face_vertices"][arrays["face_offsets"][k]:arrays["face_offsets"][k + 1]].tolist() for k in once]
+        offsets = arrays["face_offsets"]
+        polygons = [arrays["face_vertices"][offsets[k]:offsets[k + 1]].tolist() for k in once]
         for name, reader in [("a.ply", vtkPLYReader()), ("a.obj", vtkOBJReader())]:
             reader.SetFileName(str(self.folder / name))
             reader.Update()
