@@ -180,7 +180,8 @@ void convert_domain(const votess_options& given, std::size_t count, votess::Opti
     if (given.weights != nullptr) options.weights = {given.weights, count};
     if (given.radii != nullptr) options.radii = {given.radii, count};
     if (given.outside != VOTESS_OUTSIDE_ERROR && given.outside != VOTESS_OUTSIDE_DROP) {
-        refuse("options.outside is " + std::to_string(given.outside) + ": use VOTESS_OUTSIDE_ERROR or VOTESS_OUTSIDE_DROP");
+        refuse("options.outside is " + std::to_string(given.outside) +
+               ": use VOTESS_OUTSIDE_ERROR or VOTESS_OUTSIDE_DROP");
     }
     options.outside = static_cast<votess::Outside>(given.outside);
 }

@@ -28,12 +28,13 @@ public:
     // As in the result: N, or empty when no two seeds are equal. Valid until end().
     virtual std::span<const std::int32_t> duplicate_of() = 0;
     // Clips the cells of these seeds (input indices in any order, each once) and stores rows, geometry and counts;
-    // their status becomes `certified` or `empty`, and they count as fallback cells. Seeds without a cell among them are
-    // left as they are: they are for set_empty() and ResultBuilder::set_duplicates(). Calls options.progress from the calling thread, with fractions of
-    // this stretch of the run, and throws `cancelled` when it says so.
+    // their status becomes `certified` or `empty`, and they count as fallback cells. Seeds without a cell among them
+    // are left as they are: they are for set_empty() and ResultBuilder::set_duplicates(). Calls options.progress from
+    // the calling thread, with fractions of this stretch of the run, and throws `cancelled` when it says so.
     virtual void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) = 0;
 
-    // Tells of the seeds that have no cell, but for duplicates: outside of walls, or lighter than another at their place.
+    // Tells of the seeds that have no cell, but for duplicates: outside of walls, or lighter than another at their
+    // place.
     virtual void set_empty(ResultBuilder& out) = 0;
 
     // Forgets the job; threads and memory stay for the next. Not before ResultBuilder::finish().

@@ -168,7 +168,8 @@ Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double
         area = build_slice({mesh, shown, points, colors, options, domain.periods, area}, sizes, pool, scene);
     } else {
         const auto corners = options.frame && !shown.walls_hidden ? std::span(domain.corners) : std::span<const Vec3>();
-        build_solid({mesh, shown, points, colors, options, area, !domain.periods.empty()}, corners, pool, scene);
+        build_solid({mesh, shown, points, colors, options, area, domain.corners.empty() || !domain.periods.empty()},
+                    corners, pool, scene);
         area.top = 0.14 * scene.height;
         area.bottom = 0.86 * scene.height;
     }

@@ -103,12 +103,12 @@ typedef struct votess_options {
     double cell_a[3];
     double cell_b[3];
     double cell_c[3];
-    const double* planes;      // 4 * plane_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
+    const double* planes;  // 4 * plane_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
     uint64_t plane_count;
-    const double* weights;     // as many as points, or NULL: a power diagram; read only during the call
-    const double* radii;       // the same as radii, whose squares are the weights; not both
-    int32_t outside;           // VOTESS_OUTSIDE_*: seeds outside of planes
-    uint32_t reserved3;        // 0
+    const double* weights;  // as many as points, or NULL: a power diagram; read only during the call
+    const double* radii;    // the same as radii, whose squares are the weights; not both
+    int32_t outside;        // VOTESS_OUTSIDE_*: seeds outside of planes
+    uint32_t reserved3;     // 0
 } votess_options;
 
 typedef struct votess_stats {
@@ -181,7 +181,7 @@ VOTESS_API const int64_t* votess_result_cell_vertex_indptr(const votess_result* 
 VOTESS_API const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
-VOTESS_API int votess_result_lists_walls(const votess_result* result);  // 1 when the rows hold wall ids, else 0
+VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
 VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
 VOTESS_API votess_status votess_result_stats(const votess_result* result, votess_stats* stats);

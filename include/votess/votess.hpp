@@ -246,7 +246,7 @@ public:
     [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
     [[nodiscard]] std::span<const Wall> planes() const noexcept;
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
-    [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
+    [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:

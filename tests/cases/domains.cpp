@@ -168,8 +168,7 @@ TEST_SUITE("cases") {
         for (const double tilt : {-0.45, 0.45}) {
             Options options = domain_options();
             options.box.reset();
-            options.cell =
-                votess::TriclinicBox{{0.1, 0.2, 0.3}, {20, 0, 0}, {20 * tilt, 1, 0}, {20 * tilt, tilt, 1}};
+            options.cell = votess::TriclinicBox{{0.1, 0.2, 0.3}, {20, 0, 0}, {20 * tilt, 1, 0}, {20 * tilt, tilt, 1}};
             for (const std::size_t n : {1, 2, 8, 300}) {
                 const Coordinates points = random_points(random, n, 0, 20);
                 const auto t = votess::tessellate(std::span<const double>(points), options);
@@ -295,8 +294,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("domains: larger periodic sets fill the box for any number of threads") {
-        for (const auto& set : {test::uniform(test::by_size(20000, 2000), 7), test::clustered(test::by_size(20000, 2000), 8),
-                                test::uniform(10, 9)}) {
+        for (const auto& set : {test::uniform(test::by_size(20000, 2000), 7),
+                                test::clustered(test::by_size(20000, 2000), 8), test::uniform(10, 9)}) {
             Options options = domain_options();
             options.periodic = {true, true, true};
             const auto t = votess::tessellate(std::span<const double>(set.points), options);

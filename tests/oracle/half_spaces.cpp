@@ -207,8 +207,8 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
     std::vector<Rounded> rounded;
     for (const HalfSpace& s : all) {
         const double length = std::sqrt(dot(s.n, s.n).get_d());
-        rounded.push_back({{s.n[0].get_d() / length, s.n[1].get_d() / length, s.n[2].get_d() / length},
-                           s.h.get_d() / length});
+        rounded.push_back(
+            {{s.n[0].get_d() / length, s.n[1].get_d() / length, s.n[2].get_d() / length}, s.h.get_d() / length});
     }
     for (std::size_t index = 0; index < all.size(); ++index) {
         if (surely_empty(rounded, index, width, cube)) continue;

@@ -50,7 +50,8 @@ std::vector<PicturePart> cut_picture(const Scene& scene, std::uint32_t most) {
     const std::uint32_t step = whole ? most : std::max(most / 4 * 4, 2 * border + 64) - 2 * border;
     for (std::uint32_t top = 0; top < scene.height; top += step) {
         for (std::uint32_t left = 0; left < scene.width; left += step) {
-            PicturePart p{left, top, std::min(step, scene.width - left), std::min(step, scene.height - top), 0, 0, 0, 0};
+            PicturePart p{left, top, std::min(step, scene.width - left), std::min(step, scene.height - top), 0, 0,
+                          0,    0};
             p.draw_left = left - std::min(left, around);
             p.draw_top = top - std::min(top, around);
             p.draw_w = std::min(scene.width, left + p.width + around) - p.draw_left;
@@ -70,8 +71,7 @@ PicturePush push_for(const Scene& scene, const PicturePart& part, bool flat) {
         return static_cast<float>((whole - 2 * begin) / drawn - 1);
     };
     push.tile = {scale(scene.width, part.draw_w), scale(scene.height, part.draw_h),
-                 offset(scene.width, part.draw_w, part.draw_left),
-                 offset(scene.height, part.draw_h, part.draw_top)};
+                 offset(scene.width, part.draw_w, part.draw_left), offset(scene.height, part.draw_h, part.draw_top)};
     // From above, the left and the camera's side, so that the three sides of a box differ.
     const Vec3 light = -0.38 * v.right + 0.72 * v.up + 0.58 * v.back;
     push.light = vector4(light, 0.5 * scene.edge_width);
