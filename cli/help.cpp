@@ -19,8 +19,8 @@ input
                                          `points`, the only one that fits, or x, y and z; ids
                          .h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
                                          in several files by NAME.0.hdf5 or NAME; ParticleIDs, ids
-                         .dump .lammpstrj  LAMMPS dump in text
-                         .data .lmp      LAMMPS data file, its section Atoms
+                         .dump .lammpstrj  LAMMPS dump in text, also called dump.NAME
+                         .data .lmp      LAMMPS data file, its section Atoms; also data.NAME
                          .ply            element vertex: x y z, id
                          .vtp .vtu       VTK in XML: Points, id out of PointData
                          -               text on stdin
@@ -43,7 +43,8 @@ domain
                          keeps the box
   --wall nx,ny,nz,d      keep where nx x + ny y + nz z <= d; repeatable: a convex polyhedron, whose
                          walls are -7, -8, ...
-  --outside error|drop   a point outside of a --wall is an error (default) or gets an empty cell
+  --outside error|drop   a point outside of --box or a --wall is an error (default), or dropped: it
+                         gets an empty cell
   --min-face A           drop faces smaller than A times the mean face area of the run; default 0
   --weights COL          power diagram with a column of the input as weights ...
   --radii COL            ... or as radii, whose squares are the weights. COL is a name (.csv with a

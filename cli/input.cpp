@@ -1,5 +1,7 @@
 #include "input.hpp"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "failure.hpp"
@@ -9,7 +11,8 @@ namespace clvotess {
 namespace {
 
 constexpr const char* known =
-    "known are .xyz .txt .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, and text on stdin as -";
+    "known are .xyz .txt .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, text without an "
+    "extension, and on stdin as -";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
     if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
@@ -20,9 +23,24 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
     }
 }
 
+// The extension that says what the file is. LAMMPS's own examples are called data.NAME and dump.NAME.
+std::string kind_of(const std::string& path) {
+    if (path == "-") return ".txt";
+    const std::string extension = extension_of(path);
+    constexpr std::array<std::string_view, 14> extensions{".xyz", ".txt",  ".csv",  ".npy",       ".npz",
+                                                          ".h5",  ".hdf5", ".dump", ".lammpstrj", ".data",
+                                                          ".lmp", ".ply",  ".vtp",  ".vtu"};
+    if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
+    const std::string name = std::filesystem::path(path).filename().string();
+    if (name.starts_with("data.")) return ".data";
+    if (name.starts_with("dump.")) return ".dump";
+    return extension;
+}
+
 // The base of a snapshot in several files may lack the extension.
 bool is_snapshot_base(const std::string& path) {
     std::error_code problem;
+    if (std::filesystem::exists(path, problem)) return false;
     return std::filesystem::exists(path + ".0.hdf5", problem) || std::filesystem::exists(path + ".0.h5", problem);
 }
 
@@ -37,7 +55,7 @@ std::string extension_of(const std::string& path) {
 }
 
 Input read_input(const std::string& path, const ReadRequest& request) {
-    const std::string extension = path == "-" ? ".txt" : extension_of(path);
+    const std::string extension = kind_of(path);
     const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
     if (hdf5) return read_hdf5(path, request);
@@ -50,7 +68,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         const MappedFile file(path);
         return parser(file.bytes(), path == "-" ? "stdin" : path, request);
     };
-    if (extension == ".txt") {
+    if (extension == ".txt" || extension.empty()) {
         return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::plain, name, wish); });
     }
     if (extension == ".xyz") {

@@ -133,8 +133,13 @@ void check_domain(const Options& options) {
         refuse("min_face = " + number(options.min_face) + " must be a finite number, 0 or more");
 }
 
-// Bounds of the seeds.
-Box check_points(const Points& points, const Options& options) {
+void leave_out(std::size_t i, std::size_t count, std::vector<CellStatus>& outside) {
+    if (outside.empty()) outside.resize(count, CellStatus::certified);
+    outside[i] = CellStatus::outside;
+}
+
+// Bounds of the seeds. outside: as in the job.
+Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     for (std::size_t i = 0; i < points.count(); ++i) {
@@ -142,8 +147,11 @@ Box check_points(const Points& points, const Options& options) {
             const double value = points[3 * i + k];
             if (!std::isfinite(value))
                 refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) + " is not finite");
-            if (options.box && !options.periodic[k] &&
-                !(value >= options.box->lower[k] && value <= options.box->upper[k]))
+            const bool beyond = options.box && !options.periodic[k] &&
+                                !(value >= options.box->lower[k] && value <= options.box->upper[k]);
+            if (beyond && options.outside == Outside::drop)
+                leave_out(i, points.count(), outside);
+            else if (beyond)
                 refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) +
                        " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
                        number(options.box->upper[k]));
@@ -195,8 +203,7 @@ void take_walls(Job& job, Domain& domain) {
             refuse("point " + std::to_string(i) + ": (" + number(job.points[3 * i]) + ", " +
                    number(job.points[3 * i + 1]) + ", " + number(job.points[3 * i + 2]) + ") is outside wall " +
                    std::to_string(wall - domain.walls.begin()) + ": move it, or drop seeds that are outside");
-        if (job.outside.empty()) job.outside.resize(job.points.count(), CellStatus::certified);
-        job.outside[i] = CellStatus::outside;
+        leave_out(i, job.points.count(), job.outside);
     }
     job.box_volume = 0;
     if (!any_inside) return;
@@ -261,9 +268,8 @@ Job validate(const Points& points, const Options& options) {
                " coordinates, which is not a multiple of 3: the shape must be (N,3)");
     if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
         throw Error(ErrorCode::unsupported, std::to_string(points.count()) + " seeds are too many: at most 2147483647");
-    const Box bounds = check_points(points, options);
-
     Job job;
+    const Box bounds = check_points(points, options, job.outside);
     job.points = points;
     job.options = options;
     add_implied(job.options);

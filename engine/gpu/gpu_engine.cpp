@@ -90,7 +90,7 @@ void GpuEngine::upload(const Job& job) {
     clipper_.begin(job_);
     result_.begin(job_, clipper_.pool());
     if (job_.points.count() == 0) return;
-    if (!job_.domain->is_plain()) {
+    if (!device_clips()) {
         // The passes know boxes with walls only: the exact clipper takes all cells.
         pending_.resize(job_.points.count());
         std::iota(pending_.begin(), pending_.end(), 0);
@@ -335,9 +335,8 @@ void GpuEngine::fallback() {
 }
 
 void GpuEngine::download(detail::Result& result) {
-    const bool plain = job_.domain->is_plain();
-    if (!plain) clipper_.set_empty(result_);
-    if (duplicates_ || !plain) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
+    if (!device_clips()) clipper_.set_empty(result_);
+    if (duplicates_ || !device_clips()) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     // clip() did more than its name says: upload and sort of parts, and the CPU's share beside the device's passes.
     StageSeconds& seconds = result.stats.seconds;
     const double overlapped = std::max(0.0, spent_.fallback - seconds.fallback);
@@ -353,7 +352,7 @@ void GpuEngine::download(detail::Result& result) {
     }
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;
-    result.stats.precision = plain ? job_.options.precision : Precision::double_;
+    result.stats.precision = device_clips() ? job_.options.precision : Precision::double_;
     clipper_.end();
     check_messages();
     progress_.report(1);

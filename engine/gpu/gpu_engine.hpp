@@ -48,6 +48,8 @@ private:
 
     [[nodiscard]] PassSettings pass_settings(const Options& options) const;
     [[nodiscard]] std::uint32_t chunk_cells(const PassSettings& settings) const;
+    // Whether the passes know the domain; else the exact clipper takes all cells.
+    [[nodiscard]] bool device_clips() const { return job_.domain->is_plain() && job_.outside.empty(); }
     void begin_part(std::size_t index);
     void sort_part();
     void clip_part(std::size_t index);

@@ -107,7 +107,7 @@ typedef struct votess_options {
     uint64_t plane_count;
     const double* weights;  // as many as points, or NULL: a power diagram; read only during the call
     const double* radii;    // the same as radii, whose squares are the weights; not both
-    int32_t outside;        // VOTESS_OUTSIDE_*: seeds outside of planes
+    int32_t outside;        // VOTESS_OUTSIDE_*: seeds outside of box or planes
     uint32_t reserved3;     // 0
 } votess_options;
 

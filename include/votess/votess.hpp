@@ -66,7 +66,7 @@ enum class CellStatus : std::uint8_t {
     candidates_exhausted = 4,  // the candidate list ended before the security radius
     duplicate = 5,             // same coordinates as a seed of lower index, which keeps the cell; this one is empty
     empty = 6,                 // power diagrams: the cell has no interior
-    outside = 7,               // the seed lies outside a wall of Options::planes and was dropped
+    outside = 7,               // the seed lies outside of box or planes and was dropped, see Options::outside
 };
 
 // A triclinic box, periodic along its three edge vectors, which may have any direction and handedness; its volume is
@@ -83,7 +83,7 @@ struct Wall {
 
 enum class Outside : std::uint8_t {
     error = 0,  // refuse the input
-    drop = 1,   // seeds outside of Options::planes get an empty cell with status `outside`
+    drop = 1,   // seeds outside of box or planes get an empty cell with status `outside`
 };
 
 enum class Duplicates : std::uint8_t {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "../support/check.hpp"
 
@@ -49,7 +50,219 @@ TEST_SUITE("cases") {
     TEST_CASE("mesh: every family") {
         for (const auto& set : test::families(test::by_size(600, 150), 5)) {
             INFO(set.name);
-            CHECK(test::check_mesh(mesh_of(set), set.points) == "");
+            const auto t = mesh_of(set);
+            CHECK(test::check_mesh(t, set.points) == "");
+            const auto report = votess::verify(t, set.points, {4, 1});
+            CHECK(report.failure == "");
+            CHECK(report.skipped.empty());
+        }
+    }
+
+    TEST_CASE("mesh: lattices have one vertex where many cells meet") {
+        const auto cubic = mesh_of(test::cubic(7));
+        CHECK(cubic.vertices().size() == 3 * 8 * 8 * 8);
+        const auto cells = test::cells_of_vertices(cubic);
+        const auto interior = test::interior_vertices(cubic);
+        for (std::size_t v = 0; v < cells.size(); ++v)
+            if (interior[v]) REQUIRE(cells[v] == 8);
+        const auto boxes = votess::delaunay(cubic);
+        CHECK(boxes.tetrahedra.empty());
+        CHECK(boxes.polytope_centers.size() == 6 * 6 * 6);
+        CHECK(boxes.polytope_indices.size() == 8 * 6 * 6 * 6);
+
+        // Four cells at each vertex: no polytopes. Octahedra and tetrahedra fill space two to one.
+        const auto bcc = votess::delaunay(mesh_of(test::bcc(5)));
+        CHECK(bcc.polytope_centers.empty());
+        CHECK(!bcc.tetrahedra_centers.empty());
+        const auto fcc = votess::delaunay(mesh_of(test::fcc(6)));
+        CHECK(!fcc.tetrahedra_centers.empty());
+        std::size_t octahedra = 0;
+        for (std::size_t p = 0; p < fcc.polytope_centers.size(); ++p) {
+            const auto seeds = fcc.polytope_indptr[p + 1] - fcc.polytope_indptr[p];
+            REQUIRE((seeds == 6 || seeds == 5));  // five where the box ends
+            octahedra += seeds == 6 ? 1 : 0;
+        }
+        CHECK(3 * octahedra > fcc.polytope_centers.size());
+        CHECK(fcc.tetrahedra_centers.size() > octahedra);
+    }
+
+    TEST_CASE("mesh: few seeds and duplicates") {
+        const test::PointSet one{"one", {0.3, 0.4, 0.5}, test::unit_box()};
+        const auto cube = mesh_of(one);
+        CHECK(test::check_mesh(cube, one.points) == "");
+        CHECK(cube.vertices().size() == 24);
+        CHECK(cube.face_vertices().size() == 24);
+        CHECK(cube.surface_areas()[0] == doctest::Approx(6));
+        CHECK(cube.security_radii()[0] == doctest::Approx(2 * std::hypot(0.7, 0.6, 0.5)));
+        CHECK(votess::delaunay(cube).tetrahedra.empty());
+        const test::PointSet two{"two", {0.25, 0.5, 0.5, 0.75, 0.5, 0.5}, test::unit_box()};
+        CHECK(test::check_mesh(mesh_of(two), two.points) == "");
+        CHECK(mesh_of(two).vertices().size() == 36);
+        const auto none = mesh_of({"none", {}, std::nullopt});
+        CHECK(none.vertices().empty());
+        CHECK(none.face_offsets().size() == 1);
+        CHECK(none.cell_vertex_indptr().size() == 1);
+        CHECK(votess::delaunay(none).polytope_indptr.size() == 1);
+        const auto set = test::with_duplicates(100, 20, 9);
+        const auto t = mesh_of(set);
+        CHECK(test::check_mesh(t, set.points) == "");
+        for (std::size_t i = 0; i < t.size(); ++i) {
+            if (t.status()[i] != votess::CellStatus::duplicate) continue;
+            REQUIRE(t.cell_vertex_indptr()[i] == t.cell_vertex_indptr()[i + 1]);
+            REQUIRE(t.surface_areas()[i] == 0);
+            REQUIRE(t.security_radii()[i] == 0);
+        }
+    }
+
+    TEST_CASE("mesh: the same for any number of threads, any tuning and moved seeds") {
+        for (const auto& set : {test::uniform(test::by_size(20000, 3000), 3), test::fcc(test::reduced() ? 8 : 16)}) {
+            const auto t = mesh_of(set);
+            votess::Options options = mesh_options(set.box);
+            options.threads = 5;
+            const auto threads = votess::tessellate(set.points, options);
+            CHECK(test::check_identical(t, threads) == "");
+            options.grid_resolution = 3;
+            options.instructions = "baseline";
+            CHECK(test::check_same_cells(t, votess::tessellate(set.points, options)) == "");
+            votess::Tessellator tessellator;
+            options = mesh_options(set.box);
+            auto before = set.points;
+            for (double& x : before) x += 1e-4 * std::sin(1e3 * x);
+            if (set.box->upper[0] == 1)
+                for (double& x : before) x = std::clamp(x, 0.0, 1.0);
+            (void)tessellator.update(before, options);
+            CHECK(test::check_same_cells(t, tessellator.update(set.points, options)) == "");
+        }
+    }
+
+    TEST_CASE("mesh: vertices alone are those of the faces, whatever rows list") {
+        const auto set = test::clustered(test::by_size(3000, 500), 8);
+        const auto all = mesh_of(set);
+        votess::Options options;
+        options.box = set.box;
+        options.device = "cpu";
+        options.want = {};
+        options.want.volumes = false;
+        options.want.vertices = true;
+        const auto t = votess::tessellate(set.points, options);
+        CHECK(!t.lists_walls());
+        CHECK(t.face_offsets().empty());
+        CHECK(std::ranges::equal(t.vertices(), all.vertices()));
+        CHECK(std::ranges::equal(t.cell_vertex_indptr(), all.cell_vertex_indptr()));
+        CHECK(std::ranges::equal(t.cell_vertex_indices(), all.cell_vertex_indices()));
+        for (std::size_t i = 0; i < t.size(); ++i) REQUIRE((t.neighbors(i).empty() || t.neighbors(i)[0] >= 0));
+    }
+
+    TEST_CASE("mesh: cells clipped by every seed give the same mesh") {
+        for (const auto& set : {test::uniform(test::by_size(400, 100), 12), test::cubic(5), test::fcc(4),
+                                test::cospherical_and_center(26), test::on_sphere_and_center(200, 3)}) {
+            INFO(set.name);
+            CHECK(test::check_same_mesh(test::mesh_of_clipped_cells(set), mesh_of(set)) == "");
+        }
+    }
+
+    TEST_CASE("min_face: pairs go together, and nothing else changes") {
+        const auto set = test::uniform(test::by_size(5000, 1000), 31);
+        const auto all = mesh_of(set);
+        votess::Options options = mesh_options(set.box);
+        options.min_face = 0.2;
+        const auto t = votess::tessellate(set.points, options);
+        double sum = 0;
+        std::size_t faces = 0;
+        for (std::size_t e = 0; e < all.indices().size(); ++e)
+            if (all.indices()[e] >= 0) sum += all.face_areas()[e], ++faces;
+        CHECK(t.least_face() == doctest::Approx(0.2 * sum / static_cast<double>(faces)).epsilon(1e-12));
+        std::size_t entry = 0, counted = 0;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            for (auto e = static_cast<std::size_t>(all.indptr()[i]); e < static_cast<std::size_t>(all.indptr()[i + 1]);
+                 ++e) {
+                const std::int32_t j = all.indices()[e];
+                double area = all.face_areas()[e];
+                if (j >= 0 && static_cast<std::size_t>(j) < i) {
+                    const auto row = all.neighbors(static_cast<std::size_t>(j));
+                    area = all.face_areas()[static_cast<std::size_t>(
+                        all.indptr()[static_cast<std::size_t>(j)] +
+                        (std::ranges::lower_bound(row, static_cast<std::int32_t>(i)) - row.begin()))];
+                }
+                if (j >= 0 && area < t.least_face()) continue;
+                REQUIRE(t.indices()[entry] == j);
+                REQUIRE(t.face_areas()[entry] == all.face_areas()[e]);
+                REQUIRE(t.face_normals()[3 * entry + 2] == all.face_normals()[3 * e + 2]);
+                const auto here = t.face_offsets()[entry], there = all.face_offsets()[e];
+                REQUIRE(t.face_offsets()[entry + 1] - here == all.face_offsets()[e + 1] - there);
+                REQUIRE(t.face_vertices()[static_cast<std::size_t>(here)] ==
+                        all.face_vertices()[static_cast<std::size_t>(there)]);
+                ++entry;
+            }
+            REQUIRE(static_cast<std::size_t>(t.indptr()[i + 1]) == entry);
+            REQUIRE(t.face_counts()[i] == t.neighbors(i).size());
+            counted += t.face_counts()[i];
+        }
+        CHECK(entry < all.indices().size() * 9 / 10);
+        CHECK(t.stats().faces == counted);
+        CHECK(std::ranges::equal(t.vertices(), all.vertices()));
+        const auto report = votess::verify(t, set.points);
+        CHECK(report.failure == "");
+        CHECK(report.skipped == std::vector<std::string>{"euler"});
+        CHECK_THROWS_AS((void)votess::delaunay(t), votess::Error);
+        for (const double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+            options.min_face = bad;
+            CHECK_THROWS_AS((void)votess::tessellate(set.points, options), votess::Error);
+        }
+    }
+
+    TEST_CASE("min_face: a lattice written with decimals is a lattice again") {
+        test::PointSet set = test::scaled(test::fcc(6), 0.1);
+        for (double& x : set.points) x = 0.3 + x / 3;
+        set.box = test::cube(0.3 - 0.05, 0.3 + 0.65 / 3 + 0.05);
+        const auto raw = mesh_of(set);
+        votess::Options options = mesh_options(set.box);
+        options.min_face = 1e-6;
+        const auto t = votess::tessellate(set.points, options);
+        std::size_t raw_extra = 0, inner = 0;
+        for (std::size_t i = 0; i < t.size(); ++i) {
+            if (t.neighbors(i)[0] < 0) continue;
+            ++inner;
+            REQUIRE(t.neighbors(i).size() == 12);
+            raw_extra += raw.neighbors(i).size() - 12;
+        }
+        CHECK(inner > 50);
+        CHECK(raw_extra > 0);
+    }
+
+    TEST_CASE("Delaunay: refused without faces") {
+        const auto set = test::uniform(50, 2);
+        CHECK_THROWS_AS((void)votess::delaunay(test::run(set)), votess::Error);
+    }
+
+    TEST_CASE("mesh: periodic domains, cells close up to a torus") {
+        const auto set = test::uniform(test::by_size(2000, 400), 44);
+        votess::Options box = mesh_options(test::unit_box()), slab = box, triclinic = mesh_options(), few = box;
+        box.periodic = few.periodic = {true, true, true};
+        slab.periodic = {true, false, true};
+        triclinic.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0.1, 0}, {0.4, 1.1, 0.2}, {-0.3, 0.2, 0.9}};
+        for (const auto& options : {box, slab, triclinic}) {
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(votess::verify(t, set.points, {6, 1}).failure == "");
+            const auto dual = votess::delaunay(t);
+            CHECK(dual.polytope_centers.empty());
+            if (options.periodic[1] == options.periodic[0]) {
+                // Simple cells: V - E + F - C = 0 with E = 2 V.
+                CHECK(2 * dual.tetrahedra_centers.size() + 2 * t.size() == t.indices().size());
+                CHECK(test::delaunay_volume(t, dual, set.points) ==
+                      doctest::Approx(t.stats().box_volume).epsilon(1e-10));
+            }
+        }
+        // Seeds that are their own neighbors.
+        for (const std::size_t n : {1, 2, 3, 7}) {
+            const test::Coordinates points(set.points.begin(), set.points.begin() + static_cast<std::ptrdiff_t>(3 * n));
+            const auto t = votess::tessellate(points, few);
+            CHECK(votess::verify(t, points).failure == "");
+            if (n > 1) continue;
+            CHECK(t.vertices().size() == 24);
+            const auto dual = votess::delaunay(t);
+            CHECK(dual.tetrahedra.empty());
+            CHECK(dual.polytope_indices == std::vector<std::int32_t>(8, 0));
         }
     }
 }

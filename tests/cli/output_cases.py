@@ -120,53 +120,67 @@ class TextOutput(CliTest):
         self.assertEqual(mine.shape, other.shape)
         self.assertLess(min(np.abs(np.roll(mine, k, axis=0) - other).max() for k in range(len(mine))), 2e-5)
 
-    def test_against_voropp(self):
-        voropp = shutil.which("voro++")
-        if not voropp:
+    def voropp(self, *arguments):
+        """Runs Voro++ on the file v in the unit box; its rows."""
+        program = shutil.which("voro++")
+        if not program:
             self.skipTest("no voro++")
+        subprocess.run([program, *arguments, *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True, capture_output=True)
+        return (self.folder / "v.vol").read_text().splitlines()
+
+    def test_against_voropp(self):
         count = 400
+        rows = "".join(f"{i} {row}\n" for i, row in enumerate(text_of(random_points(count)).splitlines()))
+        self.put("v", rows)
+        self.put("v.txt", rows)
         form = "|".join("%" + code for code in self.CODES)
+        for theirs, domain in [([], ["--walls"]), (["-p"], ["--periodic"]), (["-px"], ["--periodic", "x", "--walls"])]:
+            lines = self.rows("v.txt", *domain, "--box", "0,0,0,1,1,1", "--format", form), self.voropp(*theirs, "-c", form)
+            mine, other = ({int(row[0]): dict(zip(self.CODES, row, strict=True)) for row in (line.split("|") for line in side)}
+                           for side in lines)
+            self.assertEqual((len(mine), len(other)), (count, count))
+            for i, row in mine.items():
+                self.assert_same_cell(row, other[i])
+
+    def assert_same_cell(self, row, their):
+        for code in "iwsgA":
+            self.assertEqual(row[code], their[code], code)
+        for code in "xyzqrmEFvcC":
+            np.testing.assert_allclose(np.array(row[code].split(), float), np.array(their[code].split(), float),
+                                       rtol=1e-4, atol=2e-6, err_msg=code)
+        for code in "pP":  # their order of vertices is another
+            vertices, their_vertices = np.array(self.brackets(row[code])), np.array(self.brackets(their[code]))
+            apart = np.abs(vertices[:, None] - their_vertices[None]).max(axis=2)
+            self.assertLess(apart.min(axis=1).max(), 2e-5, code)
+            self.assertLess(apart.min(axis=0).max(), 2e-5, code)
+        self.assertEqual(sorted(row["o"].split()), sorted(their["o"].split()))
+        faces, their_faces = self.lists_of_faces(row), self.lists_of_faces(their)
+        self.assertEqual(list(faces), sorted(faces))
+        self.assertEqual(faces.keys(), their_faces.keys())
+        for neighbor, face in faces.items():
+            one = their_faces[neighbor]
+            self.assertEqual(face[1], one[1])
+            np.testing.assert_allclose([face[0], face[2]], [one[0], one[2]], rtol=1e-4, atol=1e-5)
+            if one[2] > 1e-4:  # theirs of tiny faces are noise
+                np.testing.assert_allclose(face[3], one[3], atol=1e-4)
+            self.assert_same_polygon(face[4], one[4])
+
+    def test_radii_against_voropp(self):
+        count = 400
         radii = 0.05 + random_points(count)[:, 2] / 50
-        rows = [f"{i} {row}" for i, row in enumerate(text_of(random_points(count)).splitlines())]
-        self.put("v", "".join(row + "\n" for row in rows))
-        shutil.copy(self.folder / "v", self.folder / "v.txt")
-        subprocess.run([voropp, "-c", form, *"0 1 0 1 0 1 v".split()], cwd=self.folder, check=True, capture_output=True)
-        mine, other = ({int(row[0]): dict(zip(self.CODES, row, strict=True)) for row in (line.split("|") for line in lines)}
-                       for lines in [self.rows("v.txt", "--walls", "--box", "0,0,0,1,1,1", "--format", form),
-                                     (self.folder / "v.vol").read_text().splitlines()])
+        rows = "".join(f"{i} {row} {r!r}\n" for i, (row, r) in
+                       enumerate(zip(text_of(random_points(count, 8)).splitlines(), radii.tolist())))
+        self.put("v", rows)
+        self.put("v.txt", rows)
+        form = "%i|%r|%s|%v|%n"
+        mine = self.rows("v.txt", "--radii", "5", "--walls", "--box", "0,0,0,1,1,1", "--format", form)
+        other = {row.split("|")[0]: row.split("|") for row in self.voropp("-r", "-c", form)}
         self.assertEqual(len(other), count)
-        for i, row in mine.items():
-            their = other[i]
-            for code in "iwsgA":
-                self.assertEqual(row[code], their[code], code)
-            for code in "xyzqrmEFvcC":
-                np.testing.assert_allclose(np.array(row[code].split(), float), np.array(their[code].split(), float),
-                                           rtol=1e-4, atol=2e-6, err_msg=code)
-            for code in "pP":  # their order of vertices is another
-                vertices, their_vertices = np.array(self.brackets(row[code])), np.array(self.brackets(their[code]))
-                apart = np.abs(vertices[:, None] - their_vertices[None]).max(axis=2)
-                self.assertLess(apart.min(axis=1).max(), 2e-5, code)
-                self.assertLess(apart.min(axis=0).max(), 2e-5, code)
-            self.assertEqual(sorted(row["o"].split()), sorted(their["o"].split()))
-            faces, their_faces = self.lists_of_faces(row), self.lists_of_faces(their)
-            self.assertEqual(list(faces), sorted(faces))
-            self.assertEqual(faces.keys(), their_faces.keys())
-            for neighbor, face in faces.items():
-                one = their_faces[neighbor]
-                self.assertEqual(face[1], one[1])
-                np.testing.assert_allclose([face[0], face[2]], [one[0], one[2]], rtol=1e-4, atol=1e-5)
-                if one[2] > 1e-4:  # theirs of tiny faces are noise
-                    np.testing.assert_allclose(face[3], one[3], atol=1e-4)
-                self.assert_same_polygon(face[4], one[4])
-        # Radii: what -r reads in Voro++. Its radii change the cells, which %r does not tell.
-        self.put("r", "".join(f"{row} {r!r}\n" for row, r in zip(rows, radii.tolist())))
-        subprocess.run([voropp, "-r", "-c", "%i %r", *"0 1 0 1 0 1 r".split()], cwd=self.folder, check=True,
-                       capture_output=True)
-        shutil.copy(self.folder / "r", self.folder / "r.txt")
-        their = dict(row.split() for row in (self.folder / "r.vol").read_text().splitlines())
-        for row in self.rows("r.txt", "--radii", "5", "--box", "0,0,0,1,1,1", "--format", "%i %r"):
-            i, r = row.split()
-            self.assertAlmostEqual(float(r), float(their[i]), delta=1e-6)
+        for row in mine:
+            row = row.split("|")
+            their = other[row[0]]
+            np.testing.assert_allclose(np.array(row[1:4], float), np.array(their[1:4], float), rtol=1e-4, atol=1e-8)
+            self.assertEqual(row[4].split(), sorted(their[4].split(), key=int))
 
     def test_codes_of_faces(self):
         # A cube: what every code must say is known. With ids whose order is not that of the rows.

@@ -12,6 +12,7 @@ import numpy as np
 
 from cli_test import CLI, SANITIZED, CliTest, random_points, text_of
 
+MEMORY_LIMIT = [] if SANITIZED or not shutil.which("prlimit") else ["prlimit", f"--as={2**33}"]
 FUZZ = int(os.environ.get("VOTESS_FUZZ_FILES", "1"))  # how many times as many damaged files
 
 
@@ -31,9 +32,21 @@ class ReaderTest(CliTest):
         rows = self.rows(name, "--radii", column, *arguments, "--format", "%r")
         np.testing.assert_array_equal(np.array(rows, float), values, name)
 
-    def damage(self, name, content):
-        """No cut and no flipped bit crashes: exit code 0 or 2, at most one line on stderr, and little memory."""
-        tries = 20 * FUZZ
+    def damage(self, name, column=None):
+        """No damage to a file crashes the reader or takes memory: in one process, thousands of times."""
+        fuzz = os.environ.get("VOTESS_READER_FUZZ")
+        if not fuzz:
+            self.skipTest("VOTESS_READER_FUZZ does not name votess_reader_fuzz")
+        done = subprocess.run([*MEMORY_LIMIT, fuzz, name, str(2000 * FUZZ), *([column] if column else [])], cwd=self.folder,
+                              capture_output=True, text=True, timeout=300, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), name)
+        read, refused = map(int, done.stdout.split())
+        self.assertGreater(refused, 500 * FUZZ)
+        self.assertGreater(read, 0)
+
+    def damage_program(self, name, tries=20 * FUZZ):
+        """The same with the program, for readers that stand on foreign code: exit code 0 or 2, one line at most."""
+        content = (self.folder / name).read_bytes()
         cuts = sorted({0, 1, len(content) - 1} | {len(content) * k // tries for k in range(tries)})
         cases = [(f"cut to {cut}", content[:cut]) for cut in cuts]
         generator = random.Random(name)
@@ -42,11 +55,10 @@ class ReaderTest(CliTest):
             damaged = bytearray(content)
             damaged[at] ^= 1 << generator.randrange(8) if k % 2 else 0xFF
             cases.append((f"byte {at}", bytes(damaged)))
-        limit = [] if SANITIZED or not shutil.which("prlimit") else ["prlimit", f"--as={2**33}"]
         refused = 0
         for what, damaged in cases:
             (self.folder / name).write_bytes(damaged)
-            done = subprocess.run([*limit, CLI, name, "-q", "-t", "1", "-x", "cpu"], cwd=self.folder,
+            done = subprocess.run([*MEMORY_LIMIT, CLI, name, "-q", "-t", "1", "-x", "cpu"], cwd=self.folder,
                                   capture_output=True, timeout=60, check=False)
             message = done.stderr.decode(errors="replace")
             self.assertIn(done.returncode, [0, 2], f"{name}, {what}: {message}")
@@ -118,14 +130,26 @@ class ArrayFiles(ReaderTest):
     def test_npz_damaged(self):
         points = random_points(60)
         for save in [np.savez, np.savez_compressed]:
-            save(self.folder / "a.npz", points=points, ids=np.arange(60))
+            save(self.folder / "a.npz", points=points, ids=np.arange(60), r=points[:, 0])
             content = (self.folder / "a.npz").read_bytes()
-            self.damage("a.npz", content)
+            self.damage("a.npz", "r")
             # The numbers themselves are guarded by their checksum.
             at = content.index(b"NUMPY") if save is np.savez else 80
             damaged = bytearray(content)
             damaged[at + 500] ^= 4
             self.refuse(self.put("b.npz", bytes(damaged)), says="checksum")
+
+
+class TextFiles(ReaderTest):
+    def test_text_damaged(self):
+        rows = text_of(random_points(20)).splitlines()
+        self.put("a.txt", "".join(f"{i} {row} 0.5 # c\n" for i, row in enumerate(rows)))
+        self.damage("a.txt", "5")
+        self.put("a.csv", "id,z,y,r,x\n" + "".join(f"{i},{row.replace(' ', ',0.5,', 1).replace(' ', ',')}\n" for i, row in
+                                                    enumerate(rows)))
+        self.damage("a.csv", "r")
+        self.put("a.xyz", "20\n\n" + "".join(f"H {row}\n" for row in rows))
+        self.damage("a.xyz")
 
 
 class LammpsFiles(ReaderTest):
@@ -148,8 +172,9 @@ class LammpsFiles(ReaderTest):
             self.assert_points("a.dump", points, ids=ids)
             self.assertEqual(self.json("a.dump")["box_volume"], 4)
             self.assertEqual(self.json("a.dump", "--box=-3,-3,-3,3,3,3")["box_volume"], 216)
-        self.put("a.lammpstrj", self.dump("x y z", lines))
-        self.assert_points("a.lammpstrj", points)
+        for name in ["dump.melt", "dump.0.lammpstrj", "a.lammpstrj"]:
+            self.put(name, self.dump("x y z", lines))
+            self.assert_points(name, points)
         self.assertRegex(self.run_cli("a.lammpstrj").stdout, "(?m)^input +frame 0, timestep 0, box of the file$")
 
     def test_dump_scaled(self):
@@ -196,9 +221,12 @@ class LammpsFiles(ReaderTest):
         self.refuse("a.dump", says=["point 1", "outside"])
 
     def test_dump_damaged(self):
-        points = random_points(20)
-        self.damage("a.dump", self.dump("id x y z", [f"{i} {row}" for i, row in
-                                                     enumerate(text_of(points).splitlines())]).encode())
+        rows = [f"{i} {row}" for i, row in enumerate(text_of(random_points(20)).splitlines())]
+        self.put("a.dump", self.dump("id x y z", rows))
+        self.damage("a.dump", "y")
+        tilted = "ff ff ff", "xy xz yz pp pp pp"
+        self.put("a.dump", self.dump("id xs ys zs", rows).replace(*tilted).replace("0 2\n0 1\n-1 1", "0 2 0.1\n0 1 0\n-1 1 0"))
+        self.damage("a.dump")
 
     DATA = ("LAMMPS data file\n\n{count} atoms\n2 atom types\n\n0 2 xlo xhi\n0 1 ylo yhi\n-1 1 zlo zhi\n\nMasses\n\n"
             "1 12.0\n2 1.0\n\nAtoms{hint}\n\n{rows}\nVelocities\n\n1 0 0 0\n")
@@ -217,6 +245,8 @@ class LammpsFiles(ReaderTest):
                     with self.subTest(style=style, flags=flags, hint=hint):
                         self.put("a.data", self.data(rows, hint))
                         self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+        self.put("data.melt", (self.folder / "a.data").read_text())
+        self.assert_points("data.melt", points, ids=range(1, 26))
         self.put("a.lmp", self.data([f"{i} 1 {0.1 * i} 1.0 {line}" for i, line in enumerate(lines, 1)], " # sphere"))
         self.assert_column("a.lmp", [0.1 * i / 2 for i in range(1, 26)], "radius")
         self.assert_column("a.lmp", [0.1 * i for i in range(1, 26)], "diameter")
@@ -237,7 +267,8 @@ class LammpsFiles(ReaderTest):
 
     def test_data_damaged(self):
         rows = [f"{i} 1 {row}" for i, row in enumerate(text_of(random_points(20)).splitlines(), 1)]
-        self.damage("a.data", self.data(rows).encode())
+        self.put("a.data", self.data(rows))
+        self.damage("a.data", "type")
 
 
 class PlyFiles(ReaderTest):
@@ -310,4 +341,5 @@ class PlyFiles(ReaderTest):
         for kind in ["ascii", "binary_little_endian", "binary_big_endian"]:
             front = "element other 1\nproperty list int int l\n", (b"1 7\n" if kind == "ascii" else
                                                                      struct.pack(">ii" if "big" in kind else "<ii", 1, 7))
-            self.damage("a.ply", self.ply(kind, properties, rows, front))
+            self.put("a.ply", self.ply(kind, properties, rows, front))
+            self.damage("a.ply", "y")

@@ -9,17 +9,12 @@ import sys
 import unittest
 
 from cli_test import CLI
-from domain_cases import FileDomains
 from file_cases import Files
-from hdf5_cases import Hdf5Files
 from input_cases import Source
 from output_cases import ArrayOutput, TextOutput
-from reader_cases import ArrayFiles, LammpsFiles, PlyFiles
 from usage_cases import Usage
-from vtk_cases import VtkFiles
 
-__all__ = ["ArrayFiles", "ArrayOutput", "FileDomains", "Files", "Hdf5Files", "LammpsFiles", "PlyFiles", "Source",
-           "TextOutput", "Usage", "VtkFiles"]
+__all__ = ["ArrayOutput", "Files", "Source", "TextOutput", "Usage"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -227,7 +227,8 @@ class Usage(CliTest):
     def test_verify(self):
         for extra in [[], ["--walls"], ["--want", "neighbors"], ["--want", "volumes", "-o", "out.npz"], ["-t", "1"]]:
             self.assertIs(self.json("--random", "5000", "--verify", *extra)["verified"], True)
-        self.assertRegex(self.run_cli("--random", "500", "--verify").stdout, r"(?m)^verified +yes$")
+        for want, told in [("volumes", "yes, without mesh"), ("volumes,faces", "yes")]:
+            self.assertRegex(self.run_cli("--random", "500", "--verify", "--want", want).stdout, f"(?m)^verified +{told}$")
         with np.load(self.folder / "out.npz") as arrays:
             self.assertNotIn("indices", arrays.files)  # computed for the check, not asked for
 

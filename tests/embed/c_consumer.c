@@ -70,6 +70,56 @@ static void check_version(void) {
     CHECK(strcmp(votess_last_error(), "") == 0);
 }
 
+// Eight cubes: 27 vertices, of which the one in the middle is shared by all cells.
+static void check_mesh(votess_tessellator* tessellator) {
+    votess_options options = options_with_box(2);
+    options.want = VOTESS_WANT_FACES | VOTESS_WANT_NORMALS | VOTESS_WANT_SURFACES | VOTESS_WANT_RADII;
+    votess_result* result = NULL;
+    votess_delaunay* dual = NULL;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    size_t length = 99;
+    CHECK(votess_result_vertices(result, &length) != NULL && length == 81);
+    CHECK(votess_result_indices(result, &length) != NULL && length == 48);
+    CHECK(votess_result_face_normals(result, &length) != NULL && length == 144);
+    const int64_t* offsets = votess_result_face_offsets(result, &length);
+    CHECK(offsets != NULL && length == 49 && offsets[48] == 192);
+    CHECK(votess_result_face_vertices(result, &length) != NULL && length == 192);
+    const int64_t* cell_vertices = votess_result_cell_vertex_indptr(result, &length);
+    CHECK(cell_vertices != NULL && length == 9 && cell_vertices[8] == 64);
+    CHECK(votess_result_cell_vertex_indices(result, &length) != NULL && length == 64);
+    const double* surfaces = votess_result_surface_areas(result, &length);
+    CHECK(surfaces != NULL && length == 8 && fabs(surfaces[3] - 6) < 1e-13);
+    const double* radii = votess_result_security_radii(result, &length);
+    CHECK(radii != NULL && length == 8 && fabs(radii[3] - sqrt(3)) < 1e-13);
+    CHECK(votess_result_shifts(result, &length) == NULL && length == 0);
+    CHECK(votess_result_least_face(result) == 0);
+    CHECK(votess_result_lists_walls(result) == 1);
+
+    CHECK(votess_delaunay_new(result, &dual) == VOTESS_OK);
+    CHECK(votess_delaunay_tetrahedra(dual, &length) == NULL && length == 0);
+    CHECK(votess_delaunay_tetrahedra_centers(dual, &length) == NULL && length == 0);
+    const int64_t* polytopes = votess_delaunay_polytope_indptr(dual, &length);
+    CHECK(polytopes != NULL && length == 2 && polytopes[1] == 8);
+    const int32_t* seeds = votess_delaunay_polytope_indices(dual, &length);
+    for (int k = 0; seeds != NULL && k < 8; ++k) CHECK(seeds[k] == k);
+    CHECK(votess_delaunay_polytope_centers(dual, &length) != NULL && length == 1);
+    CHECK(votess_delaunay_polytope_shifts(dual, &length) == NULL && length == 0);
+    CHECK(votess_delaunay_tetrahedra_shifts(dual, &length) == NULL && length == 0);
+    votess_delaunay_free(dual);
+    votess_result_free(result);
+    votess_delaunay_free(NULL);
+
+    options.want = VOTESS_WANT_VOLUMES;
+    options.min_face = 2;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    CHECK(votess_result_least_face(result) == 2);
+    CHECK(votess_result_indices(result, &length) == NULL && length == 0);
+    CHECK_FAILS(votess_delaunay_new(result, &dual), VOTESS_ERROR_INVALID_ARGUMENT, "faces");
+    CHECK(dual == NULL);
+    CHECK_FAILS(votess_delaunay_new(NULL, &dual), VOTESS_ERROR_INVALID_ARGUMENT, "result");
+    votess_result_free(result);
+}
+
 static void check_cube(votess_tessellator* tessellator) {
     votess_options options = options_with_box(2);
     options.want =
@@ -595,6 +645,7 @@ int main(void) {
     CHECK(votess_tessellator_new(&tessellator) == VOTESS_OK && tessellator != NULL);
     check_cube(NULL);
     check_cube(tessellator);
+    check_mesh(tessellator);
     check_null_result();
     check_walls_and_defaults();
     check_empty_and_float(tessellator);

@@ -14,7 +14,8 @@ extern "C" {
 
 namespace {
 
-test::Rows delaunay_edges(const test::Coordinates& points) {
+// The seeds of each simplex, ascending.
+std::set<std::vector<std::int32_t>> delaunay_simplices(const test::Coordinates& points) {
     const auto n = points.size() / 3;
     test::Coordinates copy = points;  // Qhull scales its input in place
     qhT memory;
@@ -27,22 +28,29 @@ test::Rows delaunay_edges(const test::Coordinates& points) {
     const int exit_code = qh_new_qhull(qh, 3, static_cast<int>(n), copy.data(), False, options, quiet, quiet);
     REQUIRE(exit_code == 0);
 
-    std::vector<std::set<std::int32_t>> edges(n);
+    std::set<std::vector<std::int32_t>> simplices;
     facetT* facet;
     FORALLfacets {
         if (facet->upperdelaunay) continue;
         vertexT *vertex, **vertexp;
         std::vector<std::int32_t> ids;
         FOREACHvertex_(facet->vertices) ids.push_back(qh_pointid(qh, vertex->point));
-        for (const auto a : ids)
-            for (const auto b : ids)
-                if (a != b) edges[static_cast<std::size_t>(a)].insert(b);
+        std::sort(ids.begin(), ids.end());
+        simplices.insert(ids);
     }
     qh_freeqhull(qh, !qh_ALL);
     int long_blocks, long_bytes;
     qh_memfreeshort(qh, &long_blocks, &long_bytes);
     std::fclose(quiet);
+    return simplices;
+}
 
+test::Rows delaunay_edges(const test::Coordinates& points) {
+    std::vector<std::set<std::int32_t>> edges(points.size() / 3);
+    for (const auto& ids : delaunay_simplices(points))
+        for (const auto a : ids)
+            for (const auto b : ids)
+                if (a != b) edges[static_cast<std::size_t>(a)].insert(b);
     test::Rows rows;
     for (const auto& row : edges) rows.emplace_back(row.begin(), row.end());
     return rows;
@@ -72,9 +80,46 @@ void compare(const test::PointSet& set) {
                      << " entries differ from Qhull");
 }
 
+// Of our simplices Qhull has each; of Qhull's we have those whose sphere has its center inside the box.
+void compare_tetrahedra(const test::PointSet& set) {
+    votess::Options options = test::all_options(set.box);
+    options.want.faces = true;
+    const auto t = votess::tessellate(set.points, options);
+    const auto dual = votess::delaunay(t);
+    const auto theirs = delaunay_simplices(set.points);
+    std::size_t found = 0, cells_inside = 0;
+    for (std::size_t s = 0; s < dual.tetrahedra_centers.size(); ++s) {
+        std::vector<std::int32_t> ids(dual.tetrahedra.begin() + static_cast<std::ptrdiff_t>(4 * s),
+                                      dual.tetrahedra.begin() + static_cast<std::ptrdiff_t>(4 * s + 4));
+        const auto p = [&](std::size_t k, std::size_t axis) {
+            return set.points[3 * static_cast<std::size_t>(ids[k]) + axis] -
+                   set.points[3 * static_cast<std::size_t>(ids[0]) + axis];
+        };
+        const double six = p(1, 0) * (p(2, 1) * p(3, 2) - p(2, 2) * p(3, 1)) +
+                           p(1, 1) * (p(2, 2) * p(3, 0) - p(2, 0) * p(3, 2)) +
+                           p(1, 2) * (p(2, 0) * p(3, 1) - p(2, 1) * p(3, 0));
+        REQUIRE(six > -1e-18);
+        REQUIRE(ids[0] == std::ranges::min(ids));
+        std::sort(ids.begin(), ids.end());
+        found += theirs.contains(ids) ? 1 : 0;
+    }
+    CHECK(dual.polytope_centers.empty());
+    CHECK(found == dual.tetrahedra_centers.size());
+    // A cell off the walls has all its vertices, and so has its seed all its simplices.
+    std::vector<bool> whole(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i) whole[i] = t.neighbors(i)[0] >= 0;
+    for (const auto& ids : theirs)
+        cells_inside += std::ranges::any_of(ids, [&](auto i) { return whole[static_cast<std::size_t>(i)]; }) ? 1 : 0;
+    CHECK(cells_inside > 3 * set.size());
+    CHECK(cells_inside <= found);
+}
+
 }  // namespace
 
 TEST_SUITE("oracle") {
+    TEST_CASE("Qhull: Delaunay tetrahedra of uniform seeds") {
+        compare_tetrahedra(test::uniform(test::by_size(20000, 2000), 203));
+    }
     TEST_CASE("Qhull: uniform seeds") {
         compare(test::uniform(test::by_size(20000, 2000), 201));
     }

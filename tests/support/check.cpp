@@ -215,6 +215,12 @@ std::string check_lists(const votess::Tessellation& a, const votess::Tessellatio
     if (!equal(a.vertex_counts(), b.vertex_counts())) return "vertex counts differ";
     if (!equal(a.status(), b.status())) return "statuses differ";
     if (!equal(a.duplicate_of(), b.duplicate_of())) return "duplicate_of differs";
+    if (!equal(a.shifts(), b.shifts())) return "shifts differ";
+    if (!equal(a.face_normals(), b.face_normals())) return "normals differ";
+    if (!equal(a.face_offsets(), b.face_offsets())) return "face offsets differ";
+    if (!equal(a.face_vertices(), b.face_vertices())) return "polygons differ";
+    if (!equal(a.cell_vertex_indptr(), b.cell_vertex_indptr())) return "vertex rows differ";
+    if (!equal(a.cell_vertex_indices(), b.cell_vertex_indices())) return "vertices of cells differ";
     return "";
 }
 
@@ -225,6 +231,9 @@ std::string check_identical(const votess::Tessellation& a, const votess::Tessell
     if (!equal(a.face_areas(), b.face_areas())) return "face areas differ";
     if (!equal(a.volumes(), b.volumes())) return "volumes differ";
     if (!equal(a.centroids(), b.centroids())) return "centroids differ";
+    if (!equal(a.surface_areas(), b.surface_areas())) return "surface areas differ";
+    if (!equal(a.security_radii(), b.security_radii())) return "security radii differ";
+    if (!equal(a.vertices(), b.vertices())) return "vertices differ";
     return "";
 }
 

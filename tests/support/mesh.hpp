@@ -2,8 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <vector>
 #include <votess/votess.hpp>
+
+#include "generators.hpp"
 
 namespace test {
 
@@ -15,5 +19,13 @@ std::string check_mesh(const votess::Tessellation& t, std::span<const double> po
 std::vector<std::uint32_t> cells_of_vertices(const votess::Tessellation& t);
 // Whether a vertex lies inside the box, off its walls.
 std::vector<bool> interior_vertices(const votess::Tessellation& t);
+
+// Of tetrahedra with their shifts, all positive; the seeds inside the domain.
+double delaunay_volume(const votess::Tessellation& t, const votess::Delaunay& dual, std::span<const double> points);
+
+// The mesh when each cell is clipped by every seed, nearest first, with no search and no star; box domains.
+votess::Tessellation mesh_of_clipped_cells(const PointSet& set);
+// Equal rows and polygons, vertices within 1e-9 of the box.
+std::string check_same_mesh(const votess::Tessellation& a, const votess::Tessellation& b);
 
 }  // namespace test

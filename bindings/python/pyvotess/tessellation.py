@@ -267,7 +267,7 @@ def tessellate(
         normals, polygons and face_counts; decided once per pair of cells. 0 drops nothing.
     cell, origin : a triclinic periodic box instead of ``box``: the vectors of its edges, a row each, and its corner.
     planes : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
-    outside : of points outside of ``planes``: "error" refuses them, "drop" gives them an empty cell, status OUTSIDE.
+    outside : of points outside of ``box`` or ``planes``: "error" refuses them, "drop" gives them an empty cell, status OUTSIDE.
     progress : called some ten times a second with the fraction done; returning False stops the run with
         :class:`VotessError`, an exception stops it and goes on to the caller.
 

@@ -267,6 +267,66 @@ class Rows(unittest.TestCase):
         self.assertEqual((matrix != walled).nnz, 0)
 
 
+class Mesh(unittest.TestCase):
+    BOX = (0, 0, 0, 1, 1, 1)
+
+    def test_arrays_fit_each_other(self):
+        points = uniform(500)
+        t = vt.tessellate(points, box=self.BOX, want="faces,areas,normals,surfaces,radii,counts", device="cpu")
+        entries = len(t.neighbors.indices)
+        self.assertTrue(t.lists_walls)
+        self.assertEqual(len(t.faces), entries)
+        self.assertEqual(t.face_normals.shape, (entries, 3))
+        self.assertIsNone(t.shifts)
+        np.testing.assert_allclose(np.linalg.norm(t.face_normals, axis=1), 1, rtol=1e-15)
+        starts = t.neighbors.indptr[:-1]
+        closed = np.add.reduceat(t.face_areas[:, None] * t.face_normals, starts)
+        self.assertLess(np.abs(closed).max(), 1e-12)
+        np.testing.assert_allclose(np.add.reduceat(t.face_areas, starts), t.surface_areas, rtol=1e-13)
+        for i in (0, 17, 499):
+            own = t.cell_vertices[i]
+            self.assertEqual(len(own), t.vertex_counts[i])
+            row = range(t.neighbors.indptr[i], t.neighbors.indptr[i + 1])
+            self.assertEqual(set(own.tolist()), {v for k in row for v in t.faces[k].tolist()})
+            reach = np.linalg.norm(t.vertices[own] - points[i], axis=1).max()
+            self.assertAlmostEqual(t.security_radii[i], 2 * reach, delta=1e-12)
+        self.assertTrue(t.verify())
+        with self.assertRaises(ValueError):
+            t.vertices[0, 0] = 1
+
+    def test_delaunay(self):
+        points = uniform(400)
+        d = vt.tessellate(points, box=self.BOX, want="faces", device="cpu").delaunay()
+        corners = points[d.tetrahedra]
+        edges = corners[:, 1:] - corners[:, :1]
+        self.assertGreater(np.linalg.det(edges).min(), 0)
+        self.assertEqual((len(d.polytopes), d.shifts, d.polytope_shifts), (0, None, None))
+        grid = np.stack(np.meshgrid(*[np.arange(4.0)] * 3), -1).reshape(-1, 3)
+        t = vt.tessellate(grid, want="faces", device="cpu")
+        d = t.delaunay()
+        self.assertEqual((len(d.tetrahedra), len(d.polytopes)), (0, 27))
+        self.assertEqual(sorted(grid[d.polytopes[0]].mean(axis=0).tolist()), sorted(t.vertices[d.polytope_centers[0]]))
+        with self.assertRaisesRegex(ValueError, "want.faces"):
+            vt.tessellate(points).delaunay()
+
+    def test_min_face(self):
+        points = uniform(500)
+        t = vt.tessellate(points, box=self.BOX, want="faces", min_face=0.1, device="cpu")
+        self.assertGreater(t.least_face, 0)
+        self.assertEqual(len(t.faces), len(t.face_areas))
+        rows = [set(row.tolist()) for row in t.neighbors]
+        self.assertTrue(all(i in rows[j] for i, row in enumerate(rows) for j in row if j >= 0))
+        self.assertGreater(len(vt.tessellate(points, box=self.BOX, want="faces").faces), len(t.faces))
+        with self.assertRaisesRegex(ValueError, "min_face"):
+            vt.tessellate(points, min_face=-1)
+
+    def test_not_wanted(self):
+        t = vt.tessellate(uniform(10))
+        for name in ("faces", "vertices", "cell_vertices", "face_normals", "surface_areas", "security_radii"):
+            with self.assertRaisesRegex(AttributeError, name):
+                getattr(t, name)
+
+
 class Input(unittest.TestCase):
     def setUp(self):
         self.points = uniform(200)
@@ -384,7 +444,7 @@ class BadInput(unittest.TestCase):
 
     def test_options(self):
         points = uniform(4)
-        self.refused("'faces'.*neighbors, volumes", points, want=["faces"])
+        self.refused("'edges'.*neighbors, volumes", points, want=["edges"])
         self.refused("'keep'.*merge, error", points, duplicates="keep")
         self.refused("threads is -1", points, threads=-1)
         self.refused("grid_resolution is 4294967296", points, grid_resolution=2**32)
@@ -677,7 +737,7 @@ class TessellatorTest(unittest.TestCase):
         with self.assertRaises(ValueError):
             tessellator.tessellate([[np.nan, 0, 0]])
         with self.assertRaises(ValueError):
-            tessellator.tessellate(uniform(3), want="faces")
+            tessellator.tessellate(uniform(3), want="edges")
         with self.assertRaises(vt.VotessError):
             tessellator.tessellate(long_run_points(), progress=lambda fraction: False)
         self.assertTrue(tessellator.tessellate(uniform(500)).verify())

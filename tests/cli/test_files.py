@@ -1,0 +1,21 @@
+"""The kinds of files that clvotess reads and writes, beyond text and .npy, each with another program on the other side.
+
+VOTESS_CLI names the program, VOTESS_READER_FUZZ the one that feeds its readers with damaged files.
+"""
+
+import shutil
+import sys
+import unittest
+
+from cli_test import CLI
+from domain_cases import FileDomains
+from hdf5_cases import Hdf5Files
+from reader_cases import ArrayFiles, LammpsFiles, PlyFiles, TextFiles
+from vtk_cases import VtkFiles
+
+__all__ = ["ArrayFiles", "FileDomains", "Hdf5Files", "LammpsFiles", "PlyFiles", "TextFiles", "VtkFiles"]
+
+if __name__ == "__main__":
+    if not shutil.which(CLI):
+        sys.exit(f"VOTESS_CLI must name clvotess, but there is no {CLI}")
+    unittest.main(verbosity=2)
