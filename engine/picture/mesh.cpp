@@ -23,7 +23,7 @@ void clip(const Polygon& in, const CutPlane& plane, bool behind, bool line, Poly
     const std::size_t n = in.corners.size();
     for (std::size_t i = 0; i < n; ++i) {
         const Vec3 &a = in.corners[i], &b = in.corners[(i + 1) % n];
-        const bool a_in = plane.height(a) > 0 != behind, b_in = plane.height(b) > 0 != behind;
+        const bool a_in = (plane.height(a) > 0) != behind, b_in = (plane.height(b) > 0) != behind;
         if (a_in && b_in) {
             out.add(a, in.line[i]);
         } else if (a_in) {

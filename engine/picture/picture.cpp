@@ -114,6 +114,16 @@ std::vector<Vec3> domain_corners(const Tessellation& t) {
     return corners;
 }
 
+#if VOTESS_HAVE_VULKAN
+Picture draw(const Scene& scene, const std::string& device) {
+    return gpu::draw(scene, device);
+}
+#else
+Picture draw(const Scene&, const std::string&) {
+    throw Error(ErrorCode::unsupported, "picture: this votess was built without Vulkan");
+}
+#endif
+
 // Vectors by which the domain repeats.
 std::vector<Vec3> domain_periods(const Tessellation& t) {
     if (t.cell()) return {t.cell()->a, t.cell()->b, t.cell()->c};
@@ -158,7 +168,8 @@ Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double
         area = build_slice({mesh, shown, points, colors, options, domain.periods, area}, sizes, pool, scene);
     } else {
         const auto corners = options.frame && !shown.walls_hidden ? std::span(domain.corners) : std::span<const Vec3>();
-        build_solid({mesh, shown, points, colors, options, area, !domain.periods.empty()}, corners, pool, scene);
+        build_solid({mesh, shown, points, colors, options, area, domain.corners.empty() || !domain.periods.empty()},
+                    corners, pool, scene);
         area.top = 0.14 * scene.height;
         area.bottom = 0.86 * scene.height;
     }
@@ -175,11 +186,7 @@ Picture render(const Tessellation& tessellation, std::span<const double> points,
     const picture::Domain domain{tessellation.box(), picture::domain_corners(tessellation),
                                  picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
-#if VOTESS_HAVE_VULKAN
-    return gpu::draw(picture::build_scene(mesh, domain, points, values, options), options.device);
-#else
-    throw Error(ErrorCode::unsupported, "picture: this votess was built without Vulkan");
-#endif
+    return picture::draw(picture::build_scene(mesh, domain, points, values, options), options.device);
 }
 
 }  // namespace votess

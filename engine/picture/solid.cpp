@@ -9,10 +9,6 @@ namespace {
 
 constexpr double focal_over_height = 2.4;  // a view of 24 degrees, little distortion
 
-Vec3 unit(const Vec3& a) {
-    return (1 / std::sqrt(dot(a, a))) * a;
-}
-
 // From positions of the mesh to those of the scene, of order one around the origin.
 struct Frame {
     Vec3 middle{};
@@ -218,22 +214,22 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     const Frame frame(job.shown.bounds);
     View& view = scene.view = look(job.options);
     std::vector<Vec3> outline;
+    const Box& bounds = job.shown.bounds;
     if (job.shown.walls_hidden) {
         for (std::size_t i = 0; i < job.shown.cells.size(); ++i) {
-            if (job.shown.cells[i])
-                outline.push_back(frame({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}));
+            const double* p = &job.points[3 * i];
+            if (job.shown.cells[i]) outline.push_back(frame({p[0], p[1], p[2]}));
         }
-    }
-    // Cells of a periodic domain stick out of it.
-    for (std::size_t v = 0; job.sticks_out && v < job.mesh.vertices.size() / 3; ++v) {
-        outline.push_back(frame(job.mesh.vertex(static_cast<std::int32_t>(v))));
-    }
-    for (int corner = 0; !job.shown.walls_hidden && corner < 8; ++corner) {
-        Vec3 p;
-        for (std::size_t k = 0; k < 3; ++k) {
-            p[k] = corner >> k & 1 ? job.shown.bounds.upper[k] : job.shown.bounds.lower[k];
+    } else if (job.own_outline) {
+        for (std::size_t v = 0; v < job.mesh.vertices.size() / 3; ++v) {
+            outline.push_back(frame(job.mesh.vertex(static_cast<std::int32_t>(v))));
         }
-        outline.push_back(frame(p));
+    } else {
+        for (int corner = 0; corner < 8; ++corner) {
+            Vec3 p;
+            for (std::size_t k = 0; k < 3; ++k) p[k] = corner >> k & 1 ? bounds.upper[k] : bounds.lower[k];
+            outline.push_back(frame(p));
+        }
     }
     for (const Vec3& corner : corners) outline.push_back(frame(corner));
     Area area = job.area;

@@ -19,8 +19,8 @@ struct SolidJob {
     std::span<const double> points;
     std::span<const Color> colors;  // of the cells
     const PictureOptions& options;
-    Area area;        // to fill
-    bool sticks_out;  // cells reach beyond the bounds
+    Area area;         // to fill
+    bool own_outline;  // cells reach beyond the bounds, or do not fill them
 };
 
 // Adds the view, the triangles and the domain's edges. `corners` holds the domain's eight corners, bit a of the index

@@ -130,6 +130,40 @@ TEST_SUITE("stages") {
         CHECK(area_of(scene_of(set, t, off_center).solid) == doctest::Approx(12).epsilon(1e-5));
     }
 
+    TEST_CASE("picture: a slice of a periodic domain has no gaps and no overlaps") {
+        votess::Options box = test::all_options(test::unit_box()), sheared = test::all_options();
+        box.periodic = {true, true, true};
+        sheared.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.5, 1}};
+        const auto set = test::uniform(60, 12);
+        for (votess::Options options : {box, sheared}) {
+            options.want.faces = true;
+            auto points = set.points;
+            if (options.cell) {
+                for (std::size_t i = 0; i < points.size(); i += 3) {
+                    points[i] += 0.4 * points[i + 1] - 0.3 * points[i + 2];
+                    points[i + 1] += 0.5 * points[i + 2];
+                }
+            }
+            const Tessellation t = votess::tessellate(points, options);
+            Domain domain{t.box(), {}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+            if (options.cell) domain.periods = {options.cell->a, options.cell->b, options.cell->c};
+            for (int axis = 0; axis < 3; ++axis) {
+                PictureOptions slice = plain(Cut::none);
+                const auto k = static_cast<std::size_t>(axis);
+                slice.slice = votess::Slice{axis, std::lerp(t.box().lower[k], t.box().upper[k], 0.03)};
+                const Scene scene = build_scene(mesh_of(t), domain, points, t.volumes(), slice);
+                double low[2] = {1e9, 1e9}, high[2] = {0, 0};
+                for (const FillVertex& v : scene.flat) {
+                    for (std::size_t c = 0; c < 2; ++c) {
+                        low[c] = std::min<double>(low[c], v.position[c]);
+                        high[c] = std::max<double>(high[c], v.position[c]);
+                    }
+                }
+                CHECK(area_of(scene.flat) == doctest::Approx((high[0] - low[0]) * (high[1] - low[1])).epsilon(1e-4));
+            }
+        }
+    }
+
     TEST_CASE("picture: everything shown lies inside the picture") {
         const auto set = test::uniform(100, 9);
         const Tessellation t = with_faces(set);

@@ -1,12 +1,12 @@
 #include "gpu/picture/renderer.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <vector>
 
 #include "gpu/device_choice.hpp"
+#include "gpu/picture/parts.hpp"
 #include "gpu/picture/pipelines.hpp"
 #include "gpu/vulkan/memory.hpp"
 
@@ -16,64 +16,7 @@ namespace {
 using picture::FillVertex;
 using picture::Scene;
 using picture::Stroke;
-using picture::Vec3;
-using picture::operator*;
-using picture::operator+;
 using vulkan::check;
-
-constexpr std::uint32_t border = 164;  // pixels around a part that its occlusion is computed from; a multiple of 4
-
-vec4 vector4(const Vec3& v, double w) {
-    return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(w)};
-}
-
-// From positions, or with `flat` pixels, to the clip space of the whole picture.
-void set_matrix(const Scene& scene, bool flat, PicturePush& push) {
-    const double width = scene.width, height = scene.height;
-    const picture::View& v = scene.view;
-    // Rows first: x, y, z, w of the clip space as functions of the position.
-    double rows[4][4] = {{2 / width, 0, 0, -1}, {0, 2 / height, 0, -1}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-    if (!flat) {
-        const double far = v.far / (v.far - v.near);
-        for (std::size_t k = 0; k < 3; ++k) {
-            rows[3][k] = -v.back[k];
-            rows[0][k] = 2 * v.focal / width * v.right[k] + (2 * v.middle[0] / width - 1) * rows[3][k];
-            rows[1][k] = -2 * v.focal / height * v.up[k] + (2 * v.middle[1] / height - 1) * rows[3][k];
-            rows[2][k] = far * rows[3][k];
-        }
-        rows[3][3] = v.distance;
-        rows[0][3] = (2 * v.middle[0] / width - 1) * v.distance;
-        rows[1][3] = (2 * v.middle[1] / height - 1) * v.distance;
-        rows[2][3] = far * (v.distance - v.near);
-    }
-    for (int column = 0; column < 4; ++column) {
-        for (int row = 0; row < 4; ++row) push.matrix[column][row] = static_cast<float>(rows[row][column]);
-    }
-}
-
-// A part of the picture: what is kept of it, and what is drawn, which has a border.
-struct Part {
-    std::uint32_t left, top, width, height;             // kept
-    std::uint32_t draw_left, draw_top, draw_w, draw_h;  // drawn
-};
-
-std::vector<Part> cut(const Scene& scene, std::uint32_t most) {
-    std::vector<Part> parts;
-    const bool whole = scene.width <= most && scene.height <= most;
-    const std::uint32_t around = whole ? 0 : border;
-    const std::uint32_t step = whole ? most : std::max(most / 4 * 4, 2 * border + 64) - 2 * border;
-    for (std::uint32_t top = 0; top < scene.height; top += step) {
-        for (std::uint32_t left = 0; left < scene.width; left += step) {
-            Part p{left, top, std::min(step, scene.width - left), std::min(step, scene.height - top), 0, 0, 0, 0};
-            p.draw_left = left - std::min(left, around);
-            p.draw_top = top - std::min(top, around);
-            p.draw_w = std::min(scene.width, left + p.width + around) - p.draw_left;
-            p.draw_h = std::min(scene.height, top + p.height + around) - p.draw_top;
-            parts.push_back(p);
-        }
-    }
-    return parts;
-}
 
 // Vertices or strokes in buffers of what the device can take at once.
 struct Batch {
@@ -115,7 +58,7 @@ public:
     }
 
     // Draws a part and puts it into the picture.
-    void draw(const Part& part, Picture& picture) {
+    void draw(const PicturePart& part, Picture& picture) {
         const VkExtent2D size{part.draw_w, part.draw_h};
         if (!images_ || images_->size.width != size.width || images_->size.height != size.height) {
             images_.reset();  // before others take memory
@@ -193,26 +136,6 @@ private:
         table_.vkUpdateDescriptorSets(device_.handle(), 2, writes, 0, nullptr);
     }
 
-    [[nodiscard]] PicturePush push_for(const Part& part, bool flat) const {
-        const picture::View& v = scene_.view;
-        PicturePush push{};
-        set_matrix(scene_, flat, push);
-        const auto scale = [](double whole, double drawn) { return static_cast<float>(whole / drawn); };
-        const auto offset = [](double whole, double drawn, double begin) {
-            return static_cast<float>((whole - 2 * begin) / drawn - 1);
-        };
-        push.tile = {scale(scene_.width, part.draw_w), scale(scene_.height, part.draw_h),
-                     offset(scene_.width, part.draw_w, part.draw_left),
-                     offset(scene_.height, part.draw_h, part.draw_top)};
-        // From above, the left and the camera's side, so that the three sides of a box differ.
-        const Vec3 light = -0.38 * v.right + 0.72 * v.up + 0.58 * v.back;
-        push.light = vector4(light, 0.5 * scene_.edge_width);
-        push.sky = vector4({0, 0, 1}, scene_.occlusion_radius);
-        push.lens = {static_cast<float>(v.middle[0] - part.draw_left), static_cast<float>(v.middle[1] - part.draw_top),
-                     static_cast<float>(v.focal), 0.0f};
-        return push;
-    }
-
     void begin_pass(const OwnedRenderPass& pass, const OwnedFramebuffer& frame, const VkClearColorValue& color) {
         VkClearValue clear[2]{};
         clear[0].color = color;
@@ -255,13 +178,13 @@ private:
         }
     }
 
-    void record(const Part& part) {
+    void record(const PicturePart& part) {
         check(table_.vkResetCommandPool(device_.handle(), pool_.get(), 0), "vkResetCommandPool");
         VkCommandBufferBeginInfo info{};
         info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
         info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
         check(table_.vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
-        const PicturePush in_space = push_for(part, false), on_paper = push_for(part, true);
+        const PicturePush in_space = push_for(scene_, part, false), on_paper = push_for(scene_, part, true);
         if (!solid_.empty()) {
             begin_pass(passes_.surface, images_->surface_frame, {});
             bind(pipelines_.surface, in_space);
@@ -343,7 +266,7 @@ Picture draw(const Scene& scene, const std::shared_ptr<vulkan::Device>& device, 
     picture.pixels.resize(std::size_t{4} * scene.width * scene.height);
     picture.device = device->adapter().name;
     Renderer renderer(*device, scene);
-    for (const Part& part : cut(scene, most)) renderer.draw(part, picture);
+    for (const PicturePart& part : cut_picture(scene, most)) renderer.draw(part, picture);
     return picture;
 }
 
