@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <vector>
 #include <votess/votess.hpp>
 
@@ -93,8 +92,7 @@ TEST_SUITE("cases") {
         options.box = votess::Box{{-0.1, 0.3, 1e-3}, {0.7, 1.1, 0.9}};
         CHECK(compare(random_points(many, 3, -2, 2), options).failure == "");
         Coordinates lattice;
-        for (int i = 0; i < 512; ++i)
-            lattice.insert(lattice.end(), {(i % 8) / 8.0, (i / 8 % 8) / 8.0, (i / 64) / 8.0});
+        for (int i = 0; i < 512; ++i) lattice.insert(lattice.end(), {(i % 8) / 8.0, (i / 8 % 8) / 8.0, (i / 64) / 8.0});
         options.box = test::unit_box();
         CHECK(compare(lattice, options).failure == "");
     }
