@@ -48,12 +48,20 @@ void MeshBuilder::begin(const Job& job) {
 void MeshBuilder::add(std::span<const std::int32_t> cells, const MeshBlock& block) {
     const auto bytes = block.bytes();
     if (!wanted_ || bytes.empty()) return;
+    const auto left_out = static_cast<std::size_t>(std::ranges::count(block.begins(), MeshBlock::none));
     std::byte* to = nullptr;
     std::size_t first = 0;
     {
         const std::lock_guard lock(mutex_);
         to = memory_.take(bytes.size());
-        blocks_.push_back(cells);
+        if (left_out > 0) {  // they come by another block
+            std::span own(reinterpret_cast<std::int32_t*>(memory_.take(cells.size_bytes())), cells.size() - left_out);
+            for (std::size_t k = 0, kept = 0; k < cells.size(); ++k)
+                if (block.begins()[k] != MeshBlock::none) own[kept++] = cells[k];
+            blocks_.push_back(own);
+        } else {
+            blocks_.push_back(cells);
+        }
         first = vertices_;
         vertices_ += block.vertices();
     }
@@ -94,8 +102,7 @@ void MeshBuilder::finish(detail::Result& result, ThreadPool& pool) {
 template <class Task>
 void MeshBuilder::for_blocks(ThreadPool& pool, Task task) const {
     pool.run(blocks_.size(), [&](std::size_t block, unsigned) {
-        for (const std::int32_t i : blocks_[block])
-            if (records_[static_cast<std::size_t>(i)] != nullptr) task(block, static_cast<std::size_t>(i));
+        for (const std::int32_t i : blocks_[block]) task(block, static_cast<std::size_t>(i));
     });
 }
 

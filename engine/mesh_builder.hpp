@@ -2,7 +2,8 @@
 //
 // Two cells of a face have the same polygon, one clockwise where the other is counterclockwise, so matching the
 // polygons of all faces by a turn tells which vertices are one: those around a vertex are joined by faces that end
-// there. Nothing else is compared, no position across cells, so the mesh is as exact as the cells are.
+// there. An edge that both name by the same third cell tells the turn; where more than three cells meet along all edges
+// of a face, it is the turn that brings the polygons together.
 #pragma once
 
 #include <mutex>
@@ -21,7 +22,6 @@ namespace votess {
 class MeshBuilder {
 public:
     void begin(const Job& job);
-    [[nodiscard]] bool wanted() const { return wanted_; }
     // From any thread. The records of these cells, whose faces are those of the rows. `cells` must stay as it is until
     // finish(); the block is the caller's again on return.
     void add(std::span<const std::int32_t> cells, const MeshBlock& block);

@@ -198,7 +198,9 @@ Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
     planes_.clear();
     for (const std::int32_t p : faces.planes)
         if (const CellPlane& plane = cell_.planes()[p]; plane.source.is_bisector()) planes_.push_back(plane);
-    if (cell_.empty()) return cell_;
+    // A cell without volume has lost faces that bound it.
+    constexpr std::size_t least_faces = 4;
+    if (cell_.empty() || faces.size() < least_faces) return cell_;
     std::ranges::sort(planes_, [](const CellPlane& a, const CellPlane& b) {
         return std::tie(a.norm, a.id, a.shift) < std::tie(b.norm, b.id, b.shift);
     });

@@ -230,6 +230,29 @@ TEST_SUITE("cases") {
         CHECK(raw_extra > 0);
     }
 
+    // Weights that leave each second cell of a lattice no more than its seed.
+    TEST_CASE("mesh: power diagrams with cells that are points") {
+        const auto set = test::cubic(6);
+        std::vector<double> weights;
+        for (std::size_t i = 0; i < set.size(); ++i)
+            weights.push_back(std::fmod(set.points[3 * i] + set.points[3 * i + 1] + set.points[3 * i + 2], 2));
+        for (const bool periodic : {false, true}) {
+            votess::Options options = mesh_options(set.box);
+            options.weights = weights;
+            options.periodic = {periodic, periodic, periodic};
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(votess::verify(t, set.points, {20, 1}).failure == "");
+            CHECK(t.stats().volume_sum == doctest::Approx(216).epsilon(1e-12));
+            CHECK(t.stats().empty_cells == (periodic ? 108 : 104));  // corners of the box keep an eighth of a cube
+            for (std::size_t i = 0; i < t.size(); ++i) {
+                if (t.status()[i] != votess::CellStatus::empty) continue;
+                REQUIRE(t.neighbors(i).empty());
+                REQUIRE(t.security_radii()[i] == 0);
+                REQUIRE(t.surface_areas()[i] == 0);
+            }
+        }
+    }
+
     TEST_CASE("Delaunay: refused without faces") {
         const auto set = test::uniform(50, 2);
         CHECK_THROWS_AS((void)votess::delaunay(test::run(set)), votess::Error);
