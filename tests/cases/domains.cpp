@@ -79,7 +79,7 @@ votess::TriclinicBox random_cell(test::Random& random) {
 TEST_SUITE("cases") {
     TEST_CASE("domains: periodic axes of few seeds, against exact half-spaces") {
         test::Random random(1);
-        const std::uint64_t rounds = test::by_size(4, 1);
+        const std::uint64_t rounds = test::by_size(2, 1);
         for (std::uint64_t round = 0; round < rounds; ++round)
             for (unsigned mask = 1; mask < 8; ++mask)
                 for (const std::size_t n : {1, 2, 3, 6}) {
@@ -94,7 +94,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("domains: seeds far outside a periodic box are wrapped without rounding") {
         test::Random random(2);
-        for (std::uint64_t round = 0; round < test::by_size(10, 2); ++round) {
+        for (std::uint64_t round = 0; round < test::by_size(5, 2); ++round) {
             Options options = domain_options();
             options.periodic = {true, true, true};
             options.box = Box{{-0.1, 0.3, 1e-3}, {0.7, 1.1, 0.9}};  // lengths that are no doubles
@@ -182,7 +182,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("domains: power diagrams of few seeds, against exact half-spaces") {
         test::Random random(5);
-        for (std::uint64_t round = 0; round < test::by_size(12, 2); ++round)
+        for (std::uint64_t round = 0; round < test::by_size(6, 2); ++round)
             for (unsigned mask = 0; mask < 8; mask += 7) {
                 Options options = domain_options();
                 for (auto& axis : options.periodic) axis = mask != 0;

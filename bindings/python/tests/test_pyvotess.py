@@ -466,8 +466,8 @@ class BadInput(unittest.TestCase):
         self.refused("device", points, device=0, error=TypeError)
         self.refused("zero character", points, device="cpu\0")
         self.refused("progress", points, progress=1, error=TypeError)
-        with self.assertRaisesRegex(TypeError, "periodic"):
-            vt.tessellate(points, periodic=True)
+        with self.assertRaisesRegex(TypeError, "tilted"):
+            vt.tessellate(points, tilted=True)
 
     def test_unknown_device(self):
         for device in ("abacus", "", "GPU", "-1", "1000000", "cpu\n"):
