@@ -291,8 +291,9 @@ private:
 
 // The dual of the cells. Around each vertex of the mesh that lies off the walls: the tetrahedron of its four cells, or
 // where more cells meet (seeds on an empty sphere) the convex polytope that their seeds span, which has no one way to
-// be cut into tetrahedra. Together the Delaunay complex of the seeds, but for simplices whose empty sphere has its
-// center outside of the domain. In order of the vertices; in a periodic domain each once, not for each image.
+// be cut into tetrahedra. Together the Delaunay complex of the seeds (of a power diagram the regular one, with power
+// spheres), but for simplices whose empty sphere has its center outside of the domain. In order of the vertices; in a
+// periodic domain each once, not for each image.
 struct Delaunay {
     std::vector<std::int32_t> tetrahedra;          // 4T seeds, the first the lowest, positive: det(b-a, c-a, d-a) > 0
     std::vector<std::int8_t> tetrahedra_shifts;    // 12T in a periodic domain, else empty: as Tessellation::shifts()

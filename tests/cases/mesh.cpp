@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "../support/check.hpp"
+#include "../support/random.hpp"
 
 namespace {
 
@@ -84,6 +85,26 @@ TEST_SUITE("cases") {
         }
         CHECK(3 * octahedra > fcc.polytope_centers.size());
         CHECK(fcc.tetrahedra_centers.size() > octahedra);
+    }
+
+    TEST_CASE("mesh: small sets full of ties") {
+        test::Random random(77);
+        for (std::size_t round = 0; round < test::by_size(400, 60); ++round) {
+            test::PointSet set{"ties", {}, std::nullopt};
+            const std::size_t n = 1 + random.below(40), range = 2 + random.below(4);
+            for (std::size_t k = 0; k < 3 * n; ++k) set.points.push_back(static_cast<double>(random.below(range)));
+            if (random.chance(0.5)) set.box = test::cube(0, static_cast<double>(range) - 0.5 * random.below(2));
+            // Some ties nearly, so that tiny polygons lie beside exact ones.
+            for (double& x : set.points)
+                if (round % 3 == 0 && random.chance(0.1) && x > 0) x = std::nextafter(x, 0);
+            if (round % 5 == 0) set = test::scaled(set, 1e-10);
+            INFO(test::print_points(set.points, set.box.value_or(votess::Box{})));
+            const auto t = mesh_of(set);
+            REQUIRE(test::check_mesh(t, set.points) == "");
+            const auto dual = votess::delaunay(t);
+            for (std::size_t p = 0; p < dual.polytope_centers.size(); ++p)
+                REQUIRE(dual.polytope_indptr[p + 1] - dual.polytope_indptr[p] > 4);
+        }
     }
 
     TEST_CASE("mesh: few seeds and duplicates") {
