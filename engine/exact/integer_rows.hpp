@@ -254,6 +254,9 @@ inline double largest_difference(const Point& p, const Plane& plane) {
 // 2098 bits from the smallest subnormal to the largest double, 34 for shifts and sums.
 inline constexpr int widest = 36;
 
+// For coordinates that span at most so many bits, as when some are 0 but for rounding.
+inline constexpr int middle = 4, middle_bits = 250;
+
 // side_of_vertex for any float64, without a look at the easy cases.
 int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
 

@@ -133,10 +133,11 @@ int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, 
     range.add(p);
     for (const Plane* plane : {&a, &b, &c, &d}) range.add(*plane);
     const int q = range.quantum();
-    if (range.span() > 124) {
-        return side_of_rows(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q),
-                            wide_row<widest>(p, d, q));
-    }
+    const auto side = [&]<int W>() {
+        return side_of_rows(wide_row<W>(p, a, q), wide_row<W>(p, b, q), wide_row<W>(p, c, q), wide_row<W>(p, d, q));
+    };
+    if (range.span() > middle_bits) return side.template operator()<widest>();
+    if (range.span() > 124) return side.template operator()<middle>();
     const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
     auto row = [&](const Plane& plane) { return narrow_row(p, seed, plane, q); };
     return side_of_rows(row(a), row(b), row(c), row(d));  // 5 * 125 + 8 < 640 bits
@@ -195,10 +196,11 @@ std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane&
     range.add(p);
     for (const Plane* plane : {&a, &b, &c}) range.add(*plane);
     const int q = range.quantum();
-    if (range.span() > 124) {
-        return position<Real, widest>(wide_row<widest>(p, a, q), wide_row<widest>(p, b, q), wide_row<widest>(p, c, q),
-                                      q);
-    }
+    const auto solve = [&]<int W>() {
+        return position<Real, W>(wide_row<W>(p, a, q), wide_row<W>(p, b, q), wide_row<W>(p, c, q), q);
+    };
+    if (range.span() > middle_bits) return solve.template operator()<widest>();
+    if (range.span() > 124) return solve.template operator()<middle>();
     const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
     if (!a.plain() || !b.plain() || !c.plain())
         return position<Real, 2>(narrow_row(p, seed, a, q), narrow_row(p, seed, b, q), narrow_row(p, seed, c, q), q);
