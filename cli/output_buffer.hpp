@@ -18,6 +18,7 @@ public:
     explicit OutputBuffer(OutputFile& file) : file_(file), bytes_(capacity, '\0') {}
 
     void put(std::string_view text) {
+        if (text.empty()) return;
         if (text.size() > capacity - used_) flush();
         if (text.size() > capacity) return file_.write(text);
         std::memcpy(bytes_.data() + used_, text.data(), text.size());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <tuple>
 
@@ -204,6 +205,7 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
     }
     std::ranges::sort(all, {}, [](const HalfSpace& s) { return s.near; });
     const double cube = std::ldexp(1.0, std::ilogb(width) + 12);
+    mpq_class volume;
     std::vector<Rounded> rounded;
     for (const HalfSpace& s : all) {
         const double length = std::sqrt(dot(s.n, s.n).get_d());
@@ -213,11 +215,14 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
     for (std::size_t index = 0; index < all.size(); ++index) {
         if (surely_empty(rounded, index, width, cube)) continue;
         const HalfSpace& s = all[index];
-        // Of equal planes the face is that of the seed farthest behind: beyond the plane it is the nearest.
-        const bool hidden = !options.weights.empty() && std::ranges::any_of(all, [&](const HalfSpace& other) {
-            return &other != &s && coincide(s, other) &&
-                   (!other.bisector || (s.bisector && dot(other.n, other.n) > dot(s.n, s.n)));
-        });
+        // Of equal planes the face is the wall's, of walls the first one's; of seeds that of the farthest behind:
+        // beyond the plane it is the nearest.
+        const bool may_coincide = !options.weights.empty() || !options.planes.empty();
+        const bool hidden = may_coincide && std::ranges::any_of(all, [&](const HalfSpace& other) {
+                                if (&other == &s || !coincide(s, other)) return false;
+                                if (other.bisector != s.bisector) return s.bisector;
+                                return s.bisector ? dot(other.n, other.n) > dot(s.n, s.n) : other.face.id > s.face.id;
+                            });
         if (hidden) continue;
         Polygon polygon = begin_polygon(s, mpq_class(cube));
         for (const HalfSpace& other : all) {
@@ -238,15 +243,21 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
         }
         // The sign of the turn is that of the polygon's orientation: volumes need its size only.
         const mpq_class along = dot(area, s.n);
-        cell.volume += mpq_class(abs(along) * s.h / dot(s.n, s.n) / 6).get_d();
+        volume += abs(along) * s.h / dot(s.n, s.n) / 6;  // exactly: pyramids of a seed outside of its cell cancel
     }
     std::ranges::sort(cell.faces);
     if (cell.faces.size() < 4) return {};
+    cell.volume = volume.get_d();
     return cell;
 }
 
 std::string check_against_half_spaces(const votess::Tessellation& t, std::span<const double> points,
                                       const votess::Options& options, int reach) {
+    const auto text = [](double x) {
+        char digits[32];
+        std::snprintf(digits, sizeof digits, "%.17g", x);
+        return std::string(digits);
+    };
     const auto line = [](const std::vector<ExactFace>& faces) {
         std::string text;
         for (const auto& [id, shift] : faces) {
@@ -273,8 +284,8 @@ std::string check_against_half_spaces(const votess::Tessellation& t, std::span<c
         const bool empty = t.status()[i] == votess::CellStatus::empty;
         if (empty != expected.faces.empty()) return "cell " + std::to_string(i) + " has the wrong status";
         if (!(std::abs(t.volumes()[i] - expected.volume) <= 1e-10 * expected.volume))
-            return "cell " + std::to_string(i) + " has volume " + std::to_string(t.volumes()[i]) + ", exact is " +
-                   std::to_string(expected.volume);
+            return "cell " + std::to_string(i) + " has volume " + text(t.volumes()[i]) + ", exact is " +
+                   text(expected.volume);
     }
     return "";
 }
