@@ -37,7 +37,7 @@ TEST_SUITE("cases") {
             ++inside;
             REQUIRE(cells[v] == 4);
         }
-        CHECK(inside > 6 * set.size());
+        CHECK(inside > 5 * set.size());
         double worst = 0;
         for (std::size_t i = 0; i < t.size(); ++i) {
             double sum[3]{};
