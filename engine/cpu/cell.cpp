@@ -86,14 +86,8 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
     plane.shift = shift;
     DoubleDouble h{};
     double size = 0;
-    bool exact = true;
     if (source.is_bisector()) {
-        exact::Differences d = exact::differences(p, source);
-        if (!d.exact) {
-            const auto rounded = exact::difference<double>(p, source);
-            for (int k = 0; k < 3; ++k) d.x[k] = {rounded[k], 0};
-        }
-        exact = d.exact;
+        const exact::Differences d = exact::differences(p, source);
         for (int k = 0; k < 3; ++k) {
             plane.n[k] = d.x[k].high;
             h = h + d.x[k] * d.x[k];
@@ -115,7 +109,7 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
     const double square = x * x + y * y + z * z;
     plane.h = h.high;
     plane.norm = std::sqrt(square);
-    plane.reliable = square > smallest_square && std::abs(plane.h) > worst_cancellation * size && exact;
+    plane.reliable = square > smallest_square && std::abs(plane.h) > worst_cancellation * size;
     return plane;
 }
 
@@ -216,12 +210,10 @@ int Cell::refined_side(int slot, const CellPlane& plane) {
         const exact::Differences d = exact::differences(seed_, plane.source);
         DoubleDouble square{};
         for (int k = 0; k < 3; ++k) square = square + d.x[k] * d.x[k];
-        refined_plane_ = {plane.id, plane.shift, d.x, {}, 0.5 * (square.high + std::abs(plane.source.power.high)),
-                          d.exact};
+        refined_plane_ = {plane.id, plane.shift, d.x, {}, 0.5 * (square.high + std::abs(plane.source.power.high))};
         square = square + plane.source.power;
         refined_plane_.minus_h = {-0.5 * square.high, -0.5 * square.low};
     }
-    if (!refined_plane_.exact) return 0;
     DoubleDouble excess = refined_plane_.minus_h;
     for (int k = 0; k < 3; ++k) excess = excess + refined_plane_.n[k] * vertex.position[k];
     // At most 20 u^2 from each product, sum and rounding of the vertex.

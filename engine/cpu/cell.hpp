@@ -111,7 +111,6 @@ private:
         std::array<exact::DoubleDouble, 3> n;
         exact::DoubleDouble minus_h;
         double size;  // of what minus_h was summed from
-        bool exact;
     };
     bool clip(const CellPlane& plane);
     [[nodiscard]] bool take_over(const CellPlane& plane, int slot);

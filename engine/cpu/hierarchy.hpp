@@ -16,6 +16,7 @@ namespace votess::cpu {
 class Hierarchy {
 public:
     static constexpr std::size_t fan = box_fan;
+    static_assert(fan == 8);  // first_seed()
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 
@@ -23,6 +24,9 @@ public:
     [[nodiscard]] std::size_t count(int level) const { return counts_[level]; }
     // Boxes 8 index .. 8 index + 7 of a level: the children of box `index` one level up.
     [[nodiscard]] const BoxBlock& block(int level, std::size_t index) const { return levels_[level][index]; }
+    [[nodiscard]] static std::size_t first_seed(int level, std::size_t node) {
+        return (node * group_size) << (3 * level);
+    }
     [[nodiscard]] BoundingBox box(int level, std::size_t node) const {
         const BoxBlock& b = levels_[level][node / fan];
         const std::size_t i = node % fan;

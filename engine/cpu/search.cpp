@@ -259,13 +259,13 @@ void CellBuilder::clip_far(std::size_t seed, double from, const exact::Shift& sh
         if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node), by, more_weight_)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
+                if (moved && hierarchy_.first_seed(level, node) >= seeds_.size()) return;  // images only
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
                 std::push_heap(far_queue_.begin(), far_queue_.end(), farther);
             });
             continue;
         }
         const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
-        if (moved && begin >= seeds_.size()) continue;
         double distance[group_size];
         kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
                                    p.data(), distance);

@@ -70,7 +70,8 @@ struct Plane {
     [[nodiscard]] bool has_power() const { return power.high != 0; }
 };
 
-// q - p. Each coordinate is an exact sum of two doubles unless that is impossible, or overflows (low is NaN).
+// q - p. Each coordinate is an exact sum of two doubles, or rounded to 2^-104 where that is impossible (`exact` is then
+// false), or overflows (low is NaN).
 struct Differences {
     std::array<DoubleDouble, 3> x;
     bool exact = true;

@@ -103,6 +103,23 @@ TEST_SUITE("cases") {
         }
     }
 
+    // Images then need three doubles: such planes were all decided exactly, for minutes a cell.
+    TEST_CASE("domains: a flat set with noise in a thin periodic box") {
+        test::Random random(11);
+        Options options = domain_options();
+        options.box = Box{{-10, -10, -0.5}, {10, 10, 0.5}};
+        options.periodic = {false, false, true};
+        CHECK(check({1, 2, 1e-30, 5, 3, -1e-17, -4, -3, 3e-22}, options, 3) == "");
+        Coordinates many;
+        for (int i = 0; i < 60; ++i)
+            many.insert(many.end(), {random.uniform(-10, 10), random.uniform(-10, 10),
+                                     random.uniform(-1, 1) * std::pow(10.0, random.uniform(-30, -15))});
+        options.periodic = {true, true, true};
+        const auto t = votess::tessellate(std::span<const double>(many), options);
+        CHECK(test::check_domain(t) == "");
+        CHECK(votess::verify(t, many).failure == "");
+    }
+
     TEST_CASE("domains: the same seed one period on is a duplicate, one bit off it is not") {
         Options options = domain_options();
         options.periodic = {true, true, true};
