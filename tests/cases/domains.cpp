@@ -163,7 +163,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("domains: triclinic cells of few seeds, against exact half-spaces") {
         test::Random random(3);
-        for (std::uint64_t round = 0; round < test::by_size(6, 1); ++round)
+        for (std::uint64_t round = 0; round < test::by_size(2, 1); ++round)
             for (const std::size_t n : {1, 2, 5}) {
                 Options options = domain_options();
                 options.box.reset();
@@ -199,7 +199,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("domains: power diagrams of few seeds, against exact half-spaces") {
         test::Random random(5);
-        for (std::uint64_t round = 0; round < test::by_size(6, 2); ++round)
+        for (std::uint64_t round = 0; round < test::by_size(3, 1); ++round)
             for (unsigned mask = 0; mask < 8; mask += 7) {
                 Options options = domain_options();
                 for (auto& axis : options.periodic) axis = mask != 0;

@@ -62,7 +62,7 @@ Counts compare(const Coordinates& points, Options options) {
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu domains: periodic boxes are clipped on the device") {
-        const std::size_t many = test::by_size(3000, 400);
+        const std::size_t many = test::by_size(1500, 300);
         for (unsigned mask = 1; mask < 8; ++mask) {
             Options options = domain_options();
             for (unsigned k = 0; k < 3; ++k) options.periodic[k] = ((mask >> k) & 1) != 0;

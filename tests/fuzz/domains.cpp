@@ -80,7 +80,7 @@ Case random_case(std::uint64_t seed) {
 
 TEST_SUITE("fuzz") {
     TEST_CASE("fuzz: random domains against exact half-spaces") {
-        const std::uint64_t sets = test::environment("VOTESS_FUZZ_DOMAINS", test::by_size(120, 15));
+        const std::uint64_t sets = test::environment("VOTESS_FUZZ_DOMAINS", test::by_size(30, 6));
         const std::uint64_t first = test::environment("VOTESS_FUZZ_SEED", 1);
         std::uint64_t tried = 0;
         for (std::uint64_t seed = first; seed < first + sets; ++seed) {
