@@ -48,9 +48,8 @@ public:
         return line;
     }
 
-    [[nodiscard]] Failure error(const std::string& message) const {
-        return bad_input(name_ + ":" + std::to_string(line_) + ": " + message);
-    }
+    [[nodiscard]] Failure error(const std::string& message) const { return bad_input(place() + ": " + message); }
+    [[nodiscard]] std::string place() const { return name_ + ":" + std::to_string(line_); }
 
     [[nodiscard]] double number(std::string_view word) const {
         if (const auto value = read_double(word)) return *value;

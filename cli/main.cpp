@@ -140,11 +140,8 @@ int run(const Arguments& arguments) {
         const auto write_began = Clock::now();
         std::string png;
         if (arguments.picture) {
-            // The CPU has polygons, whatever the device of the run.
-            for_picture.device = "cpu";
-            const bool drawable = once && !tessellation.vertices().empty();
             png = draw_picture(*arguments.picture, input,
-                               drawable ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began));
+                               once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began));
         }
         const InterruptGuard guard;
         std::optional<OutputFile> image;

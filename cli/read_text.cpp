@@ -38,12 +38,16 @@ bool ends_field(char c) {
     return is_blank(c) || is_mark(c) || c == '#';
 }
 
+// Without the byte order mark of UTF-8.
+std::string_view without_mark(std::string_view text) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    return text;
+}
+
 class TextReader {
 public:
     TextReader(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request)
-        : rest_(text), kind_(kind), name_(name), request_(request) {
-        if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);  // byte order mark of UTF-8
-    }
+        : lines_(without_mark(text), name), kind_(kind), request_(request) {}
 
     Input read() {
         Row row;
@@ -58,23 +62,10 @@ public:
     }
 
 private:
-    [[nodiscard]] Failure error(const std::string& message) const {
-        return bad_input(name_ + ":" + std::to_string(line_) + ": " + message);
-    }
-
-    bool next_line(std::string_view& line) {
-        if (rest_.empty()) return false;
-        const auto end = std::min(rest_.find('\n'), rest_.size());
-        line = rest_.substr(0, end);
-        rest_.remove_prefix(std::min(end + 1, rest_.size()));
-        ++line_;
-        return true;
-    }
-
     // The next line that holds any field.
     bool next_row(Row& row) {
         std::string_view line;
-        while (next_line(line)) {
+        while (lines_.next(line)) {
             split(line, row);
             if (row.count > 0) return true;
         }
@@ -93,7 +84,8 @@ private:
         while (!skip_blanks()) {
             if (is_mark(*at)) {
                 if (row.count > 0) ++at;
-                if (skip_blanks() || is_mark(*at)) throw error("column " + std::to_string(row.count + 1) + " is empty");
+                if (skip_blanks() || is_mark(*at))
+                    throw lines_.error("column " + std::to_string(row.count + 1) + " is empty");
             }
             const char* const begin = at;
             while (at != end && !ends_field(*at)) ++at;
@@ -120,8 +112,8 @@ private:
     [[nodiscard]] Layout layout_of(const Row& row, const Row& header) const {
         const std::size_t columns = row.count;
         if (columns > kept_fields) {
-            throw error("this row has " + std::to_string(columns) + " columns, more than the " +
-                        std::to_string(kept_fields) + " that are read");
+            throw lines_.error("this row has " + std::to_string(columns) + " columns, more than the " +
+                               std::to_string(kept_fields) + " that are read");
         }
         std::vector<std::string> names;
         for (std::size_t k = 0; k < columns && header.count == columns; ++k) {
@@ -140,17 +132,18 @@ private:
             layout.id = named("id");
             return layout;
         }
-        if (x || y || z) throw error("the line of names has some of x, y, z, but not all three");
+        if (x || y || z) throw lines_.error("the line of names has some of x, y, z, but not all three");
         std::vector<std::size_t> places;
         for (std::size_t k = 0; k < columns; ++k) {
             if (k != layout.value) places.push_back(k);
         }
         if (columns == 5 && !layout.value) {
-            throw error("5 columns are id x y z r: name the last with --radii 5 or --weights 5, or remove it");
+            throw lines_.error("5 columns are id x y z r: name the last with --radii 5 or --weights 5, or remove it");
         }
         if (places.size() != 3 && places.size() != 4) {
-            throw error("this row has " + std::to_string(columns) + (columns == 1 ? " column" : " columns") +
-                        ", expected 3 (x y z) or 4 (id x y z)" + (layout.value ? " and that of the values" : ""));
+            throw lines_.error("this row has " + std::to_string(columns) + (columns == 1 ? " column" : " columns") +
+                               ", expected 3 (x y z) or 4 (id x y z)" +
+                               (layout.value ? " and that of the values" : ""));
         }
         if (places.size() == 4) layout.id = places[0];
         std::copy(places.end() - 3, places.end(), layout.axes.begin());
@@ -160,21 +153,16 @@ private:
     [[nodiscard]] std::size_t value_column(const std::vector<std::string>& names, std::size_t columns) const {
         std::vector<std::string> own = names;
         for (std::size_t k = names.size(); k < columns; ++k) own.push_back(std::to_string(k + 1));
-        return find_column(Words(own.begin(), own.end()), plain_name(request_.column),
-                           name_ + ":" + std::to_string(line_));
-    }
-
-    double coordinate(std::string_view field) const {
-        if (const auto value = read_double(field)) return *value;
-        throw error(in_quotes(field) + " is not a number");
+        return find_column(Words(own.begin(), own.end()), plain_name(request_.column), lines_.place());
     }
 
     void append_position(const Row& row, const std::array<std::size_t, 3>& axes, Input& input) const {
-        for (const std::size_t k : axes) input.points.push_back(coordinate(row.fields[k]));
+        for (const std::size_t k : axes) input.points.push_back(lines_.number(row.fields[k]));
     }
 
     void reserve(Input& input, bool with_ids) const {
-        const auto rows = 1 + static_cast<std::size_t>(std::count(rest_.begin(), rest_.end(), '\n')) + 1;
+        const auto rows =
+            1 + static_cast<std::size_t>(std::count(lines_.rest().begin(), lines_.rest().end(), '\n')) + 1;
         input.points.reserve(3 * rows);
         if (with_ids) input.ids.reserve(rows);
     }
@@ -186,20 +174,21 @@ private:
         reserve(input, layout.id.has_value());
         do {
             if (row.count != columns) {
-                throw error("this row has " + std::to_string(row.count) + (row.count == 1 ? " column" : " columns") +
-                            ", the rows before it have " + std::to_string(columns));
+                throw lines_.error("this row has " + std::to_string(row.count) +
+                                   (row.count == 1 ? " column" : " columns") + ", the rows before it have " +
+                                   std::to_string(columns));
             }
             if (layout.id) {
                 const std::string_view field = row.fields[*layout.id];
                 const auto id = read_int64(field);
                 if (!id) {
-                    throw error(in_quotes(field) + " is not a whole number, as an id must be" +
-                                (header.count == columns ? "" : " (columns id x y z)"));
+                    throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
+                                       (header.count == columns ? "" : " (columns id x y z)"));
                 }
                 input.ids.push_back(*id);
             }
             append_position(row, layout.axes, input);
-            if (layout.value) input.column.push_back(coordinate(row.fields[*layout.value]));
+            if (layout.value) input.column.push_back(lines_.number(row.fields[*layout.value]));
         } while (next_row(row));
         return input;
     }
@@ -208,36 +197,35 @@ private:
     Input read_classic(std::string_view count_field) {
         const std::uint64_t count = *read_uint64(count_field);
         std::string_view comment;
-        next_line(comment);
+        static_cast<void>(lines_.next(comment));  // a file of no rows may lack it
         Input input;
         reserve(input, false);
         std::optional<std::size_t> value;
         Row row;
         while (next_row(row)) {
             if (input.size() == count) {
-                throw error("more rows than the " + std::to_string(count) +
-                            " that the first line announces; this version reads one frame only");
+                throw lines_.error("more rows than the " + std::to_string(count) +
+                                   " that the first line announces; this version reads one frame only");
             }
             if (!request_.column.empty() && !value) value = value_column({}, std::min(row.count, kept_fields));
             if (value ? row.count <= std::max<std::size_t>(*value, 3) : row.count != 4) {
-                throw error("this row has " + std::to_string(row.count) + (row.count == 1 ? " column" : " columns") +
-                            ", expected " + (value ? "more" : "4 (element x y z)"));
+                throw lines_.error("this row has " + std::to_string(row.count) +
+                                   (row.count == 1 ? " column" : " columns") + ", expected " +
+                                   (value ? "more" : "4 (element x y z)"));
             }
             append_position(row, {1, 2, 3}, input);
-            if (value) input.column.push_back(coordinate(row.fields[*value]));
+            if (value) input.column.push_back(lines_.number(row.fields[*value]));
         }
         if (input.size() != count) {
-            throw error("the file ends after " + std::to_string(input.size()) + " of the " + std::to_string(count) +
-                        " rows that its first line announces");
+            throw lines_.error("the file ends after " + std::to_string(input.size()) + " of the " +
+                               std::to_string(count) + " rows that its first line announces");
         }
         return input;
     }
 
-    std::string_view rest_;
+    LineReader lines_;
     TextKind kind_;
-    const std::string& name_;
     const ReadRequest& request_;
-    std::size_t line_ = 0;
 };
 
 }  // namespace

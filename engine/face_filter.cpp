@@ -1,42 +1,19 @@
 #include "face_filter.hpp"
 
-#include <algorithm>
-#include <array>
-#include <tuple>
 #include <vector>
+
+#include "rows.hpp"
 
 namespace votess {
 namespace {
 
 using detail::Result;
 
-std::array<std::int8_t, 3> shift_of(const Result& r, std::size_t entry, int sign) {
-    std::array<std::int8_t, 3> shift{};
-    for (std::size_t k = 0; k < 3 && !r.shifts.empty(); ++k)
-        shift[k] = static_cast<std::int8_t>(sign * r.shifts[3 * entry + k]);
-    return shift;
-}
-
-// The entry of row j for cell i, seen from the other side of an entry of row i.
-std::size_t other_side(const Result& r, std::size_t i, std::size_t entry) {
-    const auto j = static_cast<std::size_t>(r.indices[entry]);
-    const std::tuple wanted{static_cast<std::int32_t>(i), shift_of(r, entry, -1)};
-    auto low = static_cast<std::size_t>(r.indptr[j]), high = static_cast<std::size_t>(r.indptr[j + 1]);
-    while (low < high) {
-        const std::size_t half = (low + high) / 2;
-        if (std::tuple{r.indices[half], shift_of(r, half, 1)} < wanted)
-            low = half + 1;
-        else
-            high = half;
-    }
-    return low;
-}
-
 // The area that counts for both sides: the lower cell's, or of two faces with itself that of the later one.
-double area_of_pair(const Result& r, std::size_t i, std::size_t entry) {
-    const std::tuple there{r.indices[entry], shift_of(r, entry, 1)};
-    const std::tuple here{static_cast<std::int32_t>(i), std::array<std::int8_t, 3>{}};
-    return r.face_areas[here < there ? entry : other_side(r, i, entry)];
+double area_of_pair(const Result& r, const Rows& rows, std::size_t i, std::size_t entry) {
+    const FaceLabel there = rows.label(entry);
+    const bool lower = FaceLabel{static_cast<std::int32_t>(i), {}} < there;
+    return r.face_areas[lower ? entry : rows.find(static_cast<std::size_t>(there.id), there.seen_from_behind(i))];
 }
 
 // Moves what stays to the front; `each` values for one entry.
@@ -74,11 +51,11 @@ std::uint64_t drop_small_faces(Result& r, double share) {
         if (r.indices[entry] >= 0) sum += r.face_areas[entry], ++faces;
     if (faces == 0) return 0;
     r.least_face = share * (sum / static_cast<double>(faces));
+    const Rows rows{r.indptr, r.indices, r.shifts};
     std::vector<bool> stays(entries, true);
     for (std::size_t i = 0; i < count; ++i)
-        for (auto entry = static_cast<std::size_t>(r.indptr[i]); entry < static_cast<std::size_t>(r.indptr[i + 1]);
-             ++entry)
-            if (r.indices[entry] >= 0) stays[entry] = !(area_of_pair(r, i, entry) < r.least_face);
+        for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry)
+            if (r.indices[entry] >= 0) stays[entry] = !(area_of_pair(r, rows, i, entry) < r.least_face);
     std::size_t before = 0, dropped = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const auto end = static_cast<std::size_t>(r.indptr[i + 1]);

@@ -6,21 +6,14 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "rows.hpp"
+
 namespace votess {
-
-// What a row names a face by; rows are ordered by it.
-struct FaceLabel {
-    std::int32_t id = 0;  // of the neighbor, or a wall
-    std::array<std::int8_t, 3> shift{};
-
-    friend auto operator<=>(const FaceLabel&, const FaceLabel&) = default;
-};
 
 struct MeshCell {
     std::array<double, 3> origin{};             // absolute

@@ -129,8 +129,6 @@ void check_domain(const Options& options) {
         refuse("outside = " + std::to_string(static_cast<int>(options.outside)) + " is neither error nor drop");
     if (!options.weights.empty() && !options.radii.empty())
         refuse("weights and radii are both given: weights are the squares of radii, give one of them");
-    if (!(options.min_face >= 0 && std::isfinite(options.min_face)))
-        refuse("min_face = " + number(options.min_face) + " must be a finite number, 0 or more");
 }
 
 void leave_out(std::size_t i, std::size_t count, std::vector<CellStatus>& outside) {
@@ -192,6 +190,7 @@ void take_walls(Job& job, Domain& domain) {
     if (planes.empty()) return;
     std::optional<exact::Point> any_inside;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
+        if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
         const exact::Point given{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
         const exact::Point x = scaled(given, job.scale);
         const auto wall = std::ranges::find_if_not(domain.walls, [&](const auto& w) { return inside(w, x); });

@@ -8,6 +8,7 @@
 #include "cpu/cell.hpp"
 #include "options.hpp"
 #include "result.hpp"
+#include "rows.hpp"
 #include "verify_mesh.hpp"
 
 namespace votess {
@@ -33,41 +34,20 @@ std::string check_volumes(const Tessellation& t) {
     return "volumes sum to " + number(s.volume_sum) + ", the box holds " + number(s.box_volume);
 }
 
-using RowEntry = std::pair<std::int32_t, std::array<std::int8_t, 3>>;
-
-RowEntry row_entry(const Tessellation& t, std::size_t entry) {
-    RowEntry e{t.indices()[entry], {}};
-    if (!t.shifts().empty()) std::ranges::copy(t.shifts().subspan(3 * entry, 3), e.second.begin());
-    return e;
-}
-
-// The entry of row i, or its end.
-std::size_t find_entry(const Tessellation& t, std::size_t i, const RowEntry& wanted) {
-    auto low = static_cast<std::size_t>(t.indptr()[i]), high = static_cast<std::size_t>(t.indptr()[i + 1]);
-    const std::size_t end = high;
-    while (low < high) {
-        const std::size_t half = (low + high) / 2;
-        if (row_entry(t, half) < wanted)
-            low = half + 1;
-        else
-            high = half;
-    }
-    return low < end && row_entry(t, low) == wanted ? low : end;
+Rows rows_of(const Tessellation& t) {
+    return {t.indptr(), t.indices(), t.shifts()};
 }
 
 std::string check_symmetry(const Tessellation& t) {
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        for (auto entry = static_cast<std::size_t>(t.indptr()[i]); entry < static_cast<std::size_t>(t.indptr()[i + 1]);
-             ++entry) {
-            const auto [j, shift] = row_entry(t, entry);
-            if (j < 0) continue;
-            RowEntry back{static_cast<std::int32_t>(i), {}};
-            for (std::size_t k = 0; k < 3; ++k) back.second[k] = static_cast<std::int8_t>(-shift[k]);
-            const auto row = static_cast<std::size_t>(j);
-            if (find_entry(t, row, back) == static_cast<std::size_t>(t.indptr()[row + 1]))
+    const Rows rows = rows_of(t);
+    for (std::size_t i = 0; i < t.size(); ++i)
+        for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry) {
+            const FaceLabel label = rows.label(entry);
+            if (label.id < 0) continue;
+            const auto j = static_cast<std::size_t>(label.id);
+            if (rows.find(j, label.seen_from_behind(i)) == rows.end(j))
                 return "seed " + std::to_string(i) + " lists " + std::to_string(j) + ", which does not list it";
         }
-    }
     return {};
 }
 
@@ -166,20 +146,20 @@ void clip_by_all(const Tessellation& t, const Job& job, std::size_t i, cpu::Cell
 }
 
 struct RowFace {
-    RowEntry entry;
+    FaceLabel label;
     double area;
 };
 
 // Faces whose area is that of the threshold may have stayed or gone.
 std::string check_row(const Tessellation& t, std::size_t i, std::vector<RowFace>& found, double allowed) {
+    const Rows rows = rows_of(t);
     const auto given = t.neighbors(i).size();
-    std::ranges::sort(found, {}, &RowFace::entry);
-    const auto end = static_cast<std::size_t>(t.indptr()[i + 1]);
+    std::ranges::sort(found, {}, &RowFace::label);
     std::size_t matched = 0;
     for (const RowFace& face : found) {
-        const std::size_t entry = find_entry(t, i, face.entry);
-        const std::int32_t id = face.entry.first;
-        if (entry == end) {
+        const std::size_t entry = rows.find(i, face.label);
+        const std::int32_t id = face.label.id;
+        if (entry == rows.end(i)) {
             if (id >= 0 && t.least_face() > 0 && face.area < t.least_face() + allowed) continue;
             return "seed " + std::to_string(i) + " lists " + std::to_string(given) + " neighbors, without " +
                    std::to_string(id) + ", which is one of the " + std::to_string(found.size()) +
@@ -210,7 +190,7 @@ std::string check_cell(const Tessellation& t, const Job& job, std::size_t i, cpu
             const cpu::CellPlane& plane = cell.planes()[faces.planes[f]];
             if (plane.id < 0 && !t.lists_walls()) continue;
             RowFace face{{plane.id, {}}, areas[f] * unscale * unscale};
-            for (std::size_t k = 0; k < 3; ++k) face.entry.second[k] = static_cast<std::int8_t>(plane.shift[k]);
+            for (std::size_t k = 0; k < 3; ++k) face.label.shift[k] = static_cast<std::int8_t>(plane.shift[k]);
             row.push_back(face);
         }
         const double surface = std::accumulate(areas.begin(), areas.end(), 0.0) * unscale * unscale;

@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "cpu/sort_inside.hpp"
 #include "implied_wants.hpp"
 #include "options.hpp"
 
@@ -46,16 +47,11 @@ void CpuClipper::end() {
 
 void CpuClipper::sort() {
     if (sorted_) return;
-    const unsigned resolution = job_.options.grid_resolution;
     seeds_.images = nullptr;
     if (job_.domain->is_periodic())
         images_.sort(job_, sorter_, *pool_, seeds_);
-    else if (!job_.outside.empty())
-        sort_inside();
-    else if (job_.points.f32.empty())
-        sorter_.sort(job_.points.f64, job_.scale, resolution, *pool_, seeds_);
     else
-        sorter_.sort(job_.points.f32, job_.scale, resolution, *pool_, seeds_);
+        sort_inside(job_.points, job_.scale, job_.options.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
     gather_weights();
     if (seeds_.duplicates > 0 && job_.options.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
@@ -67,25 +63,6 @@ void CpuClipper::sort() {
     }
     if (job_.domain->is_plain()) kept_order_.keep(seeds_, job_.scale);
     sorted_ = true;
-}
-
-// Seeds outside of walls are left out.
-void CpuClipper::sort_inside() {
-    std::vector<double> points;
-    std::vector<std::int32_t> input;
-    for (std::size_t i = 0; i < job_.outside.size(); ++i) {
-        if (job_.outside[i] == CellStatus::outside) continue;
-        for (std::size_t k = 0; k < 3; ++k) points.push_back(job_.points[3 * i + k]);
-        input.push_back(static_cast<std::int32_t>(i));
-    }
-    sorter_.sort(points, job_.scale, job_.options.grid_resolution, *pool_, seeds_);
-    for (std::int32_t& i : seeds_.input) i = input[static_cast<std::size_t>(i)];
-    if (seeds_.duplicates == 0) return;
-    std::vector<std::int32_t> duplicate_of(job_.points.count(), -1);
-    for (std::size_t i = 0; i < input.size(); ++i)
-        if (const std::int32_t first = seeds_.duplicate_of[i]; first >= 0)
-            duplicate_of[static_cast<std::size_t>(input[i])] = input[static_cast<std::size_t>(first)];
-    seeds_.duplicate_of = std::move(duplicate_of);
 }
 
 // Of seeds at one place the heaviest has the cell, of those the first; lighter ones have no cell, equal ones are its

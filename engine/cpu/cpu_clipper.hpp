@@ -54,7 +54,6 @@ private:
         CellFaces faces;
     };
 
-    void sort_inside();
     void gather_weights();
     void begin_workers(ResultBuilder& out);
     void find_positions();

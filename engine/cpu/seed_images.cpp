@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cpu/sort_inside.hpp"
+
 namespace votess::cpu {
 namespace {
 
@@ -116,14 +118,10 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     seeds_ = &out;
     const std::size_t count = points_.count();
     wrap_points(pool);
-    const unsigned resolution = job.options.grid_resolution;
     do {
-        if (!wrapped_.empty())
-            sorter.sort(wrapped_, 1, resolution, pool, out);
-        else if (points_.f32.empty())
-            sorter.sort(points_.f64, scale_, resolution, pool, out);
-        else
-            sorter.sort(points_.f32, scale_, resolution, pool, out);
+        const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
+        sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool,
+                    out);
     } while (out.duplicates > 0 && !wraps_.empty() && part_false_duplicates(out));
 
     const double spacing = std::cbrt(domain_->volume / static_cast<double>(std::max<std::size_t>(count, 1)));

@@ -372,7 +372,8 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
 // gets a wrong one.
 template <class Isa>
 void StarWalk<Isa>::refuse_equal(std::int32_t id, const std::int32_t* three) const {
-    if (id < 0) return;
+    // Images that only rounding makes equal are none; an order of seeds that have images is never a kept one.
+    if (id < 0 || seeds_.images != nullptr) return;
     const auto i = static_cast<std::size_t>(id);
     auto equals = [&](std::int32_t other) {
         const auto o = static_cast<std::size_t>(other);

@@ -20,7 +20,7 @@ Box larger_box(const Job& job, double margin) {
     for (int k = 0; k < 3; ++k) {
         box.lower[k] = job.box.lower[k];
         box.upper[k] = job.box.upper[k];
-        if (!domain.is_periodic() || !(domain.triclinic || domain.periodic[k])) continue;
+        if (!domain.periodic[k]) continue;
         const double lower = domain.box.lower[k] / job.scale - margin, upper = domain.box.upper[k] / job.scale + margin;
         const double step = std::ldexp(1.0, std::ilogb(upper - lower) - side_bits);
         box.lower[k] = std::floor(lower / step) * step;

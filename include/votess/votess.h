@@ -79,7 +79,7 @@ typedef struct votess_options {
     uint32_t struct_size;  // set by votess_options_init
     uint32_t want;         // VOTESS_WANT_* bits; default neighbors and volumes
     int32_t has_box;       // 0: default box (see Options::box in votess.hpp), else box_lower, box_upper count
-    int32_t walls;         // nonzero: list wall ids -1..-6 in the rows
+    int32_t walls;         // nonzero: list wall ids in the rows: -1..-6 of the box, -7, -8, ... of planes
     double box_lower[3];
     double box_upper[3];
     int32_t duplicates;                 // VOTESS_DUPLICATES_*

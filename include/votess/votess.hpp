@@ -176,7 +176,7 @@ struct Stats {
     double volume_sum = 0;             // sum of all volumes; 0 when volumes were not wanted
     double box_volume = 0;             // volume of the domain
     std::uint64_t duplicates = 0;      // seeds with status `duplicate`
-    std::uint64_t empty_cells = 0;     // cells without interior, duplicates included
+    std::uint64_t empty_cells = 0;     // seeds that have no cell: duplicate, empty or outside
     std::uint64_t fallback_cells = 0;  // cells redone on the CPU after another device
     std::uint64_t exact_cells = 0;     // cells where exact arithmetic decided a sign
     unsigned threads = 0;              // CPU threads used

@@ -294,6 +294,51 @@ TEST_SUITE("cases") {
         CHECK(std::ranges::count(t.neighbors(2), -7) == 1);
     }
 
+    TEST_CASE("domains: images of neighboring doubles, which rounding makes equal") {
+        for (const std::array<bool, 3> periodic : {std::array{true, false, true}, {true, true, true}}) {
+            Options options = domain_options();
+            options.periodic = periodic;
+            const double x = 0.6;
+            const Coordinates points{0.1, 0.2, 0.3, std::nextafter(x, 1), 0.5, 0.5, x, 0.5, 0.5, 0.3, 0.8, 0.2};
+            CHECK(check(points, options, 2) == "");
+        }
+    }
+
+    TEST_CASE("domains: seeds outside of a box that is periodic along some axes") {
+        Options options = domain_options();
+        options.periodic = {true, false, true};
+        options.outside = votess::Outside::drop;
+        // Beyond x is wrapped, beyond y is dropped.
+        const Coordinates points{0.1, 0.2,  0.3, 1.6, 0.5, 0.5, 0.4, 1.2, 0.1,
+                                 0.7, -0.1, 0.9, 0.6, 0.5, 0.5, 0.3, 0.8, 0.2};
+        const auto t = votess::tessellate(std::span<const double>(points), options);
+        CHECK(t.status()[1] == votess::CellStatus::certified);
+        CHECK(t.status()[2] == votess::CellStatus::outside);
+        CHECK(t.status()[3] == votess::CellStatus::outside);
+        CHECK(t.stats().empty_cells == 2 + t.stats().duplicates);
+        CHECK(test::check_domain(t) == "");
+        CHECK(votess::verify(t, points).failure == "");
+        // The same rows as without them.
+        const Coordinates inside{0.1, 0.2, 0.3, 1.6, 0.5, 0.5, 0.6, 0.5, 0.5, 0.3, 0.8, 0.2};
+        CHECK(check(inside, options, 2) == "");
+        const auto same = votess::tessellate(std::span<const double>(inside), options);
+        const std::array<std::int32_t, 4> from{0, 1, 4, 5};
+        for (std::size_t i = 0; i < from.size(); ++i)
+            CHECK(t.volumes()[static_cast<std::size_t>(from[i])] == doctest::Approx(same.volumes()[i]).epsilon(1e-14));
+    }
+
+    // Walls and box both drop seeds; the first seed is not in the domain that both leave.
+    TEST_CASE("domains: seeds outside of a box with more walls") {
+        Options options = domain_options();
+        options.outside = votess::Outside::drop;
+        options.planes.push_back({{1, 0, 0}, 0.75});
+        const Coordinates points{-0.5, 0.5, 0.5, 0.9, 0.5, 0.5, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5};
+        const auto t = votess::tessellate(std::span<const double>(points), options);
+        CHECK(t.stats().empty_cells == 2);
+        CHECK(t.stats().box_volume == doctest::Approx(0.75).epsilon(1e-14));
+        CHECK(test::check_domain(t) == "");
+    }
+
     TEST_CASE("domains: without a box a polyhedron is its own bounds") {
         Options options = domain_options();
         options.box.reset();

@@ -53,6 +53,10 @@ Case random_case(std::uint64_t seed) {
         for (double& value : x) value = coordinate(random, kind, steps);
         c.points.insert(c.points.end(), x.begin(), x.end());
     }
+    // Here and there a seed next to another, by the smallest step there is.
+    for (std::size_t i = 1; i < n && random.below(2) == 0; ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            c.points[3 * i + k] = std::nextafter(c.points[3 * i + k - 3], static_cast<double>(random.below(2)));
     if (random.below(2) == 0)
         for (std::size_t i = 0; i < n; ++i)
             c.weights.push_back(kind == 0 ? random.uniform(-0.1, 0.3)

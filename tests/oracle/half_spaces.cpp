@@ -18,8 +18,9 @@ struct HalfSpace {  // n.x <= h
     Vec n;
     mpq_class h;
     ExactFace face;
-    double near = 0;  // for the order of clipping
     bool bisector = false;
+    std::array<double, 3> rounded_n;  // of length one
+    double rounded_h = 0;
 };
 
 mpq_class dot(const Vec& a, const Vec& b) {
@@ -65,15 +66,31 @@ Polygon begin_polygon(const HalfSpace& plane, const mpq_class& width) {
     return polygon;
 }
 
+// Normals as short as the smallest double are multiplied by a power of two first.
+void round_plane(HalfSpace& plane) {
+    Vec n = plane.n;
+    mpq_class h = plane.h;
+    const auto times_two_to = [](mpq_class& x, long power) {
+        if (power >= 0)
+            mpq_mul_2exp(x.get_mpq_t(), x.get_mpq_t(), static_cast<mp_bitcnt_t>(power));
+        else
+            mpq_div_2exp(x.get_mpq_t(), x.get_mpq_t(), static_cast<mp_bitcnt_t>(-power));
+    };
+    const mpq_class square = dot(n, n);
+    const auto bits = [](const mpz_class& x) { return static_cast<long>(mpz_sizeinbase(x.get_mpz_t(), 2)); };
+    const long power = (bits(square.get_den()) - bits(square.get_num())) / 2;
+    for (mpq_class& x : n) times_two_to(x, power);
+    times_two_to(h, power);
+    const double length = std::sqrt(dot(n, n).get_d());
+    for (std::size_t k = 0; k < 3; ++k) plane.rounded_n[k] = n[k].get_d() / length;
+    plane.rounded_h = h.get_d() / length;
+}
+
 // Most planes are far from the cell, which floating point can tell: clips by half-spaces moved outward by more than all
 // rounding. True: the exact polygon is empty.
-struct Rounded {
-    std::array<double, 3> n;  // of length one
-    double h;
-};
-
-bool surely_empty(const std::vector<Rounded>& all, std::size_t plane, double width, double cube) {
-    const auto& [n, h] = all[plane];
+bool surely_empty(const std::vector<HalfSpace>& all, std::size_t plane, double width, double cube) {
+    const auto& n = all[plane].rounded_n;
+    const double h = all[plane].rounded_h;
     std::size_t k = 0;
     for (std::size_t a = 1; a < 3; ++a)
         if (std::abs(n[a]) > std::abs(n[k])) k = a;
@@ -90,7 +107,8 @@ bool surely_empty(const std::vector<Rounded>& all, std::size_t plane, double wid
     for (std::size_t o = 0; o < all.size() && !polygon.empty(); ++o) {
         if (o == plane) continue;
         const auto side = [&](const std::array<double, 3>& x) {
-            return all[o].n[0] * x[0] + all[o].n[1] * x[1] + all[o].n[2] * x[2] - all[o].h - outward;
+            const auto& m = all[o].rounded_n;
+            return m[0] * x[0] + m[1] * x[1] + m[2] * x[2] - all[o].rounded_h - outward;
         };
         kept.clear();
         for (std::size_t a = 0; a < polygon.size(); ++a) {
@@ -200,20 +218,15 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
     std::erase_if(all, place);
     double width = 1;
     for (HalfSpace& s : all) {
-        s.near = mpq_class(s.h * s.h / dot(s.n, s.n)).get_d() * sgn(s.h);
-        width = std::max(width, std::abs(s.h.get_d()) / std::sqrt(dot(s.n, s.n).get_d()));
+        round_plane(s);
+        // Walls and the images of the seed itself bound the cell; bisectors of weighted seeds may lie at any distance.
+        if (!s.bisector || s.face.id == static_cast<std::int32_t>(i)) width = std::max(width, std::abs(s.rounded_h));
     }
-    std::ranges::sort(all, {}, [](const HalfSpace& s) { return s.near; });
+    std::ranges::sort(all, {}, [](const HalfSpace& s) { return s.rounded_h; });
     const double cube = std::ldexp(1.0, std::ilogb(width) + 12);
     mpq_class volume;
-    std::vector<Rounded> rounded;
-    for (const HalfSpace& s : all) {
-        const double length = std::sqrt(dot(s.n, s.n).get_d());
-        rounded.push_back(
-            {{s.n[0].get_d() / length, s.n[1].get_d() / length, s.n[2].get_d() / length}, s.h.get_d() / length});
-    }
     for (std::size_t index = 0; index < all.size(); ++index) {
-        if (surely_empty(rounded, index, width, cube)) continue;
+        if (surely_empty(all, index, width, cube)) continue;
         const HalfSpace& s = all[index];
         // Of equal planes the face is the wall's, of walls the first one's; of seeds that of the farthest behind:
         // beyond the plane it is the nearest.

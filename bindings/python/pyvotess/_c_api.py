@@ -34,7 +34,7 @@ class ErrorCode(IntEnum):
 
 
 class CellStatus(IntEnum):
-    """One byte per cell. A finished run holds only ``CERTIFIED`` and ``DUPLICATE``."""
+    """One byte per cell. A finished run holds only ``CERTIFIED``, ``DUPLICATE``, ``EMPTY`` and ``OUTSIDE``."""
 
     CERTIFIED = 0  #: proven complete, every sign certain
     NEEDS_EXACT = 1  #: a sign could not be certified in floating point

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, Optional
+from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Union, overload
 
 import numpy as np
 
@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 
 class Lists:
-    """Rows of ids of any length, one after the other: row k is ``indices[indptr[k]:indptr[k+1]]``, or ``lists[k]``."""
+    """Rows of ids of any length, one after the other: row k is ``indices[indptr[k]:indptr[k+1]]``, or ``lists[k]``.
+
+    A slice gives a list of rows.
+    """
 
     def __init__(self, indptr: Int64Array, indices: Int32Array) -> None:
         self._indptr = indptr
@@ -36,7 +39,15 @@ class Lists:
     def __len__(self) -> int:
         return len(self._indptr) - 1
 
-    def __getitem__(self, index: int) -> Int32Array:
+    @overload
+    def __getitem__(self, index: int) -> Int32Array: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> List[Int32Array]: ...
+
+    def __getitem__(self, index: Union[int, slice]) -> Union[Int32Array, List[Int32Array]]:
+        if isinstance(index, slice):
+            return [self[row] for row in range(*index.indices(len(self)))]
         number = operator.index(index)
         row = number + len(self) if number < 0 else number
         if not 0 <= row < len(self):

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import operator
 import signal
 import threading
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, Union, overload
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -252,7 +251,7 @@ def tessellate(
     want : words out of "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii",
         "vertices", "faces", as a sequence or with commas in one string. What belongs to entries of the rows adds
         "neighbors"; "faces" adds "vertices", and the walls to the rows.
-    walls : list the walls of the box, -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, in the rows too.
+    walls : list the walls in the rows too: -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, then those of ``planes``.
     device : "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device
         that is software; or an ``id`` out of :func:`devices`. One that cannot be had raises VotessError.
     precision : of volumes, centroids and areas from a GPU: "single", relative error 1e-5, or "double", 1e-10. The CPU always
@@ -408,50 +407,11 @@ class Tessellator:
 # ---- the result ----
 
 
-class Neighbors:
+class Neighbors(Lists):
     """The neighbor lists as rows of a compressed sparse row matrix, without its values.
 
     ``neighbors[i]`` is the row of seed i: ascending ids, walls (negative) first. A slice gives a list of rows.
     """
-
-    def __init__(self, indptr: Int64Array, indices: Int32Array) -> None:
-        self._indptr = indptr
-        self._indices = indices
-
-    @property
-    def indptr(self) -> Int64Array:
-        """(N+1,) int64: row i is ``indices[indptr[i]:indptr[i+1]]``."""
-        return self._indptr
-
-    @property
-    def indices(self) -> Int32Array:
-        """(indptr[N],) int32: ids of the neighbors."""
-        return self._indices
-
-    def __len__(self) -> int:
-        return len(self._indptr) - 1
-
-    @overload
-    def __getitem__(self, index: int) -> Int32Array: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> List[Int32Array]: ...
-
-    def __getitem__(self, index: Union[int, slice]) -> Union[Int32Array, List[Int32Array]]:
-        if isinstance(index, slice):
-            return [self[i] for i in range(*index.indices(len(self)))]
-        number = operator.index(index)
-        row = number + len(self) if number < 0 else number
-        if not 0 <= row < len(self):
-            raise IndexError(f"row {number} of {len(self)} rows")
-        return self._indices[self._indptr[row] : self._indptr[row + 1]]
-
-    def __iter__(self) -> Iterator[Int32Array]:
-        for i in range(len(self)):
-            yield self[i]
-
-    def __repr__(self) -> str:
-        return f"<pyvotess.Neighbors: {len(self)} rows, {len(self._indices)} ids>"
 
     def to_scipy(self) -> Any:
         """The (N, N) adjacency matrix as a new scipy.sparse.csr_array of True. Walls are no seeds: they are dropped."""
@@ -488,7 +448,7 @@ class Stats:
     volume_sum: float  #: sum of all volumes; 0 when volumes were not wanted
     box_volume: float  #: volume of the domain
     duplicates: int  #: seeds with status DUPLICATE
-    empty_cells: int  #: cells without interior, duplicates included
+    empty_cells: int  #: seeds that have no cell: duplicate, empty or outside
     fallback_cells: int  #: cells redone on the CPU after another device
     exact_cells: int  #: cells where exact arithmetic decided a sign
     threads: int  #: CPU threads used
