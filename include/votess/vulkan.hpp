@@ -1,0 +1,212 @@
+// Voronoi cells inside a program that already runs Vulkan: votess records its passes into the program's own command
+// buffer, on the program's own buffers. Nothing is copied, submitted or waited for behind its back.
+//
+//     using namespace votess::vulkan;
+//     Requirements needs = requirements(host, physical_device);   // before vkCreateDevice: what to enable
+//     ...
+//     Plan plan({.instance = ..., .device = ..., ...}, {.most_seeds = 100000, .box = {{0, 0, 0}, {1, 1, 1}}});
+//     // The program makes buffers: plan.sizes() says how large, buffer_usage with which usage.
+//     Frame frame = plan.frame({.seeds = {positions}, .workspace = {scratch}, .header = ..., ...});
+//     frame.record(commands, {.count = n});   // every frame; then the program submits, and draws from its buffers
+//
+// Contract of record(): no allocation (of Vulkan's or the heap), submission, wait or file access; the commands are for
+// a queue family with compute, outside of a render pass. They change the bound compute pipeline, the compute descriptor
+// set 0 and push constants, nothing of graphics.
+//
+// volk.h may stand before or behind this header. A program that uses the prototypes of vulkan.h includes that first.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+#include <votess/votess.hpp>
+
+#ifndef VULKAN_CORE_H_
+#ifdef VK_NO_PROTOTYPES
+#include <vulkan/vulkan_core.h>
+#else  // types only: prototypes would clash with a volk.h that follows
+#define VK_NO_PROTOTYPES
+#include <vulkan/vulkan_core.h>
+#undef VK_NO_PROTOTYPES
+#endif
+#endif
+
+namespace votess::vulkan {
+
+// ---- Before the device exists ----
+
+struct HostInstance {
+    VkInstance instance = VK_NULL_HANDLE;
+    PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;  // of the loader that made the instance
+    std::uint32_t api_version = VK_API_VERSION_1_1;              // VkApplicationInfo::apiVersion
+};
+
+// What to give to vkCreateDevice. A device that was made without `features` runs too, with less precision.
+struct Requirements {
+    std::string missing;                  // why votess cannot use the physical device, in one line; empty: it can
+    std::uint32_t queue_family = 0;       // one that will do: any with compute will
+    VkPhysicalDeviceFeatures features{};  // votess uses these where they are enabled: shaderFloat64 at most
+    std::vector<std::string> extensions;  // must be enabled
+};
+// Throws Error invalid_argument for null handles, unsupported for an instance below Vulkan 1.1.
+[[nodiscard]] VOTESS_API Requirements requirements(const HostInstance& host, VkPhysicalDevice physical_device);
+
+// ---- The program's device ----
+
+// Handles stay the program's, and must outlive every Plan and Frame made with them.
+struct HostDevice {
+    HostInstance host;
+    VkPhysicalDevice physical_device = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    std::uint32_t queue_family = 0;                   // of the queue that the commands will run on; with compute
+    VkPhysicalDeviceFeatures features{};              // those that the device was made with
+    VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // may be null
+    bool debug_utils = false;                         // VK_EXT_debug_utils is enabled: stages get labels, objects names
+    // A queue of that family, used while a Plan is made and never later: a small test is submitted, and waited for,
+    // that shows how the device rounds. Nobody else may use the queue at that time. Null: no test, the bounds hold for
+    // any rounding then, and there is no second try in float64: some more cells stay unresolved.
+    VkQueue probe_queue = VK_NULL_HANDLE;
+};
+
+// ---- The plan: all that does not change from frame to frame ----
+
+enum class SeedFormat : std::uint32_t { float32 = 0, float64 = 1 };
+
+struct PlanOptions {
+    std::uint32_t most_seeds = 0;  // of one frame
+    Box box;                       // seeds outside of it, or not finite, get status `outside` and no cell
+    SeedFormat format = SeedFormat::float32;
+    std::uint32_t stride = 3;        // numbers from one seed to the next, at least 3: 4 for a vec4
+    bool neighbors = true;           // rows of neighbors
+    bool geometry = true;            // volumes and centroids
+    bool walls = false;              // list the wall ids -1 .. -6 in the rows too
+    std::uint32_t most_entries = 0;  // of all rows together; 0 = 20 a seed. See Header::entries
+    std::uint32_t chunk_size = 0;    // cells worked on at once, 0 = automatic: more workspace, more speed
+    std::uint32_t k_init = 0;        // as Options::k_init
+};
+
+// A part of a buffer. The offset must be a multiple of minStorageBufferOffsetAlignment. One buffer may hold several.
+struct BufferRange {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceSize offset = 0;
+};
+
+// Usage that each of the buffers needs; the program adds its own (vertex, indirect, ...).
+inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                                   VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                                   VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+
+// Bytes of each buffer, for most_seeds seeds. All arrays are in the order of the seeds as given. 0: not wanted.
+struct BufferSizes {
+    VkDeviceSize seeds = 0;      // read: x y z, `stride` numbers of `format` apart
+    VkDeviceSize workspace = 0;  // nothing to be found in it; device-local
+    VkDeviceSize header = 0;     // struct Header
+    VkDeviceSize cells = 0;      // N struct Cell
+    VkDeviceSize indices = 0;    // int32: the rows; that of seed i is indices[cells[i].row_begin ..+ row_length]
+    // N x 4 float32: centroid relative to the seed, and volume; 0 for cells without. Choose a unit of length with which
+    // volumes are in the range of float32.
+    VkDeviceSize geometry = 0;
+};
+
+// How the frame came out, on the GPU; word for word as here.
+struct Header {
+    std::uint32_t seeds;       // of the frame
+    std::uint32_t certified;   // cells that are proven exact
+    std::uint32_t unresolved;  // cells for resolve(): certain only with exact arithmetic or more neighbors
+    std::uint32_t duplicates;  // seeds equal to another one of lower index
+    std::uint32_t outside;     // seeds outside of the box, or not finite
+    std::uint32_t entries;     // that the rows need. More than most_entries: the rows of the cells that did not fit are
+                               // left out, with status `candidates_exhausted`
+    std::uint32_t faces;       // of all certified cells, walls included
+    std::uint32_t reserved;
+};
+
+struct Cell {
+    std::uint32_t status;      // CellStatus; not certified: row and geometry are empty
+    std::uint32_t row_begin;   // first entry of the row in indices
+    std::uint32_t row_length;  // ids ascend, walls first
+    std::uint32_t faces;       // walls included
+};
+
+struct Buffers {
+    BufferRange seeds, workspace, header, cells, indices, geometry;
+};
+
+// Where to note times: `slots` consecutive queries of a timestamp pool from `first` on, which the program has reset.
+//   0 begin, 1 after upload, 2 after sort, 3 after knn's hierarchy, 4 after all cells (knn, clip, download)
+struct Timestamps {
+    static constexpr std::uint32_t slots = 5;
+    VkQueryPool pool = VK_NULL_HANDLE;
+    std::uint32_t first = 0;
+};
+
+struct RecordOptions {
+    std::uint32_t count = 0;  // seeds of this frame, at most most_seeds
+    Timestamps timestamps;    // none while pool is null
+};
+
+namespace detail {
+struct PlanState;
+struct FrameState;
+}  // namespace detail
+
+// Buffers and descriptor sets of one frame in flight. Copies share them; they must live until the commands are done.
+class VOTESS_API Frame {
+public:
+    Frame();
+    // Records all stages: upload, sort, knn, clip, download.
+    //
+    // Expected before: writes to the seeds are visible to compute shaders (stage COMPUTE_SHADER, access SHADER_READ);
+    // no other use of workspace, header, cells, indices and geometry is pending (they are written at COMPUTE_SHADER and
+    // TRANSFER stages).
+    // Promised after: the last commands are a barrier that makes header, cells, indices and geometry visible to all
+    // later commands on the queue, at any stage, for any access; not to the host, which needs its own barrier.
+    //
+    // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds. Then nothing was recorded.
+    void record(VkCommandBuffer commands, const RecordOptions& options) const;
+
+private:
+    friend class Plan;
+    std::shared_ptr<detail::FrameState> state_;
+};
+
+// The cells that were left to the CPU, made exactly.
+struct Resolved {
+    std::vector<std::uint32_t> cells;   // R seeds, ascending: those with an unresolved status
+    std::vector<CellStatus> status;     // R
+    std::vector<std::int64_t> indptr;   // R+1
+    std::vector<std::int32_t> indices;  // indptr[R]: rows, ids ascend, walls first
+    std::vector<double> volumes;        // R
+    std::vector<double> centroids;      // 3R, absolute
+};
+
+// Immutable, safe to use from several threads. All pipelines are made here.
+class VOTESS_API Plan {
+public:
+    // Throws Error: invalid_argument, unsupported (limits of the device; the message says which), out_of_memory,
+    // device_lost.
+    Plan(const HostDevice& device, const PlanOptions& options);
+
+    [[nodiscard]] const BufferSizes& sizes() const noexcept;
+    [[nodiscard]] const PlanOptions& options() const noexcept;
+    // Binds buffers: makes descriptor sets, and nothing else. Any number of frames may be in flight, each with its own
+    // workspace and outputs. Throws invalid_argument for a null buffer that is needed or an offset that cannot be
+    // bound.
+    [[nodiscard]] Frame frame(const Buffers& buffers) const;
+    // The cells whose status says that they are unresolved (needs_exact, plane_overflow, vertex_overflow,
+    // candidates_exhausted), on the CPU, exactly: together with the certified rows the whole answer. Takes the seeds
+    // and cells as read back by the program; x y z of consecutive seeds lie options().stride apart. `threads` as in
+    // Options.
+    [[nodiscard]] Resolved resolve(std::span<const float> seeds, std::span<const Cell> cells,
+                                   unsigned threads = 0) const;
+    [[nodiscard]] Resolved resolve(std::span<const double> seeds, std::span<const Cell> cells,
+                                   unsigned threads = 0) const;
+
+private:
+    std::shared_ptr<const detail::PlanState> state_;
+};
+
+}  // namespace votess::vulkan
