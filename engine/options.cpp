@@ -100,18 +100,6 @@ void check_scaled(double value, double scale, const std::string& what) {
                " is too small beside the box to be represented at one scale: move it to 0");
 }
 
-void check_box(const Box& box) {
-    for (int k = 0; k < 3; ++k) {
-        const double lower = box.lower[k], upper = box.upper[k];
-        if (!std::isfinite(lower) || !std::isfinite(upper))
-            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   " is not finite");
-        if (!(lower < upper))
-            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
-    }
-}
-
 void check_domain(const Options& options) {
     const bool periodic = options.periodic[0] || options.periodic[1] || options.periodic[2];
     if (options.box) check_box(*options.box);
@@ -230,6 +218,18 @@ void make_domain(Job& job) {
 }
 
 }  // namespace
+
+void check_box(const Box& box) {
+    for (int k = 0; k < 3; ++k) {
+        const double lower = box.lower[k], upper = box.upper[k];
+        if (!std::isfinite(lower) || !std::isfinite(upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   " is not finite");
+        if (!(lower < upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
+    }
+}
 
 std::string number(double value) {
     char text[32];

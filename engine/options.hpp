@@ -7,6 +7,7 @@ namespace votess {
 
 // The options alone. Whether the device is there is the concern of whoever selects the engine.
 void check_options(const Options& options);
+void check_box(const Box& box);
 // Options and points.
 Job validate(const Points& points, const Options& options);
 

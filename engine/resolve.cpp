@@ -52,7 +52,7 @@ private:
 
 template <class Real>
 Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std::span<const Cell> cells,
-                       unsigned threads) {
+                       const ResolveOptions& how) {
     const std::size_t count = cells.size(), stride = plan.stride;
     if (count > 0 && seeds.size() < (count - 1) * stride + 3)
         throw Error(ErrorCode::invalid_argument, std::to_string(seeds.size()) + " numbers are too few for " +
@@ -66,9 +66,9 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
     if (unresolved.empty()) return out;
 
     Options options;
-    options.box = plan.box;
+    options.box = how.box.value_or(plan.box);
     options.walls = plan.walls;
-    options.threads = threads;
+    options.threads = how.threads;
     options.want = {.neighbors = true, .volumes = true, .centroids = true};
     options.outside = Outside::drop;
     std::vector<double> points(3 * count);
@@ -95,12 +95,13 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
 
 }  // namespace
 
-Resolved Plan::resolve(std::span<const float> seeds, std::span<const Cell> cells, unsigned threads) const {
-    return resolve_cells(state_->options, seeds, cells, threads);
+Resolved Plan::resolve(std::span<const float> seeds, std::span<const Cell> cells, const ResolveOptions& options) const {
+    return resolve_cells(state_->options, seeds, cells, options);
 }
 
-Resolved Plan::resolve(std::span<const double> seeds, std::span<const Cell> cells, unsigned threads) const {
-    return resolve_cells(state_->options, seeds, cells, threads);
+Resolved Plan::resolve(std::span<const double> seeds, std::span<const Cell> cells,
+                       const ResolveOptions& options) const {
+    return resolve_cells(state_->options, seeds, cells, options);
 }
 
 }  // namespace votess::vulkan

@@ -16,6 +16,9 @@ layout(std430, binding = BINDING_SECOND_ROWS) readonly buffer SecondRows { int s
 layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_ROWS_OUT) writeonly buffer RowsOut { int rows_out[]; };
+layout(std430, binding = BINDING_ROWS_OUT_1) writeonly buffer RowsOut1 { int rows_out_1[]; };
+layout(std430, binding = BINDING_ROWS_OUT_2) writeonly buffer RowsOut2 { int rows_out_2[]; };
+layout(std430, binding = BINDING_ROWS_OUT_3) writeonly buffer RowsOut3 { int rows_out_3[]; };
 #ifdef AREA
 layout(std430, binding = BINDING_AREAS) readonly buffer Areas { AREA areas[]; };
 layout(std430, binding = BINDING_SECOND_AREAS) readonly buffer SecondAreas { AREA second_areas[]; };
@@ -31,6 +34,18 @@ int entry(uint place, uint i) {
                                            : rows[i * push.row_stride + column];
 }
 
+void put(uint place, int id) {
+    const uint window = place >> push.window_bits, at = place & ((1u << push.window_bits) - 1u);
+    if (window == 0u)
+        rows_out[at] = id;
+    else if (window == 1u)
+        rows_out_1[at] = id;
+    else if (window == 2u)
+        rows_out_2[at] = id;
+    else
+        rows_out_3[at] = id;
+}
+
 void main() {
     const uint cell = linear_invocation();
     if (cell >= push.cell_count) return;
@@ -42,7 +57,7 @@ void main() {
         uint rank = 0u;
         for (uint j = 0u; j < length; ++j)
             if (entry(place, j) < id) ++rank;
-        rows_out[offset + rank] = id;
+        put(offset + rank, id);
 #ifdef AREA
         const uint column = place & ~SECOND_TIER_BIT;
         if ((place & SECOND_TIER_BIT) != 0u)

@@ -1,6 +1,7 @@
 #include "gpu/device_cells.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace votess::gpu {
 namespace {
@@ -65,8 +66,26 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     most_entries_ = first_rows + t * (settings.tiers[1].planes - settings.tiers[0].planes);
 }
 
-void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity) {
-    bindings_.set(BINDING_ROWS_OUT, rows);
+std::uint32_t DeviceCells::window_bits(const vulkan::Device& device) {
+    const std::uint32_t words = device.adapter().limits.maxStorageBufferRange / 4;
+    return std::min<std::uint32_t>(static_cast<std::uint32_t>(std::bit_width(words)) - 1, most_window_bits);
+}
+
+void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
+                               std::uint32_t window_bits) {
+    constexpr std::uint32_t bindings[ROW_WINDOWS] = {BINDING_ROWS_OUT, BINDING_ROWS_OUT_1, BINDING_ROWS_OUT_2,
+                                                     BINDING_ROWS_OUT_3};
+    const VkDeviceSize window = VkDeviceSize{4} << window_bits;
+    VkDeviceSize begin = 0;
+    Slice slice = rows;
+    for (const std::uint32_t binding : bindings) {
+        // Behind the last window there is nothing to write, but something must be bound.
+        if (begin == 0 || begin < rows.size)
+            slice = {rows.handle, rows.offset + begin, std::min(window, rows.size - begin)};
+        bindings_.set(binding, slice);
+        begin += window;
+    }
+    rows_.window_bits = window_bits;
     bindings_.set(BINDING_AREAS_OUT, areas);
     rows_.capacity = capacity;
 }

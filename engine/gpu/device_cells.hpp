@@ -33,8 +33,12 @@ public:
 
     // Arrays for up to `cells`. float64: geometry and areas are of that type.
     void reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings, bool float64);
-    // Where the rows go, and the areas beside them; for that many entries.
-    void set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity);
+    // Where the rows go, and the areas beside them; for that many entries. Windows of 2^window_bits of them are bound.
+    void set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
+                      std::uint32_t window_bits = most_window_bits);
+    static constexpr std::uint32_t most_window_bits = 31;
+    // The largest that the device can bind.
+    [[nodiscard]] static std::uint32_t window_bits(const vulkan::Device& device);
 
     // Sorted seeds first .. first + count - 1.
     void set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job, std::uint32_t first,
@@ -49,7 +53,6 @@ public:
     [[nodiscard]] VkDeviceSize most_entries() const { return most_entries_; }
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
     [[nodiscard]] Slice slice(std::uint32_t binding) const { return bindings_.get(binding); }
-    [[nodiscard]] const RowsPush& rows_push() const { return rows_; }
 
 private:
     std::uint32_t cells_ = 0, todo_capacity_ = 0;

@@ -41,9 +41,7 @@ void check(const PlanOptions& options) {
         refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(most));
     if (options.stride < 3) refuse("stride = " + std::to_string(options.stride) + " must be 3 or more numbers");
     if (options.k_init > 1024) refuse("k_init = " + std::to_string(options.k_init) + " must be at most 1024");
-    Options box;
-    box.box = options.box;
-    check_options(box);
+    check_box(options.box);
 }
 
 // Arrays that shaders see as wholes.
@@ -105,7 +103,8 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     check_range(device, sizes.seeds, "seeds", "most_seeds or stride");
     check_range(device, sizes.cells, "cells", "most_seeds");
     check_range(device, sizes.geometry, "geometry", "most_seeds");
-    check_range(device, sizes.indices, "rows", "most_entries");
+    // Rows are seen through windows.
+    check_range(device, sizes.indices / ROW_WINDOWS, "rows (a quarter of them)", "most_entries");
     check_range(device, workspace.largest(), "largest part of the workspace", "most_seeds or chunk_size");
     state_ = std::move(state);
 }
@@ -132,6 +131,7 @@ void Frame::record(VkCommandBuffer commands, const RecordOptions& options) const
     const std::uint32_t most = state_->plan->options.most_seeds;
     if (options.count > most)
         refuse("count = " + std::to_string(options.count) + " is more than most_seeds = " + std::to_string(most));
+    if (options.box) check_box(*options.box);
     state_->record(commands, options);
 }
 
@@ -153,11 +153,11 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     header_ = slice(buffers.header, sizes.header, "header");
     gpu::PartOfBuffer workspace(*plan->device, scratch.handle, scratch.offset);
     seeds_.reserve(workspace, plan->options.most_seeds);
-    seeds_.set_box(plan->options.box);
     cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings, plan->device->has_float64());
     // Passes bind something in place of arrays that are not wanted.
     const auto wanted = [&](const gpu::Slice& array) { return array ? array : header_; };
-    cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")), header_, plan->entries);
+    cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")), header_, plan->entries,
+                        gpu::DeviceCells::window_bits(*plan->device));
     outputs_.set(BINDING_HEADER, header_);
     outputs_.set(BINDING_CELLS, slice(buffers.cells, sizes.cells, "cells"));
     outputs_.set(BINDING_GEOMETRY_OUT, wanted(slice(buffers.geometry, sizes.geometry, "geometry")));
@@ -166,7 +166,7 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
         outputs_.set(binding, cells_.slice(binding));
     outputs_.set(BINDING_SEED_INPUT, seeds_.seed_input());
     // All descriptor sets are made here: a recording of fewer seeds needs no other.
-    record(VK_NULL_HANDLE, {.count = plan->options.most_seeds, .timestamps = {}});
+    record(VK_NULL_HANDLE, {.count = plan->options.most_seeds, .box = {}, .timestamps = {}});
 }
 
 void detail::FrameState::record(VkCommandBuffer commands, const RecordOptions& options) {
@@ -188,6 +188,7 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
     };
     stamp(0);
     seeds_.set_count(options.count);
+    seeds_.set_box(options.box.value_or(plan->options.box));
     {
         const auto label = recorder_.label("upload");
         seeds_.record_begin(recorder_, false);

@@ -40,8 +40,9 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
 }
 
 Pass download_rows(Device& device, const PassSettings& settings) {
-    std::vector<std::uint32_t> bindings{BINDING_ROW_LENGTH,  BINDING_ROW_PLACE,   BINDING_ROWS,    BINDING_SECOND_ROWS,
-                                        BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_ROWS_OUT};
+    std::vector<std::uint32_t> bindings{BINDING_ROW_LENGTH,  BINDING_ROW_PLACE,   BINDING_ROWS,     BINDING_SECOND_ROWS,
+                                        BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_ROWS_OUT, BINDING_ROWS_OUT_1,
+                                        BINDING_ROWS_OUT_2,  BINDING_ROWS_OUT_3};
     if (!settings.areas)
         return make<RowsPush>(device, "download_rows", shaders::download_rows, bindings, settings.local_size);
     bindings.insert(bindings.end(), {BINDING_AREAS, BINDING_SECOND_AREAS, BINDING_AREAS_OUT});

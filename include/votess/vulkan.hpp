@@ -19,6 +19,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -145,6 +146,7 @@ struct Timestamps {
 
 struct RecordOptions {
     std::uint32_t count = 0;  // seeds of this frame, at most most_seeds
+    std::optional<Box> box;   // of this frame; default: the plan's
     Timestamps timestamps;    // none while pool is null
 };
 
@@ -165,12 +167,18 @@ public:
     // Promised after: the last commands are a barrier that makes header, cells, indices and geometry visible to all
     // later commands on the queue, at any stage, for any access; not to the host, which needs its own barrier.
     //
-    // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds. Then nothing was recorded.
+    // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds, an empty or inverted box. Then
+    // nothing was recorded.
     void record(VkCommandBuffer commands, const RecordOptions& options) const;
 
 private:
     friend class Plan;
     std::shared_ptr<detail::FrameState> state_;
+};
+
+struct ResolveOptions {
+    std::optional<Box> box;  // with which the frame was recorded; default: the plan's
+    unsigned threads = 0;    // as Options::threads
 };
 
 // The cells that were left to the CPU, made exactly.
@@ -198,12 +206,11 @@ public:
     [[nodiscard]] Frame frame(const Buffers& buffers) const;
     // The cells whose status says that they are unresolved (needs_exact, plane_overflow, vertex_overflow,
     // candidates_exhausted), on the CPU, exactly: together with the certified rows the whole answer. Takes the seeds
-    // and cells as read back by the program; x y z of consecutive seeds lie options().stride apart. `threads` as in
-    // Options.
+    // and cells as read back by the program; x y z of consecutive seeds lie options().stride apart.
     [[nodiscard]] Resolved resolve(std::span<const float> seeds, std::span<const Cell> cells,
-                                   unsigned threads = 0) const;
+                                   const ResolveOptions& options = {}) const;
     [[nodiscard]] Resolved resolve(std::span<const double> seeds, std::span<const Cell> cells,
-                                   unsigned threads = 0) const;
+                                   const ResolveOptions& options = {}) const;
 
 private:
     std::shared_ptr<const detail::PlanState> state_;

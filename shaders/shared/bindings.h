@@ -37,6 +37,10 @@
 #define BINDING_HEADER 31        // of a frame: FrameHeader
 #define BINDING_CELLS 32         // N FrameCell, input order
 #define BINDING_GEOMETRY_OUT 33  // N vec4, input order: centroid relative to the seed, volume
-#define BINDING_COUNT 34
+// Rows out beyond the first window; all windows but the last have 2^RowsPush.window_bits entries.
+#define BINDING_ROWS_OUT_1 34
+#define BINDING_ROWS_OUT_2 35
+#define BINDING_ROWS_OUT_3 36
+#define BINDING_COUNT 37
 
 #endif

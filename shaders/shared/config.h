@@ -47,6 +47,9 @@
 // clip: where a row is; rows of the second tier have the bit set.
 #define SECOND_TIER_BIT 0x80000000u
 
+// download: rows out may be larger than what a shader can see at once.
+#define ROW_WINDOWS 4
+
 // Statuses, equal to votess::CellStatus.
 #define STATUS_CERTIFIED 0u
 #define STATUS_NEEDS_EXACT 1u

@@ -87,6 +87,7 @@ struct RowsPush {
     uint row_stride;         // of the first tier
     uint second_row_stride;  // of the second tier
     uint capacity;           // entries of the rows out
+    uint window_bits;        // of the windows through which they are seen
 };
 
 struct FramePush {

@@ -81,11 +81,12 @@ struct Target {
     [[nodiscard]] std::span<const Cell> cell(std::size_t count) const { return cells.as<Cell>().first(count); }
 };
 
-void run(Host& host, std::span<const Target* const> targets, std::uint32_t count) {
+void run(Host& host, std::span<const Target* const> targets, std::uint32_t count,
+         const std::optional<votess::Box>& box = {}) {
     host.commands.begin();
     host.commands.barrier();
     for (const Target* target : targets)
-        target->frame.record(host.commands.handle(), {.count = count, .timestamps = {}});
+        target->frame.record(host.commands.handle(), {.count = count, .box = box, .timestamps = {}});
     host.commands.barrier_to_host();
     host.commands.end();
     host.commands.submit();
@@ -108,7 +109,7 @@ struct Rows {
 
 // The frame, with what resolve() adds.
 template <class Real>
-Rows collect(const Plan& plan, const Target& target, std::size_t count) {
+Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box = {}) {
     Rows all;
     const std::uint32_t stride = plan.options().stride;
     const auto seeds = target.seeds.as<Real>();
@@ -121,7 +122,7 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count) {
         all.volumes.push_back(g[3]);
         for (std::size_t k = 0; k < 3; ++k) all.centroids.push_back(double{seeds[i * stride + k]} + double{g[k]});
     }
-    const Resolved more = plan.resolve(std::span<const Real>(seeds), target.cell(count));
+    const Resolved more = plan.resolve(std::span<const Real>(seeds), target.cell(count), {.box = box, .threads = 0});
     for (std::size_t r = 0; r < more.cells.size(); ++r) {
         const std::size_t i = more.cells[r];
         CHECK(all.rows[i].empty());
@@ -238,6 +239,28 @@ TEST_SUITE("cases") {
             options.k_init = k_init;
             CHECK(check(host, set, options) == "");
         }
+    }
+
+    TEST_CASE("gpu frame: a box that changes from frame to frame") {
+        Host host;
+        PointSet set = test::uniform(300, 13);
+        PlanOptions options = options_for(set);
+        const Plan plan(host.device(), options);
+        Target target(host, plan);
+        const Target* const one[] = {&target};
+        for (const double factor : {1.0, 0.5, 3.0, 1e4}) {
+            for (double& x : set.points) x *= factor;
+            target.write<double>(set.points, 3);
+            const votess::Box box = test::cube(-factor * factor, 2e4 * factor);
+            run(host, one, options.most_seeds, box);
+            options.box = box;
+            CHECK(compare(collect<double>(plan, target, set.size(), box), on_cpu(set, options)) == "");
+        }
+        host.commands.begin();
+        CHECK(test::error_of([&] {
+                  target.frame.record(host.commands.handle(), {.count = 1, .box = test::cube(1, 0), .timestamps = {}});
+              }) == votess::ErrorCode::invalid_argument);
+        host.commands.end();
     }
 
     TEST_CASE("gpu frame: float32 seeds") {
@@ -360,8 +383,8 @@ TEST_SUITE("cases") {
         // Nothing is taken while recording; but the validation layer does.
         host.commands.begin();
         const auto recording = test::allocations();
-        target.frame.record(host.commands.handle(), {.count = 100, .timestamps = {}});
-        beside.frame.record(host.commands.handle(), {.count = options.most_seeds - 1, .timestamps = {}});
+        target.frame.record(host.commands.handle(), {.count = 100, .box = {}, .timestamps = {}});
+        beside.frame.record(host.commands.handle(), {.count = options.most_seeds - 1, .box = {}, .timestamps = {}});
         const auto after = test::allocations();
         host.commands.end();
         if (recording && !host.gpu.instance->validation()) CHECK(*recording == *after);
@@ -437,7 +460,8 @@ TEST_SUITE("cases") {
         Target target(host, plan);
         CHECK(refused([&] { target.frame.record(VK_NULL_HANDLE, {}); }));
         host.commands.begin();
-        CHECK(refused([&] { target.frame.record(host.commands.handle(), {.count = 51, .timestamps = {}}); }));
+        CHECK(
+            refused([&] { target.frame.record(host.commands.handle(), {.count = 51, .box = {}, .timestamps = {}}); }));
         CHECK(said == "count = 51 is more than most_seeds = 50");
         host.commands.end();
         const std::vector<double> few(10);

@@ -106,6 +106,53 @@ TEST_SUITE("stages") {
         for (const PointSet& set : test::families(test::by_size(300, 100), 21)) check_cells(gpu, set);
     }
 
+    TEST_CASE("gpu clip: rows seen through windows") {
+        GpuStages gpu;
+        const PointSet set = test::uniform(400, 22);
+        const auto cpu = test::run(set, test::all_options());
+        gpu.upload_and_sort(set);
+        constexpr std::uint32_t window_bits = 11;  // four of them are too few for all rows
+        const auto entries = static_cast<std::uint32_t>(cpu.indices().size());
+        REQUIRE(entries > 5u << (window_bits - 1));
+        for (const std::uint32_t capacity : {4u << window_bits, entries - 700, 3u << window_bits, 1000u}) {
+            votess::gpu::OwnBuffers buffers(gpu.memory);
+            votess::gpu::DeviceCells cells;
+            cells.reserve(buffers, 400, gpu.passes->settings, gpu.gpu.device->has_float64());
+            const test::vk::Buffer rows = gpu.memory.buffer(capacity * 4, test::vk::MemoryKind::download);
+            std::ranges::fill(rows.as<std::int32_t>(), -77);
+            rows.flush();
+            cells.set_rows_out(rows, rows, capacity, window_bits);
+            ChunkJob job;
+            job.walls = true;
+            job.own_count = 400;
+            cells.set_job(gpu.seeds.on_device(), gpu.passes->settings, job, 0, 400);
+            test::vk::Commands commands(*gpu.gpu.device);
+            commands.begin();
+            commands.fill(cells.slice(BINDING_CHUNK_STATE), 0, sizeof(votess::gpu::ChunkState), 0);
+            commands.barrier();
+            cells.record_knn(commands, *gpu.passes);
+            cells.record_clip(commands, *gpu.passes, true);
+            cells.record_rows(commands, *gpu.passes);
+            commands.barrier_to_host();
+            commands.end();
+            commands.submit();
+            commands.wait();
+            rows.invalidate();
+            const auto lengths = gpu.read<std::uint32_t>(cells.slice(BINDING_ROW_LENGTH), 400);
+            const auto found = rows.as<std::int32_t>().first(capacity);
+            std::size_t at = 0;
+            for (std::size_t c = 0; c < 400; at += lengths[c++]) {
+                if (lengths[c] == 0) continue;
+                if (at + lengths[c] <= capacity)
+                    REQUIRE(std::ranges::equal(found.subspan(at, lengths[c]),
+                                               cpu.neighbors(gpu.seeds.order()[c] & INDEX_MASK)));
+                else  // not in part
+                    REQUIRE(std::ranges::all_of(found.subspan(std::min<std::size_t>(at, capacity)),
+                                                [](std::int32_t id) { return id == -77; }));
+            }
+        }
+    }
+
     TEST_CASE("gpu clip: every size, whole and in chunks") {
         GpuStages gpu;
         for (const std::size_t n : test::sizes_across_groups) {

@@ -124,7 +124,7 @@ TEST_SUITE("stages") {
                        clip.most_visits, clip.level_count, clip.level_first));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
-              words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity));
+              words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity, rows.window_bits));
     }
 
     TEST_CASE("gpu layout: of recorded frames") {

@@ -100,6 +100,7 @@ void main() {
     put(push.row_stride);
     put(push.second_row_stride);
     put(push.capacity);
+    put(push.window_bits);
 #elif defined(FRAME)
     put(push.first_cell);
     put(push.cell_count);
