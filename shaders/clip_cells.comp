@@ -284,9 +284,8 @@ void main() {
     px = seeds_x[self];
     py = seeds_y[self];
     pz = seeds_z[self];
-    const bool is_duplicate = px.y == NO_COORDINATE;
-    if (is_duplicate || seed_input[self] >= push.own_count) {
-        status = is_duplicate ? STATUS_DUPLICATE : STATUS_OUTSIDE;
+    if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
+        status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;
         finish(slot, cell, 0u);
         return;
     }

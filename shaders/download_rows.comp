@@ -14,6 +14,7 @@ layout(std430, binding = BINDING_ROW_PLACE) readonly buffer RowPlace { uint row_
 layout(std430, binding = BINDING_ROWS) readonly buffer Rows { int rows[]; };
 layout(std430, binding = BINDING_SECOND_ROWS) readonly buffer SecondRows { int second_rows[]; };
 layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_ROWS_OUT) writeonly buffer RowsOut { int rows_out[]; };
 #ifdef AREA
 layout(std430, binding = BINDING_AREAS) readonly buffer Areas { AREA areas[]; };
@@ -22,6 +23,7 @@ layout(std430, binding = BINDING_AREAS_OUT) writeonly buffer AreasOut { AREA are
 #endif
 
 #include "lib/linear.glsl"
+#include "lib/rows.glsl"
 
 int entry(uint place, uint i) {
     const uint column = place & ~SECOND_TIER_BIT;
@@ -32,7 +34,9 @@ int entry(uint place, uint i) {
 void main() {
     const uint cell = linear_invocation();
     if (cell >= push.cell_count) return;
-    const uint length = row_length[cell], place = row_place[cell], offset = row_offsets[cell];
+    const uint length = row_length[cell], place = row_place[cell];
+    if (!row_fits(chunk.row_base, row_offsets[cell], length, push.capacity)) return;
+    const uint offset = chunk.row_base + row_offsets[cell];
     for (uint i = 0u; i < length; ++i) {
         const int id = entry(place, i);
         uint rank = 0u;

@@ -28,8 +28,9 @@ void main() {
 
     // The sort is stable: among equal keys the indices ascend, and what equals this point lies before it.
     bool duplicate = false;
+    const bool outside = x.y == NO_COORDINATE;
     const uvec2 key = keys[seed];
-    for (uint back = 1u; back <= seed && !duplicate; ++back) {
+    for (uint back = 1u; back <= seed && !duplicate && !outside; ++back) {
         if (keys[seed - back] != key) break;
         if (back > MOST_LOOK_BACK) {
             state.suspects = 1u;

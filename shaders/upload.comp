@@ -1,4 +1,5 @@
 // upload: the coordinates as given become whole numbers of units, exactly or rounded down with a note that they were.
+// Where that is asked for, points outside of the box, or not finite, become NO_COORDINATE.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/bindings.h"
@@ -21,8 +22,41 @@ uvec2 in_units(bool negative, uvec2 mantissa, int exponent, inout bool lost) {
     return exponent >= 0 ? shift_left64(value, uint(exponent)) : shift_right64(value, uint(-exponent), lost);
 }
 
+// Bits of a double as a whole number of the same order; -0 as 0.
+uvec2 ordered_bits(uvec2 bits) {
+    if (bits == uvec2(0u, 0x80000000u)) bits = uvec2(0);
+    return (bits.y & 0x80000000u) != 0u ? ~bits : uvec2(bits.x, bits.y | 0x80000000u);
+}
+
+// The bits of a double that equals a finite float.
+uvec2 widened(uint bits) {
+    uint exponent = (bits >> 23) & 0xffu, mantissa = bits & 0x7fffffu;
+    const uint sign = bits & 0x80000000u;
+    if (exponent == 0u) {
+        if (mantissa == 0u) return uvec2(0u, sign);
+        const uint up = 23u - uint(findMSB(mantissa));
+        mantissa = (mantissa << up) & 0x7fffffu;
+        return uvec2(mantissa << 29, sign | ((897u - up) << 20) | (mantissa >> 3));
+    }
+    return uvec2(mantissa << 29, sign | ((exponent + 896u) << 20) | (mantissa >> 3));
+}
+
+bool is_inside(uint point, uint axis) {
+    const uint at = push.stride * point + axis;
+    uvec2 bits;
+    if (push.format == POINTS_FLOAT32) {
+        if (((raw[at] >> 23) & 0xffu) == 0xffu) return false;
+        bits = widened(raw[at]);
+    } else {
+        bits = uvec2(raw[2u * at], raw[2u * at + 1u]);
+        if (((bits.y >> 20) & 0x7ffu) == 0x7ffu) return false;
+    }
+    const uvec2 x = ordered_bits(bits);
+    return !less64(x, push.lower[axis]) && !less64(push.upper[axis], x);
+}
+
 uvec2 coordinate(uint point, uint axis, inout bool lost) {
-    const uint at = 3u * point + axis;
+    const uint at = push.stride * point + axis;
     uvec2 value;
     if (push.format == POINTS_UNITS) {
         value = uvec2(raw[2u * at], raw[2u * at + 1u]);
@@ -43,6 +77,12 @@ uvec2 coordinate(uint point, uint axis, inout bool lost) {
 void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
+    if (push.check != 0u && !(is_inside(point, 0u) && is_inside(point, 1u) && is_inside(point, 2u))) {
+        points_x[push.first + point] = uvec2(NO_COORDINATE);
+        points_y[push.first + point] = uvec2(NO_COORDINATE);
+        points_z[push.first + point] = uvec2(NO_COORDINATE);
+        return;
+    }
     bool lost = false;
     points_x[push.first + point] = coordinate(point, 0u, lost);
     points_y[push.first + point] = coordinate(point, 1u, lost);

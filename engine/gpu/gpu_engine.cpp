@@ -12,9 +12,6 @@
 namespace votess::gpu {
 namespace {
 
-constexpr std::uint32_t usual_k = 112;
-constexpr std::uint32_t software_walk = 512, usual_walk = 20000;  // boxes looked at for one cell
-constexpr std::uint32_t software_chunk = 1u << 14, usual_chunk = 1u << 20;
 constexpr std::size_t block_cells = 4096;  // per task of the host
 constexpr double hopeless = 0.9;           // share of a chunk left to the CPU
 constexpr std::uint32_t most_skipped = 31;
@@ -44,19 +41,9 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     if (measured_double && !float64)
         throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name +
                                                 "' has no float64 arithmetic: use precision single, or the CPU");
-    PassSettings s;
-    s.k = options.k_init == 0 ? usual_k : options.k_init;
-    // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
-    s.most_walk_visits = device_->adapter().software() ? software_walk : usual_walk;
+    PassSettings s = usual_settings(*device_, options.k_init);
     if (limits_.most_walk_visits != 0) s.most_walk_visits = limits_.most_walk_visits;
-    TierLimits& first = s.tiers[0];
-    TierLimits& second = s.tiers[1];
-    first.planes = 32;
-    first.vertices = 64;
-    first.float64 = measured_double;
-    second.planes = 64;
-    second.vertices = 128;
-    second.float64 = float64;
+    s.tiers[0].float64 = measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
     s.areas = !lists_only_ && options.want.areas;
     if (limits_.local_size != 0) s.local_size = limits_.local_size;
@@ -64,15 +51,9 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
 }
 
 std::uint32_t GpuEngine::chunk_cells(const PassSettings& settings) const {
-    const auto& adapter = device_->adapter();
-    VkDeviceSize cells = job_.options.chunk_size;
-    if (cells == 0) cells = adapter.software() ? software_chunk : usual_chunk;
-    const VkDeviceSize range = std::min<VkDeviceSize>(adapter.limits.maxStorageBufferRange, memory_.max_buffer_bytes());
-    cells = std::min(cells, range / Chunk::largest_bytes_per_cell(settings));
-    // Two chunks take at most a quarter of the memory.
-    cells = std::min(cells, adapter.device_memory / 8 / Chunk::bytes_per_cell(settings));
-    const VkDeviceSize most = std::max<VkDeviceSize>(seeds_.count(), 1);
-    return static_cast<std::uint32_t>(std::clamp<VkDeviceSize>(cells, 1, most));
+    const VkDeviceSize cells = usual_chunk(*device_, settings, job_.options.chunk_size, seeds_.count());
+    return static_cast<std::uint32_t>(
+        std::clamp<VkDeviceSize>(memory_.max_buffer_bytes() / DeviceCells::largest_bytes_per_cell(settings), 1, cells));
 }
 
 void GpuEngine::upload(const Job& job) {
@@ -322,7 +303,8 @@ void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> c
     if (job_.options.want.areas) {
         areas.reserve(size);
         for (std::size_t i = begin; i < end; ++i) {
-            const int exponent = static_cast<int>(chunk.info()[i] >> INFO_EXPONENT_SHIFT) - seeds_.units().shift;
+            const int exponent =
+                static_cast<int>(chunk.info()[i] >> INFO_EXPONENT_SHIFT) - seeds_.on_device().units().shift;
             for (std::uint32_t k = 0; k < lengths[i - begin]; ++k)
                 areas.push_back(std::ldexp(chunk.area(first_entry + areas.size()), 2 * exponent));
         }
@@ -362,7 +344,7 @@ void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_
     const std::uint32_t info = chunk.info()[cell];
     const auto i = static_cast<std::size_t>(input);
     const Want& want = job_.options.want;
-    const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - seeds_.units().shift;
+    const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - seeds_.on_device().units().shift;
     if (want.volumes) result_.volumes()[i] = std::ldexp(chunk.geometry(cell, 0), 3 * exponent);
     if (want.centroids)
         for (std::uint32_t k = 0; k < 3; ++k)

@@ -40,8 +40,8 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
 }
 
 Pass download_rows(Device& device, const PassSettings& settings) {
-    std::vector<std::uint32_t> bindings{BINDING_ROW_LENGTH,  BINDING_ROW_PLACE,   BINDING_ROWS,
-                                        BINDING_SECOND_ROWS, BINDING_ROW_OFFSETS, BINDING_ROWS_OUT};
+    std::vector<std::uint32_t> bindings{BINDING_ROW_LENGTH,  BINDING_ROW_PLACE,   BINDING_ROWS,    BINDING_SECOND_ROWS,
+                                        BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_ROWS_OUT};
     if (!settings.areas)
         return make<RowsPush>(device, "download_rows", shaders::download_rows, bindings, settings.local_size);
     bindings.insert(bindings.end(), {BINDING_AREAS, BINDING_SECOND_AREAS, BINDING_AREAS_OUT});
@@ -50,6 +50,18 @@ Pass download_rows(Device& device, const PassSettings& settings) {
 }
 
 }  // namespace
+
+PassSettings usual_settings(const Device& device, std::uint32_t k) {
+    constexpr std::uint32_t usual_k = 112;
+    constexpr std::uint32_t software_walk = 512, usual_walk = 20000;
+    PassSettings s;
+    s.k = k == 0 ? usual_k : k;
+    // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
+    s.most_walk_visits = device.adapter().software() ? software_walk : usual_walk;
+    s.tiers[0] = {.planes = 32, .vertices = 64, .float64 = false};
+    s.tiers[1] = {.planes = 64, .vertices = 128, .float64 = device.has_float64()};
+    return s;
+}
 
 Passes::Passes(Device& device, const PassSettings& s)
     : settings(s),
@@ -81,6 +93,16 @@ Passes::Passes(Device& device, const PassSettings& s)
                                s.local_size, {s.k})),
       clip_cells{gpu::clip_cells(device, s, 0), gpu::clip_cells(device, s, 1)},
       clip_todo(make<ClipPush>(device, "clip_todo", shaders::clip_todo, {BINDING_CHUNK_STATE}, 1, {s.local_size})),
-      download_rows(gpu::download_rows(device, s)) {}
+      download_rows(gpu::download_rows(device, s)) {
+    if (!s.frames) return;
+    download_cells.emplace(make<FramePush>(
+        device, "download_cells", device.has_float64() ? shaders::download_cells_f64 : shaders::download_cells_f32,
+        {BINDING_SEED_INPUT, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE,
+         BINDING_GEOMETRY, BINDING_HEADER, BINDING_CELLS, BINDING_GEOMETRY_OUT},
+        s.local_size));
+    download_total.emplace(
+        make<FramePush>(device, "download_total", shaders::download_total,
+                        {BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_HEADER}, 1));
+}
 
 }  // namespace votess::gpu

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "gpu/vulkan/pass.hpp"
 
@@ -22,9 +23,13 @@ struct PassSettings {
     std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
     bool measure = true;                     // volumes and centroids
     bool areas = false;                      // and areas beside the rows
+    bool frames = false;                     // the passes of recorded frames too
     std::uint32_t local_size = 64;           // of passes without shared memory
     bool operator==(const PassSettings&) const = default;
 };
+
+// Those that suit the device; k = 0: the usual number.
+[[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k);
 
 struct Passes {
     Passes(vulkan::Device& device, const PassSettings& settings);
@@ -35,6 +40,7 @@ struct Passes {
     vulkan::Pass knn_boxes, knn_search;
     vulkan::Pass clip_cells[2], clip_todo;
     vulkan::Pass download_rows;
+    std::optional<vulkan::Pass> download_cells, download_total;
 };
 
 }  // namespace votess::gpu

@@ -11,7 +11,9 @@
 //
 // Contract of record(): no allocation (of Vulkan's or the heap), submission, wait or file access; the commands are for
 // a queue family with compute, outside of a render pass. They change the bound compute pipeline, the compute descriptor
-// set 0 and push constants, nothing of graphics. Include volk.h, or vulkan.h with your definitions, before this header.
+// set 0 and push constants, nothing of graphics.
+//
+// volk.h may stand before or behind this header. A program that uses the prototypes of vulkan.h includes that first.
 #pragma once
 
 #include <array>
@@ -23,7 +25,13 @@
 #include <votess/votess.hpp>
 
 #ifndef VULKAN_CORE_H_
+#ifdef VK_NO_PROTOTYPES
 #include <vulkan/vulkan_core.h>
+#else  // types only: prototypes would clash with a volk.h that follows
+#define VK_NO_PROTOTYPES
+#include <vulkan/vulkan_core.h>
+#undef VK_NO_PROTOTYPES
+#endif
 #endif
 
 namespace votess::vulkan {
@@ -98,7 +106,9 @@ struct BufferSizes {
     VkDeviceSize header = 0;     // struct Header
     VkDeviceSize cells = 0;      // N struct Cell
     VkDeviceSize indices = 0;    // int32: the rows; that of seed i is indices[cells[i].row_begin ..+ row_length]
-    VkDeviceSize geometry = 0;   // N x 4 float32: centroid relative to the seed, and volume; 0 for cells without
+    // N x 4 float32: centroid relative to the seed, and volume; 0 for cells without. Choose a unit of length with which
+    // volumes are in the range of float32.
+    VkDeviceSize geometry = 0;
 };
 
 // How the frame came out, on the GPU; word for word as here.
@@ -138,6 +148,11 @@ struct RecordOptions {
     Timestamps timestamps;    // none while pool is null
 };
 
+namespace detail {
+struct PlanState;
+struct FrameState;
+}  // namespace detail
+
 // Buffers and descriptor sets of one frame in flight. Copies share them; they must live until the commands are done.
 class VOTESS_API Frame {
 public:
@@ -155,8 +170,7 @@ public:
 
 private:
     friend class Plan;
-    struct State;
-    std::shared_ptr<const State> state_;
+    std::shared_ptr<detail::FrameState> state_;
 };
 
 // The cells that were left to the CPU, made exactly.
@@ -192,8 +206,7 @@ public:
                                    unsigned threads = 0) const;
 
 private:
-    struct State;
-    std::shared_ptr<const State> state_;
+    std::shared_ptr<const detail::PlanState> state_;
 };
 
 }  // namespace votess::vulkan

@@ -34,5 +34,9 @@
 #define BINDING_AREAS 28         // as ROWS: areas, units of the cell squared; float32, or float64 as geometry is
 #define BINDING_SECOND_AREAS 29  // as AREAS, of the second tier
 #define BINDING_AREAS_OUT 30     // beside ROWS_OUT
+#define BINDING_HEADER 31        // of a frame: FrameHeader
+#define BINDING_CELLS 32         // N FrameCell, input order
+#define BINDING_GEOMETRY_OUT 33  // N vec4, input order: centroid relative to the seed, volume
+#define BINDING_COUNT 34
 
 #endif

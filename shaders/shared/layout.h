@@ -17,8 +17,12 @@ struct UploadPush {
     uvec2 origin[3];  // the box's lower corner in units, modulo 2^64
     uint first;       // point that the raw buffer begins with
     uint count;
-    int shift;    // a point's coordinate times 2^shift is in units
-    uint format;  // of the raw buffer: POINTS_
+    int shift;       // a point's coordinate times 2^shift is in units
+    uint format;     // of the raw buffer: POINTS_
+    uvec2 lower[3];  // the box as float64 bits, in an order of whole numbers: see ordered_bits()
+    uvec2 upper[3];
+    uint stride;  // numbers from point to point
+    uint check;   // 1: points outside of the box, or not finite, get no coordinates
 };
 
 struct SortPush {
@@ -82,6 +86,16 @@ struct RowsPush {
     uint cell_count;
     uint row_stride;         // of the first tier
     uint second_row_stride;  // of the second tier
+    uint capacity;           // entries of the rows out
+};
+
+struct FramePush {
+    uint first_cell;
+    uint cell_count;
+    uint capacity;   // as in RowsPush
+    uint neighbors;  // 1: there are rows
+    uint geometry;   // 1: there are volumes and centroids
+    int shift;       // as in UploadPush
 };
 
 // What the sort found out about the points.
@@ -103,6 +117,15 @@ struct ListInfo {
 struct ChunkState {
     uint todo_count;  // may exceed the capacity
     uint groups_x, groups_y, groups_z;
+    uint row_base;  // entry of the rows out with which the chunk's begin
+};
+
+// votess::vulkan::Header and Cell.
+struct FrameHeader {
+    uint seeds, certified, unresolved, duplicates, outside, entries, faces, reserved;
+};
+struct FrameCell {
+    uint status, row_begin, row_length, faces;
 };
 
 #ifdef __cplusplus

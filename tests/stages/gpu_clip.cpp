@@ -74,7 +74,7 @@ Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {
             if (wanted.neighbors) REQUIRE(std::ranges::equal(rows.subspan(at, length), cpu.neighbors(input)));
             at += length;
             if (!gpu.passes->settings.measure) continue;
-            const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - gpu.seeds.units().shift;
+            const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - gpu.seeds.on_device().units().shift;
             const double volume = std::ldexp(chunk.geometry(c, 0), 3 * exponent), exact = cpu.volumes()[input];
             REQUIRE(std::abs(volume - exact) <= 1e-5 * exact);
             for (std::uint32_t a = 0; a < 3; ++a) {

@@ -28,8 +28,8 @@ constexpr Node no_seeds{{test::no_coordinate, test::no_coordinate, test::no_coor
 void check_boxes(GpuStages& gpu) {
     const auto seeds = gpu.coordinates(BINDING_SEEDS_X);
     const std::size_t n = gpu.seeds.count();
-    const auto first = gpu.seeds.level_first();
-    const std::size_t levels = gpu.seeds.level_count();
+    const auto first = gpu.seeds.on_device().level_first();
+    const std::size_t levels = gpu.seeds.on_device().level_first().size();
     const auto nodes = gpu.read<Node>(BINDING_NODES, first.back() + 1);
     REQUIRE(levels <= MOST_LEVELS);
     std::size_t width = GROUP_SEEDS;  // seeds below a node
@@ -116,8 +116,9 @@ Lists search(GpuStages& gpu, std::uint32_t k, const ChunkJob& job, std::uint32_t
     Chunk chunk(*gpu.gpu.device, gpu.memory, count, gpu.passes->settings);
     chunk.start(gpu.seeds, *gpu.passes, job, first, count, false);
     chunk.wait();
-    return {k, count, gpu.read<std::uint32_t>(chunk.list(), std::size_t{k} * count),
-            gpu.read<votess::gpu::ListInfo>(chunk.list_info(), count), gpu.coordinates(BINDING_SEEDS_X)};
+    return {k, count, gpu.read<std::uint32_t>(chunk.on_device().slice(BINDING_LIST), std::size_t{k} * count),
+            gpu.read<votess::gpu::ListInfo>(chunk.on_device().slice(BINDING_LIST_INFO), count),
+            gpu.coordinates(BINDING_SEEDS_X)};
 }
 
 struct Reached {
@@ -258,7 +259,7 @@ TEST_SUITE("stages") {
     TEST_CASE("gpu knn: lists reach no farther than the bounds, and strangers have none") {
         GpuStages gpu(test::pass_settings(64));
         gpu.upload_and_sort(test::uniform(1500, 15));
-        const std::uint64_t side = gpu.seeds.extent()[0];
+        const std::uint64_t side = gpu.seeds.on_device().extent()[0];
         const auto input = gpu.read<std::uint32_t>(BINDING_SEED_INPUT, 1500);
         for (std::uint32_t bounded = 0; bounded < 64; bounded += bounded == 0 ? 1 : bounded) {
             for (const std::uint32_t also : {0u, 63u}) {

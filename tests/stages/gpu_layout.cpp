@@ -101,7 +101,8 @@ TEST_SUITE("stages") {
         };
         const auto upload = filled<UploadPush>();
         check("UploadPush", shaders::test_layout_upload, upload,
-              words_of(upload.origin, upload.first, upload.count, upload.shift, upload.format));
+              words_of(upload.origin, upload.first, upload.count, upload.shift, upload.format, upload.lower,
+                       upload.upper, upload.stride, upload.check));
         const auto sort = filled<SortPush>();
         check("SortPush", shaders::test_layout_sort, sort,
               words_of(sort.count, sort.tiles, sort.shift, sort.high_word));
@@ -123,7 +124,25 @@ TEST_SUITE("stages") {
                        clip.most_visits, clip.level_count, clip.level_first));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
-              words_of(rows.cell_count, rows.row_stride, rows.second_row_stride));
+              words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity));
+    }
+
+    TEST_CASE("gpu layout: of recorded frames") {
+        Reader reader;
+        const auto push = filled<FramePush>();
+        const Words push_words =
+            words_of(push.first_cell, push.cell_count, push.capacity, push.neighbors, push.geometry, push.shift);
+        CHECK(sizeof push == 4 * push_words.size());
+        CHECK(reader.push(shaders::test_layout_frame, push) == push_words);
+        const auto header = filled<FrameHeader>();
+        const Words header_words = words_of(header.seeds, header.certified, header.unresolved, header.duplicates,
+                                            header.outside, header.entries, header.faces, header.reserved);
+        CHECK(sizeof header == 4 * header_words.size());
+        CHECK(reader.buffer(shaders::test_layout_header, push_bytes(header)) == header_words);
+        const auto cell = filled<FrameCell>();
+        const Words cell_words = words_of(cell.status, cell.row_begin, cell.row_length, cell.faces);
+        CHECK(sizeof cell == 4 * cell_words.size());
+        CHECK(reader.buffer(shaders::test_layout_cell, push_bytes(cell)) == cell_words);
     }
 
     TEST_CASE("gpu layout: states") {
@@ -133,7 +152,8 @@ TEST_SUITE("stages") {
         CHECK(sizeof run == 4 * run_words.size());
         CHECK(reader.buffer(shaders::test_layout_run, push_bytes(run)) == run_words);
         const auto chunk = filled<ChunkState>();
-        const Words chunk_words = words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z);
+        const Words chunk_words =
+            words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z, chunk.row_base);
         CHECK(sizeof chunk == 4 * chunk_words.size());
         CHECK(reader.buffer(shaders::test_layout_chunk, push_bytes(chunk)) == chunk_words);
         const auto list = filled<ListInfo>();

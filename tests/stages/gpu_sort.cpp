@@ -34,7 +34,7 @@ std::pair<std::uint64_t, bool> exact_units(double x, int shift) {
 }
 
 void check_upload(GpuStages& gpu, const votess::Job& job) {
-    const int shift = gpu.seeds.units().shift;
+    const int shift = gpu.seeds.on_device().units().shift;
     long double longest = 0;
     bool box_lost = false, points_lost = false;
     std::uint64_t origin[3];
@@ -44,9 +44,9 @@ void check_upload(GpuStages& gpu, const votess::Job& job) {
         const auto [upper, upper_lost] = exact_units(job.box.upper[a], shift);
         box_lost = box_lost || lost || upper_lost;
         origin[a] = lower;
-        CHECK(gpu.seeds.origin()[a] == lower);
-        CHECK(gpu.seeds.extent()[a] == upper - lower);
-        CHECK(gpu.seeds.extent()[a] <= std::uint64_t{1} << COORDINATE_BITS);
+        CHECK(gpu.seeds.on_device().origin()[a] == lower);
+        CHECK(gpu.seeds.on_device().extent()[a] == upper - lower);
+        CHECK(gpu.seeds.on_device().extent()[a] <= std::uint64_t{1} << COORDINATE_BITS);
     }
     CHECK(std::ldexp(longest, shift) >= 0x1p61l * (1 - 0x1p-50l));
     CHECK(std::ldexp(longest, shift) <= 0x1p62l);
@@ -117,7 +117,7 @@ std::uint64_t hilbert(std::array<std::uint32_t, 3> x, std::uint32_t bits) {
 }
 
 Integers keys_of(const GpuStages& gpu, const std::vector<Integers>& points, std::uint32_t bits) {
-    const std::uint64_t* extent = gpu.seeds.extent();
+    const std::uint64_t* extent = gpu.seeds.on_device().extent();
     const auto longest = static_cast<double>(std::max({extent[0], extent[1], extent[2]}));
     const auto blocks_per_unit = static_cast<float>(std::ldexp(1.0, 32 + static_cast<int>(bits)) / longest);
     Integers keys;
@@ -147,8 +147,8 @@ void check_sort(GpuStages& gpu, const PointSet& set, std::uint32_t bits) {
     std::vector<std::uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return keys[a] < keys[b]; });
-    REQUIRE(gpu.read<std::uint32_t>(gpu.seeds.sorted_index(), n) == order);
-    Integers sorted_keys = gpu.read<std::uint64_t>(gpu.seeds.sorted_keys(), n);
+    REQUIRE(gpu.read<std::uint32_t>(gpu.seeds.on_device().sorted_index(), n) == order);
+    Integers sorted_keys = gpu.read<std::uint64_t>(gpu.seeds.on_device().sorted_keys(), n);
     for (auto& key : sorted_keys) key = (key >> 32) << KEY_WORD_BITS | (key & 0xffffffff);
     for (std::size_t s = 0; s < n; ++s) REQUIRE(sorted_keys[s] == keys[order[s]]);
 
@@ -246,9 +246,9 @@ TEST_SUITE("stages") {
         const auto units = gpu.coordinates(BINDING_POINTS_X);
         for (std::size_t m = 0; m < members.size(); ++m)
             for (std::size_t a = 0; a < 3; ++a)
-                REQUIRE(units[a][m] ==
-                        exact_units(set.points[3 * static_cast<std::size_t>(members[m]) + a], gpu.seeds.units().shift)
-                            .first);
+                REQUIRE(units[a][m] == exact_units(set.points[3 * static_cast<std::size_t>(members[m]) + a],
+                                                   gpu.seeds.on_device().units().shift)
+                                           .first);
     }
 
     TEST_CASE("gpu scan: sums of all that is before, every size") {
@@ -269,7 +269,8 @@ TEST_SUITE("stages") {
             }
             data.flush();
             votess::gpu::Scan scan;
-            scan.reserve(gpu.memory, static_cast<std::uint32_t>(n + random.below(3)));
+            votess::gpu::OwnBuffers buffers(gpu.memory);
+            scan.reserve(buffers, static_cast<std::uint32_t>(n + random.below(3)));
             test::vk::Commands commands(*gpu.gpu.device);
             commands.begin();
             scan.record(commands, *gpu.passes, data, static_cast<std::uint32_t>(n));

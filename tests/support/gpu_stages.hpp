@@ -56,7 +56,7 @@ struct GpuStages {
     }
 
     template <class T>
-    std::vector<T> read(const vk::Buffer& buffer, std::size_t count) {
+    std::vector<T> read(const vk::Slice& buffer, std::size_t count) {
         const vk::Buffer copy = memory.buffer(count * sizeof(T), vk::MemoryKind::download);
         vk::Commands commands(*gpu.device);
         commands.begin();
@@ -72,8 +72,8 @@ struct GpuStages {
     }
     template <class T>
     std::vector<T> read(std::uint32_t binding, std::size_t count) {
-        for (const vk::BufferBinding& b : seeds.bindings().list())
-            if (b.binding == binding) return read<T>(*b.buffer, count);
+        for (const vk::BufferBinding& b : seeds.on_device().bindings().list())
+            if (b.binding == binding) return read<T>(b.slice, count);
         FAIL("no such binding");
         return {};
     }

@@ -5,11 +5,18 @@
 
 namespace votess::gpu::vulkan {
 
+namespace {
+
+void require_usable(const Adapter& adapter) {
+    if (const std::string lack = adapter.missing(); !lack.empty())
+        throw Error(ErrorCode::unsupported, "votess cannot use the device " + adapter.name + ": it " + lack);
+}
+
+}  // namespace
+
 std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const Adapter& adapter,
                                        const DeviceOptions& options) {
-    if (const std::string lack = adapter.missing(); !lack.empty()) {
-        throw Error(ErrorCode::unsupported, "votess cannot use the device " + adapter.name + ": it " + lack);
-    }
+    require_usable(adapter);
     if (options.graphics && adapter.graphics_family == VK_QUEUE_FAMILY_IGNORED) {
         throw Error(ErrorCode::unsupported, "the device " + adapter.name + " has no graphics");
     }
@@ -55,9 +62,29 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
     }
 }
 
+std::shared_ptr<Device> Device::adopt(std::shared_ptr<Instance> instance, const Adapter& adapter,
+                                      const HostDevice& host) {
+    require_usable(adapter);
+    std::shared_ptr<Device> device(new Device(std::move(instance), adapter, host));
+    if (host.queue != VK_NULL_HANDLE) device->rounding_ = probe_rounding(*device, device->float64_);
+    return device;
+}
+
+Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const HostDevice& host)
+    : instance_(std::move(instance)),
+      adapter_(adapter),
+      handle_(host.handle),
+      queue_(host.queue),
+      float64_(host.float64),
+      host_cache_(host.pipeline_cache),
+      owned_(false) {
+    adapter_.queue_family = host.queue_family;
+    load_device_table(table_, handle_, instance_->calls().vkGetDeviceProcAddr);
+}
+
 Device::~Device() {
     cache_.reset();
-    table_.vkDestroyDevice(handle_, nullptr);
+    if (owned_) table_.vkDestroyDevice(handle_, nullptr);
 }
 
 void Device::submit(VkCommandBuffer commands, VkFence fence) {

@@ -18,12 +18,24 @@ struct DeviceOptions {
     bool graphics = false;  // draw instead of compute: a queue of Adapter::graphics_family, float64 not asked about
 };
 
+// A device that a host program has made.
+struct HostDevice {
+    VkDevice handle = VK_NULL_HANDLE;
+    std::uint32_t queue_family = 0;
+    VkQueue queue = VK_NULL_HANDLE;  // for the probe of rounding; null: there is none
+    bool float64 = false;            // enabled
+    VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
+};
+
 // Outlives all that is made from it (Memory, Buffer, Pass, Commands), which keep a reference to it.
 class Device {
 public:
     // Throws `unsupported` with Adapter::missing() when that is not empty, and for graphics where there are none.
     [[nodiscard]] static std::shared_ptr<Device> create(std::shared_ptr<Instance> instance, const Adapter& adapter,
                                                         const DeviceOptions& options = {});
+    // The host's device stays the host's. Throws as create().
+    [[nodiscard]] static std::shared_ptr<Device> adopt(std::shared_ptr<Instance> instance, const Adapter& adapter,
+                                                       const HostDevice& host);
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -36,7 +48,9 @@ public:
     // Only where it is rounded to nearest: bounds of float64 arithmetic rely on it.
     [[nodiscard]] bool has_float64() const { return float64_ && rounding_.nearest64; }
     [[nodiscard]] bool rounds_to_nearest() const { return rounding_.nearest32; }
+    // What is kept on disk; not of a host's device.
     [[nodiscard]] const PipelineCache& pipeline_cache() const { return *cache_; }
+    [[nodiscard]] VkPipelineCache cache_handle() const { return cache_ ? cache_->handle() : host_cache_; }
 
     // Thread-safe: Vulkan wants calls on a queue one at a time.
     void submit(VkCommandBuffer commands, VkFence fence);
@@ -50,6 +64,7 @@ public:
 
 private:
     Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options);
+    Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const HostDevice& host);
     void set_name(std::uint64_t object, VkObjectType type, const char* text);
 
     std::shared_ptr<Instance> instance_;
@@ -61,6 +76,8 @@ private:
     bool float64_ = false;  // enabled
     Rounding rounding_;
     std::optional<PipelineCache> cache_;
+    VkPipelineCache host_cache_ = VK_NULL_HANDLE;
+    bool owned_ = true;
 };
 
 }  // namespace votess::gpu::vulkan

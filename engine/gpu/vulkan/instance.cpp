@@ -87,15 +87,28 @@ std::shared_ptr<Instance> Instance::create(const InstanceOptions& options) {
     return std::shared_ptr<Instance>(new Instance(options));
 }
 
+std::shared_ptr<Instance> Instance::adopt(const HostInstance& host) {
+    return std::shared_ptr<Instance>(new Instance(host));
+}
+
+Instance::Instance(const HostInstance& host)
+    : handle_(host.handle), version_(std::min(host.version, newest_version)), debug_utils_(host.debug_utils) {
+    load_calls(host.get);
+    // The host may have enabled the extension by mistake of a flag only.
+    debug_utils_ = debug_utils_ && calls_.vkCmdBeginDebugUtilsLabelEXT && calls_.vkCmdEndDebugUtilsLabelEXT &&
+                   calls_.vkSetDebugUtilsObjectNameEXT;
+}
+
 Instance::Instance(const InstanceOptions& options) : validation_(options.validation) {
-    if (!loader_.calls().vkEnumerateInstanceVersion) {
+    loader_.emplace();
+    if (!loader_->calls().vkEnumerateInstanceVersion) {
         throw Error(ErrorCode::unsupported, "votess needs Vulkan 1.1, the loader (libvulkan.so.1) has 1.0");
     }
-    check(loader_.calls().vkEnumerateInstanceVersion(&version_), "vkEnumerateInstanceVersion");
+    check(loader_->calls().vkEnumerateInstanceVersion(&version_), "vkEnumerateInstanceVersion");
     version_ = std::min(version_, newest_version);
     create_handle(options);
     if (!handle_) return;
-    load_calls();
+    load_calls(loader_->calls().vkGetInstanceProcAddr);
     try {
         if (validation_) create_messenger();
     } catch (...) {
@@ -110,11 +123,11 @@ Instance::~Instance() {
 
 void Instance::destroy() noexcept {
     if (messenger_) calls_.vkDestroyDebugUtilsMessengerEXT(handle_, messenger_, nullptr);
-    if (handle_) calls_.vkDestroyInstance(handle_, nullptr);
+    if (handle_ && loader_) calls_.vkDestroyInstance(handle_, nullptr);
 }
 
 void Instance::create_handle(const InstanceOptions& options) {
-    const LoaderCalls& calls = loader_.calls();
+    const LoaderCalls& calls = loader_->calls();
     std::vector<VkExtensionProperties> available = extensions_of(calls, nullptr);
     std::vector<const char*> layers;
     std::vector<const char*> extensions;
@@ -164,8 +177,7 @@ void Instance::create_handle(const InstanceOptions& options) {
     check(result, "vkCreateInstance");
 }
 
-void Instance::load_calls() {
-    const PFN_vkGetInstanceProcAddr get = loader_.calls().vkGetInstanceProcAddr;
+void Instance::load_calls(PFN_vkGetInstanceProcAddr get) {
     load(calls_.vkDestroyInstance, get, handle_, "vkDestroyInstance");
     load(calls_.vkEnumeratePhysicalDevices, get, handle_, "vkEnumeratePhysicalDevices");
     load(calls_.vkGetPhysicalDeviceProperties, get, handle_, "vkGetPhysicalDeviceProperties");

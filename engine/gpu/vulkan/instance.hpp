@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,11 +36,21 @@ struct InstanceOptions {
     bool synchronization = synchronization_validation_wanted();  // only with validation
 };
 
+// An instance that a host program has made.
+struct HostInstance {
+    VkInstance handle = VK_NULL_HANDLE;
+    PFN_vkGetInstanceProcAddr get = nullptr;
+    std::uint32_t version = VK_API_VERSION_1_1;
+    bool debug_utils = false;
+};
+
 class Instance {
 public:
     // Throws `unsupported` without a loader for Vulkan 1.1 and when validation is asked for but its layer is missing.
     // A loader without any driver is no error: there are no adapters then.
     [[nodiscard]] static std::shared_ptr<Instance> create(const InstanceOptions& options = {});
+    // The host's stays the host's.
+    [[nodiscard]] static std::shared_ptr<Instance> adopt(const HostInstance& host);
     ~Instance();
     Instance(const Instance&) = delete;
     Instance& operator=(const Instance&) = delete;
@@ -49,6 +60,7 @@ public:
     [[nodiscard]] const InstanceCalls& calls() const { return calls_; }
     [[nodiscard]] bool validation() const { return validation_; }
     [[nodiscard]] bool debug_utils() const { return debug_utils_; }
+    [[nodiscard]] std::uint32_t version() const { return version_; }
 
     // All physical devices in the loader's order, also those votess cannot use (Adapter::missing).
     [[nodiscard]] std::vector<Adapter> adapters() const;
@@ -57,8 +69,9 @@ public:
 
 private:
     explicit Instance(const InstanceOptions& options);
+    explicit Instance(const HostInstance& host);
     void create_handle(const InstanceOptions& options);
-    void load_calls();
+    void load_calls(PFN_vkGetInstanceProcAddr get);
     void create_messenger();
     void destroy() noexcept;
     void add_message(std::string message);
@@ -66,7 +79,7 @@ private:
                                                      VkDebugUtilsMessageTypeFlagsEXT types,
                                                      const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
 
-    Loader loader_;
+    std::optional<Loader> loader_;  // none: the host's instance
     VkInstance handle_ = VK_NULL_HANDLE;
     std::uint32_t version_ = 0;
     InstanceCalls calls_;

@@ -21,6 +21,14 @@ enum class MemoryKind {
 class Memory;
 struct MemoryBlock;
 
+// A part of a VkBuffer, whoever owns that.
+struct Slice {
+    VkBuffer handle = VK_NULL_HANDLE;
+    VkDeviceSize offset = 0;
+    VkDeviceSize size = 0;
+    [[nodiscard]] explicit operator bool() const { return handle != VK_NULL_HANDLE; }
+};
+
 // A buffer for shaders, vertices, copies and indirect dispatch, with its memory. Its Memory must outlive it.
 class Buffer {
 public:
@@ -33,6 +41,7 @@ public:
     // As asked for; the VkBuffer is at least as large, and a multiple of 16 bytes.
     [[nodiscard]] VkDeviceSize size() const { return size_; }
     [[nodiscard]] explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
+    [[nodiscard]] operator Slice() const { return {handle_, 0, size_}; }
 
     // The bytes as the host sees them, for as long as the buffer lives; empty when it cannot see them.
     [[nodiscard]] std::span<std::byte> mapped() const { return mapped_; }

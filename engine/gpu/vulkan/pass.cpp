@@ -122,8 +122,8 @@ void Pass::make_pipeline(const PassInfo& info) {
     pipeline.layout = layout_;
     check(table.vkCreateShaderModule(device_->handle(), &code, nullptr, &pipeline.stage.module),
           "vkCreateShaderModule");
-    const VkResult result = table.vkCreateComputePipelines(device_->handle(), device_->pipeline_cache().handle(), 1,
-                                                           &pipeline, nullptr, &pipeline_);
+    const VkResult result =
+        table.vkCreateComputePipelines(device_->handle(), device_->cache_handle(), 1, &pipeline, nullptr, &pipeline_);
     // The module is not needed any more, whatever came out.
     table.vkDestroyShaderModule(device_->handle(), pipeline.stage.module, nullptr);
     if (result < 0) pipeline_ = VK_NULL_HANDLE;

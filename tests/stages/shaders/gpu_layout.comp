@@ -46,6 +46,10 @@ void main() {
     put(push.count);
     put(push.shift);
     put(push.format);
+    put(push.lower);
+    put(push.upper);
+    put(push.stride);
+    put(push.check);
 #elif defined(SORT)
     put(push.count);
     put(push.tiles);
@@ -95,6 +99,14 @@ void main() {
     put(push.cell_count);
     put(push.row_stride);
     put(push.second_row_stride);
+    put(push.capacity);
+#elif defined(FRAME)
+    put(push.first_cell);
+    put(push.cell_count);
+    put(push.capacity);
+    put(push.neighbors);
+    put(push.geometry);
+    put(push.shift);
 #elif defined(RUN)
     put(state.lossy);
     put(state.suspects);
@@ -105,6 +117,21 @@ void main() {
     put(state.groups_x);
     put(state.groups_y);
     put(state.groups_z);
+    put(state.row_base);
+#elif defined(HEADER)
+    put(state.seeds);
+    put(state.certified);
+    put(state.unresolved);
+    put(state.duplicates);
+    put(state.outside);
+    put(state.entries);
+    put(state.faces);
+    put(state.reserved);
+#elif defined(CELL)
+    put(state.status);
+    put(state.row_begin);
+    put(state.row_length);
+    put(state.faces);
 #elif defined(LIST)
     put(state.lengths);
     put(state.reach);

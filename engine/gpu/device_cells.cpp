@@ -1,0 +1,130 @@
+#include "gpu/device_cells.hpp"
+
+#include <algorithm>
+
+namespace votess::gpu {
+namespace {
+
+using vulkan::push_bytes;
+
+// Small lists leave nearly all cells to the second tier.
+std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& settings) {
+    constexpr std::uint32_t ordinary_k = 64, least = 1024;
+    return settings.k < ordinary_k ? cells : std::max(cells / 2, std::min(cells, least));
+}
+
+}  // namespace
+
+std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& settings, std::uint32_t wanted,
+                          std::uint32_t seeds) {
+    constexpr std::uint32_t for_software = 1u << 14, for_gpus = 1u << 20;
+    const auto& adapter = device.adapter();
+    VkDeviceSize cells = wanted != 0 ? wanted : (adapter.software() ? for_software : for_gpus);
+    cells = std::min(cells, adapter.limits.maxStorageBufferRange / DeviceCells::largest_bytes_per_cell(settings));
+    // Two chunks take at most a quarter of the memory.
+    cells = std::min(cells, adapter.device_memory / 8 / DeviceCells::bytes_per_cell(settings));
+    return static_cast<std::uint32_t>(std::clamp<VkDeviceSize>(cells, 1, std::max(seeds, 1u)));
+}
+
+VkDeviceSize DeviceCells::bytes_per_cell(const PassSettings& s) {
+    // List, rows and rows out, of both tiers; then the words of reserve(), geometry as float64 twice, and areas as
+    // float64 beside the rows.
+    const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
+    return 4 * (s.k + 2 * planes + 10 + 2 * 2 * geometry_components + (s.areas ? 2 * 2 * planes : 0));
+}
+
+VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
+    const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
+    return 4 * std::max<VkDeviceSize>(s.k, (s.areas ? 2 : 1) * planes);
+}
+
+void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings, bool float64) {
+    cells_ = cells;
+    todo_capacity_ = second_tier_cells(cells, settings);
+    const VkDeviceSize n = cells, t = todo_capacity_;
+    const VkDeviceSize words = float64 ? 2 : 1, area_words = settings.areas ? words : 0;
+    const VkDeviceSize first_rows = n * settings.tiers[0].planes, second_rows = t * settings.tiers[1].planes;
+    const auto take = [&](std::uint32_t binding, VkDeviceSize count, const char* name) {
+        bindings_.set(binding, workspace.take_words(count, name));
+    };
+    take(BINDING_LIST, n * settings.k, "list");
+    take(BINDING_LIST_INFO, n * (sizeof(ListInfo) / 4), "list info");
+    take(BINDING_ROWS, first_rows, "rows");
+    take(BINDING_SECOND_ROWS, second_rows, "second rows");
+    take(BINDING_AREAS, first_rows * area_words, "areas");
+    take(BINDING_SECOND_AREAS, second_rows * area_words, "second areas");
+    take(BINDING_INFO, n, "info");
+    take(BINDING_ROW_LENGTH, n, "row length");
+    take(BINDING_ROW_PLACE, n, "row place");
+    take(BINDING_ROW_OFFSETS, n, "row offsets");
+    take(BINDING_TODO, t, "todo");
+    take(BINDING_CHUNK_STATE, sizeof(ChunkState) / 4, "chunk state");
+    take(BINDING_GEOMETRY, settings.measure ? n * geometry_components * words : 0, "geometry");
+    scan_.reserve(workspace, cells);
+    // A cell of the second tier has no row in the first.
+    most_entries_ = first_rows + t * (settings.tiers[1].planes - settings.tiers[0].planes);
+}
+
+void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity) {
+    bindings_.set(BINDING_ROWS_OUT, rows);
+    bindings_.set(BINDING_AREAS_OUT, areas);
+    rows_.capacity = capacity;
+}
+
+void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job,
+                          std::uint32_t first, std::uint32_t count) {
+    for (int k = 0; k < 3; ++k) {
+        knn_.lower[k] = words(job.lower[k]);
+        knn_.upper[k] = words(job.upper[k]);
+        clip_.extent[k] = words(seeds.extent()[k]);
+    }
+    knn_.bounded = job.bounded;
+    knn_.first_cell = clip_.first_cell = first;
+    knn_.cell_count = clip_.cell_count = rows_.cell_count = count;
+    knn_.seed_count = clip_.seed_count = seeds.count();
+    knn_.own_count = clip_.own_count = job.own_count;
+    knn_.level_count = clip_.level_count = static_cast<std::uint32_t>(seeds.level_first().size());
+    std::ranges::copy(seeds.level_first(), knn_.level_first);
+    std::ranges::copy(seeds.level_first(), clip_.level_first);
+    knn_.most_visits = settings.most_visits;
+    clip_.most_visits = settings.most_walk_visits;
+    knn_.stride = clip_.list_stride = clip_.row_stride = rows_.row_stride = cells_;
+    clip_.todo_capacity = rows_.second_row_stride = todo_capacity_;
+    clip_.walls = job.walls ? 1 : 0;
+    clip_.neighbors = job.neighbors ? 1 : 0;
+    clip_.volume_tolerance = static_cast<float>(job.volume_tolerance);
+    for (const BufferBinding& b : seeds.bindings().list()) bindings_.set(b.binding, b.slice);
+    second_bindings_ = bindings_;
+    second_bindings_.set(BINDING_ROWS, slice(BINDING_SECOND_ROWS));
+    second_bindings_.set(BINDING_AREAS, slice(BINDING_SECOND_AREAS));
+}
+
+void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
+    recorder.fill(slice(BINDING_CHUNK_STATE), offsetof(ChunkState, todo_count), 4, 0);
+    recorder.barrier();
+    recorder.dispatch(passes.knn_search, bindings_.list(), push_bytes(knn_), knn_.cell_count);
+    recorder.barrier();
+}
+
+void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool second_tier) const {
+    recorder.dispatch(passes.clip_cells[0], bindings_.list(), push_bytes(clip_), clip_.cell_count);
+    recorder.barrier();
+    if (!second_tier) return;
+    recorder.dispatch(passes.clip_todo, bindings_.list(), push_bytes(clip_), 1);
+    recorder.barrier();
+    ClipPush second = clip_;
+    second.row_stride = todo_capacity_;
+    recorder.dispatch_indirect(passes.clip_cells[1], second_bindings_.list(), push_bytes(second),
+                               slice(BINDING_CHUNK_STATE), offsetof(ChunkState, groups_x));
+    recorder.barrier();
+}
+
+void DeviceCells::record_rows(Recorder& recorder, const Passes& passes) const {
+    const std::uint32_t count = rows_.cell_count;
+    recorder.copy(slice(BINDING_ROW_LENGTH), 0, slice(BINDING_ROW_OFFSETS), 0, VkDeviceSize{count} * 4);
+    recorder.barrier();
+    scan_.record(recorder, passes, slice(BINDING_ROW_OFFSETS), count);
+    recorder.dispatch(passes.download_rows, bindings_.list(), push_bytes(rows_), count);
+}
+
+}  // namespace votess::gpu

@@ -1,0 +1,64 @@
+// Some sorted seeds whose candidates, cells and rows are in the device's memory at once. Arrays, and what is recorded
+// for the second half of knn, for clip and for download.
+#pragma once
+
+#include <cstdint>
+
+#include "gpu/device_seeds.hpp"
+
+namespace votess::gpu {
+
+// What the cells may rely on, and what is wanted of them.
+struct ChunkJob {
+    bool neighbors = true, walls = false;
+    double volume_tolerance = 1e-5;
+    // Cells of the seeds with an index of at least this are beside the part and not made.
+    std::uint32_t own_count = 0;
+    // Bounds in units, from the box's lower corner, within which all seeds are known; see KnnPush.
+    std::uint64_t lower[3]{}, upper[3]{};
+    std::uint32_t bounded = 0;
+};
+
+// Cells of a chunk: so many as are wanted, 0 = as suits the device, at most `seeds` and what its limits allow.
+[[nodiscard]] std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& settings,
+                                        std::uint32_t wanted, std::uint32_t seeds);
+
+class DeviceCells {
+public:
+    static constexpr std::uint32_t geometry_components = 4;  // volume and centroid
+
+    // Bytes per cell of a chunk on the device; the largest of its arrays.
+    static VkDeviceSize bytes_per_cell(const PassSettings& settings);
+    static VkDeviceSize largest_bytes_per_cell(const PassSettings& settings);
+
+    // Arrays for up to `cells`. float64: geometry and areas are of that type.
+    void reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings, bool float64);
+    // Where the rows go, and the areas beside them; for that many entries.
+    void set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity);
+
+    // Sorted seeds first .. first + count - 1.
+    void set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job, std::uint32_t first,
+                 std::uint32_t count);
+    void record_knn(Recorder& recorder, const Passes& passes) const;
+    void record_clip(Recorder& recorder, const Passes& passes, bool second_tier) const;
+    // The rows one after the other, from entry row_base of the chunk's state on.
+    void record_rows(Recorder& recorder, const Passes& passes) const;
+
+    [[nodiscard]] std::uint32_t capacity() const { return cells_; }
+    // Entries that the rows of all cells have room for.
+    [[nodiscard]] VkDeviceSize most_entries() const { return most_entries_; }
+    [[nodiscard]] const Bindings& bindings() const { return bindings_; }
+    [[nodiscard]] Slice slice(std::uint32_t binding) const { return bindings_.get(binding); }
+    [[nodiscard]] const RowsPush& rows_push() const { return rows_; }
+
+private:
+    std::uint32_t cells_ = 0, todo_capacity_ = 0;
+    VkDeviceSize most_entries_ = 0;
+    Scan scan_;
+    Bindings bindings_, second_bindings_;
+    KnnPush knn_{};
+    ClipPush clip_{};
+    RowsPush rows_{};
+};
+
+}  // namespace votess::gpu

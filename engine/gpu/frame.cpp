@@ -1,0 +1,253 @@
+#include "gpu/frame.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "options.hpp"
+
+namespace votess::vulkan {
+namespace {
+
+using gpu::FrameCell;
+using gpu::FrameHeader;
+using gpu::FramePush;
+using gpu::vulkan::push_bytes;
+
+static_assert(sizeof(Header) == sizeof(FrameHeader) && offsetof(Header, faces) == offsetof(FrameHeader, faces));
+static_assert(sizeof(Cell) == sizeof(FrameCell) && offsetof(Cell, faces) == offsetof(FrameCell, faces));
+
+constexpr VkDeviceSize geometry_bytes = 16;  // of a cell: vec4
+constexpr double volume_tolerance = 0.5e-5;
+
+[[noreturn]] void refuse(const std::string& what) {
+    throw Error(ErrorCode::invalid_argument, what);
+}
+
+void check(const HostInstance& host) {
+    if (host.instance == VK_NULL_HANDLE) refuse("the Vulkan instance is null");
+    if (host.get_instance_proc_addr == nullptr) refuse("get_instance_proc_addr is null");
+    if (host.api_version < VK_API_VERSION_1_1)
+        throw Error(ErrorCode::unsupported, "votess needs an instance of Vulkan 1.1 (VkApplicationInfo::apiVersion)");
+}
+
+std::shared_ptr<gpu::vulkan::Instance> adopt(const HostInstance& host, bool debug_utils) {
+    check(host);
+    return gpu::vulkan::Instance::adopt({host.instance, host.get_instance_proc_addr, host.api_version, debug_utils});
+}
+
+void check(const PlanOptions& options) {
+    constexpr std::uint32_t most = 1u << 27;  // rows have 32 bits for their entries
+    if (options.most_seeds == 0 || options.most_seeds > most)
+        refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(most));
+    if (options.stride < 3) refuse("stride = " + std::to_string(options.stride) + " must be 3 or more numbers");
+    if (options.k_init > 1024) refuse("k_init = " + std::to_string(options.k_init) + " must be at most 1024");
+    Options box;
+    box.box = options.box;
+    check_options(box);
+}
+
+// Arrays that shaders see as wholes.
+void check_range(const gpu::vulkan::Device& device, VkDeviceSize bytes, const char* what, const char* option) {
+    const VkDeviceSize most = device.adapter().limits.maxStorageBufferRange;
+    if (bytes <= most) return;
+    throw Error(ErrorCode::unsupported, std::string("the ") + what + " would take " +
+                                            gpu::vulkan::bytes_text(bytes) + ", more than the " +
+                                            gpu::vulkan::bytes_text(most) + " that shaders of " +
+                                            device.adapter().name + " can see at once: lower " + option);
+}
+
+}  // namespace
+
+Requirements requirements(const HostInstance& host, VkPhysicalDevice physical_device) {
+    const auto instance = adopt(host, false);
+    if (physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
+    const auto adapter = gpu::vulkan::query_adapter(instance->calls(), physical_device, instance->version());
+    Requirements needs;
+    needs.missing = adapter.missing();
+    needs.queue_family = adapter.queue_family;
+    needs.features.shaderFloat64 = adapter.float64;
+    if (adapter.portability_subset) needs.extensions.emplace_back("VK_KHR_portability_subset");
+    return needs;
+}
+
+Plan::Plan(const HostDevice& host, const PlanOptions& options) {
+    const auto instance = adopt(host.host, host.debug_utils);
+    check(options);
+    if (host.physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
+    if (host.device == VK_NULL_HANDLE) refuse("the device is null");
+    const auto adapter = gpu::vulkan::query_adapter(instance->calls(), host.physical_device, instance->version());
+    auto state = std::make_shared<detail::PlanState>();
+    state->device = gpu::vulkan::Device::adopt(instance, adapter,
+                                               {host.device, host.queue_family, host.probe_queue,
+                                                host.features.shaderFloat64 != VK_FALSE, host.pipeline_cache});
+    state->options = options;
+    gpu::vulkan::Device& device = *state->device;
+    gpu::PassSettings settings = gpu::usual_settings(device, options.k_init);
+    settings.measure = options.geometry;
+    settings.frames = true;
+    state->passes.emplace(device, settings);
+    state->chunk_cells = gpu::usual_chunk(device, settings, options.chunk_size, options.most_seeds);
+
+    const VkDeviceSize n = options.most_seeds;
+    constexpr std::uint32_t usual_row = 20;
+    state->entries = options.most_entries != 0 ? options.most_entries : usual_row * std::min(options.most_seeds, 1u << 27);
+    BufferSizes& sizes = state->sizes;
+    const VkDeviceSize number_bytes = options.format == SeedFormat::float32 ? 4 : 8;
+    sizes.seeds = ((n - 1) * options.stride + 3) * number_bytes;
+    sizes.header = sizeof(Header);
+    sizes.cells = n * sizeof(Cell);
+    sizes.indices = options.neighbors ? VkDeviceSize{state->entries} * 4 : 0;
+    sizes.geometry = options.geometry ? n * geometry_bytes : 0;
+    gpu::PartOfBuffer workspace(device, VK_NULL_HANDLE, 0);
+    gpu::DeviceSeeds().reserve(workspace, options.most_seeds);
+    gpu::DeviceCells().reserve(workspace, state->chunk_cells, settings, device.has_float64());
+    sizes.workspace = workspace.bytes();
+    check_range(device, sizes.seeds, "seeds", "most_seeds or stride");
+    check_range(device, sizes.cells, "cells", "most_seeds");
+    check_range(device, sizes.geometry, "geometry", "most_seeds");
+    check_range(device, sizes.indices, "rows", "most_entries");
+    check_range(device, workspace.largest(), "largest part of the workspace", "most_seeds or chunk_size");
+    state_ = std::move(state);
+}
+
+const BufferSizes& Plan::sizes() const noexcept {
+    return state_->sizes;
+}
+
+const PlanOptions& Plan::options() const noexcept {
+    return state_->options;
+}
+
+Frame Plan::frame(const Buffers& buffers) const {
+    Frame frame;
+    frame.state_ = std::make_shared<detail::FrameState>(state_, buffers);
+    return frame;
+}
+
+Frame::Frame() = default;
+
+void Frame::record(VkCommandBuffer commands, const RecordOptions& options) const {
+    if (!state_) refuse("the Frame is empty: Plan::frame() makes one");
+    if (commands == VK_NULL_HANDLE) refuse("the command buffer is null");
+    const std::uint32_t most = state_->plan->options.most_seeds;
+    if (options.count > most)
+        refuse("count = " + std::to_string(options.count) + " is more than most_seeds = " + std::to_string(most));
+    state_->record(commands, options);
+}
+
+detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, const Buffers& buffers)
+    : plan(std::move(of)), recorder_(*plan->device) {
+    const BufferSizes& sizes = plan->sizes;
+    const VkDeviceSize alignment =
+        std::max<VkDeviceSize>(plan->device->adapter().limits.minStorageBufferOffsetAlignment, 4);
+    const auto slice = [&](const BufferRange& range, VkDeviceSize bytes, const char* name) {
+        if (bytes == 0) return gpu::Slice{};
+        if (range.buffer == VK_NULL_HANDLE) refuse(std::string("the buffer of ") + name + " is null");
+        if (range.offset % alignment != 0)
+            refuse(std::string("the offset of ") + name + ", " + std::to_string(range.offset) +
+                   ", is not a multiple of " + std::to_string(alignment));
+        return gpu::Slice{range.buffer, range.offset, bytes};
+    };
+    const gpu::Slice scratch = slice(buffers.workspace, sizes.workspace, "workspace");
+    raw_ = slice(buffers.seeds, sizes.seeds, "seeds");
+    header_ = slice(buffers.header, sizes.header, "header");
+    gpu::PartOfBuffer workspace(*plan->device, scratch.handle, scratch.offset);
+    seeds_.reserve(workspace, plan->options.most_seeds);
+    seeds_.set_box(plan->options.box);
+    cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings, plan->device->has_float64());
+    // Passes bind something in place of arrays that are not wanted.
+    const auto wanted = [&](const gpu::Slice& array) { return array ? array : header_; };
+    cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")), header_, plan->entries);
+    outputs_.set(BINDING_HEADER, header_);
+    outputs_.set(BINDING_CELLS, slice(buffers.cells, sizes.cells, "cells"));
+    outputs_.set(BINDING_GEOMETRY_OUT, wanted(slice(buffers.geometry, sizes.geometry, "geometry")));
+    for (const std::uint32_t binding : {BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE,
+                                        BINDING_GEOMETRY})
+        outputs_.set(binding, cells_.slice(binding));
+    outputs_.set(BINDING_SEED_INPUT, seeds_.seed_input());
+    // All descriptor sets are made here: a recording of fewer seeds needs no other.
+    record(VK_NULL_HANDLE, {.count = plan->options.most_seeds, .timestamps = {}});
+}
+
+void detail::FrameState::record(VkCommandBuffer commands, const RecordOptions& options) {
+    recorder_.open(commands);
+    try {
+        record_stages(options);
+    } catch (...) {
+        recorder_.close();
+        throw;
+    }
+    recorder_.close();
+}
+
+void detail::FrameState::record_stages(const RecordOptions& options) {
+    const gpu::Passes& passes = *plan->passes;
+    const auto stamp = [&](std::uint32_t slot) {
+        if (options.timestamps.pool != VK_NULL_HANDLE)
+            recorder_.write_timestamp(options.timestamps.pool, options.timestamps.first + slot);
+    };
+    stamp(0);
+    seeds_.set_count(options.count);
+    {
+        const auto label = recorder_.label("upload");
+        seeds_.record_begin(recorder_, false);
+        recorder_.fill(header_, offsetof(FrameHeader, seeds), 4, options.count);
+        recorder_.fill(header_, offsetof(FrameHeader, certified), sizeof(FrameHeader) - 4, 0);
+        recorder_.fill(cells_.slice(BINDING_CHUNK_STATE), offsetof(gpu::ChunkState, row_base), 4, 0);
+        recorder_.barrier();
+        const std::uint32_t format = plan->options.format == SeedFormat::float32 ? POINTS_FLOAT32 : POINTS_FLOAT64;
+        seeds_.record_upload(recorder_, passes, {raw_, format, plan->options.stride, true}, 0, options.count);
+    }
+    stamp(1);
+    {
+        const auto label = recorder_.label("sort");
+        seeds_.record_sort(recorder_, passes, KEY_BITS_PER_AXIS);
+    }
+    stamp(2);
+    {
+        const auto label = recorder_.label("knn");
+        seeds_.record_hierarchy(recorder_, passes);
+    }
+    stamp(3);
+    record_cells(options.count);
+    recorder_.barrier_to_all();
+    stamp(4);
+}
+
+void detail::FrameState::record_cells(std::uint32_t count) {
+    const gpu::Passes& passes = *plan->passes;
+    gpu::ChunkJob job;
+    job.neighbors = plan->options.neighbors;
+    job.walls = plan->options.walls;
+    job.volume_tolerance = volume_tolerance;
+    job.own_count = count;
+    for (std::uint32_t first = 0; first < count;) {
+        const std::uint32_t cells = std::min(plan->chunk_cells, count - first);
+        cells_.set_job(seeds_, passes.settings, job, first, cells);
+        {
+            const auto label = recorder_.label("knn");
+            cells_.record_knn(recorder_, passes);
+        }
+        {
+            const auto label = recorder_.label("clip");
+            cells_.record_clip(recorder_, passes, true);
+        }
+        const auto label = recorder_.label("download");
+        if (job.neighbors) cells_.record_rows(recorder_, passes);
+        const FramePush push{first,
+                             cells,
+                             plan->entries,
+                             job.neighbors ? 1u : 0u,
+                             plan->options.geometry ? 1u : 0u,
+                             seeds_.units().shift};
+        recorder_.dispatch(*passes.download_cells, outputs_.list(), push_bytes(push), cells);
+        recorder_.barrier();
+        if (job.neighbors) {
+            recorder_.dispatch(*passes.download_total, outputs_.list(), push_bytes(push), 1);
+            recorder_.barrier();
+        }
+        first += cells;
+    }
+}
+
+}  // namespace votess::vulkan

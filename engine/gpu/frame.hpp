@@ -1,0 +1,39 @@
+// All stages recorded into a host's command buffer, on its buffers: votess::vulkan::Plan and Frame.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "gpu/device_cells.hpp"
+#include "votess/vulkan.hpp"
+
+namespace votess::vulkan::detail {
+
+struct PlanState {
+    std::shared_ptr<gpu::vulkan::Device> device;
+    PlanOptions options;
+    std::optional<gpu::Passes> passes;
+    std::uint32_t chunk_cells = 0;
+    std::uint32_t entries = 0;  // of the rows
+    BufferSizes sizes;
+};
+
+struct FrameState {
+    FrameState(std::shared_ptr<const PlanState> of, const Buffers& buffers);
+
+    void record(VkCommandBuffer commands, const RecordOptions& options);
+
+    std::shared_ptr<const PlanState> plan;
+
+private:
+    void record_stages(const RecordOptions& options);
+    void record_cells(std::uint32_t count);
+
+    gpu::DeviceSeeds seeds_;
+    gpu::DeviceCells cells_;
+    gpu::Slice raw_, header_;
+    gpu::Bindings outputs_;
+    gpu::Recorder recorder_;
+};
+
+}  // namespace votess::vulkan::detail

@@ -1,0 +1,106 @@
+// Plan::resolve(): the cells that a recorded frame could not certify, by the exact clipper.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "cpu/cpu_clipper.hpp"
+#include "gpu/frame.hpp"
+#include "pipeline.hpp"
+
+namespace votess::vulkan {
+namespace {
+
+bool is_unresolved(std::uint32_t status) {
+    switch (static_cast<CellStatus>(status)) {
+        case CellStatus::certified:
+        case CellStatus::duplicate:
+        case CellStatus::outside:
+            return false;
+        default:
+            return true;
+    }
+}
+
+// Some cells of a job, the others left empty.
+class SomeCells final : public Engine {
+public:
+    explicit SomeCells(std::span<const std::int32_t> cells) : cells_(cells) {}
+
+    void upload(const Job& job) override {
+        clipper_.begin(job);
+        result_.begin(job, clipper_.pool());
+        std::ranges::fill(result_.volumes(), 0);
+        std::ranges::fill(result_.centroids(), std::numeric_limits<double>::quiet_NaN());
+    }
+    void sort() override {}
+    void knn() override {}
+    void clip() override {}
+    void fallback() override { clipper_.clip(cells_, result_, {0, 1}); }
+    void download(votess::detail::Result& result) override {
+        clipper_.set_empty(result_);
+        result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
+        result_.finish(result, clipper_.pool());
+        clipper_.end();
+    }
+
+private:
+    std::span<const std::int32_t> cells_;
+    cpu::CpuClipper clipper_;
+    ResultBuilder result_;
+};
+
+template <class Real>
+Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std::span<const Cell> cells,
+                       unsigned threads) {
+    const std::size_t count = cells.size(), stride = plan.stride;
+    if (count > 0 && seeds.size() < (count - 1) * stride + 3)
+        throw Error(ErrorCode::invalid_argument,
+                    std::to_string(seeds.size()) + " numbers are too few for " + std::to_string(count) +
+                        " seeds with a stride of " + std::to_string(stride));
+    std::vector<std::int32_t> unresolved;
+    for (std::size_t i = 0; i < count; ++i)
+        if (is_unresolved(cells[i].status)) unresolved.push_back(static_cast<std::int32_t>(i));
+    Resolved out;
+    out.indptr.push_back(0);
+    if (unresolved.empty()) return out;
+
+    Options options;
+    options.box = plan.box;
+    options.walls = plan.walls;
+    options.threads = threads;
+    options.want = {.neighbors = true, .volumes = true, .centroids = true};
+    options.outside = Outside::drop;
+    std::vector<double> points(3 * count);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = seeds[i * stride + k];
+            // What is not finite lies outside too.
+            points[3 * i + k] = std::isfinite(x) ? x : std::numeric_limits<double>::max();
+        }
+    SomeCells engine(unresolved);
+    const votess::detail::Result result = run_pipeline({points, {}}, options, engine);
+    for (const std::int32_t cell : unresolved) {
+        const auto i = static_cast<std::size_t>(cell);
+        out.cells.push_back(static_cast<std::uint32_t>(cell));
+        out.status.push_back(result.status[i]);
+        out.indices.insert(out.indices.end(), result.indices.begin() + result.indptr[i],
+                           result.indices.begin() + result.indptr[i + 1]);
+        out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
+        out.volumes.push_back(result.volumes[i]);
+        for (std::size_t k = 0; k < 3; ++k) out.centroids.push_back(result.centroids[3 * i + k]);
+    }
+    return out;
+}
+
+}  // namespace
+
+Resolved Plan::resolve(std::span<const float> seeds, std::span<const Cell> cells, unsigned threads) const {
+    return resolve_cells(state_->options, seeds, cells, threads);
+}
+
+Resolved Plan::resolve(std::span<const double> seeds, std::span<const Cell> cells, unsigned threads) const {
+    return resolve_cells(state_->options, seeds, cells, threads);
+}
+
+}  // namespace votess::vulkan

@@ -1,0 +1,20 @@
+// download: where the rows of the next chunk begin, which is what the rows need so far. Stays at the largest number
+// when it would pass that.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { FramePush push; };
+layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
+layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
+layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
+
+void main() {
+    if (gl_GlobalInvocationID.x != 0u) return;
+    const uint last = push.cell_count - 1u, total = row_offsets[last] + row_length[last];
+    chunk.row_base = total > 0xffffffffu - chunk.row_base ? 0xffffffffu : chunk.row_base + total;
+    header.entries = chunk.row_base;
+}
