@@ -55,9 +55,9 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
                        unsigned threads) {
     const std::size_t count = cells.size(), stride = plan.stride;
     if (count > 0 && seeds.size() < (count - 1) * stride + 3)
-        throw Error(ErrorCode::invalid_argument,
-                    std::to_string(seeds.size()) + " numbers are too few for " + std::to_string(count) +
-                        " seeds with a stride of " + std::to_string(stride));
+        throw Error(ErrorCode::invalid_argument, std::to_string(seeds.size()) + " numbers are too few for " +
+                                                     std::to_string(count) + " seeds with a stride of " +
+                                                     std::to_string(stride));
     std::vector<std::int32_t> unresolved;
     for (std::size_t i = 0; i < count; ++i)
         if (is_unresolved(cells[i].status)) unresolved.push_back(static_cast<std::int32_t>(i));

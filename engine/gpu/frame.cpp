@@ -50,9 +50,8 @@ void check(const PlanOptions& options) {
 void check_range(const gpu::vulkan::Device& device, VkDeviceSize bytes, const char* what, const char* option) {
     const VkDeviceSize most = device.adapter().limits.maxStorageBufferRange;
     if (bytes <= most) return;
-    throw Error(ErrorCode::unsupported, std::string("the ") + what + " would take " +
-                                            gpu::vulkan::bytes_text(bytes) + ", more than the " +
-                                            gpu::vulkan::bytes_text(most) + " that shaders of " +
+    throw Error(ErrorCode::unsupported, std::string("the ") + what + " would take " + gpu::vulkan::bytes_text(bytes) +
+                                            ", more than the " + gpu::vulkan::bytes_text(most) + " that shaders of " +
                                             device.adapter().name + " can see at once: lower " + option);
 }
 
@@ -90,7 +89,8 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
 
     const VkDeviceSize n = options.most_seeds;
     constexpr std::uint32_t usual_row = 20;
-    state->entries = options.most_entries != 0 ? options.most_entries : usual_row * std::min(options.most_seeds, 1u << 27);
+    state->entries =
+        options.most_entries != 0 ? options.most_entries : usual_row * std::min(options.most_seeds, 1u << 27);
     BufferSizes& sizes = state->sizes;
     const VkDeviceSize number_bytes = options.format == SeedFormat::float32 ? 4 : 8;
     sizes.seeds = ((n - 1) * options.stride + 3) * number_bytes;
@@ -161,8 +161,8 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     outputs_.set(BINDING_HEADER, header_);
     outputs_.set(BINDING_CELLS, slice(buffers.cells, sizes.cells, "cells"));
     outputs_.set(BINDING_GEOMETRY_OUT, wanted(slice(buffers.geometry, sizes.geometry, "geometry")));
-    for (const std::uint32_t binding : {BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE,
-                                        BINDING_GEOMETRY})
+    for (const std::uint32_t binding :
+         {BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_GEOMETRY})
         outputs_.set(binding, cells_.slice(binding));
     outputs_.set(BINDING_SEED_INPUT, seeds_.seed_input());
     // All descriptor sets are made here: a recording of fewer seeds needs no other.

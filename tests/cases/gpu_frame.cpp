@@ -70,8 +70,7 @@ struct Target {
     template <class Real>
     void write(const Coordinates& points, std::uint32_t stride) {
         const auto to = seeds.as<Real>();
-        for (std::size_t i = 0; i < points.size(); ++i)
-            to[i / 3 * stride + i % 3] = static_cast<Real>(points[i]);
+        for (std::size_t i = 0; i < points.size(); ++i) to[i / 3 * stride + i % 3] = static_cast<Real>(points[i]);
         seeds.flush();
     }
     [[nodiscard]] Header head() const {
@@ -85,7 +84,8 @@ struct Target {
 void run(Host& host, std::span<const Target* const> targets, std::uint32_t count) {
     host.commands.begin();
     host.commands.barrier();
-    for (const Target* target : targets) target->frame.record(host.commands.handle(), {.count = count, .timestamps = {}});
+    for (const Target* target : targets)
+        target->frame.record(host.commands.handle(), {.count = count, .timestamps = {}});
     host.commands.barrier_to_host();
     host.commands.end();
     host.commands.submit();
@@ -154,10 +154,17 @@ void check_header(const Header& h, std::span<const Cell> cells) {
     Header sums{};
     for (const Cell& cell : cells) {
         switch (static_cast<CellStatus>(cell.status)) {
-            case CellStatus::certified: ++sums.certified; break;
-            case CellStatus::duplicate: ++sums.duplicates; break;
-            case CellStatus::outside: ++sums.outside; break;
-            default: ++sums.unresolved;
+            case CellStatus::certified:
+                ++sums.certified;
+                break;
+            case CellStatus::duplicate:
+                ++sums.duplicates;
+                break;
+            case CellStatus::outside:
+                ++sums.outside;
+                break;
+            default:
+                ++sums.unresolved;
         }
         sums.faces += cell.faces;
         sums.entries += cell.row_length;
@@ -251,11 +258,11 @@ TEST_SUITE("cases") {
             const double inf = std::numeric_limits<double>::infinity();
             const double above = narrow ? std::nextafter(1.0f, 2.0f) : std::nextafter(1.0, 2);
             const std::vector<std::pair<std::size_t, double>> bad{
-                {0, above}, {7, -1e-30}, {100, std::numeric_limits<double>::quiet_NaN()}, {301, inf}, {402, -inf},
-                {500, 1e30},  {31, -2}};
+                {0, above},  {7, -1e-30}, {100, std::numeric_limits<double>::quiet_NaN()}, {301, inf}, {402, -inf},
+                {500, 1e30}, {31, -2}};
             for (const auto& [at, x] : bad) points[at] = x;
-            points[34] = -0.0;  // y of seed 11: on the wall
-            points[36] = 1;     // x of seed 12: on the wall
+            points[34] = -0.0;   // y of seed 11: on the wall
+            points[36] = 1;      // x of seed 12: on the wall
             points[39] = 1e-40;  // a subnormal float
             for (std::size_t k = 0; k < 3; ++k) points[3 * 150 + k] = points[3 * 50 + k];
             if (narrow)
@@ -272,7 +279,8 @@ TEST_SUITE("cases") {
             check_header(target.head(), target.cell(set.size()));
             CHECK(target.head().outside == bad.size());
             CHECK(target.head().duplicates <= 1);  // a coordinate so small that it was rounded leaves it to resolve()
-            const Rows rows = narrow ? collect<float>(plan, target, set.size()) : collect<double>(plan, target, set.size());
+            const Rows rows =
+                narrow ? collect<float>(plan, target, set.size()) : collect<double>(plan, target, set.size());
             CHECK(rows.status[150] == CellStatus::duplicate);
             CHECK(rows.rows[150].empty());
             // As if they had never been there.

@@ -158,7 +158,7 @@ VkDescriptorBufferInfo Recorder::descriptor(const Pass& pass, std::uint32_t bind
     const VkDeviceSize whole_words = ceil_div(bytes, 4) * 4;
     if (whole_words > limits.maxStorageBufferRange) {
         wrong(" is larger than the device can bind: " + std::to_string(whole_words) + " bytes of " +
-               std::to_string(limits.maxStorageBufferRange));
+              std::to_string(limits.maxStorageBufferRange));
     }
     return {it->slice.handle, it->slice.offset + it->offset, whole_words};
 }

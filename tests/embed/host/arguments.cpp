@@ -31,7 +31,8 @@ const char* const usage =
     "  --validate          under the validation layer; what it says is a failure\n"
     "  --no-float64        make the device without shaderFloat64\n"
     "  --no-probe          give votess no queue\n"
-    "Exit codes: 0 the cells of the last frame are right, 1 they are not or something failed, 2 bad usage, 77 there is "
+    "Exit codes: 0 the cells of the last two frames are right, 1 they are not or something failed, 2 bad usage, 77 "
+    "there is "
     "no\n"
     "such Vulkan device.\n";
 

@@ -14,6 +14,8 @@ using Vector = std::array<double, 3>;
 
 constexpr double tolerance = 1e-4;  // of lengths along a ray, in a picture drawn in float32
 
+constexpr std::uint32_t unknown = 0xffffffff;  // the pixel of a box in which no cell is certified
+
 double dot(const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -109,6 +111,12 @@ std::string compare_picture(const DrawPush& view, std::uint32_t width, std::span
             if (!scene.solid(i)) continue;
             const Interval interval = scene.inside(i, direction);
             if (interval.length() > tolerance) nearest = std::min(nearest, interval.begin);
+        }
+        // Where no cell is certified there is nothing to follow a ray through.
+        if (seen[pixel] == unknown && results.header.certified == 0 && !std::isinf(nearest)) {
+            ++looked_at;
+            ++of_cells;
+            continue;
         }
         const bool background = seen[pixel] == 0;
         const std::size_t cell = seen[pixel] - std::size_t{1};

@@ -77,6 +77,7 @@ public:
     [[nodiscard]] VkQueue queue() const { return queue_; }
     [[nodiscard]] std::uint32_t queue_family() const { return queue_family_; }
     [[nodiscard]] VkPipelineCache pipeline_cache() const { return cache_.get(); }
+    [[nodiscard]] bool float64() const { return features_.shaderFloat64 != VK_FALSE; }
     [[nodiscard]] const VkPhysicalDeviceProperties& properties() const { return properties_; }
     // A memory type out of `allowed` with these properties, if possible with the preferred ones too.
     [[nodiscard]] std::uint32_t memory_type(std::uint32_t allowed, VkMemoryPropertyFlags needed,
