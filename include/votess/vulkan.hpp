@@ -132,7 +132,7 @@ struct Cell {
 };
 
 struct Buffers {
-    BufferRange seeds, workspace, header, cells, indices, geometry;
+    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{};
 };
 
 // Where to note times: `slots` consecutive queries of a timestamp pool from `first` on, which the program has reset.
@@ -145,7 +145,7 @@ struct Timestamps {
 
 struct RecordOptions {
     std::uint32_t count = 0;  // seeds of this frame, at most most_seeds
-    Timestamps timestamps;    // none while pool is null
+    Timestamps timestamps{};  // none while pool is null
 };
 
 namespace detail {

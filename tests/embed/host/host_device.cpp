@@ -6,6 +6,7 @@
 namespace host {
 namespace {
 
+constexpr VkQueueFlags both_kinds = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 
 std::string lower(std::string text) {
@@ -19,9 +20,8 @@ std::uint32_t drawing_family(VkPhysicalDevice physical) {
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-    constexpr VkQueueFlags both = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
-    const auto it =
-        std::find_if(families.begin(), families.end(), [](const auto& f) { return (f.queueFlags & both) == both; });
+    const auto it = std::find_if(families.begin(), families.end(),
+                                 [](const auto& f) { return (f.queueFlags & both_kinds) == both_kinds; });
     return it == families.end() ? VK_QUEUE_FAMILY_IGNORED : static_cast<std::uint32_t>(it - families.begin());
 }
 
