@@ -97,7 +97,7 @@ Hit trace(int cell, vec3 origin, vec3 direction, float end) {
     return hit;
 }
 
-// From a point of a face, whose unit normal is given, to its nearest edge: where the next bisector, or a wall, meets it.
+// From a point of a face, whose unit normal is given, to its nearest edge: where the next bisector or wall meets it.
 float to_edge(int cell, int other, vec3 point, vec3 normal) {
     float nearest = 1.0;
     for (int axis = 0; axis < 3; ++axis) {

@@ -44,7 +44,8 @@ bool is_open(int cell, vec3 point, vec3 direction, float reach) {
 
 vec3 shade(Hit hit, vec3 point, vec3 normal, float distance, uint sample_id) {
     // Directions spread evenly over samples: by the golden angle.
-    const float turn = 2.39996323 * float(sample_id), share = (float(sample_id) + 0.5) / float(push.samples * push.samples);
+    const float turn = 2.39996323 * float(sample_id);
+    const float share = (float(sample_id) + 0.5) / float(push.samples * push.samples);
     const vec3 disk = vec3(sqrt(share) * cos(turn), sqrt(share) * sin(turn), sqrt(1.0 - share));
     const vec3 side = normalize(cross(normal, abs(normal.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0)));
     const vec3 around = mat3(side, cross(normal, side), normal) * disk;
@@ -65,7 +66,8 @@ vec3 shade(Hit hit, vec3 point, vec3 normal, float distance, uint sample_id) {
 }
 
 vec3 background(vec2 at) {
-    return mix(vec3(0.93, 0.95, 0.97), vec3(0.55, 0.63, 0.72), clamp(0.15 + 0.55 * length(at - vec2(0.0, 0.1)), 0.0, 1.0));
+    const float away = length(at - vec2(0.0, 0.1));
+    return mix(vec3(0.93, 0.95, 0.97), vec3(0.55, 0.63, 0.72), clamp(0.15 + 0.55 * away, 0.0, 1.0));
 }
 
 struct View {
