@@ -133,7 +133,7 @@ struct Cell {
 };
 
 struct Buffers {
-    BufferRange seeds, workspace, header, cells, indices, geometry;
+    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{};
 };
 
 // Where to note times: `slots` consecutive queries of a timestamp pool from `first` on, which the program has reset.
@@ -145,9 +145,9 @@ struct Timestamps {
 };
 
 struct RecordOptions {
-    std::uint32_t count = 0;  // seeds of this frame, at most most_seeds
-    std::optional<Box> box;   // of this frame; default: the plan's
-    Timestamps timestamps;    // none while pool is null
+    std::uint32_t count = 0;   // seeds of this frame, at most most_seeds
+    std::optional<Box> box{};  // of this frame; default: the plan's
+    Timestamps timestamps{};   // none while pool is null
 };
 
 namespace detail {
@@ -177,8 +177,8 @@ private:
 };
 
 struct ResolveOptions {
-    std::optional<Box> box;  // with which the frame was recorded; default: the plan's
-    unsigned threads = 0;    // as Options::threads
+    std::optional<Box> box{};  // with which the frame was recorded; default: the plan's
+    unsigned threads = 0;      // as Options::threads
 };
 
 // The cells that were left to the CPU, made exactly.

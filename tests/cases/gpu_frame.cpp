@@ -85,8 +85,7 @@ void run(Host& host, std::span<const Target* const> targets, std::uint32_t count
          const std::optional<votess::Box>& box = {}) {
     host.commands.begin();
     host.commands.barrier();
-    for (const Target* target : targets)
-        target->frame.record(host.commands.handle(), {.count = count, .box = box, .timestamps = {}});
+    for (const Target* target : targets) target->frame.record(host.commands.handle(), {.count = count, .box = box});
     host.commands.barrier_to_host();
     host.commands.end();
     host.commands.submit();
@@ -258,7 +257,7 @@ TEST_SUITE("cases") {
         }
         host.commands.begin();
         CHECK(test::error_of([&] {
-                  target.frame.record(host.commands.handle(), {.count = 1, .box = test::cube(1, 0), .timestamps = {}});
+                  target.frame.record(host.commands.handle(), {.count = 1, .box = test::cube(1, 0)});
               }) == votess::ErrorCode::invalid_argument);
         host.commands.end();
     }
@@ -383,8 +382,8 @@ TEST_SUITE("cases") {
         // Nothing is taken while recording; but the validation layer does.
         host.commands.begin();
         const auto recording = test::allocations();
-        target.frame.record(host.commands.handle(), {.count = 100, .box = {}, .timestamps = {}});
-        beside.frame.record(host.commands.handle(), {.count = options.most_seeds - 1, .box = {}, .timestamps = {}});
+        target.frame.record(host.commands.handle(), {.count = 100});
+        beside.frame.record(host.commands.handle(), {.count = options.most_seeds - 1});
         const auto after = test::allocations();
         host.commands.end();
         if (recording && !host.gpu.instance->validation()) CHECK(*recording == *after);
@@ -460,8 +459,7 @@ TEST_SUITE("cases") {
         Target target(host, plan);
         CHECK(refused([&] { target.frame.record(VK_NULL_HANDLE, {}); }));
         host.commands.begin();
-        CHECK(
-            refused([&] { target.frame.record(host.commands.handle(), {.count = 51, .box = {}, .timestamps = {}}); }));
+        CHECK(refused([&] { target.frame.record(host.commands.handle(), {.count = 51}); }));
         CHECK(said == "count = 51 is more than most_seeds = 50");
         host.commands.end();
         const std::vector<double> few(10);

@@ -1,0 +1,237 @@
+// Two copies of libvotess in one process, beside a host that carries volk itself, with its global function pointers
+// loaded for a device of its own. Both must give the same rows, in turns and from two threads at once, while the host
+// goes on. Usage: two_copies LIBRARY. Returns 0, 1 on a failure, 77 where there is no lavapipe.
+#include <dlfcn.h>
+#include <unistd.h>
+#include <volk.h>
+#include <votess/votess.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+void require(bool condition, const std::string& what) {
+    if (!condition) throw std::runtime_error(what);
+}
+
+// The host's Vulkan: an instance and a device, all calls through volk's globals.
+class Host {
+public:
+    Host() = default;
+    Host(const Host&) = delete;
+    Host& operator=(const Host&) = delete;
+    ~Host() {
+        if (device_) vkDestroyDevice(device_, nullptr);
+        if (instance_) vkDestroyInstance(instance_, nullptr);
+    }
+
+    // False where there is no Vulkan device in software.
+    bool open() {
+        if (volkInitialize() != VK_SUCCESS) return false;
+        const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                            .pNext = nullptr,
+                                            .pApplicationName = "two_copies",
+                                            .applicationVersion = 0,
+                                            .pEngineName = nullptr,
+                                            .engineVersion = 0,
+                                            .apiVersion = VK_API_VERSION_1_1};
+        VkInstanceCreateInfo info{};
+        info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+        info.pApplicationInfo = &application;
+        if (vkCreateInstance(&info, nullptr, &instance_) != VK_SUCCESS) return false;
+        volkLoadInstance(instance_);
+        std::uint32_t count = 0;
+        vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+        std::vector<VkPhysicalDevice> all(count);
+        vkEnumeratePhysicalDevices(instance_, &count, all.data());
+        for (VkPhysicalDevice physical : all) {
+            VkPhysicalDeviceProperties properties;
+            vkGetPhysicalDeviceProperties(physical, &properties);
+            if (properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU) continue;
+            const float priority = 1;
+            VkDeviceQueueCreateInfo queue{};
+            queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+            queue.queueCount = 1;
+            queue.pQueuePriorities = &priority;
+            VkDeviceCreateInfo device{};
+            device.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+            device.queueCreateInfoCount = 1;
+            device.pQueueCreateInfos = &queue;
+            require(vkCreateDevice(physical, &device, nullptr, &device_) == VK_SUCCESS, "host: vkCreateDevice");
+            volkLoadDevice(device_);
+            vkGetDeviceQueue(device_, 0, 0, &queue_);
+            return true;
+        }
+        return false;
+    }
+
+    [[nodiscard]] bool works() const {
+        VkFenceCreateInfo info{};
+        info.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+        VkFence fence = VK_NULL_HANDLE;
+        if (vkCreateFence(device_, &info, nullptr, &fence) != VK_SUCCESS) return false;
+        const bool done = vkQueueSubmit(queue_, 0, nullptr, fence) == VK_SUCCESS &&
+                          vkWaitForFences(device_, 1, &fence, VK_TRUE, 10'000'000'000) == VK_SUCCESS;
+        vkDestroyFence(device_, fence, nullptr);
+        return done;
+    }
+
+private:
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkQueue queue_ = VK_NULL_HANDLE;
+};
+
+struct Rows {
+    std::vector<std::int64_t> indptr;
+    std::vector<std::int32_t> indices;
+    double volume = 0;
+    bool operator==(const Rows& other) const { return indptr == other.indptr && indices == other.indices; }
+};
+
+// One copy of the library. It stays loaded: drivers that it opened leave threads behind.
+class Copy {
+public:
+    explicit Copy(const std::filesystem::path& file) : library_(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+        require(library_ != nullptr, "dlopen " + file.string());
+    }
+    Copy(const Copy&) = delete;
+    Copy& operator=(const Copy&) = delete;
+
+    [[nodiscard]] void* address() const { return dlsym(library_, "votess_tessellate"); }
+
+    [[nodiscard]] Rows tessellate(const std::vector<double>& points, const char* device) const {
+        votess_options options;
+        require(get<decltype(votess_options_init)>("votess_options_init")(&options, sizeof options) == VOTESS_OK,
+                "options");
+        options.device = device;
+        options.has_box = 1;
+        for (int axis = 0; axis < 3; ++axis) {
+            options.box_lower[axis] = 0;
+            options.box_upper[axis] = 1;
+        }
+        votess_result* result = nullptr;
+        if (get<decltype(votess_tessellate)>("votess_tessellate")(nullptr, points.data(), points.size() / 3, &options,
+                                                                  &result) != VOTESS_OK) {
+            throw std::runtime_error(std::string(device) + ": " +
+                                     get<decltype(votess_last_error)>("votess_last_error")());
+        }
+        Rows rows{array<std::int64_t>(get<decltype(votess_result_indptr)>("votess_result_indptr"), result),
+                  array<std::int32_t>(get<decltype(votess_result_indices)>("votess_result_indices"), result), 0};
+        const auto volumes = array<double>(get<decltype(votess_result_volumes)>("votess_result_volumes"), result);
+        rows.volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
+        get<decltype(votess_result_free)>("votess_result_free")(result);
+        return rows;
+    }
+
+private:
+    // The header's declaration gives the type; this program is not linked with the function.
+    template <class Function>
+    Function* get(const char* name) const {
+        void* symbol = dlsym(library_, name);
+        require(symbol != nullptr, std::string("no symbol ") + name);
+        return reinterpret_cast<Function*>(symbol);
+    }
+    template <class T>
+    static std::vector<T> array(const T* (*read)(const votess_result*, std::size_t*), const votess_result* result) {
+        std::size_t length = 0;
+        const T* first = read(result, &length);
+        return std::vector<T>(first, first + length);
+    }
+
+    void* library_;
+};
+
+// A folder that is gone at the end.
+struct Folder {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("votess_two_copies_" + std::to_string(getpid()));
+    Folder() { std::filesystem::create_directory(path); }
+    ~Folder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+};
+
+void run(const char* library, const Host& host) {
+    const Folder folder;
+    const std::filesystem::path first = folder.path / "libfirst.so", second = folder.path / "libsecond.so";
+    std::filesystem::copy_file(library, first);
+    std::filesystem::copy_file(library, second);
+    const Copy a(first), b(second);
+    require(a.address() != b.address(), "the two files were loaded as one library");
+
+    std::mt19937_64 random(7);
+    std::vector<double> points(3 * 2000);
+    for (double& x : points) x = static_cast<double>(random() >> 11) * 0x1p-53;
+
+    const Rows expected = a.tessellate(points, "cpu");
+    require(expected.indices.size() > 10 * points.size() / 3 && std::abs(expected.volume - 1) < 1e-12,
+            "the rows of the CPU are wrong");
+    const auto check = [&](const Copy& copy, const char* device) {
+        const Rows rows = copy.tessellate(points, device);
+        require(rows == expected, std::string("other rows from ") + device);
+        require(std::abs(rows.volume - 1) < 1e-5, std::string("other volumes from ") + device);
+    };
+    for (const char* device : {"lavapipe", "cpu", "lavapipe"}) {
+        check(a, device);
+        check(b, device);
+    }
+    // Each copy in a thread, then both threads on the other's copy.
+    for (const bool swapped : {false, true}) {
+        std::array<std::string, 2> failures;
+        const auto work = [&](const Copy& copy, bool device_first, std::string& failure) {
+            try {
+                for (int turn = 0; turn < 4; ++turn) check(copy, (turn % 2 == 0) == device_first ? "lavapipe" : "cpu");
+            } catch (const std::exception& error) {
+                failure = error.what();
+            }
+        };
+        std::thread one(work, std::cref(swapped ? b : a), true, std::ref(failures[0]));
+        std::thread two(work, std::cref(swapped ? a : b), swapped, std::ref(failures[1]));
+        bool host_works = true;
+        for (int turn = 0; turn < 100; ++turn) host_works = host_works && host.works();
+        one.join();
+        two.join();
+        require(host_works, "the host's device stopped working");
+        for (const std::string& failure : failures) require(failure.empty(), "in a thread: " + failure);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 2) {
+        std::fprintf(stderr, "usage: two_copies LIBRARY\n");
+        return 2;
+    }
+    try {
+        Host host;
+        if (!host.open()) {
+            std::printf("skipped: no Vulkan device in software (Mesa's lavapipe)\n");
+            return 77;
+        }
+        require(host.works(), "the host's device does not work");
+        run(argv[1], host);
+        require(host.works(), "the host's device does not work any more");
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "two_copies: %s\n", error.what());
+        return 1;
+    }
+    std::printf("two copies and the host's volk: the same rows\n");
+    return 0;
+}
