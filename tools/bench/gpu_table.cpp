@@ -7,11 +7,15 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <functional>
 #include <iomanip>
 #include <map>
 #include <sstream>
 
 #include "bench.hpp"
+#if BENCH_FRAMES
+#include "gpu_frames.hpp"
+#endif
 #include "machine.hpp"
 #include "measure.hpp"
 
@@ -215,7 +219,9 @@ std::string file_name(const std::string& device) {
     return "gpu-" + name + '-' + date() + ".json";
 }
 
-void write(const std::string& file, const votess::DeviceInfo& device, unsigned threads, const std::vector<Row>& rows) {
+// frames: of JSON.
+void write(const std::string& file, const votess::DeviceInfo& device, unsigned threads, const std::vector<Row>& rows,
+           const std::vector<std::string>& frames = {}) {
     std::ostringstream out;
     out << std::setprecision(6) << "{\n  \"device\": {\"id\": " << in_quotes(device.id)
         << ", \"name\": " << in_quotes(device.name) << ", \"description\": " << in_quotes(device.description)
@@ -225,6 +231,8 @@ void write(const std::string& file, const votess::DeviceInfo& device, unsigned t
         out << (i > 0 ? ",\n    " : "\n    ");
         write(out, rows[i]);
     }
+    out << "\n  ],\n  \"frames\": [";
+    for (std::size_t i = 0; i < frames.size(); ++i) out << (i > 0 ? ",\n    " : "\n    ") << frames[i];
     out << "\n  ]\n}\n";
     write_whole(file, out.str());
 }
@@ -238,6 +246,48 @@ votess::DeviceInfo open(const std::string& device) {
     const votess::Tessellation t = votess::tessellate(std::span<const double>(seed), options);
     return describe(device, t.stats().device);
 }
+
+#if BENCH_FRAMES
+// Calls written(JSON) after each row; false when one was wrong.
+bool measure_frames(const GpuTable& table, const std::string& device_name,
+                    const std::function<void(std::string)>& written) {
+    const Frames frames(device_name);
+    print_frames_head();
+    bool good = true;
+    for (const std::string& name : table.inputs) {
+        double pace = 0;  // seconds per seed
+        for (const std::size_t n : is_file(name) ? std::vector<std::size_t>{0} : table.sizes) {
+            const Input input = make_input(name, n, table.rng_seed);
+            for (const bool with_rows : {false, true}) {
+                FrameRow row;
+                if (pace * static_cast<double>(input.size()) > table.limit) {
+                    row.note = "left out: over --limit";
+                } else {
+                    try {
+                        row = frames.measure(input, with_rows, table.repeats,
+                                             static_cast<double>(input.size()) <= table.check_limit);
+                        pace = std::max(pace, median(row.seconds) / static_cast<double>(row.n));
+                    } catch (const std::exception& error) {
+                        row.note = std::string("failed: ") + error.what();
+                        row.wrong = true;
+                    }
+                }
+                row.input = input.name;
+                row.n = input.size();
+                row.rows = with_rows;
+                good = good && !row.wrong;
+                print(row);
+                written(bench::json(row));
+            }
+        }
+    }
+    return good;
+}
+#else
+bool measure_frames(const GpuTable&, const std::string&, const std::function<void(std::string)>&) {
+    return true;
+}
+#endif
 
 }  // namespace
 
@@ -279,6 +329,13 @@ int run_gpu_table(const GpuTable& table) {
             }
         }
     }
+    std::vector<std::string> frames;
+    good = measure_frames(table, device.name,
+                          [&](std::string frame) {
+                              frames.push_back(std::move(frame));
+                              write(json, device, table.threads, rows, frames);
+                          }) &&
+           good;
     std::printf("\nwritten to %s\n", json.c_str());
     return good ? 0 : 1;
 }

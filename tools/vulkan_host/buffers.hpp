@@ -39,6 +39,11 @@ void wait(const HostDevice& device, VkFence fence);
 void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
              VkAccessFlags read);
 
+// A pool of timestamps; null where the queue has none.
+[[nodiscard]] Owned<VkQueryPool> make_timestamps(const HostDevice& device, std::uint32_t count);
+// All of a finished pool, from the first on; empty for none.
+[[nodiscard]] std::vector<double> seconds_of(const HostDevice& device, VkQueryPool pool, std::uint32_t count);
+
 // Outside of the frames: records commands, submits them and waits.
 void run_once(const HostDevice& device, const std::function<void(VkCommandBuffer)>& record);
 void upload(const HostDevice& device, std::span<const std::byte> bytes, VkBuffer target);

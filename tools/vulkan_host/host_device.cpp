@@ -6,7 +6,6 @@
 namespace host {
 namespace {
 
-constexpr VkQueueFlags both_kinds = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 
 std::string lower(std::string text) {
@@ -14,15 +13,17 @@ std::string lower(std::string text) {
     return text;
 }
 
-// The first queue family that computes and draws; VK_QUEUE_FAMILY_IGNORED where there is none.
-std::uint32_t drawing_family(VkPhysicalDevice physical) {
+// The first queue family that has these; VK_QUEUE_FAMILY_IGNORED where there is none.
+std::uint32_t family_with(VkPhysicalDevice physical, VkQueueFlags flags, std::uint32_t& timestamp_bits) {
     std::uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-    const auto it = std::find_if(families.begin(), families.end(),
-                                 [](const auto& f) { return (f.queueFlags & both_kinds) == both_kinds; });
-    return it == families.end() ? VK_QUEUE_FAMILY_IGNORED : static_cast<std::uint32_t>(it - families.begin());
+    const auto it =
+        std::find_if(families.begin(), families.end(), [&](const auto& f) { return (f.queueFlags & flags) == flags; });
+    if (it == families.end()) return VK_QUEUE_FAMILY_IGNORED;
+    timestamp_bits = it->timestampValidBits;
+    return static_cast<std::uint32_t>(it - families.begin());
 }
 
 bool matches(const std::string& wanted, std::size_t index, const VkPhysicalDeviceProperties& properties) {
@@ -56,7 +57,7 @@ HostDevice::HostDevice(const DeviceOptions& options, Messages& messages)
     if (volkInitialize() != VK_SUCCESS) throw NoDevice("no Vulkan loader on this machine");
     try {
         create_instance();
-        choose(options.name);
+        choose(options.name, options.draws);
         create_device(options.float64);
     } catch (...) {
         destroy();
@@ -116,19 +117,21 @@ void HostDevice::create_instance() {
     }
 }
 
-void HostDevice::choose(const std::string& name) {
+void HostDevice::choose(const std::string& name, bool draws) {
     std::uint32_t count = 0;
     check(vkEnumeratePhysicalDevices(instance_, &count, nullptr), "vkEnumeratePhysicalDevices");
     std::vector<VkPhysicalDevice> all(count);
     check(vkEnumeratePhysicalDevices(instance_, &count, all.data()), "vkEnumeratePhysicalDevices");
     for (std::size_t i = 0; i < all.size(); ++i) {
         vkGetPhysicalDeviceProperties(all[i], &properties_);
-        queue_family_ = drawing_family(all[i]);
+        const VkQueueFlags flags = VK_QUEUE_COMPUTE_BIT | (draws ? VK_QUEUE_GRAPHICS_BIT : 0);
+        queue_family_ = family_with(all[i], flags, timestamp_bits_);
         if (!matches(name, i, properties_) || queue_family_ == VK_QUEUE_FAMILY_IGNORED) continue;
         physical_ = all[i];
         return;
     }
-    throw NoDevice("no Vulkan device that draws" + (name.empty() ? name : ", named " + name));
+    throw NoDevice("no Vulkan device that " + std::string(draws ? "draws" : "computes") +
+                   (name.empty() ? name : ", named " + name));
 }
 
 void HostDevice::create_device(bool float64) {

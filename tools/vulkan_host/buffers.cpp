@@ -78,6 +78,32 @@ void barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags 
     vkCmdPipelineBarrier(commands, from, to, 0, 1, &memory, 0, nullptr, 0, nullptr);
 }
 
+Owned<VkQueryPool> make_timestamps(const HostDevice& device, std::uint32_t count) {
+    if (device.timestamp_bits() == 0) return {};
+    VkQueryPoolCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    info.queryCount = count;
+    VkQueryPool pool = VK_NULL_HANDLE;
+    check(vkCreateQueryPool(device.device(), &info, nullptr, &pool), "vkCreateQueryPool");
+    return {device.device(), pool, vkDestroyQueryPool};
+}
+
+std::vector<double> seconds_of(const HostDevice& device, VkQueryPool pool, std::uint32_t count) {
+    if (pool == VK_NULL_HANDLE) return {};
+    std::vector<std::uint64_t> ticks(count);
+    check(vkGetQueryPoolResults(device.device(), pool, 0, count, count * sizeof ticks[0], ticks.data(), sizeof ticks[0],
+                                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+          "vkGetQueryPoolResults");
+    // The counter has so many bits, and wraps around.
+    const std::uint32_t bits = device.timestamp_bits();
+    const std::uint64_t mask = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
+    const double period = static_cast<double>(device.properties().limits.timestampPeriod) * 1e-9;
+    std::vector<double> seconds;
+    for (const std::uint64_t tick : ticks) seconds.push_back(static_cast<double>((tick - ticks[0]) & mask) * period);
+    return seconds;
+}
+
 void run_once(const HostDevice& device, const std::function<void(VkCommandBuffer)>& record) {
     const Owned<VkCommandPool> pool = make_command_pool(device);
     const Owned<VkFence> fence = make_fence(device);

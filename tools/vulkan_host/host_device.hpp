@@ -57,9 +57,10 @@ private:
 };
 
 struct DeviceOptions {
-    std::string name;  // as Arguments::device
+    std::string name;  // part of a name, "lavapipe", or an index; empty: the first that will do
     bool validate = false;
     bool float64 = true;
+    bool draws = true;  // else any queue that computes will do
 };
 
 class HostDevice {
@@ -77,6 +78,8 @@ public:
     [[nodiscard]] VkQueue queue() const { return queue_; }
     [[nodiscard]] std::uint32_t queue_family() const { return queue_family_; }
     [[nodiscard]] VkPipelineCache pipeline_cache() const { return cache_.get(); }
+    // Of timestamps of the queue; 0: it has none.
+    [[nodiscard]] std::uint32_t timestamp_bits() const { return timestamp_bits_; }
     [[nodiscard]] bool float64() const { return features_.shaderFloat64 != VK_FALSE; }
     [[nodiscard]] const VkPhysicalDeviceProperties& properties() const { return properties_; }
     // A memory type out of `allowed` with these properties, if possible with the preferred ones too.
@@ -88,7 +91,7 @@ private:
                                                      VkDebugUtilsMessageTypeFlagsEXT types,
                                                      const VkDebugUtilsMessengerCallbackDataEXT* data, void* messages);
     void create_instance();
-    void choose(const std::string& name);
+    void choose(const std::string& name, bool draws);
     void create_device(bool float64);
     void destroy() noexcept;
 
@@ -101,6 +104,7 @@ private:
     VkPhysicalDeviceFeatures features_{};
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
+    std::uint32_t timestamp_bits_ = 0;
     std::uint32_t queue_family_ = 0;
     Owned<VkPipelineCache> cache_;
 };
