@@ -85,7 +85,7 @@ struct PlanOptions {
     bool geometry = true;            // volumes and centroids
     bool walls = false;              // list the wall ids -1 .. -6 in the rows too
     std::uint32_t most_entries = 0;  // of all rows together; 0 = 20 a seed. See Header::entries
-    std::uint32_t chunk_size = 0;    // cells worked on at once, 0 = automatic: more workspace, more speed
+    std::uint32_t chunk_size = 0;    // cells worked on at once: more workspace, more speed. 0 = automatic: 2^20 on GPUs
     std::uint32_t k_init = 0;        // as Options::k_init
 };
 
@@ -102,11 +102,13 @@ inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFE
 
 // Bytes of each buffer, for most_seeds seeds. All arrays are in the order of the seeds as given. 0: not wanted.
 struct BufferSizes {
-    VkDeviceSize seeds = 0;      // read: x y z, `stride` numbers of `format` apart
-    VkDeviceSize workspace = 0;  // nothing to be found in it; device-local
-    VkDeviceSize header = 0;     // struct Header
-    VkDeviceSize cells = 0;      // N struct Cell
-    VkDeviceSize indices = 0;    // int32: the rows; that of seed i is indices[cells[i].row_begin ..+ row_length]
+    VkDeviceSize seeds = 0;  // read: x y z, `stride` numbers of `format` apart
+    // Nothing to be found in it; device-local. At most 90 bytes a seed and 900 a cell of the chunk (PlanOptions), so
+    // that with all arrays 1e8 seeds take some 22 GB.
+    VkDeviceSize workspace = 0;
+    VkDeviceSize header = 0;   // struct Header
+    VkDeviceSize cells = 0;    // N struct Cell
+    VkDeviceSize indices = 0;  // int32: the rows; that of seed i is indices[cells[i].row_begin ..+ row_length]
     // N x 4 float32: centroid relative to the seed, and volume; 0 for cells without. Choose a unit of length with which
     // volumes are in the range of float32.
     VkDeviceSize geometry = 0;

@@ -428,6 +428,20 @@ TEST_SUITE("cases") {
         CHECK(geometry.head().certified == 0);
     }
 
+    TEST_CASE("gpu frame: the workspace is as large as the header says") {
+        Host host;
+        PlanOptions options;
+        options.box = test::unit_box();
+        for (const std::uint32_t seeds : {1000u, 100000u, 5000000u})
+            for (const std::uint32_t chunk : {100u, 10000u}) {
+                options.most_seeds = seeds;
+                options.chunk_size = chunk;
+                const VkDeviceSize workspace = Plan(host.device(), options).sizes().workspace;
+                CHECK(workspace < 90 * VkDeviceSize{seeds} + 900 * VkDeviceSize{chunk} + (1u << 20));
+                CHECK(workspace > 80 * VkDeviceSize{seeds});
+            }
+    }
+
     TEST_CASE("gpu frame: what is refused") {
         Host host;
         const PointSet set = test::uniform(50, 12);
