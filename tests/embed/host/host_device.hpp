@@ -57,8 +57,8 @@ private:
 };
 
 struct DeviceOptions {
-    std::string name;  // as Arguments::device
-    bool validate = false;
+    std::string name;            // as Arguments::device
+    std::uint32_t validate = 0;  // as in Arguments
     bool float64 = true;
 };
 
@@ -92,7 +92,7 @@ private:
     void create_device(bool float64);
     void destroy() noexcept;
 
-    bool validate_;
+    std::uint32_t validate_;
     Messages& messages_;
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
