@@ -65,7 +65,9 @@ struct HostDevice {
     std::uint32_t queue_family = 0;                   // of the queue that the commands will run on; with compute
     VkPhysicalDeviceFeatures features{};              // those that the device was made with
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // may be null
-    bool debug_utils = false;                         // VK_EXT_debug_utils is enabled: stages get labels, objects names
+    // VK_EXT_debug_utils is enabled: stages get labels, objects names. Loaders (1.3.239) may crash in these calls while
+    // another thread destroys a device.
+    bool debug_utils = false;
     // A queue of that family, used while a Plan is made and never later: a small test is submitted, and waited for,
     // that shows how the device rounds. Nobody else may use the queue at that time. Null: no test, the bounds hold for
     // any rounding then, and there is no second try in float64: some more cells stay unresolved.

@@ -100,18 +100,18 @@ void HostDevice::create_instance() {
     features.pEnabledValidationFeatures = &synchronization;
     const std::vector<const char*> extensions = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
                                                  VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
-    if (validate_) {
+    if (validate_ > 0) {
         info.enabledLayerCount = 1;
         info.ppEnabledLayerNames = &validation_layer;
         info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
         info.ppEnabledExtensionNames = extensions.data();
-        info.pNext = &features;
+        info.pNext = validate_ > 1 ? static_cast<const void*>(&features) : &messenger;
     }
     const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
     if (result == VK_ERROR_INCOMPATIBLE_DRIVER) throw NoDevice("no Vulkan driver on this machine");
     check(result, "vkCreateInstance");
     volkLoadInstance(instance_);
-    if (validate_) {
+    if (validate_ > 0) {
         check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
               "vkCreateDebugUtilsMessengerEXT");
     }
@@ -173,7 +173,7 @@ votess::vulkan::HostDevice HostDevice::for_votess(bool probe) const {
             .queue_family = queue_family_,
             .features = features_,
             .pipeline_cache = cache_.get(),
-            .debug_utils = validate_,
+            .debug_utils = validate_ > 0,
             .probe_queue = probe ? queue_ : VK_NULL_HANDLE};
 }
 

@@ -57,8 +57,8 @@ private:
 };
 
 struct DeviceOptions {
-    std::string name;  // part of a name, "lavapipe", or an index; empty: the first that will do
-    bool validate = false;
+    std::string name;            // part of a name, "lavapipe", or an index; empty: the first that will do
+    std::uint32_t validate = 0;  // 1: by the validation layer; 2: of synchronization too
     bool float64 = true;
     bool draws = true;  // else any queue that computes will do
 };
@@ -95,7 +95,7 @@ private:
     void create_device(bool float64);
     void destroy() noexcept;
 
-    bool validate_;
+    std::uint32_t validate_;
     Messages& messages_;
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;

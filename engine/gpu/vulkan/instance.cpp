@@ -153,7 +153,9 @@ void Instance::create_handle(const InstanceOptions& options) {
             info.pNext = &features;
         }
     }
-    debug_utils_ = has(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    // Only where somebody looks: for names and labels the loader walks the devices of all instances without a lock, and
+    // crashes when another thread, not even of ours, destroys one (1.3.239).
+    debug_utils_ = validation_ && has(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (debug_utils_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (has(available, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
         extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);

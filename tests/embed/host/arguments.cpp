@@ -28,7 +28,7 @@ const char* const usage =
     "  --output DIR        write the pictures there, DIR/frame-0000.png and so on; default: nothing is written\n"
     "  --device NAME|N     part of the name of a Vulkan device, lavapipe, or its index\n"
     "  --plans 1|2         2: a second plan, with other options, in the same command buffers\n"
-    "  --validate          under the validation layer; what it says is a failure\n"
+    "  --validate 0|1|2    1: under the validation layer, whose messages are failures; 2: with missing barriers (0)\n"
     "  --no-float64        make the device without shaderFloat64\n"
     "  --no-probe          give votess no queue\n"
     "Exit codes: 0 the cells of the last two frames are right, 1 they are not or something failed, 2 bad usage, 77 "
@@ -63,7 +63,7 @@ Arguments read_arguments(int argc, char** argv) {
         } else if (option == "--device") {
             arguments.device = value();
         } else if (option == "--validate") {
-            arguments.validate = true;
+            arguments.validate = number(option, value(), 0, 2);
         } else if (option == "--no-float64") {
             arguments.float64 = false;
         } else if (option == "--no-probe") {

@@ -13,9 +13,9 @@ struct Arguments {
     std::uint32_t width = 640, height = 480;
     std::uint32_t samples = 2;  // per pixel, along each axis
     std::uint32_t plans = 1;
-    std::string output;  // folder for pictures; empty: none are written
-    std::string device;  // part of a name, "lavapipe", or an index; empty: the first that will do
-    bool validate = false;
+    std::string output;          // folder for pictures; empty: none are written
+    std::string device;          // part of a name, "lavapipe", or an index; empty: the first that will do
+    std::uint32_t validate = 0;  // 1: under the validation layer, 2: which looks for missing barriers too
     bool float64 = true;
     bool probe = true;
     bool help = false;

@@ -31,7 +31,7 @@ std::vector<float> first_seeds(std::uint32_t count) {
 template <class T>
 std::vector<T> numbers(std::span<const std::byte> bytes, VkDeviceSize offset, std::size_t count) {
     std::vector<T> result(count);
-    std::memcpy(result.data(), bytes.data() + offset, count * sizeof(T));
+    if (count > 0) std::memcpy(result.data(), bytes.data() + offset, count * sizeof(T));
     return result;
 }
 
