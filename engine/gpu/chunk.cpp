@@ -19,23 +19,55 @@ std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& setting
     return settings.k < ordinary_k ? cells : std::max(cells / 2, std::min(cells, least));
 }
 
+// Where subgroups make the cells of the first tier, only those of the second need lists.
+std::uint32_t listed_cells(std::uint32_t cells, const PassSettings& settings) {
+    return settings.subgroup_size != 0 ? second_tier_cells(cells, settings) : cells;
+}
+
+// Words of the list for each cell of a large chunk.
+VkDeviceSize list_words(const PassSettings& settings) {
+    constexpr std::uint32_t large = 1u << 20;
+    return (VkDeviceSize{settings.k} * listed_cells(large, settings) + large - 1) / large;
+}
+
+CellsPush cells_push(const KnnPush& knn, const ClipPush& clip) {
+    CellsPush push{};
+    std::ranges::copy(clip.extent, push.extent);
+    std::ranges::copy(knn.lower, push.lower);
+    std::ranges::copy(knn.upper, push.upper);
+    push.bounded = knn.bounded;
+    push.first_cell = clip.first_cell;
+    push.cell_count = clip.cell_count;
+    push.seed_count = clip.seed_count;
+    push.own_count = clip.own_count;
+    push.level_count = clip.level_count;
+    push.most_visits = knn.most_visits;
+    push.row_stride = clip.row_stride;
+    push.todo_capacity = clip.todo_capacity;
+    push.walls = clip.walls;
+    push.neighbors = clip.neighbors;
+    push.volume_tolerance = clip.volume_tolerance;
+    return push;
+}
+
 }  // namespace
 
 VkDeviceSize Chunk::bytes_per_cell(const PassSettings& s) {
     // List, rows and rows out, of both tiers; then the words of the constructor below, geometry as float64 twice, and
     // areas as float64 beside the rows.
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * (s.k + 2 * planes + 10 + 2 * 2 * geometry_components + (s.areas ? 2 * 2 * planes : 0));
+    return 4 * (list_words(s) + 2 * planes + 10 + 2 * 2 * geometry_components + (s.areas ? 2 * 2 * planes : 0));
 }
 
 VkDeviceSize Chunk::largest_bytes_per_cell(const PassSettings& s) {
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * std::max<VkDeviceSize>(s.k, (s.areas ? 2 : 1) * planes);
+    return 4 * std::max<VkDeviceSize>(list_words(s), (s.areas ? 2 : 1) * planes);
 }
 
 Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells, const PassSettings& settings)
     : cells_(cells),
       todo_capacity_(second_tier_cells(cells, settings)),
+      list_columns_(listed_cells(cells, settings)),
       float64_geometry_(device.has_float64()),
       measure_(settings.measure),
       areas_wanted_(settings.areas),
@@ -50,8 +82,8 @@ Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells
     const auto on_host = [&](VkDeviceSize count, const char* name) {
         return words_on(count, MemoryKind::download, name);
     };
-    list_ = on_device(n * settings.k, "list");
-    list_info_ = memory.buffer(n * sizeof(ListInfo), MemoryKind::device, "list info");
+    list_ = on_device(VkDeviceSize{list_columns_} * settings.k, "list");
+    list_info_ = memory.buffer(list_columns_ * sizeof(ListInfo), MemoryKind::device, "list info");
     rows_ = on_device(n * settings.tiers[0].planes, "rows");
     second_rows_ = on_device(t * settings.tiers[1].planes, "second rows");
     const VkDeviceSize area_words = settings.areas ? (float64_geometry_ ? 2 : 1) : 0;
@@ -126,16 +158,30 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     commands_.fill(state_, 0, sizeof(ChunkState), 0);
     commands_.barrier();
     stamps_[0] = commands_.timestamp();
-    knn.stride = clip.list_stride = clip.row_stride = cells_;
-    commands_.dispatch(passes.knn_search, bindings.list(), push_bytes(knn), count);
-    commands_.barrier();
+    knn.stride = clip.list_stride = list_columns_;
+    clip.row_stride = cells_;
+    const std::uint32_t lanes = passes.settings.subgroup_size;
+    if (lanes == 0) {
+        commands_.dispatch(passes.knn_search, bindings.list(), push_bytes(knn), count);
+        commands_.barrier();
+    }
     stamps_[1] = commands_.timestamp();
     label.emplace(commands_, "clip");
-    commands_.dispatch(passes.clip_cells[0], bindings.list(), push_bytes(clip), count);
+    if (lanes == 0)
+        commands_.dispatch(passes.clip_cells[0], bindings.list(), push_bytes(clip), count);
+    else
+        commands_.dispatch(passes.clip_cells[0], bindings.list(), push_bytes(cells_push(knn, clip)),
+                           std::uint64_t{count} * lanes);
     commands_.barrier();
     if (second_tier) {
         commands_.dispatch(passes.clip_todo, bindings.list(), push_bytes(clip), 1);
         commands_.barrier();
+        if (lanes != 0) {
+            knn.cell_count = todo_capacity_;
+            commands_.dispatch_indirect(passes.knn_search, bindings.list(), push_bytes(knn), state_,
+                                        offsetof(ChunkState, groups_x));
+            commands_.barrier();
+        }
         Bindings second = bindings;
         second.set(BINDING_ROWS, second_rows_);
         second.set(BINDING_AREAS, second_areas_);

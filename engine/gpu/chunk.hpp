@@ -56,12 +56,14 @@ public:
     [[nodiscard]] Seconds seconds() const;
 
     // For tests of single passes.
+    [[nodiscard]] std::uint32_t list_columns() const { return list_columns_; }
     [[nodiscard]] const Buffer& list() const { return list_; }
     [[nodiscard]] const Buffer& list_info() const { return list_info_; }
 
 private:
     std::uint32_t cells_;
     std::uint32_t todo_capacity_;
+    std::uint32_t list_columns_;
     bool float64_geometry_;
     bool measure_, areas_wanted_;
     Buffer list_, list_info_, rows_, second_rows_, areas_, second_areas_;

@@ -7,12 +7,14 @@
 #include <numeric>
 #include <string>
 
+#include "gpu/kernel_choice.hpp"
 #include "implied_wants.hpp"
 
 namespace votess::gpu {
 namespace {
 
 constexpr std::uint32_t usual_k = 112;
+constexpr std::uint32_t most_first_count = 96;  // of SUBGROUP_STORE
 constexpr std::uint32_t software_walk = 512, usual_walk = 20000;  // boxes looked at for one cell
 constexpr std::uint32_t software_chunk = 1u << 14, usual_chunk = 1u << 20;
 constexpr std::size_t block_cells = 4096;  // per task of the host
@@ -46,6 +48,8 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
                                                 "' has no float64 arithmetic: use precision single, or the CPU");
     PassSettings s;
     s.k = options.k_init == 0 ? usual_k : options.k_init;
+    s.subgroup_size = choose_subgroup_size(device_->adapter(), options.kernel);
+    if (options.k_init != 0) s.first_count = std::min(options.k_init, most_first_count);
     // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
     s.most_walk_visits = device_->adapter().software() ? software_walk : usual_walk;
     if (limits_.most_walk_visits != 0) s.most_walk_visits = limits_.most_walk_visits;

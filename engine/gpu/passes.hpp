@@ -7,7 +7,7 @@
 
 namespace votess::gpu {
 
-// What one tier of clip may use. A cell that needs more goes to the next tier, in the end to the CPU.
+// What one tier of clip may use. With a subgroup per cell the first tier has 32 planes. A cell that needs more goes to the next tier, in the end to the CPU.
 struct TierLimits {
     std::uint32_t planes = 32;    // alive at once; a multiple of 32
     std::uint32_t vertices = 64;  // alive at once; a multiple of 32
@@ -22,7 +22,10 @@ struct PassSettings {
     std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
     bool measure = true;                     // volumes and centroids
     bool areas = false;                      // and areas beside the rows
-    std::uint32_t local_size = 64;           // of passes without shared memory
+    std::uint32_t local_size = 64;           // of passes that do not rely on theirs
+    // Invocations that make a cell of the first tier together, searching as they clip; 0: each makes one, from a list.
+    std::uint32_t subgroup_size = 0;
+    std::uint32_t first_count = 48;  // seeds that the subgroup's first search aims at
     bool operator==(const PassSettings&) const = default;
 };
 
@@ -33,7 +36,7 @@ struct Passes {
     vulkan::Pass upload;
     vulkan::Pass sort_key, sort_count, sort_scatter, sort_gather, scan_blocks, scan_add;
     vulkan::Pass knn_boxes, knn_search;
-    vulkan::Pass clip_cells[2], clip_todo;
+    vulkan::Pass clip_cells[2], clip_todo;  // clip_cells[0] searches too where subgroups make cells
     vulkan::Pass download_rows;
 };
 

@@ -1,0 +1,90 @@
+// Measures a cell of a subgroup: a lane measures at its vertices, and the sums are over all lanes. The store of
+// candidates, which is not needed any more, takes the planes in the precision of geometry.
+//
+// Needs what lib/subgroup_cell.glsl, lib/corner.glsl and lib/relative.glsl define.
+
+#ifdef GEOMETRY_FLOAT64
+#define PUT_NUMBER(array, i, number)                              \
+    {                                                             \
+        const uvec2 words = unpackDouble2x32(number);             \
+        array[SUBGROUP_STORE * gl_SubgroupID + (i)] = words.x;    \
+        array[SUBGROUP_STORE * gl_SubgroupID + (i) + 32] = words.y; \
+    }
+#define GET_NUMBER(array, i)                                              \
+    packDouble2x32(uvec2(array[SUBGROUP_STORE * gl_SubgroupID + (i)],     \
+                         array[SUBGROUP_STORE * gl_SubgroupID + (i) + 32]))
+#else
+#define PUT_NUMBER(array, i, number) array[SUBGROUP_STORE * gl_SubgroupID + (i)] = floatBitsToUint(number);
+#define GET_NUMBER(array, i) uintBitsToFloat(array[SUBGROUP_STORE * gl_SubgroupID + (i)])
+#endif
+
+void share_exact_planes(uint used) {
+    share();
+    for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes)) {
+        if (((used >> p) & 1u) == 0u) continue;
+        const int id = id_of(p);
+        const Plane rounded = plane_at(p);
+        geometry_real x = geometry_real(rounded.x), y = geometry_real(rounded.y), z = geometry_real(rounded.z), h;
+        if (id < 0) {
+            h = wall_distance(-1 - id);
+        } else {
+            x = geometry_difference(seeds_x[id], px);
+            y = geometry_difference(seeds_y[id], py);
+            z = geometry_difference(seeds_z[id], pz);
+            h = (x * x + y * y + z * z) / geometry_real(2);
+        }
+        PUT_NUMBER(candidate_key, p, x)
+        PUT_NUMBER(candidate_key, p + 64u, y)
+        PUT_NUMBER(candidate_seed, p, z)
+        PUT_NUMBER(candidate_seed, p + 64u, h)
+    }
+    share();
+}
+
+geometry_real area_of(uint plane) {
+    return GET_NUMBER(candidate_key, plane);
+}
+
+// Afterwards the areas take the place of the planes.
+void measure_cell(uint used) {
+    share_exact_planes(used);
+    const geometry_real zero = geometry_real(0);
+    Moments all = Moments(zero, zero, zero, zero, zero, zero);
+    geometry_real areas_of_slots[3 * slots];
+    [[unroll]] for (int s = 0; s < slots; ++s) {
+        geometry_real nx[3], ny[3], nz[3], h[3], parts[3];
+        for (int k = 0; k < 3; ++k) parts[k] = zero;
+        if ((alive & (1u << s)) != 0u) {
+            [[unroll]] for (int k = 0; k < 3; ++k) {
+                const uint p = plane_of(vertex_planes[s], k);
+                nx[k] = GET_NUMBER(candidate_key, p);
+                ny[k] = GET_NUMBER(candidate_key, p + 64u);
+                nz[k] = GET_NUMBER(candidate_seed, p);
+                h[k] = GET_NUMBER(candidate_seed, p + 64u);
+            }
+            add_corner(nx, ny, nz, h, all, parts);
+        }
+        if (want_geometry == 2u)
+            [[unroll]] for (int k = 0; k < 3; ++k) areas_of_slots[3 * s + k] = parts[k];
+    }
+    all.sum = subgroupAdd(all.sum);
+    all.x = subgroupAdd(all.x);
+    all.y = subgroupAdd(all.y);
+    all.z = subgroupAdd(all.z);
+    all.error = subgroupAdd(all.error);
+    all.farthest = subgroupMax(all.farthest);
+    conclude(all);
+    if (want_geometry != 2u) return;
+    share();
+    for (uint rest = used; rest != 0u; rest &= rest - 1u) {
+        const uint p = uint(findLSB(rest));
+        geometry_real area = zero;
+        [[unroll]] for (int s = 0; s < slots; ++s)
+            if ((alive & (1u << s)) != 0u)
+                [[unroll]] for (int k = 0; k < 3; ++k)
+                    if (plane_of(vertex_planes[s], k) == p) area += areas_of_slots[3 * s + k];
+        area = subgroupAdd(area);
+        if (lane == 0u) PUT_NUMBER(candidate_key, p, area)
+    }
+    share();
+}
