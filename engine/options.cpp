@@ -253,7 +253,8 @@ void check_options(const Options& options) {
                " is not known: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
     if (options.precision != Precision::single && options.precision != Precision::double_)
         refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
-    if (options.kernel != Kernel::automatic && options.kernel != Kernel::invocation && options.kernel != Kernel::subgroup)
+    if (options.kernel != Kernel::automatic && options.kernel != Kernel::invocation &&
+        options.kernel != Kernel::subgroup)
         refuse("kernel = " + std::to_string(static_cast<int>(options.kernel)) +
                " is neither automatic nor invocation nor subgroup");
     if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)

@@ -130,7 +130,8 @@ bool find_unit(out uint exponent) {
     return true;
 }
 
-// Searches and clips in turn, outwards. Returns the exponent of the unit of length.
+// Searches and clips in turn, outwards, until all seeds within the security radius were seen or none is left that can
+// cut the cell. Returns the exponent of the unit of length.
 uint make_cell() {
     uint exponent = 0u;
     bool started = false;
@@ -160,6 +161,9 @@ uint make_cell() {
         if (started) {
             if (security() <= real(known * scale * scale) * real(0.99999)) return exponent;
             needed = min(float(security()) / (scale * scale) * 1.001, UNBOUNDED);
+            vec3 down, up;
+            measure_reach(down, up);
+            set_reach(down / scale, up / scale);
         }
         if (known >= bound) break;
         search_on(needed);
@@ -195,7 +199,7 @@ void finish(uint cell, uint exponent) {
         if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
     }
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
-        measure_cell(used);
+        measure_cell(used, vertices);
         if (!(volume_error <= geometry_real(push.volume_tolerance) * volume)) status = STATUS_NEEDS_EXACT;
         if (lane < 4u)
             geometry[4u * cell + lane] =

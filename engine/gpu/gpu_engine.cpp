@@ -14,7 +14,7 @@ namespace votess::gpu {
 namespace {
 
 constexpr std::uint32_t usual_k = 112;
-constexpr std::uint32_t most_first_count = 96;  // of SUBGROUP_STORE
+constexpr std::uint32_t most_first_count = 96;                    // of SUBGROUP_STORE
 constexpr std::uint32_t software_walk = 512, usual_walk = 20000;  // boxes looked at for one cell
 constexpr std::uint32_t software_chunk = 1u << 14, usual_chunk = 1u << 20;
 constexpr std::size_t block_cells = 4096;  // per task of the host

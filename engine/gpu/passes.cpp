@@ -53,23 +53,24 @@ std::uint32_t shared_bytes(const PassSettings& settings) {
 
 Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
     const TierLimits& limits = settings.tiers[0];
-    const auto spirv = limits.float64 ? shaders::clip_subgroup_f64
-                                      : (device.has_float64() && settings.measure ? shaders::clip_subgroup_f32_measure_f64
-                                                                                  : shaders::clip_subgroup_f32);
+    const auto spirv = limits.float64
+                           ? shaders::clip_subgroup_f64
+                           : (device.has_float64() && settings.measure ? shaders::clip_subgroup_f32_measure_f64
+                                                                       : shaders::clip_subgroup_f32);
     const vulkan::Adapter& adapter = device.adapter();
     std::uint32_t subgroups = std::min(settings.local_size / settings.subgroup_size,
                                        adapter.limits.maxComputeSharedMemorySize / shared_bytes(settings));
     if (adapter.subgroup_size_control) subgroups = std::min(subgroups, adapter.max_subgroups);
     subgroups = std::max(subgroups, 1u);
-    return make<CellsPush>(device, "clip_subgroup", spirv,
-                           {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE,
-                            BINDING_NODES, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_PLACE, BINDING_ROWS,
-                            BINDING_GEOMETRY, BINDING_TODO, BINDING_CHUNK_STATE, BINDING_AREAS},
-                           subgroups * settings.subgroup_size,
-                           {limits.planes, limits.vertices, 0u, wanted_geometry(settings),
-                            std::bit_cast<std::uint32_t>(float_unit(device)), settings.subgroup_size, subgroups,
-                            settings.first_count},
-                           settings.subgroup_size);
+    return make<CellsPush>(
+        device, "clip_subgroup", spirv,
+        {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE, BINDING_NODES,
+         BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_PLACE, BINDING_ROWS, BINDING_GEOMETRY, BINDING_TODO,
+         BINDING_CHUNK_STATE, BINDING_AREAS},
+        subgroups * settings.subgroup_size,
+        {limits.planes, limits.vertices, 0u, wanted_geometry(settings),
+         std::bit_cast<std::uint32_t>(float_unit(device)), settings.subgroup_size, subgroups, settings.first_count},
+        settings.subgroup_size);
 }
 
 Pass first_tier(Device& device, const PassSettings& settings) {

@@ -7,7 +7,8 @@
 
 namespace votess::gpu {
 
-// What one tier of clip may use. With a subgroup per cell the first tier has 32 planes. A cell that needs more goes to the next tier, in the end to the CPU.
+// What one tier of clip may use. With a subgroup per cell the first tier has 32 planes. A cell that needs more goes to
+// the next tier, in the end to the CPU.
 struct TierLimits {
     std::uint32_t planes = 32;    // alive at once; a multiple of 32
     std::uint32_t vertices = 64;  // alive at once; a multiple of 32

@@ -81,6 +81,20 @@ void measure_radius_and_error() {
 #endif
 }
 
+// How far the balls around vertices that go through the seed reach along the axes, at least: down and up.
+void measure_reach(out vec3 down, out vec3 up) {
+    down = vec3(0.0);
+    up = vec3(0.0);
+    [[unroll]] for (int s = 0; s < slots; ++s) {
+        const vec3 at = vec3(vertex_x[s], vertex_y[s], vertex_z[s]);
+        const vec3 radius = vec3((length(at) + 2.0 * float(vertex_error[s])) * 1.00001);
+        down = max(down, radius - at);
+        up = max(up, radius + at);
+    }
+    down = vec3(largest(down.x), largest(down.y), largest(down.z));
+    up = vec3(largest(up.x), largest(up.y), largest(up.z));
+}
+
 // The vertex of planes a, b, c in a slot of this lane; false when it is uncertain.
 bool set_vertex(int s, uint a, uint b, uint c, Plane last) {
     Vertex vertex;

@@ -18,6 +18,9 @@
 #define GET_NUMBER(array, i) uintBitsToFloat(array[SUBGROUP_STORE * gl_SubgroupID + (i)])
 #endif
 
+#define VERTEX_LIST(i) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + (i)]
+const int planes_of_lane = (SUBGROUP_PLANES + lanes - 1) / lanes;
+
 void share_exact_planes(uint used) {
     share();
     for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes)) {
@@ -46,17 +49,28 @@ geometry_real area_of(uint plane) {
 }
 
 // Afterwards the areas take the place of the planes.
-void measure_cell(uint used) {
+void measure_cell(uint used, uint vertices) {
     share_exact_planes(used);
+    uint listed = 0u;
+    [[unroll]] for (int s = 0; s < slots; ++s) {
+        const bool is_alive = (alive & (1u << s)) != 0u;
+        uint count;
+        const uint at = listed + rank_among(is_alive, count);
+        if (is_alive) VERTEX_LIST(at) = vertex_planes[s];
+        listed += count;
+    }
+    share();
     const geometry_real zero = geometry_real(0);
     Moments all = Moments(zero, zero, zero, zero, zero, zero);
-    geometry_real areas_of_slots[3 * slots];
-    [[unroll]] for (int s = 0; s < slots; ++s) {
+    geometry_real areas_of_lane[planes_of_lane];
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) areas_of_lane[i] = zero;
+    for (uint first = 0u; first < vertices; first += uint(lanes)) {
         geometry_real nx[3], ny[3], nz[3], h[3], parts[3];
-        for (int k = 0; k < 3; ++k) parts[k] = zero;
-        if ((alive & (1u << s)) != 0u) {
-            [[unroll]] for (int k = 0; k < 3; ++k) {
-                const uint p = plane_of(vertex_planes[s], k);
+        uint planes = 0xffffffu;  // none
+        if (first + lane < vertices) {
+            planes = VERTEX_LIST(first + lane);
+            for (int k = 0; k < 3; ++k) {
+                const uint p = plane_of(planes, k);
                 nx[k] = GET_NUMBER(candidate_key, p);
                 ny[k] = GET_NUMBER(candidate_key, p + 64u);
                 nz[k] = GET_NUMBER(candidate_seed, p);
@@ -64,8 +78,16 @@ void measure_cell(uint used) {
             }
             add_corner(nx, ny, nz, h, all, parts);
         }
-        if (want_geometry == 2u)
-            [[unroll]] for (int k = 0; k < 3; ++k) areas_of_slots[3 * s + k] = parts[k];
+        if (want_geometry != 2u) continue;
+        for (uint rest = used; rest != 0u; rest &= rest - 1u) {
+            const uint p = uint(findLSB(rest));
+            geometry_real mine = zero;
+            for (int k = 0; k < 3; ++k)
+                if (plane_of(planes, k) == p) mine = parts[k];
+            const geometry_real area = subgroupAdd(mine);
+            [[unroll]] for (int i = 0; i < planes_of_lane; ++i)
+                if (p == uint(i * lanes) + lane) areas_of_lane[i] += area;
+        }
     }
     all.sum = subgroupAdd(all.sum);
     all.x = subgroupAdd(all.x);
@@ -76,15 +98,9 @@ void measure_cell(uint used) {
     conclude(all);
     if (want_geometry != 2u) return;
     share();
-    for (uint rest = used; rest != 0u; rest &= rest - 1u) {
-        const uint p = uint(findLSB(rest));
-        geometry_real area = zero;
-        [[unroll]] for (int s = 0; s < slots; ++s)
-            if ((alive & (1u << s)) != 0u)
-                [[unroll]] for (int k = 0; k < 3; ++k)
-                    if (plane_of(vertex_planes[s], k) == p) area += areas_of_slots[3 * s + k];
-        area = subgroupAdd(area);
-        if (lane == 0u) PUT_NUMBER(candidate_key, p, area)
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
+        const uint p = uint(i * lanes) + lane;
+        if (p < SUBGROUP_PLANES) PUT_NUMBER(candidate_key, p, areas_of_lane[i])
     }
     share();
 }

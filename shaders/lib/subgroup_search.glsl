@@ -1,5 +1,5 @@
-// The seeds around one, by a subgroup: all whose squared distance is at least `done` and below `next`, put into the
-// store and sorted. The lanes test boxes and seeds side by side: first the siblings of the seed's group and of all
+// The seeds around one, by a subgroup: all whose squared distance is at least `done` and below `next` and that can cut
+// the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the seed's group and of all
 // that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups of seeds before boxes.
 //
 // The store is sorted whole (bitonic, in shared memory): by unique keys, so that the order does not depend on which
@@ -12,6 +12,9 @@ bool coarse;  // high words are enough
 uint candidate_count;
 uint visits;
 float nearest_beyond;  // of this lane: at most the squared distance of any seed left out for being too far
+// Bounds, relative to the seed, of all places whose seeds can cut the cell. Where a cell is long, most of its security
+// sphere lies beyond them.
+vec3 reach_lower, reach_upper;
 uint node_count, group_count;
 
 const uint lanes_each = FAN;  // of a box and of a group
@@ -46,6 +49,8 @@ void begin_search() {
         LEVEL_FIRST(level) = first;
     }
     share();
+    reach_lower = vec3(-UNBOUNDED);
+    reach_upper = vec3(UNBOUNDED);
     next = UNBOUNDED;
     if (push.level_count >= 3u) next = expected_reach_in(nodes[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)], first_count);
     coarse = next >= coarse_from;
@@ -56,10 +61,21 @@ void search_again_finely() {
     done = 0.0;
 }
 
+// Bounds of the balls around vertices that go through the seed: lengths in units, along each axis, down and up.
+void set_reach(vec3 down, vec3 up) {
+    const float slack = coarse ? 3.5e10 : 0.0;  // 2^35, of the high words
+    reach_lower = -(down * 1.0001 + slack);
+    reach_upper = up * 1.0001 + slack;
+}
+
 // Outwards, at most to where no seed can cut the cell.
 void search_on(float needed) {
     next = min(needed, done * (candidate_count < 16u ? 4.0 : 2.0));
     if (!(next < UNBOUNDED)) next = UNBOUNDED;
+}
+
+float offset(uvec2 q, uvec2 p) {
+    return coarse ? coarse_offset(q.y, p.y) : rough_difference(q, p);
 }
 
 // Whether a box may hold seeds nearer than `next`.
@@ -77,6 +93,13 @@ bool is_near(uint level, uint node) {
         dz = gap(pz, nodes[n].lower[2], nodes[n].upper[2]);
     }
     const float d = (dx * dx + dy * dy + dz * dz) * box_slack;
+    if (done > 0.0) {
+        const vec3 lower = vec3(offset(nodes[n].lower[0], px), offset(nodes[n].lower[1], py),
+                                offset(nodes[n].lower[2], pz));
+        const vec3 upper = vec3(offset(nodes[n].upper[0], px), offset(nodes[n].upper[1], py),
+                                offset(nodes[n].upper[2], pz));
+        if (any(greaterThan(lower, reach_upper)) || any(lessThan(upper, reach_lower))) return false;
+    }
     if (d < next) return true;
     nearest_beyond = min(nearest_beyond, d);
     return false;
@@ -87,19 +110,12 @@ bool is_candidate(uint seed, out float d) {
     d = 0.0;
     const uint high = seeds_x[seed].y;
     if (seed == self || high == NO_COORDINATE) return false;
-    float dx, dy, dz;
-    if (coarse) {
-        dx = coarse_offset(high, px.y);
-        dy = coarse_offset(seeds_y[seed].y, py.y);
-        dz = coarse_offset(seeds_z[seed].y, pz.y);
-    } else {
-        dx = rough_difference(seeds_x[seed], px);
-        dy = rough_difference(seeds_y[seed], py);
-        dz = rough_difference(seeds_z[seed], pz);
-    }
+    const float dx = offset(seeds_x[seed], px), dy = offset(seeds_y[seed], py), dz = offset(seeds_z[seed], pz);
     // The same in every search of the cell, or one would see a seed twice or never.
     precise const float square = dx * dx + dy * dy + dz * dz;
     d = square;
+    const vec3 at = vec3(dx, dy, dz);
+    if (any(greaterThan(at, reach_upper)) || any(lessThan(at, reach_lower))) return false;
     if (d >= next) nearest_beyond = min(nearest_beyond, d);
     return d >= done && d < next;
 }

