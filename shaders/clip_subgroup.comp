@@ -6,14 +6,16 @@
 // Subgroups do not wait for each other. What is read from push constants, shared memory by one index or a subgroup's
 // vote is the same in all its lanes; branches on it are uniform, all others contain no subgroup operation.
 //
-// Variants: as of clip_cells.
+// Variants: as of clip_cells, and as of lib/subgroup.glsl.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#ifndef LANES_OF_WORK_GROUP
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#endif
 #include "shared/bindings.h"
 #include "shared/layout.h"
 
@@ -47,31 +49,13 @@ shared uint candidate_key[SUBGROUP_STORE * subgroups];  // squared distance, in 
 shared uint candidate_seed[SUBGROUP_STORE * subgroups];
 shared uint scratch[SUBGROUP_SCRATCH * subgroups];
 
-uint lane;
 uint self;  // sorted seed
 uint status;
-
-// What the lanes have written to shared memory becomes visible to all of the subgroup.
-void share() {
-    subgroupMemoryBarrierShared();
-    subgroupBarrier();
-}
-
-// How many lanes before this one say so, and how many in all.
-uint rank_among(bool yes, out uint count) {
-    const uvec4 ballot = subgroupBallot(yes);
-    count = subgroupBallotBitCount(ballot);
-    return subgroupBallotExclusiveBitCount(ballot);
-}
-
-// The largest of numbers that are not negative.
-float largest(float number) {
-    return uintBitsToFloat(subgroupMax(floatBitsToUint(number)));
-}
 
 #include "lib/int64.glsl"
 #include "lib/linear.glsl"
 #include "lib/loop_guard.glsl"
+#include "lib/subgroup.glsl"
 #include "lib/relative.glsl"
 #include "lib/filter.glsl"
 #include "lib/reach.glsl"
@@ -102,7 +86,7 @@ void clip_by_candidates() {
             prepare_test(p);
         }
         share();
-        if (subgroupAny(too_near)) {
+        if (any_lane(too_near)) {
             status = STATUS_NEEDS_EXACT;
             return;
         }
@@ -121,7 +105,7 @@ void clip_by_candidates() {
 bool find_unit(out uint exponent) {
     exponent = COORDINATE_BITS - 1;
     if (candidate_count > 0u) {
-        const float nearest = distance_of(candidate_key[SUBGROUP_STORE * gl_SubgroupID]);
+        const float nearest = distance_of(candidate_key[SUBGROUP_STORE * SUBGROUP]);
         if (coarse && nearest < coarse_order_from) return false;
         exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
     }
@@ -195,7 +179,7 @@ void finish(uint cell, uint exponent) {
     if (status == STATUS_CERTIFIED) {
         used = planes_in_use();
         faces = uint(bitCount(used));
-        vertices = subgroupAdd(uint(bitCount(alive)));
+        vertices = sum(uint(bitCount(alive)));
         if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
     }
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
@@ -206,7 +190,7 @@ void finish(uint cell, uint exponent) {
                 lane == 0u ? volume : (lane == 1u ? centroid_x : (lane == 2u ? centroid_y : centroid_z));
     }
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) length = write_row(cell, used);
-    if (subgroupAny(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_NEEDS_EXACT;
+    if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_NEEDS_EXACT;
     if (lane != 0u) return;
     if (status != STATUS_CERTIFIED) {
         leave(cell);
@@ -221,14 +205,13 @@ void finish(uint cell, uint exponent) {
 void main() {
     const uint first = linear_group() * uint(subgroups);
     status = STATUS_CERTIFIED;
-    if (gl_SubgroupSize != uint(lanes) || gl_NumSubgroups != uint(subgroups)) {
+    if (!enter_subgroup()) {
         status = STATUS_CANDIDATES_EXHAUSTED;
         const uint cell = first + gl_LocalInvocationID.x;
         if (gl_LocalInvocationID.x < uint(subgroups) && cell < push.cell_count) leave(cell);
         return;
     }
-    lane = gl_SubgroupInvocationID;
-    const uint cell = first + gl_SubgroupID;
+    const uint cell = first + SUBGROUP;
     if (cell >= push.cell_count) return;
     self = push.first_cell + cell;
     px = seeds_x[self];

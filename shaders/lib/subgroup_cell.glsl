@@ -1,7 +1,7 @@
 // One Voronoi cell of a subgroup: as lib/cell.glsl, but every lane holds a few of the vertices, and the planes are in
 // shared memory. A free vertex lies in the seed itself, which no plane cuts off.
 //
-// Needs lane, status, share(), rank_among(), largest(), scratch, and what lib/filter.glsl defines.
+// Needs status, scratch, and what lib/subgroup.glsl and lib/filter.glsl define.
 
 const int slots = (most_vertices + lanes - 1) / lanes;  // vertices of a lane
 
@@ -20,10 +20,10 @@ shared real test_norm[lanes * subgroups];
 
 // While the cell is being cut, of each plane a: the planes b with an edge (a, b) of a killed vertex, the one with such
 // an edge on the horizon, and the one with (b, a).
-#define EDGES_KILLED(a) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + (a)]
-#define SUCCESSOR(a) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + SUBGROUP_PLANES + (a)]
-#define PREDECESSOR(a) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + 2u * SUBGROUP_PLANES + (a)]
-#define HORIZON(i) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + 3u * SUBGROUP_PLANES + (i)]
+#define EDGES_KILLED(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + (a)]
+#define SUCCESSOR(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_PLANES + (a)]
+#define PREDECESSOR(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * SUBGROUP_PLANES + (a)]
+#define HORIZON(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + 3u * SUBGROUP_PLANES + (i)]
 const uint no_plane = 0xffu;
 
 uint plane_of(uint packed, int k) {
@@ -31,18 +31,18 @@ uint plane_of(uint packed, int k) {
 }
 
 int id_of(uint plane) {
-    return plane_id[SUBGROUP_PLANES * gl_SubgroupID + plane];
+    return plane_id[SUBGROUP_PLANES * SUBGROUP + plane];
 }
 
 Plane plane_at(uint plane) {
-    const uint at = SUBGROUP_PLANES * gl_SubgroupID + plane;
+    const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
     const real4 e = plane_equation[at];
     return Plane(e.x, e.y, e.z, e.w, plane_norm[at]);
 }
 
 // By one lane.
 void set_plane(uint plane, Plane p, int id) {
-    const uint at = SUBGROUP_PLANES * gl_SubgroupID + plane;
+    const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
     plane_equation[at] = real4(p.x, p.y, p.z, p.h);
     plane_norm[at] = p.norm;
     plane_id[at] = id;
@@ -50,13 +50,13 @@ void set_plane(uint plane, Plane p, int id) {
 
 // This lane's plane of those to test next.
 void prepare_test(Plane p) {
-    const uint at = uint(lanes) * gl_SubgroupID + lane;
+    const uint at = uint(lanes) * SUBGROUP + lane;
     test_equation[at] = real4(p.x, p.y, p.z, p.h);
     test_norm[at] = p.norm;
 }
 
 Plane plane_to_test(uint i) {
-    const uint at = uint(lanes) * gl_SubgroupID + i;
+    const uint at = uint(lanes) * SUBGROUP + i;
     const real4 e = test_equation[at];
     return Plane(e.x, e.y, e.z, e.w, test_norm[at]);
 }
@@ -132,7 +132,7 @@ void start_cell() {
         const bool odd = (bitCount(lane) & 1) != 0;
         certain = set_vertex(0, odd ? x : y, odd ? y : x, z, plane_at(z));
     }
-    if (subgroupAny(!certain)) status = STATUS_NEEDS_EXACT;
+    if (any_lane(!certain)) status = STATUS_NEEDS_EXACT;
     measure_radius_and_error();
 }
 
@@ -145,7 +145,7 @@ bool test_plane(Plane p) {
         sides[s] = side_of(p, vertex_x[s], vertex_y[s], vertex_z[s]);
         near = near || !(sides[s] < -most);
     }
-    if (!subgroupAny(near)) return false;
+    if (!any_lane(near)) return false;
     killed = 0u;
     bool certain = true;
     [[unroll]] for (int s = 0; s < slots; ++s) {
@@ -156,11 +156,11 @@ bool test_plane(Plane p) {
         else if (is_alive && !(sides[s] < -bound))
             certain = false;
     }
-    if (subgroupAny(!certain)) {
+    if (any_lane(!certain)) {
         status = STATUS_NEEDS_EXACT;
         return false;
     }
-    return subgroupAny(killed != 0u);
+    return any_lane(killed != 0u);
 }
 
 uint planes_in_use() {
@@ -168,7 +168,7 @@ uint planes_in_use() {
     [[unroll]] for (int s = 0; s < slots; ++s)
         if ((alive & (1u << s)) != 0u)
             for (int k = 0; k < 3; ++k) mine |= 1u << plane_of(vertex_planes[s], k);
-    return subgroupOr(mine);
+    return all_bits(mine);
 }
 
 // Edge (a, b) of a killed vertex is on the horizon iff no killed vertex has (b, a). Writes down those of this subgroup
@@ -211,7 +211,7 @@ uint find_horizon() {
         ends += more;
     }
     share();
-    return subgroupAdd(found) == count && ends == count ? count : 0u;
+    return sum(found) == count && ends == count ? count : 0u;
 }
 
 // Replaces the killed vertices by those of the new plane with the horizon.
@@ -247,7 +247,7 @@ void cut(Plane p, int id) {
     }
     if (made < horizon_count)
         status = STATUS_VERTEX_OVERFLOW;
-    else if (subgroupAny(!certain))
+    else if (any_lane(!certain))
         status = STATUS_NEEDS_EXACT;
     share();
     measure_radius_and_error();

@@ -7,18 +7,18 @@
 #define PUT_NUMBER(array, i, number)                              \
     {                                                             \
         const uvec2 words = unpackDouble2x32(number);             \
-        array[SUBGROUP_STORE * gl_SubgroupID + (i)] = words.x;    \
-        array[SUBGROUP_STORE * gl_SubgroupID + (i) + 32] = words.y; \
+        array[SUBGROUP_STORE * SUBGROUP + (i)] = words.x;    \
+        array[SUBGROUP_STORE * SUBGROUP + (i) + 32] = words.y; \
     }
 #define GET_NUMBER(array, i)                                              \
-    packDouble2x32(uvec2(array[SUBGROUP_STORE * gl_SubgroupID + (i)],     \
-                         array[SUBGROUP_STORE * gl_SubgroupID + (i) + 32]))
+    packDouble2x32(uvec2(array[SUBGROUP_STORE * SUBGROUP + (i)],     \
+                         array[SUBGROUP_STORE * SUBGROUP + (i) + 32]))
 #else
-#define PUT_NUMBER(array, i, number) array[SUBGROUP_STORE * gl_SubgroupID + (i)] = floatBitsToUint(number);
-#define GET_NUMBER(array, i) uintBitsToFloat(array[SUBGROUP_STORE * gl_SubgroupID + (i)])
+#define PUT_NUMBER(array, i, number) array[SUBGROUP_STORE * SUBGROUP + (i)] = floatBitsToUint(number);
+#define GET_NUMBER(array, i) uintBitsToFloat(array[SUBGROUP_STORE * SUBGROUP + (i)])
 #endif
 
-#define VERTEX_LIST(i) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + (i)]
+#define VERTEX_LIST(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
 const int planes_of_lane = (SUBGROUP_PLANES + lanes - 1) / lanes;
 
 void share_exact_planes(uint used) {
@@ -84,17 +84,17 @@ void measure_cell(uint used, uint vertices) {
             geometry_real mine = zero;
             for (int k = 0; k < 3; ++k)
                 if (plane_of(planes, k) == p) mine = parts[k];
-            const geometry_real area = subgroupAdd(mine);
+            const geometry_real area = sum_numbers(mine);
             [[unroll]] for (int i = 0; i < planes_of_lane; ++i)
                 if (p == uint(i * lanes) + lane) areas_of_lane[i] += area;
         }
     }
-    all.sum = subgroupAdd(all.sum);
-    all.x = subgroupAdd(all.x);
-    all.y = subgroupAdd(all.y);
-    all.z = subgroupAdd(all.z);
-    all.error = subgroupAdd(all.error);
-    all.farthest = subgroupMax(all.farthest);
+    all.sum = sum_numbers(all.sum);
+    all.x = sum_numbers(all.x);
+    all.y = sum_numbers(all.y);
+    all.z = sum_numbers(all.z);
+    all.error = sum_numbers(all.error);
+    all.farthest = largest_number(all.farthest);
     conclude(all);
     if (want_geometry != 2u) return;
     share();

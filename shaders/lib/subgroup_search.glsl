@@ -5,7 +5,7 @@
 // The store is sorted whole (bitonic, in shared memory): by unique keys, so that the order does not depend on which
 // lane came first, as places in buckets taken by atomics would.
 //
-// Needs lane, self, share(), rank_among(), first_count, the shared arrays and lib/reach.glsl.
+// Needs self, status, first_count, the shared arrays, and what lib/subgroup.glsl and lib/reach.glsl define.
 
 float done, next;
 bool coarse;  // high words are enough
@@ -21,9 +21,9 @@ const uint lanes_each = FAN;  // of a box and of a group
 const uint side_by_side = uint(lanes) / lanes_each;
 const uint key_place_mask = SUBGROUP_STORE - 1u;
 
-#define NODE_STACK(i) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + (i)]
-#define GROUP_STACK(i) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + SUBGROUP_NODES + (i)]
-#define LEVEL_FIRST(level) scratch[SUBGROUP_SCRATCH * gl_SubgroupID + SUBGROUP_NODES + SUBGROUP_GROUPS + (level)]
+#define NODE_STACK(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
+#define GROUP_STACK(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_NODES + (i)]
+#define LEVEL_FIRST(level) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_NODES + SUBGROUP_GROUPS + (level)]
 #define NODE_BITS 28
 
 uint nodes_of(uint level) {
@@ -32,7 +32,7 @@ uint nodes_of(uint level) {
 
 // Candidate i of the sorted store.
 uint candidate_at(uint i) {
-    const uint base = SUBGROUP_STORE * gl_SubgroupID;
+    const uint base = SUBGROUP_STORE * SUBGROUP;
     return candidate_seed[base + (candidate_key[base + i] & key_place_mask)];
 }
 
@@ -147,8 +147,8 @@ bool look_into_groups() {
     uint count;
     const uint place = candidate_count + rank_among(candidate, count);
     if (candidate && place < SUBGROUP_STORE) {
-        candidate_key[SUBGROUP_STORE * gl_SubgroupID + place] = (floatBitsToUint(d) & ~key_place_mask) | place;
-        candidate_seed[SUBGROUP_STORE * gl_SubgroupID + place] = seed;
+        candidate_key[SUBGROUP_STORE * SUBGROUP + place] = (floatBitsToUint(d) & ~key_place_mask) | place;
+        candidate_seed[SUBGROUP_STORE * SUBGROUP + place] = seed;
     }
     candidate_count = min(candidate_count + count, SUBGROUP_STORE + 1u);
     return candidate_count <= SUBGROUP_STORE;
@@ -200,7 +200,7 @@ bool collect() {
 
 // By distance. Keys beyond the last candidate are the largest of numbers.
 void sort_candidates() {
-    const uint base = SUBGROUP_STORE * gl_SubgroupID;
+    const uint base = SUBGROUP_STORE * SUBGROUP;
     if (candidate_count < 2u) {
         share();
         return;
@@ -230,7 +230,7 @@ bool search() {
     const bool complete = collect();
     if (status != STATUS_CERTIFIED) return false;
     if (complete) {
-        const float beyond = uintBitsToFloat(subgroupMin(floatBitsToUint(nearest_beyond)));
+        const float beyond = smallest(nearest_beyond);
         done = beyond >= UNBOUNDED ? UNBOUNDED : max(next, beyond * reach_slack);
         return true;
     }
@@ -240,7 +240,7 @@ bool search() {
     const float shorter =
         candidate_count == 0u
             ? 0.5 * (done + next)
-            : distance_of(candidate_key[SUBGROUP_STORE * gl_SubgroupID + candidate_count * uint(first_count) / 160u]);
+            : distance_of(candidate_key[SUBGROUP_STORE * SUBGROUP + candidate_count * uint(first_count) / 160u]);
     if (shorter > done && shorter < next)
         next = shorter;
     else

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "gpu/chunk.hpp"
 #include "gpu/kernel_choice.hpp"
 #include "support/check.hpp"
 #include "support/gpu_stages.hpp"
+#include "test_shaders.hpp"
 
 using test::GpuStages;
 using test::PointSet;
@@ -257,6 +259,33 @@ TEST_SUITE("stages") {
             });
             CHECK(fraction(check_cells(gpu, set, {.second_tier = false}), STATUS_CANDIDATES_EXHAUSTED) == 1);
             CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
+        }
+    }
+
+    TEST_CASE("gpu clip: subgroups of 16 to 64, by work-groups that do what subgroups do") {
+        Kernels kernels(Kernel::subgroup);
+        GpuStages& gpu = kernels.gpu;
+        if (!gpu.gpu.device->has_float64()) return;
+        const std::size_t n = test::by_size(150, 60);  // this is slow
+        for (const std::uint32_t lanes : {16u, 32u, 64u}) {
+            CAPTURE(lanes);
+            kernels.use([&](PassSettings& s) { s.subgroup_size = lanes; });
+            auto& pass = gpu.passes->clip_cells[0];
+            const std::vector<std::uint32_t> bindings(pass.bindings().begin(), pass.bindings().end());
+            const std::uint32_t unit = std::bit_cast<std::uint32_t>(0x1p-23f);
+            pass = votess::gpu::vulkan::Pass(*gpu.gpu.device, {.name = "clip_subgroup by work-groups",
+                                                               .spirv = votess::gpu::shaders::test_clip_by_work_group,
+                                                               .bindings = bindings,
+                                                               .push_bytes = pass.push_bytes(),
+                                                               .local_size = lanes,
+                                                               .constants = {32, 64, 0, 1, unit, lanes, 1, 48}});
+            CHECK(fraction(check_cells(gpu, test::uniform(n, 34), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
+            CHECK(fraction(check_cells(gpu, test::clustered(n, 35), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);
+            check_cells(gpu, test::nested_clusters(n, 36));
+            check_cells(gpu, test::with_duplicates(n, n / 10, 37));
+            check_cells(gpu, test::on_sphere_and_center(n / 3, 39));
+            for (const std::size_t few : {1, 2, 9}) check_cells(gpu, test::uniform(few, few));
+            CHECK(fraction(check_cells(gpu, test::fcc(3)), STATUS_NEEDS_EXACT) > 0.9);
         }
     }
 
