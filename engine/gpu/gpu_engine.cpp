@@ -63,6 +63,7 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     second.float64 = float64;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
     s.areas = !lists_only_ && options.want.areas;
+    if (const std::uint32_t size = local_size_from_environment(); size != 0) s.local_size = size;
     if (limits_.local_size != 0) s.local_size = limits_.local_size;
     return s;
 }

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
 
 namespace votess::gpu {
 namespace {
@@ -44,6 +47,18 @@ std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel
     if (kernel == Kernel::automatic) return 0;
     throw Error(ErrorCode::unsupported,
                 "device '" + adapter.name + "' cannot run kernel subgroup: it lacks " + missing);
+}
+
+std::uint32_t local_size_from_environment() {
+    const char* text = std::getenv("VOTESS_VULKAN_LOCAL_SIZE");
+    if (text == nullptr || *text == '\0') return 0;
+    const std::string_view word(text);
+    std::uint32_t size = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), size);
+    if (error != std::errc() || end != word.data() + word.size() || size > 1024 || !std::has_single_bit(size))
+        throw Error(ErrorCode::invalid_argument,
+                    "VOTESS_VULKAN_LOCAL_SIZE is '" + std::string(word) + "': give a power of two up to 1024");
+    return size;
 }
 
 }  // namespace votess::gpu

@@ -16,4 +16,8 @@ namespace votess::gpu {
 // where it cannot run.
 [[nodiscard]] std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel);
 
+// VOTESS_VULKAN_LOCAL_SIZE of the environment, for measurements: invocations of a work-group, a power of two up to
+// 1024. 0 when it is not set. Throws `invalid_argument`.
+[[nodiscard]] std::uint32_t local_size_from_environment();
+
 }  // namespace votess::gpu
