@@ -76,6 +76,7 @@ void leave(uint cell) {
 
 // Clips by the candidates in the store, nearest first, up to the security radius.
 void clip_by_candidates() {
+    prepare_cuts();
     for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
         const uint end = min(candidate_count - first, uint(lanes));
         bool too_near = false;
@@ -93,7 +94,7 @@ void clip_by_candidates() {
         for (uint i = 0u; i < end; ++i) {
             const Plane p = plane_to_test(i);
             // No order within the roundings of distances and the bits that the keys lack.
-            if (real(2) * p.h * real(0.9998) >= security()) return;
+            if (real(2) * p.h * real(0.9998) >= security) return;
             if (test_plane(p)) cut(p, int(candidate_at(first + i)));
             if (status != STATUS_CERTIFIED) return;
         }
@@ -143,8 +144,8 @@ uint make_cell() {
         if (known >= UNBOUNDED) return exponent;
         float needed = UNBOUNDED;
         if (started) {
-            if (security() <= real(known * scale * scale) * real(0.99999)) return exponent;
-            needed = min(float(security()) / (scale * scale) * 1.001, UNBOUNDED);
+            if (security <= real(known * scale * scale) * real(0.99999)) return exponent;
+            needed = min(float(security) / (scale * scale) * 1.001, UNBOUNDED);
             vec3 down, up;
             measure_reach(down, up);
             set_reach(down / scale, up / scale);
@@ -176,6 +177,7 @@ uint write_row(uint cell, uint used) {
 
 void finish(uint cell, uint exponent) {
     uint used = 0u, faces = 0u, vertices = 0u, length = 0u;
+    share();
     if (status == STATUS_CERTIFIED) {
         used = planes_in_use();
         faces = uint(bitCount(used));

@@ -47,7 +47,7 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
 // Of the shared arrays of clip_subgroup.comp and its includes.
 std::uint32_t shared_bytes(const PassSettings& settings) {
     const std::uint32_t number = settings.tiers[0].float64 ? 8 : 4;
-    return (2 * SUBGROUP_STORE + SUBGROUP_SCRATCH) * 4 + SUBGROUP_PLANES * (5 * number + 4) +
+    return (2 * SUBGROUP_STORE + SUBGROUP_SCRATCH) * 4 + SUBGROUP_PLANES * (6 * number + 4) +
            settings.subgroup_size * 5 * number;
 }
 

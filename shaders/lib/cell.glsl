@@ -42,7 +42,8 @@ void set_plane(uint slot, Plane p, int id) {
 }
 
 Plane plane_at(uint slot) {
-    return Plane(plane_x[slot], plane_y[slot], plane_z[slot], plane_h[slot], plane_norm[slot]);
+    const real h = plane_h[slot], norm = plane_norm[slot];
+    return Plane(plane_x[slot], plane_y[slot], plane_z[slot], h, norm, h / norm);
 }
 
 // Appends the vertex of planes a, b, c.
@@ -72,7 +73,7 @@ void start_cell(real wall[6]) {
     for (uint i = 0u; i < 6u; ++i) {
         const real side = (i & 1u) != 0u ? real(1) : real(-1);
         set_plane(i, Plane(i / 2u == 0u ? side : real(0), i / 2u == 1u ? side : real(0), i / 2u == 2u ? side : real(0),
-                           wall[i], real(1)), -1 - int(i));
+                           wall[i], real(1), wall[i]), -1 - int(i));
     }
     vertex_count = 0;
     largest_error = real(0);

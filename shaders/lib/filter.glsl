@@ -17,6 +17,7 @@ real quantum;
 
 struct Plane {
     real x, y, z, h, norm;
+    real distance;  // h / norm
 };
 
 struct Vertex {
@@ -27,7 +28,8 @@ struct Vertex {
 // With the seed at (x, y, z).
 Plane bisector(real x, real y, real z) {
     precise const real square = fma(x, x, fma(y, y, z * z));
-    return Plane(x, y, z, real(0.5) * square, sqrt(square));
+    const real norm = sqrt(square);
+    return Plane(x, y, z, real(0.5) * square, norm, real(0.5) * norm);
 }
 
 // Equal in units, or nearer than the neighbor that the cell's unit of length was taken from.
@@ -67,7 +69,7 @@ bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
     precise const real z = (a.h * bcz + b.h * caz + c.h * abz) * inverse;
     precise const real length = sqrt(x * x + y * y + z * z);
     precise const real condition = product * inverse;
-    precise const real distances = a.h / a.norm + b.h / b.norm + c.h / c.norm;
+    precise const real distances = a.distance + b.distance + c.distance;
     precise const real rounding =
         unit * (condition * (real(13.9) * distances + real(9.3) * length) + real(12) * length) * real(1.05);
     vertex = Vertex(x, y, z, rounding + quantum * (real(4) * condition + real(1)) * (length + real(1)));

@@ -10,10 +10,10 @@ real vertex_error[slots];
 uint vertex_planes[slots];  // three of 8 bits, in positive orientation
 uint alive, killed;         // a bit for each slot
 uint planes_used;           // all that are in use, and maybe more
-real radius_squared, largest_error;  // over all vertices
+real largest_error, security;  // over all vertices; security: squared radius
 
 shared real4 plane_equation[SUBGROUP_PLANES * subgroups];  // n, h
-shared real plane_norm[SUBGROUP_PLANES * subgroups];
+shared real plane_norm[SUBGROUP_PLANES * subgroups], plane_distance[SUBGROUP_PLANES * subgroups];
 shared int plane_id[SUBGROUP_PLANES * subgroups];  // sorted seed, or wall id
 shared real4 test_equation[lanes * subgroups];
 shared real test_norm[lanes * subgroups];
@@ -37,7 +37,7 @@ int id_of(uint plane) {
 Plane plane_at(uint plane) {
     const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
     const real4 e = plane_equation[at];
-    return Plane(e.x, e.y, e.z, e.w, plane_norm[at]);
+    return Plane(e.x, e.y, e.z, e.w, plane_norm[at], plane_distance[at]);
 }
 
 // By one lane.
@@ -45,6 +45,7 @@ void set_plane(uint plane, Plane p, int id) {
     const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
     plane_equation[at] = real4(p.x, p.y, p.z, p.h);
     plane_norm[at] = p.norm;
+    plane_distance[at] = p.distance;
     plane_id[at] = id;
 }
 
@@ -58,11 +59,7 @@ void prepare_test(Plane p) {
 Plane plane_to_test(uint i) {
     const uint at = uint(lanes) * SUBGROUP + i;
     const real4 e = test_equation[at];
-    return Plane(e.x, e.y, e.z, e.w, test_norm[at]);
-}
-
-real security() {
-    return security_radius_squared(radius_squared, largest_error);
+    return Plane(e.x, e.y, e.z, e.w, test_norm[at], real(0.5) * test_norm[at]);
 }
 
 void measure_radius_and_error() {
@@ -73,12 +70,13 @@ void measure_radius_and_error() {
         error = max(error, float(vertex_error[s]));
     }
 #ifdef CLIP_FLOAT64
-    radius_squared = real(largest(farthest)) * 1.000001LF;
+    const real radius_squared = real(largest(farthest)) * 1.000001LF;
     largest_error = real(largest(error)) * 1.000001LF + 1.0e-37LF;
 #else
-    radius_squared = largest(farthest);
+    const real radius_squared = largest(farthest);
     largest_error = largest(error);
 #endif
+    security = security_radius_squared(radius_squared, largest_error);
 }
 
 // How far the balls around vertices that go through the seed reach along the axes, at least: down and up.
@@ -116,7 +114,7 @@ void start_cell() {
         const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
         const real wall = (lane & 1u) != 0u ? difference(push.extent[axis], p) : difference(p, uvec2(0));
         set_plane(lane, Plane(axis == 0u ? side : real(0), axis == 1u ? side : real(0), axis == 2u ? side : real(0), wall,
-                              real(1)), -1 - int(lane));
+                              real(1), wall), -1 - int(lane));
     }
     planes_used = 0x3fu;
     alive = 0u;
@@ -171,15 +169,20 @@ uint planes_in_use() {
     return all_bits(mine);
 }
 
-// Edge (a, b) of a killed vertex is on the horizon iff no killed vertex has (b, a). Writes down those of this subgroup
-// and returns how many; 0 when they are no ring.
+// As find_horizon() leaves it; searches use the same memory.
+void forget_edges(uint a) {
+    EDGES_KILLED(a) = 0u;
+    SUCCESSOR(a) = no_plane;
+    PREDECESSOR(a) = no_plane;
+}
+
+void prepare_cuts() {
+    for (uint a = lane; a < SUBGROUP_PLANES; a += uint(lanes)) forget_edges(a);
+}
+
+// Edge (a, b) of a killed vertex is on the horizon iff no killed vertex has (b, a). Writes down those and returns how
+// many; 0 when they are no ring.
 uint find_horizon() {
-    for (uint a = lane; a < SUBGROUP_PLANES; a += uint(lanes)) {
-        EDGES_KILLED(a) = 0u;
-        SUCCESSOR(a) = no_plane;
-        PREDECESSOR(a) = no_plane;
-    }
-    share();
     [[unroll]] for (int s = 0; s < slots; ++s)
         if ((killed & (1u << s)) != 0u)
             for (int k = 0; k < 3; ++k) {
@@ -209,6 +212,7 @@ uint find_horizon() {
         count += more;
         rank_among(a < SUBGROUP_PLANES && PREDECESSOR(a) != no_plane, more);
         ends += more;
+        if (a < SUBGROUP_PLANES) forget_edges(a);
     }
     share();
     return sum(found) == count && ends == count ? count : 0u;
@@ -249,6 +253,5 @@ void cut(Plane p, int id) {
         status = STATUS_VERTEX_OVERFLOW;
     else if (any_lane(!certain))
         status = STATUS_NEEDS_EXACT;
-    share();
     measure_radius_and_error();
 }

@@ -44,8 +44,8 @@
 // lengths no product of a vertex (five lengths) leaves the range of float32.
 #define SMALLEST_CELL_EXPONENT 37
 
-// clip_subgroup: words of shared memory that a subgroup has. Beside them each of its lanes has a plane being tested,
-// and the subgroup the planes of its cell, of 5 numbers each.
+// clip_subgroup: words of shared memory that a subgroup has. Beside them are the planes of its cell, 6 numbers and an
+// id each, and a plane being tested for each lane, of 5 numbers.
 #define SUBGROUP_PLANES 32
 #define SUBGROUP_STORE 128    // candidates; a power of two
 #define SUBGROUP_NODES 96     // boxes to open
