@@ -171,7 +171,7 @@ struct Options {
 // Seconds of wall clock per stage of the pipeline. On the CPU `knn` builds the search structure, and `clip` pulls the
 // candidates and decides uncertain signs exactly on the spot, so that nothing is left for `fallback`. On a GPU, where
 // chunks of cells pass through knn, clip and download while the CPU does its share of the chunk before (`fallback`),
-// that stretch is divided by what each took.
+// that stretch is divided by what each took; Kernel::subgroup searches within `clip`.
 struct StageSeconds {
     double upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
     double total = 0;
