@@ -105,8 +105,7 @@ bool enter_subgroup() {
 
 // What the lanes have written to shared memory becomes visible to all of the subgroup.
 void share() {
-    subgroupMemoryBarrierShared();
-    subgroupBarrier();
+    subgroupBarrier();  // of control and of memory
 }
 
 bool any_lane(bool yes) {
