@@ -52,6 +52,9 @@ static_assert(same(VOTESS_DUPLICATES_MERGE, votess::Duplicates::merge));
 static_assert(same(VOTESS_DUPLICATES_ERROR, votess::Duplicates::error));
 static_assert(same(VOTESS_OUTSIDE_ERROR, votess::Outside::error));
 static_assert(same(VOTESS_OUTSIDE_DROP, votess::Outside::drop));
+static_assert(same(VOTESS_KERNEL_AUTOMATIC, votess::Kernel::automatic));
+static_assert(same(VOTESS_KERNEL_INVOCATION, votess::Kernel::invocation));
+static_assert(same(VOTESS_KERNEL_SUBGROUP, votess::Kernel::subgroup));
 static_assert(same(VOTESS_PRECISION_SINGLE, votess::Precision::single));
 static_assert(same(VOTESS_PRECISION_DOUBLE, votess::Precision::double_));
 // The status bytes are handed out as they lie in memory.
@@ -151,6 +154,7 @@ votess_options default_options() {
     options.precision = static_cast<std::int32_t>(defaults.precision);
     options.k_init = defaults.k_init;
     options.chunk_size = defaults.chunk_size;
+    options.kernel = static_cast<std::int32_t>(defaults.kernel);
     return options;
 }
 
@@ -210,8 +214,9 @@ votess::Options convert_options(const votess_options* given, std::size_t count) 
     if (c_options.reserved != 0) {
         refuse("options.reserved is " + std::to_string(c_options.reserved) + ": it must be 0");
     }
-    if (c_options.reserved2 != 0) {
-        refuse("options.reserved2 is " + std::to_string(c_options.reserved2) + ": it must be 0");
+    if (c_options.kernel < VOTESS_KERNEL_AUTOMATIC || c_options.kernel > VOTESS_KERNEL_SUBGROUP) {
+        refuse("options.kernel is " + std::to_string(c_options.kernel) +
+               ": use VOTESS_KERNEL_AUTOMATIC, VOTESS_KERNEL_INVOCATION or VOTESS_KERNEL_SUBGROUP");
     }
 
     if (c_options.reserved3 != 0) {
@@ -230,6 +235,7 @@ votess::Options convert_options(const votess_options* given, std::size_t count) 
     options.precision = static_cast<votess::Precision>(c_options.precision);
     options.k_init = c_options.k_init;
     options.chunk_size = c_options.chunk_size;
+    options.kernel = static_cast<votess::Kernel>(c_options.kernel);
     if (c_options.instructions != nullptr) options.instructions = c_options.instructions;
     if (c_options.progress != nullptr) {
         options.progress = [callback = c_options.progress, user = c_options.progress_user](double fraction) {

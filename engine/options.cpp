@@ -253,6 +253,10 @@ void check_options(const Options& options) {
                " is not known: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
     if (options.precision != Precision::single && options.precision != Precision::double_)
         refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
+    if (options.kernel != Kernel::automatic && options.kernel != Kernel::invocation &&
+        options.kernel != Kernel::subgroup)
+        refuse("kernel = " + std::to_string(static_cast<int>(options.kernel)) +
+               " is neither automatic nor invocation nor subgroup");
     if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
         refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
     if (!(options.min_face >= 0 && std::isfinite(options.min_face)))

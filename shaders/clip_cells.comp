@@ -14,6 +14,7 @@ layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
 layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
 layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
 layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e-8;
+layout(constant_id = CONSTANT_LIST_OF_TODO) const uint list_of_todo = 0u;
 layout(push_constant) uniform Push { ClipPush push; };
 #include "lib/node.glsl"
 layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
@@ -22,6 +23,7 @@ layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
 layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+// A column for each cell of the chunk, or of those to do.
 layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo list_info[]; };
 layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
@@ -31,20 +33,7 @@ layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
 layout(std430, binding = BINDING_TODO) buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
 
-#ifdef CLIP_FLOAT64
-#define real double
-const double unit = 1.1102230246251565e-16LF;
-#else
-#define real float
-const float unit = float_unit;
-#endif
-#ifdef GEOMETRY_FLOAT64
-#define geometry_real double
-const double geometry_unit = 1.1102230246251565e-16LF;
-#else
-#define geometry_real float
-const float geometry_unit = float_unit;
-#endif
+#include "lib/real.glsl"
 layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { geometry_real geometry[]; };
 layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { geometry_real areas[]; };
 
@@ -52,83 +41,45 @@ layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { geometry_real a
 #include "lib/int64.glsl"
 #include "lib/linear.glsl"
 #include "lib/loop_guard.glsl"
+#include "lib/relative.glsl"
+#include "lib/filter.glsl"
 #include "lib/cell.glsl"
-
-uvec2 px, py, pz;  // the seed
-float scale;       // 2^-k: units to units of the cell
-
-// q - p in units of the cell with one rounding.
-real difference(uvec2 q, uvec2 p) {
-    const uvec2 d = subtract64(q, p);
-    const bool negative = (d.y & 0x80000000u) != 0u;
-    const uvec2 m = negative ? negate64(d) : d;
-#ifdef CLIP_FLOAT64
-    const real magnitude = (real(m.y) * 4294967296.0LF + real(m.x)) * real(scale);
-#else
-    const real magnitude = round64(m) * scale;
-#endif
-    return negative ? -magnitude : magnitude;
-}
-
-geometry_real geometry_difference(uvec2 q, uvec2 p) {
-#if defined(GEOMETRY_FLOAT64) && !defined(CLIP_FLOAT64)
-    const uvec2 d = subtract64(q, p);
-    const bool negative = (d.y & 0x80000000u) != 0u;
-    const uvec2 m = negative ? negate64(d) : d;
-    const double magnitude = (double(m.y) * 4294967296.0LF + double(m.x)) * double(scale);
-    return negative ? -magnitude : magnitude;
-#else
-    return difference(q, p);
-#endif
-}
-
-// Distance of the seed to wall i.
-geometry_real wall_distance(int i) {
-    const uvec2 p = i / 2 == 0 ? px : (i / 2 == 1 ? py : pz);
-    return (i & 1) == 0 ? geometry_difference(p, uvec2(0)) : geometry_difference(push.extent[i / 2], p);
-}
-
+#include "lib/corner.glsl"
 #include "lib/geometry.glsl"
 
 void test_next(uint q) {
-    new_x = difference(seeds_x[q], px);
-    new_y = difference(seeds_y[q], py);
-    new_z = difference(seeds_z[q], pz);
-    precise const real square = fma(new_x, new_x, fma(new_y, new_y, new_z * new_z));
-    new_h = real(0.5) * square;
-    new_norm = sqrt(square);
+    tested = bisector(difference(seeds_x[q], px), difference(seeds_y[q], py), difference(seeds_z[q], pz));
 }
 
-// Equal in units, or nearer than the neighbor that the cell's unit of length was taken from.
-bool is_too_near() {
-    return !(new_h > real(0.4));
+real security() {
+    return security_radius_squared(radius_squared, largest_error);
 }
 
 // Clips by the list's neighbors. What follows a neighbor lies in its bucket of squared distances or beyond; the first
 // ones are without order. True when the list is complete up to the security radius.
-bool clip_by_list(uint cell, uint count, uint unsorted, float reach) {
+bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
     uint next = 0u;
     measure_radius_and_error();
-    real security = security_radius_squared();
+    real beyond = security();
     for (;;) {
         // Up to the next plane that cuts; then all invocations cut side by side.
         bool cuts = false;
         uint q = 0u;
         while (next < count && !cuts && status == STATUS_CERTIFIED) {
-            q = list[next * push.list_stride + cell];
+            q = list[next * push.list_stride + column];
             ++next;
             if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
             test_next(q);
-            if (is_too_near()) {
+            if (is_too_near(tested)) {
                 status = STATUS_NEEDS_EXACT;
                 break;
             }
-            if (next > unsorted && real(2) * new_h * real(BUCKET_SLACK) >= security) {
+            if (next > unsorted && real(2) * tested.h * real(BUCKET_SLACK) >= beyond) {
                 next = count;
                 break;
             }
             cuts = test_plane();
-            security = security_radius_squared();
+            beyond = security();
         }
         if (!cuts || status != STATUS_CERTIFIED) break;
         cut(int(q));
@@ -136,7 +87,7 @@ bool clip_by_list(uint cell, uint count, uint unsorted, float reach) {
     }
     if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return true;
     measure_radius_and_error();
-    return security_radius_squared() <= real(reach * scale * scale) * real(0.99999);
+    return security() <= real(reach * scale * scale) * real(0.99999);
 }
 
 real gap(uvec2 p, uvec2 lower, uvec2 upper) {
@@ -185,8 +136,8 @@ void clip_by_group(uint group, uint self, real listed) {
         if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
         test_next(q);
         // What is surely in the list is done; what may be in it is a face, or tested twice.
-        if (real(2) * new_h < listed || is_plane_of_cell(int(q))) continue;
-        if (is_too_near()) {
+        if (real(2) * tested.h < listed || is_plane_of_cell(int(q))) continue;
+        if (is_too_near(tested)) {
             status = STATUS_NEEDS_EXACT;
         } else if (test_plane() && status == STATUS_CERTIFIED) {
             cut(int(q));
@@ -211,7 +162,7 @@ void clip_by_walk(uint self, float reach, float bound) {
                     status = STATUS_CANDIDATES_EXHAUSTED;
                     return;
                 }
-                while (status == STATUS_CERTIFIED && in_reach(walk.level, walk.node, security_radius_squared())) {
+                while (status == STATUS_CERTIFIED && in_reach(walk.level, walk.node, security())) {
                     if (walk.level == 0u) {
                         clip_by_group(walk.node, self, listed);
                         break;
@@ -225,7 +176,7 @@ void clip_by_walk(uint self, float reach, float bound) {
         node >>= FAN_BITS;
     }
     measure_radius_and_error();
-    if (bound < UNBOUNDED && !(security_radius_squared() <= real(bound * scale * scale) * real(0.99999)))
+    if (bound < UNBOUNDED && !(security() <= real(bound * scale * scale) * real(0.99999)))
         status = STATUS_CANDIDATES_EXHAUSTED;
 }
 
@@ -290,13 +241,14 @@ void main() {
         return;
     }
 
-    const ListInfo found = list_info[cell];
+    const uint column = list_of_todo != 0u ? slot : cell;
+    const ListInfo found = list_info[column];
     const uint count = found.lengths & 0xffffu, unsorted = found.lengths >> 16;
     uint exponent = COORDINATE_BITS - 1;
     if (count > 0u) {
         float nearest = UNBOUNDED;  // but for the width of a bucket
         for (uint i = 0u; i < max(unsorted, 1u); ++i) {
-            const uint q = list[i * push.list_stride + cell];
+            const uint q = list[i * push.list_stride + column];
             nearest = min(nearest, max(abs(rough_difference(seeds_x[q], px)),
                                        max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz)))));
         }
@@ -311,7 +263,7 @@ void main() {
     } else {
         start_cell(real[6](real(difference(px, uvec2(0))), difference(push.extent[0], px), difference(py, uvec2(0)),
                            difference(push.extent[1], py), difference(pz, uvec2(0)), difference(push.extent[2], pz)));
-        if (status == STATUS_CERTIFIED && !clip_by_list(cell, count, unsorted, found.reach)) {
+        if (status == STATUS_CERTIFIED && !clip_by_list(column, count, unsorted, found.reach)) {
             if (tier == 0u)
                 status = STATUS_CANDIDATES_EXHAUSTED;
             else

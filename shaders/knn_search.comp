@@ -11,29 +11,25 @@
 
 layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(constant_id = CONSTANT_K) const int k = 64;
+layout(constant_id = CONSTANT_OF_TODO) const uint of_todo = 0u;
 layout(push_constant) uniform Push { KnnPush push; };
 #include "lib/hierarchy.glsl"
 #include "lib/int64.glsl"
 #include "lib/linear.glsl"
 #include "lib/loop_guard.glsl"
 #include "lib/node.glsl"
+#include "lib/reach.glsl"
 layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
 layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
 layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInfo list_info[]; };
 
-// Squared distances are right to 8 roundings of float32, of 2^-23 each at most.
-const float box_slack = 1.0 - 1e-5;
-const float reach_slack = 1.0 - 3e-5;
-
 #define BUCKET_OF(d) (max(int((floatBitsToUint(d) >> BUCKET_SHIFT) - lowest_bucket), 0))
-
-// High words err by 2^32 units an axis, by 2e-6 of a radius from 2^52 units on. Seeds nearer than a quarter of it, where
-// that is more, lie in the first bucket.
-const float coarse_from = 2.03e31;  // squared, 2^104
 
 const int store = 2 * k;
 const int buckets = 64;
@@ -87,10 +83,6 @@ void forget_far_ones() {
     }
 }
 
-float coarse_offset(uint q, uint p) {
-    return float(int(q - p)) * 4294967296.0;
-}
-
 void visit_group(uint group) {
     const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
     for (uint seed = group * GROUP_SEEDS; seed < end; ++seed) {
@@ -112,16 +104,6 @@ void visit_group(uint group) {
         indices[size++] = seed;
         if (size == store) forget_far_ones();
     }
-}
-
-float gap(uvec2 p, uvec2 lower, uvec2 upper) {
-    if (less64(p, lower)) return rough_difference(lower, p);
-    if (less64(upper, p)) return rough_difference(p, upper);
-    return 0.0;
-}
-
-float coarse_gap(uint p, uint lower, uint upper) {
-    return 4294967296.0 * (p < lower ? float(lower - p) : (upper < p ? float(p - upper) : 0.0));
 }
 
 bool is_near(uint level, uint node) {
@@ -156,20 +138,6 @@ void explore(uint root_level, uint root) {
     } while (advance(walk));
 }
 
-// Nothing is known about seeds beyond the bounds. A seed that lies outside has no reach.
-float distance_to_bounds(int axis, uvec2 p) {
-    float nearest = UNBOUNDED;
-    if ((push.bounded & (1u << axis)) != 0u) {
-        const float d = less64(p, push.lower[axis]) ? 0.0 : rough_difference(p, push.lower[axis]);
-        nearest = min(nearest, d * d * reach_slack);
-    }
-    if ((push.bounded & (8u << axis)) != 0u) {
-        const float d = less64(push.upper[axis], p) ? 0.0 : rough_difference(push.upper[axis], p);
-        nearest = min(nearest, d * d * reach_slack);
-    }
-    return nearest;
-}
-
 void search() {
     uint node = self / GROUP_SEEDS;
     visit_group(node);
@@ -181,27 +149,26 @@ void search() {
     }
 }
 
-// Squared radius of a ball with about `k` seeds, from the density of the 64 seeds around this one in memory. Their box
-// is about twice as large as their share of space.
 float expected_reach() {
-    if (push.level_count < 3u) return UNBOUNDED;
-    const uint n = push.level_first[1] + self / (GROUP_SEEDS * FAN);
-    float volume = 1.0;
-    for (int axis = 0; axis < 3; ++axis)
-        volume *= rough_difference(nodes[n].upper[axis], nodes[n].lower[axis]) * exp2(-COORDINATE_BITS);
-    const float radius = pow(volume * float(k) * EXPECTED_REACH, 1.0 / 3.0);
-    return max(radius * radius * exp2(2.0 * COORDINATE_BITS), 1.0);
+    return push.level_count < 3u ? UNBOUNDED
+                                 : expected_reach_in(nodes[push.level_first[1] + self / (GROUP_SEEDS * FAN)], k);
 }
 
 void main() {
-    const uint cell = linear_invocation();
-    if (cell >= push.cell_count) return;
+    const uint column = linear_invocation();
+    uint cell = column;
+    if (of_todo == 0u) {
+        if (column >= push.cell_count) return;
+    } else {
+        if (column >= min(chunk.todo_count, push.cell_count)) return;
+        cell = todo[column];
+    }
     self = push.first_cell + cell;
     px = seeds_x[self];
     py = seeds_y[self];
     pz = seeds_z[self];
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
-        list_info[cell] = ListInfo(0u, 0.0, 0.0);
+        list_info[column] = ListInfo(0u, 0.0, 0.0);
         return;
     }
 
@@ -242,15 +209,14 @@ void main() {
         const int b = BUCKET_OF(distances[i]);
         if (b >= fitting) continue;
         const int place = places[b];
-        list[uint(place) * push.stride + cell] = indices[i];
+        list[uint(place) * push.stride + column] = indices[i];
         places[b] = place + 1;
     }
-    const float bound =
-        min(distance_to_bounds(0, px), min(distance_to_bounds(1, py), distance_to_bounds(2, pz)));
+    const float bound = distance_to_bounds(px, py, pz);
     if (truncated) reach = 0.0;
     if (loops_were_cut_short(2u + (push.seed_count >> 31))) {
         reach = 0.0;
         listed = 0;
     }
-    list_info[cell] = ListInfo(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), min(reach, bound), bound);
+    list_info[column] = ListInfo(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), min(reach, bound), bound);
 }

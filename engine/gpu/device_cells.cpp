@@ -14,6 +14,17 @@ std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& setting
     return settings.k < ordinary_k ? cells : std::max(cells / 2, std::min(cells, least));
 }
 
+// Where subgroups make the cells of the first tier, only those of the second need lists.
+std::uint32_t listed_cells(std::uint32_t cells, const PassSettings& settings) {
+    return settings.subgroup_size != 0 ? second_tier_cells(cells, settings) : cells;
+}
+
+// Words of the list for each cell of a large chunk.
+VkDeviceSize list_words(const PassSettings& settings) {
+    constexpr std::uint32_t large = 1u << 20;
+    return (VkDeviceSize{settings.k} * listed_cells(large, settings) + large - 1) / large;
+}
+
 }  // namespace
 
 std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& settings, std::uint32_t wanted,
@@ -31,12 +42,12 @@ VkDeviceSize DeviceCells::bytes_per_cell(const PassSettings& s) {
     // List, rows and rows out, of both tiers; then the words of reserve(), geometry as float64 twice, and areas as
     // float64 beside the rows.
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * (s.k + 2 * planes + 10 + 2 * 2 * geometry_components + (s.areas ? 2 * 2 * planes : 0));
+    return 4 * (list_words(s) + 2 * planes + 10 + 2 * 2 * geometry_components + (s.areas ? 2 * 2 * planes : 0));
 }
 
 VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * std::max<VkDeviceSize>(s.k, (s.areas ? 2 : 1) * planes);
+    return 4 * std::max<VkDeviceSize>(list_words(s), (s.areas ? 2 : 1) * planes);
 }
 
 void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings, bool float64) {
@@ -48,8 +59,9 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     const auto take = [&](std::uint32_t binding, VkDeviceSize count, const char* name) {
         bindings_.set(binding, workspace.take_words(count, name));
     };
-    take(BINDING_LIST, n * settings.k, "list");
-    take(BINDING_LIST_INFO, n * (sizeof(ListInfo) / 4), "list info");
+    const VkDeviceSize listed = listed_cells(cells, settings);
+    take(BINDING_LIST, listed * settings.k, "list");
+    take(BINDING_LIST_INFO, listed * (sizeof(ListInfo) / 4), "list info");
     take(BINDING_ROWS, first_rows, "rows");
     take(BINDING_SECOND_ROWS, second_rows, "second rows");
     take(BINDING_AREAS, first_rows * area_words, "areas");
@@ -113,12 +125,28 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     std::ranges::copy(seeds.level_first(), clip_.level_first);
     knn_.most_visits = settings.most_visits;
     clip_.most_visits = settings.most_walk_visits;
-    knn_.stride = clip_.list_stride = clip_.row_stride = rows_.row_stride = cells_;
+    knn_.stride = clip_.list_stride = listed_cells(cells_, settings);
+    clip_.row_stride = rows_.row_stride = cells_;
     clip_.todo_capacity = rows_.second_row_stride = todo_capacity_;
     clip_.walls = job.walls ? 1 : 0;
     clip_.neighbors = job.neighbors ? 1 : 0;
     clip_.volume_tolerance = static_cast<float>(job.volume_tolerance);
     for (const BufferBinding& b : seeds.bindings().list()) bindings_.set(b.binding, b.slice);
+    std::ranges::copy(clip_.extent, both_.extent);
+    std::ranges::copy(knn_.lower, both_.lower);
+    std::ranges::copy(knn_.upper, both_.upper);
+    both_.bounded = knn_.bounded;
+    both_.first_cell = first;
+    both_.cell_count = count;
+    both_.seed_count = clip_.seed_count;
+    both_.own_count = clip_.own_count;
+    both_.level_count = clip_.level_count;
+    both_.most_visits = knn_.most_visits;
+    both_.row_stride = clip_.row_stride;
+    both_.todo_capacity = clip_.todo_capacity;
+    both_.walls = clip_.walls;
+    both_.neighbors = clip_.neighbors;
+    both_.volume_tolerance = clip_.volume_tolerance;
     second_bindings_ = bindings_;
     second_bindings_.set(BINDING_ROWS, slice(BINDING_SECOND_ROWS));
     second_bindings_.set(BINDING_AREAS, slice(BINDING_SECOND_AREAS));
@@ -127,16 +155,29 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
 void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
     recorder.fill(slice(BINDING_CHUNK_STATE), offsetof(ChunkState, todo_count), 4, 0);
     recorder.barrier();
+    if (passes.settings.subgroup_size != 0) return;
     recorder.dispatch(passes.knn_search, bindings_.list(), push_bytes(knn_), knn_.cell_count);
     recorder.barrier();
 }
 
 void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool second_tier) const {
-    recorder.dispatch(passes.clip_cells[0], bindings_.list(), push_bytes(clip_), clip_.cell_count);
+    const std::uint32_t lanes = passes.settings.subgroup_size;
+    if (lanes == 0)
+        recorder.dispatch(passes.clip_cells[0], bindings_.list(), push_bytes(clip_), clip_.cell_count);
+    else
+        recorder.dispatch(passes.clip_cells[0], bindings_.list(), push_bytes(both_),
+                          std::uint64_t{clip_.cell_count} * lanes);
     recorder.barrier();
     if (!second_tier) return;
     recorder.dispatch(passes.clip_todo, bindings_.list(), push_bytes(clip_), 1);
     recorder.barrier();
+    if (lanes != 0) {
+        KnnPush knn = knn_;
+        knn.cell_count = todo_capacity_;
+        recorder.dispatch_indirect(passes.knn_search, bindings_.list(), push_bytes(knn), slice(BINDING_CHUNK_STATE),
+                                   offsetof(ChunkState, groups_x));
+        recorder.barrier();
+    }
     ClipPush second = clip_;
     second.row_stride = todo_capacity_;
     recorder.dispatch_indirect(passes.clip_cells[1], second_bindings_.list(), push_bytes(second),

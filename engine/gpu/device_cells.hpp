@@ -45,6 +45,7 @@ public:
     // Sorted seeds first .. first + count - 1.
     void set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job, std::uint32_t first,
                  std::uint32_t count);
+    // With a subgroup per cell search is part of clip.
     void record_knn(Recorder& recorder, const Passes& passes) const;
     void record_clip(Recorder& recorder, const Passes& passes, bool second_tier) const;
     // The rows one after the other, from entry row_base of the chunk's state on.
@@ -54,6 +55,7 @@ public:
     // Entries that the rows of all cells have room for.
     [[nodiscard]] VkDeviceSize most_entries() const { return most_entries_; }
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
+    [[nodiscard]] std::uint32_t list_columns() const { return knn_.stride; }
     [[nodiscard]] Slice slice(std::uint32_t binding) const { return bindings_.get(binding); }
 
 private:
@@ -65,6 +67,7 @@ private:
     Bindings bindings_, second_bindings_;
     KnnPush knn_{};
     ClipPush clip_{};
+    CellsPush both_{};
     RowsPush rows_{};
 };
 

@@ -101,7 +101,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
                                                 host.features.shaderFloat64 != VK_FALSE, host.pipeline_cache});
     state->options = options;
     gpu::vulkan::Device& device = *state->device;
-    gpu::PassSettings settings = gpu::usual_settings(device, options.k_init);
+    gpu::PassSettings settings = gpu::usual_settings(device, options.k_init, options.kernel);
     settings.measure = options.geometry;
     settings.frames = true;
     settings.images = state->is_periodic();

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "gpu/kernel_choice.hpp"
 #include "implied_wants.hpp"
 
 namespace votess::gpu {
@@ -41,11 +42,12 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     if (measured_double && !float64)
         throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name +
                                                 "' has no float64 arithmetic: use precision single, or the CPU");
-    PassSettings s = usual_settings(*device_, options.k_init);
+    PassSettings s = usual_settings(*device_, options.k_init, options.kernel);
     if (limits_.most_walk_visits != 0) s.most_walk_visits = limits_.most_walk_visits;
     s.tiers[0].float64 = measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
     s.areas = !lists_only_ && options.want.areas;
+    if (const std::uint32_t size = local_size_from_environment(); size != 0) s.local_size = size;
     if (limits_.local_size != 0) s.local_size = limits_.local_size;
     return s;
 }

@@ -8,7 +8,8 @@
 
 namespace votess::gpu {
 
-// What one tier of clip may use. A cell that needs more goes to the next tier, in the end to the CPU.
+// What one tier of clip may use. With a subgroup per cell the first tier has 32 planes. A cell that needs more goes to
+// the next tier, in the end to the CPU.
 struct TierLimits {
     std::uint32_t planes = 32;    // alive at once; a multiple of 32
     std::uint32_t vertices = 64;  // alive at once; a multiple of 32
@@ -25,12 +26,15 @@ struct PassSettings {
     bool areas = false;                      // and areas beside the rows
     bool frames = false;                     // the passes of recorded frames too
     bool images = false;                     // and those of periodic ones; areas are not for them
-    std::uint32_t local_size = 64;           // of passes without shared memory
+    std::uint32_t local_size = 64;           // of passes that do not rely on theirs
+    // Invocations that make a cell of the first tier together, searching as they clip; 0: each makes one, from a list.
+    std::uint32_t subgroup_size = 0;
+    std::uint32_t first_count = 48;  // seeds that the subgroup's first search aims at
     bool operator==(const PassSettings&) const = default;
 };
 
-// Those that suit the device; k = 0: the usual number.
-[[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k);
+// Those that suit the device; k = 0: the usual number. Throws `unsupported` for a kernel that it cannot run.
+[[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k, Kernel kernel);
 
 struct Passes {
     Passes(vulkan::Device& device, const PassSettings& settings);
@@ -39,7 +43,7 @@ struct Passes {
     vulkan::Pass upload;
     vulkan::Pass sort_key, sort_count, sort_scatter, sort_gather, scan_blocks, scan_add;
     vulkan::Pass knn_boxes, knn_search;
-    vulkan::Pass clip_cells[2], clip_todo;
+    vulkan::Pass clip_cells[2], clip_todo;  // clip_cells[0] searches too where subgroups make cells
     vulkan::Pass download_rows;
     std::optional<vulkan::Pass> download_cells, download_total, upload_wrap, upload_images;
 };

@@ -70,6 +70,13 @@ typedef enum votess_precision {
     VOTESS_PRECISION_DOUBLE = 1   // relative error 1e-10
 } votess_precision;
 
+// Tuning of a GPU; see Kernel in votess.hpp.
+typedef enum votess_kernel {
+    VOTESS_KERNEL_AUTOMATIC = 0,
+    VOTESS_KERNEL_INVOCATION = 1,
+    VOTESS_KERNEL_SUBGROUP = 2
+} votess_kernel;
+
 // Called from the thread inside votess_tessellate, some ten times a second; return 0 to cancel, else nonzero.
 typedef int (*votess_progress_callback)(double fraction, void* user);
 // message: zero-terminated, valid during the call.
@@ -94,7 +101,7 @@ typedef struct votess_options {
     int32_t precision;         // VOTESS_PRECISION_*; default single
     uint32_t k_init;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
     uint32_t chunk_size;       // GPU: cells in flight at once, 0 = automatic
-    uint32_t reserved2;        // 0
+    int32_t kernel;            // GPU: VOTESS_KERNEL_*; default automatic
     const char* instructions;  // CPU: "baseline", "avx2", "avx512"; NULL or "" = the best that the processor has
     double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
     int32_t periodic[3];       // nonzero: the box repeats along x, y, z

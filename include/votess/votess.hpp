@@ -97,6 +97,13 @@ enum class Precision : std::uint8_t {
     double_ = 1,  // 1e-10; on a GPU that lacks float64 arithmetic `unsupported`
 };
 
+// Who makes a cell on a GPU. Changes speed and memory, never the answer.
+enum class Kernel : std::uint8_t {
+    automatic = 0,   // `subgroup` on GPUs that can, `invocation` on software devices
+    invocation = 1,  // each shader invocation one cell, from a list of its neighbors in memory
+    subgroup = 2,    // the invocations of a subgroup together, searching as they clip; needs subgroups of 8 to 64
+};
+
 // Which arrays to compute and store.
 struct Want {
     bool neighbors = true;   // indptr, indices
@@ -152,6 +159,8 @@ struct Options {
     unsigned grid_resolution = 0;  // blocks along an axis of the sorting grid, 0 = automatic; at most 2^20
     unsigned k_init = 0;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
     unsigned chunk_size = 0;       // GPU: cells in flight at once, 0 = automatic
+    // GPU: who makes a cell. `subgroup` where subgroups cannot is `unsupported`.
+    Kernel kernel = Kernel::automatic;
     // CPU: "baseline", "avx2" or "avx512"; one that the processor lacks is `unsupported`. "" = the best it has.
     std::string instructions;
 
@@ -162,7 +171,7 @@ struct Options {
 // Seconds of wall clock per stage of the pipeline. On the CPU `knn` builds the search structure, and `clip` pulls the
 // candidates and decides uncertain signs exactly on the spot, so that nothing is left for `fallback`. On a GPU, where
 // chunks of cells pass through knn, clip and download while the CPU does its share of the chunk before (`fallback`),
-// that stretch is divided by what each took.
+// that stretch is divided by what each took; Kernel::subgroup searches within `clip`.
 struct StageSeconds {
     double upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
     double total = 0;

@@ -95,6 +95,7 @@ struct PlanOptions {
     std::uint32_t most_entries = 0;  // of all rows together; 0 = 20 a seed. See Header::entries
     std::uint32_t chunk_size = 0;    // cells worked on at once: more workspace, more speed. 0 = automatic: 2^20 on GPUs
     std::uint32_t k_init = 0;        // as Options::k_init
+    Kernel kernel = Kernel::automatic;  // as Options::kernel
 };
 
 // A part of a buffer. The offset must be a multiple of minStorageBufferOffsetAlignment. One buffer may hold several.

@@ -1,17 +1,7 @@
 // One Voronoi cell in private memory: a simple polytope, every vertex on exactly three planes, relative to its seed and
 // in units of about the distance to its nearest neighbor.
 //
-// Filter. A plane (n, h) is n.x = h with |n| >= 0.9, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to 5u.
-// With P = |na||nb||nc|, d = h/|n| and condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
-//     |x - X| <= u (condition (13.9 (da + db + dc) + 9.3 |x|) + 6 |x|):
-// a numerator's terms are right to 12u, its products of absolute values at most 1.155 h_a |nb||nc|; the determinant is
-// right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division may err by 2.5 units in the last place. The
-// test of a plane is right to
-//     |n| (|x - X| + 6u |x|) + 10 u h .
-// A coordinate that was rounded to units moves each plane by at most `quantum` (|x| + 1). A test inside its bound makes
-// the cell uncertain: nothing is decided by rounding.
-//
-// Needs real, most_planes, most_vertices, unit.
+// Needs what lib/filter.glsl defines, most_planes, most_vertices.
 
 // Vertices in a step of a loop, for the loads to overlap; beyond the last one there is room to read.
 const int side_by_side = 4;
@@ -32,25 +22,28 @@ uint killed[vertex_words];                       // vertices outside the plane t
 uint edges_killed[most_planes * plane_words];    // bit b of row a: edge (a, b) of a killed vertex
 uint horizon[most_planes];                       // edges (a, b) with one vertex killed: a | b << 8
 uint status;
-real quantum;
 real radius_squared;  // over all vertices, as of the last test
 real largest_error;   // at least that of any vertex
 
-// The plane tested last.
-real new_x, new_y, new_z, new_h, new_norm;
+Plane tested;  // last
 
 uint plane_of(uint packed, int k) {
     return (packed >> (8 * k)) & 0xffu;
 }
 
-void set_plane(uint slot, real x, real y, real z, real h, real norm, int id) {
-    plane_x[slot] = x;
-    plane_y[slot] = y;
-    plane_z[slot] = z;
-    plane_h[slot] = h;
-    plane_norm[slot] = norm;
+void set_plane(uint slot, Plane p, int id) {
+    plane_x[slot] = p.x;
+    plane_y[slot] = p.y;
+    plane_z[slot] = p.z;
+    plane_h[slot] = p.h;
+    plane_norm[slot] = p.norm;
     plane_id[slot] = id;
     planes_used[slot >> 5] |= 1u << (slot & 31u);
+}
+
+Plane plane_at(uint slot) {
+    const real h = plane_h[slot], norm = plane_norm[slot];
+    return Plane(plane_x[slot], plane_y[slot], plane_z[slot], h, norm, h / norm);
 }
 
 // Appends the vertex of planes a, b, c.
@@ -59,34 +52,16 @@ void add_vertex(uint a, uint b, uint c) {
         status = STATUS_VERTEX_OVERFLOW;
         return;
     }
-    precise const real ax = plane_x[a], ay = plane_y[a], az = plane_z[a];
-    precise const real bx = plane_x[b], by = plane_y[b], bz = plane_z[b];
-    precise const real cx = plane_x[c], cy = plane_y[c], cz = plane_z[c];
-    precise const real bcx = by * cz - bz * cy, bcy = bz * cx - bx * cz, bcz = bx * cy - by * cx;
-    precise const real cax = cy * az - cz * ay, cay = cz * ax - cx * az, caz = cx * ay - cy * ax;
-    precise const real abx = ay * bz - az * by, aby = az * bx - ax * bz, abz = ax * by - ay * bx;
-    precise const real det = ax * bcx + ay * bcy + az * bcz;
-    precise const real product = plane_norm[a] * plane_norm[b] * plane_norm[c];
-    if (!(det * real(0.0005) > product * unit)) {  // the bound above is of first order
+    Vertex vertex;
+    if (!find_vertex(plane_at(a), plane_at(b), plane_at(c), vertex)) {
         status = STATUS_NEEDS_EXACT;
         return;
     }
-    const real ha = plane_h[a], hb = plane_h[b], hc = plane_h[c];
-    precise const real inverse = real(1) / det;
-    precise const real x = (ha * bcx + hb * cax + hc * abx) * inverse;
-    precise const real y = (ha * bcy + hb * cay + hc * aby) * inverse;
-    precise const real z = (ha * bcz + hb * caz + hc * abz) * inverse;
-    precise const real length = sqrt(x * x + y * y + z * z);
-    precise const real condition = product * inverse;
-    precise const real distances = ha / plane_norm[a] + hb / plane_norm[b] + hc / plane_norm[c];
-    precise const real rounding =
-        unit * (condition * (real(13.9) * distances + real(9.3) * length) + real(12) * length) * real(1.05);
-    vertex_x[vertex_count] = x;
-    vertex_y[vertex_count] = y;
-    vertex_z[vertex_count] = z;
-    const real error = rounding + quantum * (real(4) * condition + real(1)) * (length + real(1));
-    vertex_error[vertex_count] = error;
-    largest_error = max(largest_error, error);
+    vertex_x[vertex_count] = vertex.x;
+    vertex_y[vertex_count] = vertex.y;
+    vertex_z[vertex_count] = vertex.z;
+    vertex_error[vertex_count] = vertex.error;
+    largest_error = max(largest_error, vertex.error);
     vertex_planes[vertex_count] = a | (b << 8) | (c << 16);
     ++vertex_count;
 }
@@ -97,8 +72,8 @@ void start_cell(real wall[6]) {
     for (int w = 0; w < plane_words; ++w) planes_used[w] = 0u;
     for (uint i = 0u; i < 6u; ++i) {
         const real side = (i & 1u) != 0u ? real(1) : real(-1);
-        set_plane(i, i / 2u == 0u ? side : real(0), i / 2u == 1u ? side : real(0), i / 2u == 2u ? side : real(0), wall[i],
-                  real(1), -1 - int(i));
+        set_plane(i, Plane(i / 2u == 0u ? side : real(0), i / 2u == 1u ? side : real(0), i / 2u == 2u ? side : real(0),
+                           wall[i], real(1), wall[i]), -1 - int(i));
     }
     vertex_count = 0;
     largest_error = real(0);
@@ -117,16 +92,14 @@ bool test_plane() {
     for (int w = 0; w < vertex_words; ++w) killed[w] = 0u;
     bool cuts = false;
     real farthest = real(0);
-    precise const real h_error = real(10.5) * unit * new_h;
-    precise const real most = fma(new_norm, largest_error, h_error);
+    const real most = side_bound(tested, largest_error);
     for (int first = 0; first < vertex_count; first += side_by_side) {
         real sides[side_by_side];
         bool near = false;
         for (int i = 0; i < side_by_side; ++i) {
             const int v = first + i;
             const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
-            // A fused fma only leaves roundings out.
-            precise const real side = fma(new_x, x, fma(new_y, y, fma(new_z, z, -new_h)));
+            const real side = side_of(tested, x, y, z);
             sides[i] = side;
             if (v < vertex_count) {
                 farthest = max(farthest, fma(x, x, fma(y, y, z * z)));
@@ -137,7 +110,7 @@ bool test_plane() {
         for (int i = 0; i < side_by_side; ++i) {
             const int v = first + i;
             if (v >= vertex_count || sides[i] < -most) continue;
-            precise const real bound = fma(new_norm, vertex_error[v], h_error);
+            const real bound = side_bound(tested, vertex_error[v]);
             if (sides[i] > bound) {
                 killed[v >> 5] |= 1u << (v & 31);
                 cuts = true;
@@ -158,12 +131,6 @@ void measure_radius_and_error() {
         radius_squared = max(radius_squared, fma(x, x, fma(y, y, z * z)));
         largest_error = max(largest_error, vertex_error[v]);
     }
-}
-
-// At least the squared security radius: no seed beyond it can cut the cell.
-real security_radius_squared() {
-    const real radius = real(2.00002) * (sqrt(radius_squared) + largest_error);
-    return radius * radius;
 }
 
 void note_planes_in_use() {
@@ -243,6 +210,6 @@ void cut(int id) {
             return;
         }
     }
-    set_plane(slot, new_x, new_y, new_z, new_h, new_norm, id);
+    set_plane(slot, tested, id);
     for (int i = 0; i < horizon_count; ++i) add_vertex(horizon[i] & 0xffu, horizon[i] >> 8, slot);
 }

@@ -44,6 +44,15 @@
 // lengths no product of a vertex (five lengths) leaves the range of float32.
 #define SMALLEST_CELL_EXPONENT 37
 
+// clip_subgroup: words of shared memory that a subgroup has. Beside them are the planes of its cell, 6 numbers and an
+// id each, and a plane being tested for each lane, of 5 numbers.
+#define SUBGROUP_PLANES 32
+#define SUBGROUP_STORE 128    // candidates; a power of two
+#define SUBGROUP_NODES 96     // boxes to open
+#define SUBGROUP_GROUPS 80    // groups to look into, at least 64 + 64 / GROUP_SEEDS
+#define SUBGROUP_SCRATCH 192  // boxes, groups and MOST_LEVELS numbers; while it clips, four words a plane
+#define SUBGROUP_SEARCHES 24  // of a cell, before it is left to the second tier
+
 // clip: where a row is; rows of the second tier have the bit set.
 #define SECOND_TIER_BIT 0x80000000u
 
@@ -71,11 +80,16 @@
 // Specialization constants. 0 is the local size of every pass.
 #define CONSTANT_LOCAL_SIZE 0
 #define CONSTANT_K 1              // knn: most neighbors listed
+#define CONSTANT_OF_TODO 2        // knn: 1 makes lists for the cells left to the second tier alone
 #define CONSTANT_MOST_PLANES 1    // clip: a multiple of 32
 #define CONSTANT_MOST_VERTICES 2  // clip: a multiple of 32
 #define CONSTANT_TIER 3           // clip: 0 or 1
 #define CONSTANT_GEOMETRY 4       // clip: 1 computes volume and centroid, 2 areas too
 #define CONSTANT_UNIT_ROUNDOFF 5  // clip: float32's, as float bits
-#define CONSTANT_TODO_GROUP 1     // todo: local size of the second tier
+#define CONSTANT_LIST_OF_TODO 6   // clip: 1 when the list has a column for each cell of the second tier alone
+#define CONSTANT_LANES 6        // clip_subgroup: invocations of a subgroup, 8 to 64; tier and planes are not asked for
+#define CONSTANT_SUBGROUPS 7    // clip_subgroup: of a work-group
+#define CONSTANT_FIRST_COUNT 8  // clip_subgroup: seeds that the first search aims at
+#define CONSTANT_TODO_GROUP 1   // todo: local size of the second tier
 
 #endif

@@ -65,7 +65,7 @@ struct KnnPush {
     uvec2 upper[3];
     uint bounded;     // bit a: lower[a] counts; bit 3 + a: upper[a]
     uint first_cell;  // sorted seed that the chunk begins with
-    uint cell_count;  // of the chunk
+    uint cell_count;  // of the chunk; of a list of cells to do, the most
     uint seed_count;
     uint own_count;  // input indices from here on are seeds beside the part, which get no cell
     uint level_count;
@@ -89,6 +89,25 @@ struct ClipPush {
     uint most_visits;        // boxes looked at in a walk before it gives up
     uint level_count;
     uint level_first[MOST_LEVELS];
+};
+
+// Search and clip in one: the first tier's pass of a subgroup per cell.
+struct CellsPush {
+    uvec2 extent[3];  // as in ClipPush
+    uvec2 lower[3];   // as in KnnPush
+    uvec2 upper[3];
+    uint bounded;
+    uint first_cell;
+    uint cell_count;
+    uint seed_count;
+    uint own_count;
+    uint level_count;
+    uint most_visits;
+    uint row_stride;
+    uint todo_capacity;
+    uint walls;
+    uint neighbors;
+    float volume_tolerance;
 };
 
 struct RowsPush {

@@ -121,6 +121,9 @@ TEST_SUITE("api") {
         options.precision = static_cast<votess::Precision>(2);
         CHECK(has(refusal({0, 0, 0}, options), "precision = 2"));
         options = {};
+        options.kernel = static_cast<votess::Kernel>(3);
+        CHECK(has(refusal({0, 0, 0}, options), "kernel = 3"));
+        options = {};
         options.duplicates = static_cast<votess::Duplicates>(9);
         CHECK(refusal({0, 0, 0}, options) != "");
         options = {};

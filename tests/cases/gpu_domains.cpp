@@ -35,9 +35,10 @@ struct Counts {
     std::string failure;
 };
 
-Counts compare(const Coordinates& points, Options options) {
+Counts compare_kernel(const Coordinates& points, Options options, votess::Kernel kernel) {
     const auto cpu = votess::tessellate(std::span<const double>(points), options);
     options.device = "lavapipe";
+    options.kernel = kernel;
     const auto gpu = votess::tessellate(std::span<const double>(points), options);
     Counts counts{gpu.stats().fallback_cells, test::check_domain(gpu)};
     if (!counts.failure.empty()) return counts;
@@ -56,6 +57,15 @@ Counts compare(const Coordinates& points, Options options) {
                 counts.failure = "centroid " + std::to_string(i) + " differs";
     }
     return counts;
+}
+
+// With both kernels; the larger number of cells left to the CPU.
+Counts compare(const Coordinates& points, const Options& options) {
+    const Counts by_invocation = compare_kernel(points, options, votess::Kernel::invocation);
+    if (!by_invocation.failure.empty()) return by_invocation;
+    Counts by_subgroup = compare_kernel(points, options, votess::Kernel::subgroup);
+    by_subgroup.fallback = std::max(by_subgroup.fallback, by_invocation.fallback);
+    return by_subgroup;
 }
 
 }  // namespace

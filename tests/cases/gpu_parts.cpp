@@ -22,10 +22,14 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu: seeds in parts, every family") {
         test::Gpu gpu;
         test::GpuRunner small(gpu, {.most_seeds = 300});
-        for (const PointSet& set : test::families(test::by_size(800, 350), 91)) {
-            CAPTURE(set.name);
-            CHECK(compare(small, set) == "");
-        }
+        for (const auto kernel : {votess::Kernel::invocation, votess::Kernel::subgroup})
+            for (const PointSet& set : test::families(test::by_size(800, 350), 91)) {
+                CAPTURE(static_cast<int>(kernel));
+                CAPTURE(set.name);
+                Options options = test::all_options();
+                options.kernel = kernel;
+                CHECK(compare(small, set, options) == "");
+            }
         test::GpuRunner large(gpu, {.most_seeds = 1000});
         const std::size_t n = test::by_size(2500, 1100);
         for (const PointSet& set : {test::clustered(n, 88), test::with_duplicates(n, n / 5, 89), test::on_walls(n, 90)})
@@ -39,6 +43,9 @@ TEST_SUITE("cases") {
         Options options = test::all_options();
         options.threads = 0;
         options.chunk_size = 500;
+        options.kernel = votess::Kernel::subgroup;
+        CHECK(runner.run(set, options).stats().fallback_cells < set.size() / 3);
+        options.kernel = votess::Kernel::automatic;
         std::vector<double> fractions;
         options.progress = [&](double fraction) {
             fractions.push_back(fraction);
@@ -107,6 +114,9 @@ TEST_SUITE("cases") {
                 CAPTURE(local_size);
                 CAPTURE(set.name);
                 CHECK(compare(runner, set) == "");
+                Options options = test::all_options();
+                options.kernel = votess::Kernel::subgroup;
+                CHECK(compare(runner, set, options) == "");
             }
         }
     }
@@ -115,10 +125,14 @@ TEST_SUITE("cases") {
         test::Gpu gpu({.float64 = false});
         CHECK_FALSE(gpu.device->has_float64());
         test::GpuRunner runner(gpu);
-        for (const PointSet& set : test::families(test::by_size(300, 100), 106)) {
-            CAPTURE(set.name);
-            CHECK(compare(runner, set) == "");
-        }
+        for (const auto kernel : {votess::Kernel::invocation, votess::Kernel::subgroup})
+            for (const PointSet& set : test::families(test::by_size(300, 100), 106)) {
+                CAPTURE(static_cast<int>(kernel));
+                CAPTURE(set.name);
+                Options options = test::all_options();
+                options.kernel = kernel;
+                CHECK(compare(runner, set, options) == "");
+            }
         Options options = test::all_options();
         options.want.volumes = options.want.centroids = options.want.areas = false;
         const PointSet set = test::uniform(test::by_size(3000, 500), 107);

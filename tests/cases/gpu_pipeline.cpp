@@ -41,27 +41,36 @@ std::vector<PointSet> samples(std::size_t n) {
 TEST_SUITE("cases") {
     TEST_CASE("gpu: every family equals the CPU") {
         votess::Tessellator tessellator;
-        for (const std::size_t n : {test::by_size(200, 60), test::by_size(1200, 100)})
-            for (const PointSet& set : test::families(n, n + 1)) {
-                CAPTURE(set.name);
-                CAPTURE(n);
-                CHECK(compare(tessellator, set) == "");
-            }
+        for (const auto kernel : {votess::Kernel::invocation, votess::Kernel::subgroup})
+            for (const std::size_t n : {test::by_size(200, 60), test::by_size(1200, 100)})
+                for (const PointSet& set : test::families(n, n + 1)) {
+                    CAPTURE(static_cast<int>(kernel));
+                    CAPTURE(set.name);
+                    CAPTURE(n);
+                    Options options = test::all_options();
+                    options.kernel = kernel;
+                    CHECK(compare(tessellator, set, options) == "");
+                }
     }
 
     TEST_CASE("gpu: many uniform seeds, hardly any of them left to the CPU") {
         votess::Tessellator tessellator;
         const PointSet set = test::uniform(test::by_size(20000, 1500), 71);
         Options options = test::all_options(set.box);
-        options.device = test::device_name();
         options.threads = 0;
-        const Tessellation gpu = tessellator.tessellate(set.points, options);
-        CHECK(gpu.stats().fallback_cells < set.size() / 100);
-        CHECK(gpu.stats().precision == votess::Precision::single);
-        CHECK(gpu.stats().device != "CPU");
         options.device = "cpu";
-        CHECK(test::check_same(gpu, votess::tessellate(set.points, options), set.points, 1e-5) == "");
-        CHECK(votess::verify(gpu, set.points).failure == "");
+        const Tessellation cpu = votess::tessellate(set.points, options);
+        options.device = test::device_name();
+        for (const auto kernel : {votess::Kernel::invocation, votess::Kernel::subgroup}) {
+            CAPTURE(static_cast<int>(kernel));
+            options.kernel = kernel;
+            const Tessellation gpu = tessellator.tessellate(set.points, options);
+            CHECK(gpu.stats().fallback_cells < set.size() / 100);
+            CHECK(gpu.stats().precision == votess::Precision::single);
+            CHECK(gpu.stats().device != "CPU");
+            CHECK(test::check_same(gpu, cpu, set.points, 1e-5) == "");
+            CHECK(votess::verify(gpu, set.points).failure == "");
+        }
     }
 
     TEST_CASE("gpu: clusters of the size of the coarse coordinates' steps among spread seeds") {
@@ -82,6 +91,8 @@ TEST_SUITE("cases") {
                 CAPTURE(exponent);
                 CAPTURE(k);
                 CHECK(compare(tessellator, set, options) == "");
+                options.kernel = votess::Kernel::subgroup;
+                CHECK(compare(tessellator, set, options) == "");
             }
     }
 
@@ -101,6 +112,15 @@ TEST_SUITE("cases") {
         vary("grid_resolution 64", [](Options& o) { o.grid_resolution = 64; });
         vary("grid_resolution 1025", [](Options& o) { o.grid_resolution = 1025; });
         vary("grid_resolution 2^20", [](Options& o) { o.grid_resolution = 1u << 20; });
+        const auto by_subgroup = [](Options& o) { o.kernel = votess::Kernel::subgroup; };
+        vary("kernel invocation", [](Options& o) { o.kernel = votess::Kernel::invocation; });
+        vary("kernel subgroup", by_subgroup);
+        vary("kernel subgroup, k_init 1", [&](Options& o) { by_subgroup(o), o.k_init = 1; });
+        vary("kernel subgroup, k_init 1024", [&](Options& o) { by_subgroup(o), o.k_init = 1024; });
+        vary("kernel subgroup, precision double",
+             [&](Options& o) { by_subgroup(o), o.precision = votess::Precision::double_; });
+        vary("kernel subgroup, chunk_size 7", [&](Options& o) { by_subgroup(o), o.chunk_size = 7; });
+        vary("kernel subgroup, grid_resolution 1", [&](Options& o) { by_subgroup(o), o.grid_resolution = 1; });
         vary("3 threads", [](Options& o) { o.threads = 3, o.chunk_size = 64; });
         vary("no walls", [](Options& o) { o.walls = false; });
         votess::Tessellator tessellator;
@@ -123,6 +143,8 @@ TEST_SUITE("cases") {
             Options options = test::all_options();
             options.want = {(bits & 1) != 0, (bits & 8) != 0, (bits & 16) != 0, (bits & 2) != 0, (bits & 32) != 0};
             options.walls = (bits & 4) != 0;
+            CHECK(compare(tessellator, set, options) == "");
+            options.kernel = votess::Kernel::subgroup;
             CHECK(compare(tessellator, set, options) == "");
         }
     }
@@ -186,6 +208,9 @@ TEST_SUITE("cases") {
                 PointSet set = test::uniform(n, n + 80);
                 if (!with_box) set.box.reset();
                 CHECK(compare(tessellator, set) == "");
+                Options options = test::all_options();
+                options.kernel = votess::Kernel::subgroup;
+                CHECK(compare(tessellator, set, options) == "");
             }
         PointSet same{"same", {}, std::nullopt};
         for (int i = 0; i < 300; ++i) {
@@ -207,6 +232,7 @@ TEST_SUITE("cases") {
             options.k_init = random.chance(0.3) ? 20 : 0;
             options.chunk_size = random.chance(0.3) ? 300 : 0;
             if (random.chance(0.3)) options.precision = votess::Precision::double_;
+            if (random.chance(0.5)) options.kernel = votess::Kernel::subgroup;
             CAPTURE(n);
             CHECK(compare(tessellator, random.chance(0.5) ? test::uniform(n, n) : test::clustered(n, n), options) ==
                   "");

@@ -359,9 +359,9 @@ static void check_bad_input(votess_tessellator* tessellator) {
     options.threads = 5000;
     CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "5000");
     options = good;
-    options.reserved2 = 7;
+    options.kernel = 7;
     CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
-                "reserved2 is 7");
+                "kernel is 7");
     options = good;
     options.precision = -1;
     CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
@@ -394,7 +394,7 @@ static void check_bad_input(votess_tessellator* tessellator) {
 static void check_tuning(votess_tessellator* tessellator) {
     votess_options options = options_with_box(2);
     CHECK(options.precision == VOTESS_PRECISION_SINGLE && options.k_init == 0 && options.chunk_size == 0);
-    CHECK(options.reserved == 0 && options.reserved2 == 0 && options.device == NULL);
+    CHECK(options.reserved == 0 && options.kernel == VOTESS_KERNEL_AUTOMATIC && options.device == NULL);
     CHECK(options.instructions == NULL);
     options.device = "cpu";
     options.k_init = 1024;

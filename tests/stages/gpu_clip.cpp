@@ -3,14 +3,18 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "gpu/chunk.hpp"
+#include "gpu/kernel_choice.hpp"
 #include "support/check.hpp"
 #include "support/gpu_stages.hpp"
+#include "test_shaders.hpp"
 
 using test::GpuStages;
 using test::PointSet;
+using votess::Kernel;
 using votess::gpu::Chunk;
 using votess::gpu::ChunkJob;
 using votess::gpu::PassSettings;
@@ -92,18 +96,46 @@ Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {
     return counts;
 }
 
-PassSettings with(auto&& change) {
-    PassSettings settings = test::pass_settings();
-    change(settings);
-    return settings;
+// Of an invocation or of a subgroup per cell.
+class Kernels {
+public:
+    explicit Kernels(Kernel kernel) : kernel_(kernel) {}
+
+    [[nodiscard]] PassSettings with(auto&& change) const {
+        PassSettings settings = test::pass_settings();
+        settings.subgroup_size = votess::gpu::choose_subgroup_size(gpu.gpu.device->adapter(), kernel_);
+        change(settings);
+        return settings;
+    }
+    void use(auto&& change) { gpu.use(with(change)); }
+    void use() {
+        use([](PassSettings&) {});
+    }
+    [[nodiscard]] bool by_subgroup() const { return kernel_ == Kernel::subgroup; }
+
+    GpuStages gpu;
+
+private:
+    Kernel kernel_;
+};
+
+// Runs the check with both.
+void with_both(auto&& check) {
+    for (const Kernel kernel : {Kernel::invocation, Kernel::subgroup}) {
+        CAPTURE(static_cast<int>(kernel));
+        Kernels kernels(kernel);
+        kernels.use();
+        check(kernels);
+    }
 }
 
 }  // namespace
 
 TEST_SUITE("stages") {
     TEST_CASE("gpu clip: every family") {
-        GpuStages gpu;
-        for (const PointSet& set : test::families(test::by_size(300, 100), 21)) check_cells(gpu, set);
+        with_both([](Kernels& kernels) {
+            for (const PointSet& set : test::families(test::by_size(300, 100), 21)) check_cells(kernels.gpu, set);
+        });
     }
 
     TEST_CASE("gpu clip: rows seen through windows") {
@@ -154,76 +186,197 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("gpu clip: every size, whole and in chunks") {
-        GpuStages gpu;
-        for (const std::size_t n : test::sizes_across_groups) {
-            if (n > test::by_size(1025, 260)) continue;
-            const Counts counts = check_cells(gpu, test::uniform(n, n));
-            CHECK(counts[STATUS_CERTIFIED] + n / 100 + 1 >= n);
-        }
-        for (const std::uint32_t chunk : {1u, 63u, 64u, 65u, 100u})
-            check_cells(gpu, test::with_duplicates(test::by_size(300, 130), 30, 22), {.chunk = chunk});
+        with_both([](Kernels& kernels) {
+            for (const std::size_t n : test::sizes_across_groups) {
+                if (n > test::by_size(1025, 260)) continue;
+                const Counts counts = check_cells(kernels.gpu, test::uniform(n, n));
+                CHECK(counts[STATUS_CERTIFIED] + n / 100 + 1 >= n);
+            }
+            for (const std::uint32_t chunk : {1u, 63u, 64u, 65u, 100u})
+                check_cells(kernels.gpu, test::with_duplicates(test::by_size(300, 130), 30, 22), {.chunk = chunk});
+        });
     }
 
     TEST_CASE("gpu clip: nearly all random cells are certified, no tie ever is") {
-        GpuStages gpu;
-        const std::size_t n = test::by_size(4000, 800);
-        const Counts both = check_cells(gpu, test::uniform(n, 23));
-        CHECK(fraction(both, STATUS_CERTIFIED) > 0.995);
-        const Counts first = check_cells(gpu, test::uniform(n, 23), {.second_tier = false});
-        CHECK(fraction(first, STATUS_CERTIFIED) > 0.9);
-        CHECK(first[STATUS_CERTIFIED] <= both[STATUS_CERTIFIED]);
-        const Counts lattice = check_cells(gpu, test::fcc(test::by_size(12, 6)));
-        CHECK(fraction(lattice, STATUS_NEEDS_EXACT) > 0.9);
-        const Counts duplicates = check_cells(gpu, test::with_duplicates(n / 4, n / 40, 24));
-        CHECK(duplicates[STATUS_DUPLICATE] == n / 40);
-        CHECK(duplicates[7] == 0);
-        CHECK(duplicates[6] == 0);
+        with_both([](Kernels& kernels) {
+            GpuStages& gpu = kernels.gpu;
+            const std::size_t n = test::by_size(4000, 800);
+            const Counts both = check_cells(gpu, test::uniform(n, 23));
+            CHECK(fraction(both, STATUS_CERTIFIED) > 0.995);
+            const Counts first = check_cells(gpu, test::uniform(n, 23), {.second_tier = false});
+            CHECK(fraction(first, STATUS_CERTIFIED) > (kernels.by_subgroup() ? 0.98 : 0.9));
+            CHECK(first[STATUS_CERTIFIED] <= both[STATUS_CERTIFIED]);
+            const Counts lattice = check_cells(gpu, test::fcc(test::by_size(12, 6)));
+            CHECK(fraction(lattice, STATUS_NEEDS_EXACT) > 0.9);
+            const Counts duplicates = check_cells(gpu, test::with_duplicates(n / 4, n / 40, 24));
+            CHECK(duplicates[STATUS_DUPLICATE] == n / 40);
+            CHECK(duplicates[7] == 0);
+            CHECK(duplicates[6] == 0);
+        });
     }
 
     TEST_CASE("gpu clip: what is not wanted is not there") {
-        GpuStages gpu;
-        const PointSet set = test::uniform(test::by_size(700, 200), 25);
-        check_cells(gpu, set, {.walls = false});
-        check_cells(gpu, set, {.neighbors = false});
-        gpu.use(with([](PassSettings& s) { s.measure = false; }));
-        check_cells(gpu, set);
+        with_both([](Kernels& kernels) {
+            const PointSet set = test::uniform(test::by_size(700, 200), 25);
+            check_cells(kernels.gpu, set, {.walls = false});
+            check_cells(kernels.gpu, set, {.neighbors = false});
+            kernels.use([](PassSettings& s) { s.measure = false; });
+            check_cells(kernels.gpu, set);
+        });
     }
 
     TEST_CASE("gpu clip: short lists, few planes and few vertices overflow with the right status") {
-        GpuStages gpu(with([](PassSettings& s) { s.k = 8; }));
-        const PointSet set = test::uniform(test::by_size(700, 300), 26);
-        const Counts short_lists = check_cells(gpu, set, {.second_tier = false});
-        CHECK(fraction(short_lists, STATUS_CANDIDATES_EXHAUSTED) > 0.9);
-        CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
+        with_both([](Kernels& kernels) {
+            GpuStages& gpu = kernels.gpu;
+            kernels.use([](PassSettings& s) { s.k = 8; });
+            const PointSet set = test::uniform(test::by_size(700, 300), 26);
+            const Counts short_lists = check_cells(gpu, set, {.second_tier = false});
+            // A subgroup goes on where the first search ended.
+            if (!kernels.by_subgroup()) CHECK(fraction(short_lists, STATUS_CANDIDATES_EXHAUSTED) > 0.9);
+            CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
 
-        gpu.use(with([](PassSettings& s) { s.tiers[0].vertices = 32; }));
-        CHECK(check_cells(gpu, set, {.second_tier = false})[STATUS_VERTEX_OVERFLOW] > set.size() / 20);
-        CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
+            kernels.use([](PassSettings& s) { s.tiers[0].vertices = 32; });
+            CHECK(check_cells(gpu, set, {.second_tier = false})[STATUS_VERTEX_OVERFLOW] > set.size() / 20);
+            CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
 
-        // A prism has more planes than vertices fit into; its cells are few.
-        gpu.use(with([](PassSettings& s) {
-            s.k = 200;
-            s.tiers[0].vertices = 128;
-        }));
-        PointSet star{"star", {}, test::cube(-2, 2)};
-        for (int i = 0; i < 60; ++i) {
-            const double angle = i * 0.104;
-            star.points.insert(star.points.end(), {std::cos(angle), std::sin(angle), 0.001 * i});
-        }
-        star.points.insert(star.points.end(), {0, 0, 0.03});
-        CHECK(check_cells(gpu, star, {.second_tier = false})[STATUS_PLANE_OVERFLOW] > 0);
-        check_cells(gpu, star);
-        check_cells(gpu, test::on_sphere_and_center(150, 27), {.second_tier = false});
-        check_cells(gpu, test::on_sphere_and_center(150, 27));
+            // A prism has more planes than vertices fit into; its cells are few.
+            kernels.use([](PassSettings& s) {
+                s.k = 200;
+                s.tiers[0].vertices = 128;
+            });
+            PointSet star{"star", {}, test::cube(-2, 2)};
+            for (int i = 0; i < 60; ++i) {
+                const double angle = i * 0.104;
+                star.points.insert(star.points.end(), {std::cos(angle), std::sin(angle), 0.001 * i});
+            }
+            star.points.insert(star.points.end(), {0, 0, 0.03});
+            CHECK(check_cells(gpu, star, {.second_tier = false})[STATUS_PLANE_OVERFLOW] > 0);
+            check_cells(gpu, star);
+            check_cells(gpu, test::on_sphere_and_center(150, 27), {.second_tier = false});
+            check_cells(gpu, test::on_sphere_and_center(150, 27));
+        });
     }
 
     TEST_CASE("gpu clip: in float64 far more is certain") {
-        GpuStages gpu(with([](PassSettings& s) { s.tiers[0].float64 = true; }));
+        with_both([](Kernels& kernels) {
+            GpuStages& gpu = kernels.gpu;
+            if (!gpu.gpu.device->has_float64()) return;
+            kernels.use([](PassSettings& s) { s.tiers[0].float64 = true; });
+            const PointSet set = test::jittered(test::by_size(9, 5), 1e-6, 28);
+            CHECK(fraction(check_cells(gpu, set, {.second_tier = false}), STATUS_CERTIFIED) > 0.9);
+            kernels.use();
+            CHECK(fraction(check_cells(gpu, set, {.second_tier = false}), STATUS_CERTIFIED) < 0.5);
+        });
+    }
+
+    TEST_CASE("gpu clip: searches of a subgroup, short and long, in work-groups of few and many") {
+        Kernels kernels(Kernel::subgroup);
+        GpuStages& gpu = kernels.gpu;
+        const std::size_t n = test::by_size(600, 150);
+        const struct { std::uint32_t first_count, local_size; } variants[] = {{1, 8}, {8, 32}, {30, 128}, {96, 64}};
+        for (const auto& [first_count, local_size] : variants) {
+            CAPTURE(first_count);
+            kernels.use([&](PassSettings& s) {
+                s.first_count = first_count;
+                s.local_size = local_size;
+            });
+            CHECK(fraction(check_cells(gpu, test::uniform(n, 29), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
+            CHECK(fraction(check_cells(gpu, test::clustered(n, 30), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);
+            check_cells(gpu, test::nested_clusters(n, 31));
+            check_cells(gpu, test::with_duplicates(n, n / 10, 32));
+        }
+        kernels.use([](PassSettings& s) { s.most_visits = 20; });
+        CHECK(fraction(check_cells(gpu, test::uniform(n, 29), {.second_tier = false}), STATUS_CANDIDATES_EXHAUSTED) >
+              0.9);
+        CHECK(fraction(check_cells(gpu, test::uniform(n, 29)), STATUS_CERTIFIED) >
+              0.8);  // by the walk of the second tier
+    }
+
+    TEST_CASE("gpu clip: subgroups of another size than the kernel was made for leave all cells to the second tier") {
+        Kernels kernels(Kernel::subgroup);
+        GpuStages& gpu = kernels.gpu;
+        const PointSet set = test::uniform(test::by_size(300, 130), 33);
+        for (const std::uint32_t other : {4u, 16u, 32u, 64u}) {
+            const votess::gpu::vulkan::Adapter& adapter = gpu.gpu.device->adapter();
+            if (other >= adapter.min_subgroup_size && other <= adapter.max_subgroup_size) continue;
+            CAPTURE(other);
+            kernels.use([&](PassSettings& s) {
+                s.subgroup_size = other;
+                s.local_size = 64;
+            });
+            CHECK(fraction(check_cells(gpu, set, {.second_tier = false}), STATUS_CANDIDATES_EXHAUSTED) == 1);
+            CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
+        }
+    }
+
+    TEST_CASE("gpu clip: subgroups of 16 to 64, by work-groups that do what subgroups do") {
+        Kernels kernels(Kernel::subgroup);
+        GpuStages& gpu = kernels.gpu;
         if (!gpu.gpu.device->has_float64()) return;
-        const Counts counts = check_cells(gpu, test::jittered(test::by_size(9, 5), 1e-6, 28), {.second_tier = false});
-        CHECK(fraction(counts, STATUS_CERTIFIED) > 0.9);
-        gpu.use(test::pass_settings());
-        const Counts single = check_cells(gpu, test::jittered(test::by_size(9, 5), 1e-6, 28), {.second_tier = false});
-        CHECK(fraction(single, STATUS_CERTIFIED) < 0.5);
+        const std::size_t n = test::by_size(150, 60);  // this is slow
+        for (const std::uint32_t lanes : {16u, 32u, 64u}) {
+            CAPTURE(lanes);
+            kernels.use([&](PassSettings& s) { s.subgroup_size = lanes; });
+            auto& pass = gpu.passes->clip_cells[0];
+            const std::vector<std::uint32_t> bindings(pass.bindings().begin(), pass.bindings().end());
+            const std::uint32_t unit = std::bit_cast<std::uint32_t>(0x1p-23f);
+            pass = votess::gpu::vulkan::Pass(*gpu.gpu.device, {.name = "clip_subgroup by work-groups",
+                                                               .spirv = votess::gpu::shaders::test_clip_by_work_group,
+                                                               .bindings = bindings,
+                                                               .push_bytes = pass.push_bytes(),
+                                                               .local_size = lanes,
+                                                               .constants = {32, 64, 0, 1, unit, lanes, 1, 48}});
+            CHECK(fraction(check_cells(gpu, test::uniform(n, 34), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
+            CHECK(fraction(check_cells(gpu, test::clustered(n, 35), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);
+            check_cells(gpu, test::nested_clusters(n, 36));
+            check_cells(gpu, test::with_duplicates(n, n / 10, 37));
+            check_cells(gpu, test::on_sphere_and_center(n / 3, 39));
+            for (const std::size_t few : {1, 2, 9}) check_cells(gpu, test::uniform(few, few));
+            CHECK(fraction(check_cells(gpu, test::fcc(3)), STATUS_NEEDS_EXACT) > 0.9);
+        }
+    }
+
+    TEST_CASE("gpu clip: what a device must have for a subgroup per cell") {
+        const Kernels kernels(Kernel::subgroup);
+        votess::gpu::vulkan::Adapter adapter = kernels.gpu.gpu.device->adapter();
+        using votess::gpu::choose_subgroup_size;
+        using votess::gpu::missing_for_subgroups;
+        CHECK(missing_for_subgroups(adapter) == "");
+        CHECK(choose_subgroup_size(adapter, Kernel::invocation) == 0);
+        CHECK(choose_subgroup_size(adapter, Kernel::subgroup) >= 8);
+        adapter.type = VK_PHYSICAL_DEVICE_TYPE_CPU;
+        CHECK(choose_subgroup_size(adapter, Kernel::automatic) == 0);
+        adapter.type = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
+        adapter.subgroup_size_control = false;
+        for (const std::uint32_t size : {8u, 16u, 32u, 64u}) {
+            adapter.subgroup_size = size;
+            CHECK(choose_subgroup_size(adapter, Kernel::automatic) == size);
+        }
+        adapter.subgroup_size_control = true;  // then the size nearest to 32
+        adapter.min_subgroup_size = 32, adapter.max_subgroup_size = 64;
+        CHECK(choose_subgroup_size(adapter, Kernel::automatic) == 32);
+        adapter.min_subgroup_size = 8, adapter.max_subgroup_size = 16;
+        CHECK(choose_subgroup_size(adapter, Kernel::automatic) == 16);
+
+        const auto refused = [](const votess::gpu::vulkan::Adapter& a, const std::string& word) {
+            CHECK(choose_subgroup_size(a, Kernel::automatic) == 0);
+            CHECK(missing_for_subgroups(a).find(word) != std::string::npos);
+            std::string message;
+            CHECK(test::error_of([&] { (void)choose_subgroup_size(a, Kernel::subgroup); }, &message) ==
+                  votess::ErrorCode::unsupported);
+            CHECK(message.find(word) != std::string::npos);
+        };
+        votess::gpu::vulkan::Adapter other = adapter;
+        other.subgroup_operations &= ~static_cast<VkFlags>(VK_SUBGROUP_FEATURE_ARITHMETIC_BIT);
+        refused(other, "arithmetic");
+        other = adapter;
+        other.subgroup_in_compute = false;
+        refused(other, "compute");
+        other = adapter;
+        other.subgroup_size_control = false;
+        other.subgroup_size = 128;
+        refused(other, "128");
+        other.subgroup_size = 4;
+        refused(other, "it has 4");
     }
 }

@@ -125,6 +125,11 @@ TEST_SUITE("stages") {
               words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.list_stride,
                        clip.row_stride, clip.todo_capacity, clip.walls, clip.neighbors, clip.volume_tolerance,
                        clip.most_visits, clip.level_count, clip.level_first));
+        const auto cells = filled<CellsPush>();
+        check("CellsPush", shaders::test_layout_cells, cells,
+              words_of(cells.extent, cells.lower, cells.upper, cells.bounded, cells.first_cell, cells.cell_count,
+                       cells.seed_count, cells.own_count, cells.level_count, cells.most_visits, cells.row_stride,
+                       cells.todo_capacity, cells.walls, cells.neighbors, cells.volume_tolerance));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
               words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity, rows.window_bits,

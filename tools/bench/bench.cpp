@@ -50,6 +50,8 @@ struct Settings {
     std::vector<unsigned> threads{1, 0};
     std::vector<std::string> peers;
     std::vector<std::string> devices;
+    std::vector<std::string> kernels;
+    std::vector<unsigned> local_sizes;
     Repeats repeats;
     std::uint64_t rng_seed = 1;
     std::string json;
@@ -160,6 +162,8 @@ int run_gpu_table(const Settings& s) {
     table.sizes = s.sizes.empty() ? table.sizes : s.sizes;
     table.inputs = s.inputs.empty() ? table.inputs : s.inputs;
     table.wants = s.wants.empty() ? table.wants : s.wants;
+    table.kernels = s.kernels.empty() ? table.kernels : s.kernels;
+    table.local_sizes = s.local_sizes.empty() ? table.local_sizes : s.local_sizes;
     table.threads = s.threads.back();
     table.repeats = s.repeat_count > 0 ? s.repeat_count : table.repeats;
     table.limit = s.repeats.limit;
@@ -250,6 +254,12 @@ int main(int argc, char** argv) try {
         app.add_option("--peers", s.peers, "besides votess; default: all found")->check(CLI::IsMember(peer_names));
     auto* devices =
         app.add_option("-x,--device", s.devices, "votess on these Vulkan devices too: gpu, lavapipe or an index");
+    auto* kernels =
+        app.add_option("--kernel", s.kernels, "--gpu-table: automatic, invocation, subgroup; default the two")
+            ->check(CLI::IsMember({"automatic", "invocation", "subgroup"}));
+    auto* local_sizes =
+        app.add_option("--local-size", s.local_sizes, "--gpu-table: invocations of a work-group; default 64,128")
+            ->check(CLI::IsMember({8, 16, 32, 64, 128, 256, 512, 1024}));
     app.option_defaults()->delimiter('\0');
 
     app.add_option("--repeats", s.repeat_count, "runs of each; default 5")->check(CLI::Range(1, 1000));
@@ -284,6 +294,8 @@ int main(int argc, char** argv) try {
         }
     }
     gpu_table->excludes(peers)->excludes(check);
+    kernels->needs(gpu_table);
+    local_sizes->needs(gpu_table);
     goals->excludes(devices)->excludes(check);
     memory->excludes(devices)->excludes(check);
     updates->excludes(devices)->excludes(check)->excludes(peers);

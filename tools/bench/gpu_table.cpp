@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <functional>
@@ -28,6 +29,8 @@ struct Row {
     std::string input;
     std::size_t n = 0;
     Want want = Want::neighbors;
+    std::string kernel;
+    unsigned local_size = 0;
     double first_seconds = 0;     // of the warm-up, which opens the device and compiles the pipelines
     std::vector<double> seconds;  // each repeat
     std::vector<votess::StageSeconds> stages;
@@ -45,6 +48,16 @@ struct Row {
 // Linux then counts the peak of resident memory anew; elsewhere it stays that of the whole process.
 void forget_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+votess::Kernel kernel_named(const std::string& name) {
+    return name == "subgroup"     ? votess::Kernel::subgroup
+           : name == "invocation" ? votess::Kernel::invocation
+                                  : votess::Kernel::automatic;
+}
+
+bool is_full_of_ties(const std::string& input) {
+    return input == "lattice" || input == "bcc" || input == "fcc";
 }
 
 votess::Options options_for(const GpuTable& table, const Input& input, Want want, const std::string& device) {
@@ -96,7 +109,9 @@ void check(Row& row, const GpuTable& table, const Input& input, bool to_compare,
 
 // A Tessellator of its own, so that the memory is that of this row.
 void measure(Row& row, const GpuTable& table, const Input& input, bool to_compare) {
-    const votess::Options options = options_for(table, input, row.want, table.device);
+    votess::Options options = options_for(table, input, row.want, table.device);
+    options.kernel = kernel_named(row.kernel);
+    ::setenv("VOTESS_VULKAN_LOCAL_SIZE", std::to_string(row.local_size).c_str(), 1);
     votess::Tessellation t;
     {
         forget_peak_memory();
@@ -146,7 +161,7 @@ void print_head(const GpuTable& table) {
         "on\n"
         "the host. full: neighbors, volumes and centroids. Lists are compared with the CPU's up to %.0f seeds.\n\n",
         table.repeats, table.repeats == 1 ? "" : "s", table.check_limit);
-    std::printf("%-10s %9s %-9s %8s %8s ", "input", "n", "want", "best", "median");
+    std::printf("%-10s %9s %-9s %-10s %5s %8s %8s ", "input", "n", "want", "kernel", "local", "best", "median");
     for (const Stage& stage : stages) {
         std::printf(" %8s", stage.name);
     }
@@ -155,7 +170,8 @@ void print_head(const GpuTable& table) {
 }
 
 void print(const Row& row) {
-    std::printf("%-10s %9zu %-9s", row.input.c_str(), row.n, std::string(name_of(row.want)).c_str());
+    std::printf("%-10s %9zu %-9s %-10s %5u", row.input.c_str(), row.n, std::string(name_of(row.want)).c_str(),
+                row.kernel.c_str(), row.local_size);
     if (!row.note.empty()) {
         std::printf("  %s\n", row.note.c_str());
     } else {
@@ -171,7 +187,8 @@ void print(const Row& row) {
 
 void write(std::ostream& out, const Row& row) {
     out << "{\"input\": " << in_quotes(row.input) << ", \"n\": " << row.n
-        << ", \"want\": " << in_quotes(name_of(row.want));
+        << ", \"want\": " << in_quotes(name_of(row.want)) << ", \"kernel\": " << in_quotes(row.kernel)
+        << ", \"local_size\": " << row.local_size;
     if (!row.note.empty()) {
         out << ", \"note\": " << in_quotes(row.note) << '}';
         return;
@@ -235,6 +252,45 @@ void write(const std::string& file, const votess::DeviceInfo& device, unsigned t
     for (std::size_t i = 0; i < frames.size(); ++i) out << (i > 0 ? ",\n    " : "\n    ") << frames[i];
     out << "\n  ]\n}\n";
     write_whole(file, out.str());
+}
+
+std::vector<Row> variants_of(const GpuTable& table, const Input& input) {
+    std::vector<Row> rows;
+    for (const std::string& want : table.wants) {
+        const std::size_t first = rows.size();
+        for (const std::string& kernel : table.kernels) {
+            for (const unsigned local_size : table.local_sizes) {
+                Row row;
+                row.input = input.name;
+                row.n = input.size();
+                row.want = want == "full" ? Want::full : Want::neighbors;
+                row.kernel = kernel;
+                row.local_size = local_size;
+                rows.push_back(std::move(row));
+            }
+        }
+        if (is_full_of_ties(input.name)) rows.resize(first + 1);
+    }
+    return rows;
+}
+
+// The variant with the best median of each input, size and want.
+void print_best(const std::vector<Row>& rows) {
+    std::map<std::string, const Row*> best;
+    std::vector<std::string> order;
+    for (const Row& row : rows) {
+        if (row.seconds.empty()) continue;
+        const std::string what = row.input + " " + std::to_string(row.n) + " " + std::string(name_of(row.want));
+        const Row*& found = best[what];
+        if (found == nullptr) order.push_back(what);
+        if (found == nullptr || median(row.seconds) < median(found->seconds)) found = &row;
+    }
+    std::printf("\nfastest by median:\n");
+    for (const std::string& what : order) {
+        const Row& row = *best[what];
+        std::printf("  %-30s %-10s work-groups of %-4u %s million cells/s\n", what.c_str(), row.kernel.c_str(),
+                    row.local_size, rate_text(row, median(row.seconds)).c_str());
+    }
 }
 
 // Opens the device, or throws with what is there instead.
@@ -305,18 +361,18 @@ int run_gpu_table(const GpuTable& table) {
         std::map<std::string, double> paces;  // seconds per seed, by want
         for (const std::size_t n : is_file(name) ? std::vector<std::size_t>{0} : table.sizes) {
             const Input input = make_input(name, n, table.rng_seed);
-            for (const std::string& want : table.wants) {
-                Row row;
-                row.input = input.name;
-                row.n = input.size();
-                row.want = want == "full" ? Want::full : Want::neighbors;
-                double& pace = paces[want];
+            for (Row& row : variants_of(table, input)) {
+                double& pace = paces[std::string(name_of(row.want)) + row.kernel];
                 if (pace * static_cast<double>(row.n) > table.limit) {
                     row.note = "left out: over --limit";
                 } else {
                     try {
                         measure(row, table, input, static_cast<double>(row.n) <= table.check_limit);
                         pace = std::max(pace, median(row.seconds) / static_cast<double>(row.n));
+                    } catch (const votess::Error& error) {
+                        // A device that cannot run a kernel is no failure.
+                        row.wrong = error.code() != votess::ErrorCode::unsupported;
+                        row.note = (row.wrong ? "failed: " : "left out: ") + std::string(error.what());
                     } catch (const std::exception& error) {
                         row.note = std::string("failed: ") + error.what();
                         row.wrong = true;
@@ -329,6 +385,7 @@ int run_gpu_table(const GpuTable& table) {
             }
         }
     }
+    print_best(rows);
     std::vector<std::string> frames;
     good = measure_frames(table, device.name,
                           [&](std::string frame) {

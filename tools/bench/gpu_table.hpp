@@ -13,6 +13,10 @@ struct GpuTable {
     std::vector<std::size_t> sizes{10'000, 100'000, 1'000'000, 10'000'000};
     std::vector<std::string> inputs{"uniform", "clustered", "lattice"};
     std::vector<std::string> wants{"neighbors", "full"};
+    // Variants, each with each; of inputs full of ties, which the CPU finishes whatever the device does, the first
+    // alone.
+    std::vector<std::string> kernels{"invocation", "subgroup"};  // or automatic
+    std::vector<unsigned> local_sizes{64, 128};                  // invocations of a work-group
     unsigned threads = 0;
     int repeats = 5;
     double limit = 120;

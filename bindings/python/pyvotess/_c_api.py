@@ -61,6 +61,7 @@ WANT_BITS: Dict[str, int] = {
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
 OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
+KERNELS: Dict[str, int] = {"automatic": 0, "invocation": 1, "subgroup": 2}
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 
 ProgressCallback = CFUNCTYPE(c_int, c_double, c_void_p)
@@ -89,7 +90,7 @@ class Options(ctypes.Structure):
         ("precision", c_int32),
         ("k_init", c_uint32),
         ("chunk_size", c_uint32),
-        ("reserved2", c_uint32),
+        ("kernel", c_int32),
         ("instructions", c_char_p),
         ("min_face", c_double),
         ("periodic", c_int32 * 3),

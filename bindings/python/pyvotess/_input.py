@@ -97,6 +97,12 @@ def as_precision(precision: str) -> int:
     return _c_api.PRECISIONS[precision]
 
 
+def as_kernel(kernel: str) -> int:
+    if kernel not in _c_api.KERNELS:
+        raise ValueError(f"kernel is {kernel!r}: the words are {', '.join(_c_api.KERNELS)}")
+    return _c_api.KERNELS[kernel]
+
+
 def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Float64Array:
     array = as_float64_or_float32(values, name).astype(np.float64)
     if array.size != int(np.prod(shape)):

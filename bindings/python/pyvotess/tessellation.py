@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _c_api
 from ._c_api import ErrorCode
-from ._input import Domain, as_count, as_points, as_precision, as_text, as_want
+from ._input import Domain, as_count, as_kernel, as_points, as_precision, as_text, as_want
 from ._library import lib
 from .mesh import Delaunay, Faces, Lists, make_delaunay
 
@@ -109,6 +109,7 @@ def _new_options(
     k_init: int,
     chunk_size: int,
     instructions: str = "",
+    kernel: str = "automatic",
 ) -> _c_api.Options:
     options = _c_api.Options()
     _raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
@@ -119,6 +120,7 @@ def _new_options(
     options.k_init = as_count(k_init, "k_init", 32)
     options.chunk_size = as_count(chunk_size, "chunk_size", 32)
     options.instructions = as_text(instructions, "instructions")
+    options.kernel = as_kernel(kernel)
     return options
 
 
@@ -233,6 +235,7 @@ def tessellate(
     origin: Optional[npt.ArrayLike] = None,
     planes: Optional[npt.ArrayLike] = None,
     outside: str = "error",
+    kernel: str = "automatic",
 ) -> Tessellation:
     """Voronoi cells of ``points`` in a box. The neighbor lists are exact for the coordinates as given.
 
@@ -267,6 +270,9 @@ def tessellate(
     cell, origin : a triclinic periodic box instead of ``box``: the vectors of its edges, a row each, and its corner.
     planes : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
     outside : of points outside of ``box`` or ``planes``: "error" refuses them, "drop" gives them an empty cell, status OUTSIDE.
+    kernel : who makes a cell on a GPU: "invocation", each shader invocation one; "subgroup", the invocations of a subgroup
+        together; "automatic" chooses by device. Changes speed and memory, never the answer. "subgroup" where subgroups
+        cannot raises VotessError.
     progress : called some ten times a second with the fraction done; returning False stops the run with
         :class:`VotessError`, an exception stops it and goes on to the caller.
 
@@ -278,7 +284,7 @@ def tessellate(
     MemoryError, VotessError : the run failed; ``VotessError.code`` is UNSUPPORTED when the device cannot be had,
         DEVICE_LOST when it failed.
     """
-    options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
+    options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions, kernel)
     domain = Domain(box, periodic, weights, radii, cell, origin, planes, outside)
     return _tessellate(None, options, points, domain, want, walls, duplicates, progress, min_face)
 
@@ -303,8 +309,11 @@ class Tessellator:
         k_init: int = 0,
         chunk_size: int = 0,
         instructions: str = "",
+        kernel: str = "automatic",
     ) -> None:
-        self._options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
+        self._options = _new_options(
+            device, threads, precision, grid_resolution, k_init, chunk_size, instructions, kernel
+        )
         self._lock = threading.Lock()
         self._handle = _Handle(lib.votess_tessellator_free)
         _raise_on_failure(lib.votess_tessellator_new(ctypes.byref(self._handle.pointer)))

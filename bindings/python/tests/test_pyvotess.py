@@ -141,6 +141,7 @@ class KnownAnswers(unittest.TestCase):
             {"chunk_size": 2**32 - 1},
             {"precision": "double", "device": "cpu"},
             {"instructions": "baseline"},
+            {"kernel": "subgroup"},
         ):
             t = vt.tessellate(points, **options)
             np.testing.assert_array_equal(t.neighbors.indptr, expected.neighbors.indptr, str(options))
@@ -461,6 +462,7 @@ class BadInput(unittest.TestCase):
         self.refused("'half'.*single, double", points, precision="half")
         self.refused("precision is 1", points, precision=1)
         self.refused("precision is None", points, precision=None)
+        self.refused("'warp'.*automatic, invocation, subgroup", points, kernel="warp")
         self.refused("", points, threads=1.5, error=TypeError)
         self.refused("", points, k_init=1.5, error=TypeError)
         self.refused("device", points, device=0, error=TypeError)
@@ -876,13 +878,13 @@ class Loading(unittest.TestCase):
     def test_options_lie_where_the_library_looks(self):
         options = _c_api.Options()
         _library.lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options))
-        self.assertEqual((options.precision, options.k_init, options.chunk_size, options.reserved2), (0, 0, 0, 0))
+        self.assertEqual((options.precision, options.k_init, options.chunk_size, options.kernel), (0, 0, 0, 0))
         self.assertIsNone(options.instructions)
         points = uniform(4)
         for field, value, text in (
             ("precision", 77, "precision is 77"),
             ("k_init", 5000, "k_init = 5000"),
-            ("reserved2", 5000, "is 5000"),
+            ("kernel", 5000, "kernel is 5000"),
             ("instructions", b"mmx", "instructions 'mmx'"),
         ):
             options = tessellation._new_options("cpu", 0, "single", 0, 0, 0)

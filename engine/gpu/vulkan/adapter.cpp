@@ -131,6 +131,8 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
     a.min_subgroup_size = sizes.minSubgroupSize ? sizes.minSubgroupSize : subgroup.subgroupSize;
     a.max_subgroup_size = sizes.maxSubgroupSize ? sizes.maxSubgroupSize : subgroup.subgroupSize;
     a.subgroup_operations = subgroup.supportedOperations;
+    a.max_subgroups = sizes.maxComputeWorkgroupSubgroups;
+    a.subgroup_size_control = sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT;
     a.subgroup_in_compute = subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT;
     a.max_allocation = limits.maxMemoryAllocationSize;
     a.max_buffer = buffers.maxBufferSize ? buffers.maxBufferSize : a.max_allocation;
@@ -158,7 +160,7 @@ void query_features(Adapter& a, const InstanceCalls& calls, const Support& suppo
     a.int64 = all.features.shaderInt64;
     a.storage16 = bits16.storageBuffer16BitAccess;
     a.storage8 = bits8.storageBuffer8BitAccess;
-    a.subgroup_size_control = sizes.subgroupSizeControl;
+    a.subgroup_size_control = a.subgroup_size_control && sizes.subgroupSizeControl && sizes.computeFullSubgroups;
 }
 
 }  // namespace
@@ -184,6 +186,7 @@ Adapter query_adapter(const InstanceCalls& calls, VkPhysicalDevice device, std::
     const Support support(calls, device, usable);
     // Named in a header of provisional extensions that volk does not include.
     a.portability_subset = support.has("VK_KHR_portability_subset");
+    a.subgroup_size_extension = support.has(VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
     query_properties(a, calls, support);
     query_features(a, calls, support);
     return a;

@@ -31,7 +31,9 @@ struct Adapter {
     std::uint32_t max_subgroup_size = 0;
     VkSubgroupFeatureFlags subgroup_operations = 0;
     bool subgroup_in_compute = false;
-    bool subgroup_size_control = false;
+    bool subgroup_size_control = false;    // a compute shader can ask for a size, and for full subgroups
+    bool subgroup_size_extension = false;  // ... after VK_EXT_subgroup_size_control was enabled
+    std::uint32_t max_subgroups = 0;       // of a work-group that asks for a size
 
     bool float64 = false;
     bool int64 = false;

@@ -43,8 +43,15 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
     std::vector<const char*> extensions;
     if (adapter_.portability_subset) extensions.push_back("VK_KHR_portability_subset");
 
+    VkPhysicalDeviceSubgroupSizeControlFeatures sizes{};
+    sizes.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES;
+    sizes.subgroupSizeControl = sizes.computeFullSubgroups = VK_TRUE;
+    if (adapter_.subgroup_size_control && adapter_.subgroup_size_extension)
+        extensions.push_back(VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
+
     VkDeviceCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    if (adapter_.subgroup_size_control) info.pNext = &sizes;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
     info.pEnabledFeatures = &features;
@@ -79,6 +86,7 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
       host_cache_(host.pipeline_cache),
       owned_(false) {
     adapter_.queue_family = host.queue_family;
+    adapter_.subgroup_size_control = false;  // for which the host may have enabled nothing
     load_device_table(table_, handle_, instance_->calls().vkGetDeviceProcAddr);
 }
 

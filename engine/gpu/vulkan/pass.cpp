@@ -119,6 +119,15 @@ void Pass::make_pipeline(const PassInfo& info) {
     pipeline.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     pipeline.stage.pName = "main";
     pipeline.stage.pSpecializationInfo = &specialization;
+    VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{};
+    size.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO;
+    size.requiredSubgroupSize = info.subgroup_size;
+    const Adapter& adapter = device_->adapter();
+    if (adapter.subgroup_size_control && info.subgroup_size >= adapter.min_subgroup_size &&
+        info.subgroup_size <= adapter.max_subgroup_size) {
+        pipeline.stage.pNext = &size;
+        pipeline.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
+    }
     pipeline.layout = layout_;
     check(table.vkCreateShaderModule(device_->handle(), &code, nullptr, &pipeline.stage.module),
           "vkCreateShaderModule");

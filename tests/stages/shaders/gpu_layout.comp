@@ -102,6 +102,22 @@ void main() {
     put(push.most_visits);
     put(push.level_count);
     for (int i = 0; i < MOST_LEVELS; ++i) put(push.level_first[i]);
+#elif defined(CELLS)
+    put(push.extent);
+    put(push.lower);
+    put(push.upper);
+    put(push.bounded);
+    put(push.first_cell);
+    put(push.cell_count);
+    put(push.seed_count);
+    put(push.own_count);
+    put(push.level_count);
+    put(push.most_visits);
+    put(push.row_stride);
+    put(push.todo_capacity);
+    put(push.walls);
+    put(push.neighbors);
+    put(push.volume_tolerance);
 #elif defined(ROWS)
     put(push.cell_count);
     put(push.row_stride);

@@ -1,0 +1,23 @@
+// Whether an invocation or a subgroup makes a cell of the first tier.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "gpu/vulkan/adapter.hpp"
+#include "votess/votess.hpp"
+
+namespace votess::gpu {
+
+// Empty when subgroups can make cells, else what the device lacks: "subgroups of 8 to 64 invocations, it has 4".
+[[nodiscard]] std::string missing_for_subgroups(const vulkan::Adapter& adapter);
+
+// PassSettings::subgroup_size, 0 for the invocation kernel. Throws `unsupported` when the subgroup kernel is asked for
+// where it cannot run.
+[[nodiscard]] std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel);
+
+// VOTESS_VULKAN_LOCAL_SIZE of the environment, for measurements: invocations of a work-group, a power of two up to
+// 1024. 0 when it is not set. Throws `invalid_argument`.
+[[nodiscard]] std::uint32_t local_size_from_environment();
+
+}  // namespace votess::gpu

@@ -1,0 +1,77 @@
+// What the cells of both kernels are decided by, relative to the seed and in units of about the distance to its nearest
+// neighbor.
+//
+// Filter. A plane (n, h) is n.x = h with |n| >= 0.9, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to 5u.
+// With P = |na||nb||nc|, d = h/|n| and condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
+//     |x - X| <= u (condition (13.9 (da + db + dc) + 9.3 |x|) + 6 |x|):
+// a numerator's terms are right to 12u, its products of absolute values at most 1.155 h_a |nb||nc|; the determinant is
+// right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division may err by 2.5 units in the last place. The
+// test of a plane is right to
+//     |n| (|x - X| + 6u |x|) + 10 u h .
+// A coordinate that was rounded to units moves each plane by at most `quantum` (|x| + 1). A test inside its bound makes
+// the cell uncertain: nothing is decided by rounding.
+//
+// Needs real and unit.
+
+real quantum;
+
+struct Plane {
+    real x, y, z, h, norm;
+    real distance;  // h / norm
+};
+
+struct Vertex {
+    real x, y, z;
+    real error;  // |x - X| + 6u |x|
+};
+
+// With the seed at (x, y, z).
+Plane bisector(real x, real y, real z) {
+    precise const real square = fma(x, x, fma(y, y, z * z));
+    const real norm = sqrt(square);
+    return Plane(x, y, z, real(0.5) * square, norm, real(0.5) * norm);
+}
+
+// Equal in units, or nearer than the neighbor that the cell's unit of length was taken from.
+bool is_too_near(Plane p) {
+    return !(p.h > real(0.4));
+}
+
+// Positive outside. A fused fma only leaves roundings out.
+real side_of(Plane p, real x, real y, real z) {
+    precise const real side = fma(p.x, x, fma(p.y, y, fma(p.z, z, -p.h)));
+    return side;
+}
+
+// Bound of the error of side_of for a vertex with this error; for the largest error, of all vertices.
+real side_bound(Plane p, real error) {
+    precise const real bound = fma(p.norm, error, real(10.5) * unit * p.h);
+    return bound;
+}
+
+// At least the squared security radius: no seed beyond it can cut the cell.
+real security_radius_squared(real radius_squared, real largest_error) {
+    const real radius = real(2.00002) * (sqrt(radius_squared) + largest_error);
+    return radius * radius;
+}
+
+// The vertex of three planes in positive orientation, det(na,nb,nc) > 0; false when the bound above, which is of first
+// order, does not hold.
+bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
+    precise const real bcx = b.y * c.z - b.z * c.y, bcy = b.z * c.x - b.x * c.z, bcz = b.x * c.y - b.y * c.x;
+    precise const real cax = c.y * a.z - c.z * a.y, cay = c.z * a.x - c.x * a.z, caz = c.x * a.y - c.y * a.x;
+    precise const real abx = a.y * b.z - a.z * b.y, aby = a.z * b.x - a.x * b.z, abz = a.x * b.y - a.y * b.x;
+    precise const real det = a.x * bcx + a.y * bcy + a.z * bcz;
+    precise const real product = a.norm * b.norm * c.norm;
+    precise const real inverse = real(1) / det;
+    precise const real x = (a.h * bcx + b.h * cax + c.h * abx) * inverse;
+    precise const real y = (a.h * bcy + b.h * cay + c.h * aby) * inverse;
+    precise const real z = (a.h * bcz + b.h * caz + c.h * abz) * inverse;
+    precise const real length = sqrt(x * x + y * y + z * z);
+    precise const real condition = product * inverse;
+    precise const real distances = a.distance + b.distance + c.distance;
+    precise const real rounding =
+        unit * (condition * (real(13.9) * distances + real(9.3) * length) + real(12) * length) * real(1.05);
+    vertex = Vertex(x, y, z, rounding + quantum * (real(4) * condition + real(1)) * (length + real(1)));
+    return det * real(0.0005) > product * unit;
+}

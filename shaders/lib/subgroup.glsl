@@ -1,0 +1,147 @@
+// What the lanes of a subgroup do together. To be called by all of them.
+//
+// Variant: LANES_OF_WORK_GROUP takes the invocations of a work-group instead, by shared memory, and any number of them;
+// so a device tests the kernels for subgroups that it does not have.
+//
+// Needs lanes, subgroups and geometry_real.
+
+uint lane;
+
+#ifdef LANES_OF_WORK_GROUP
+
+#define SUBGROUP 0u
+shared uint exchange[64];
+shared geometry_real exchange_numbers[64];
+
+bool enter_subgroup() {
+    lane = gl_LocalInvocationID.x;
+    return gl_WorkGroupSize.x == uint(lanes) && subgroups == 1;
+}
+
+void share() {
+    memoryBarrierShared();
+    barrier();
+}
+
+void put(uint value) {
+    share();
+    exchange[lane] = value;
+    share();
+}
+
+bool any_lane(bool yes) {
+    put(yes ? 1u : 0u);
+    uint all = 0u;
+    for (uint i = 0u; i < uint(lanes); ++i) all |= exchange[i];
+    return all != 0u;
+}
+
+uint rank_among(bool yes, out uint count) {
+    put(yes ? 1u : 0u);
+    uint rank = 0u;
+    count = 0u;
+    for (uint i = 0u; i < uint(lanes); ++i) {
+        if (i < lane) rank += exchange[i];
+        count += exchange[i];
+    }
+    return rank;
+}
+
+uint sum(uint value) {
+    put(value);
+    uint all = 0u;
+    for (uint i = 0u; i < uint(lanes); ++i) all += exchange[i];
+    return all;
+}
+
+uint all_bits(uint value) {
+    put(value);
+    uint all = 0u;
+    for (uint i = 0u; i < uint(lanes); ++i) all |= exchange[i];
+    return all;
+}
+
+float largest(float number) {
+    put(floatBitsToUint(number));
+    float all = 0.0;
+    for (uint i = 0u; i < uint(lanes); ++i) all = max(all, uintBitsToFloat(exchange[i]));
+    return all;
+}
+
+float smallest(float number) {
+    put(floatBitsToUint(number));
+    float all = number;
+    for (uint i = 0u; i < uint(lanes); ++i) all = min(all, uintBitsToFloat(exchange[i]));
+    return all;
+}
+
+geometry_real sum_numbers(geometry_real number) {
+    share();
+    exchange_numbers[lane] = number;
+    share();
+    geometry_real all = geometry_real(0);
+    for (uint i = 0u; i < uint(lanes); ++i) all += exchange_numbers[i];
+    return all;
+}
+
+geometry_real largest_number(geometry_real number) {
+    share();
+    exchange_numbers[lane] = number;
+    share();
+    geometry_real all = number;
+    for (uint i = 0u; i < uint(lanes); ++i) all = max(all, exchange_numbers[i]);
+    return all;
+}
+
+#else
+
+#define SUBGROUP gl_SubgroupID
+
+// False when subgroups are not those that the kernel was made for.
+bool enter_subgroup() {
+    lane = gl_SubgroupInvocationID;
+    return gl_SubgroupSize == uint(lanes) && gl_NumSubgroups == uint(subgroups);
+}
+
+// What the lanes have written to shared memory becomes visible to all of the subgroup.
+void share() {
+    subgroupBarrier();  // of control and of memory
+}
+
+bool any_lane(bool yes) {
+    return subgroupAny(yes);
+}
+
+// How many lanes before this one say so, and how many in all.
+uint rank_among(bool yes, out uint count) {
+    const uvec4 ballot = subgroupBallot(yes);
+    count = subgroupBallotBitCount(ballot);
+    return subgroupBallotExclusiveBitCount(ballot);
+}
+
+uint sum(uint value) {
+    return subgroupAdd(value);
+}
+
+uint all_bits(uint value) {
+    return subgroupOr(value);
+}
+
+// Of numbers that are not negative; their bits are in the same order, and whole numbers are quicker on some devices.
+float largest(float number) {
+    return uintBitsToFloat(subgroupMax(floatBitsToUint(number)));
+}
+
+float smallest(float number) {
+    return uintBitsToFloat(subgroupMin(floatBitsToUint(number)));
+}
+
+geometry_real sum_numbers(geometry_real number) {
+    return subgroupAdd(number);
+}
+
+geometry_real largest_number(geometry_real number) {
+    return subgroupMax(number);
+}
+
+#endif
