@@ -85,8 +85,7 @@ bool is_near(uint level, uint node) {
     const vec3 lower = vec3(offset(nodes[n].lower[0], px), offset(nodes[n].lower[1], py), offset(nodes[n].lower[2], pz));
     const vec3 upper = vec3(offset(nodes[n].upper[0], px), offset(nodes[n].upper[1], py), offset(nodes[n].upper[2], pz));
     if (any(greaterThan(lower, reach_upper)) || any(lessThan(upper, reach_lower))) return false;
-    const vec3 gap = max(max(lower, -upper), vec3(0.0)), corner = max(-lower, upper);
-    if (dot(corner, corner) < done * box_slack) return false;  // all seen
+    const vec3 gap = max(max(lower, -upper), vec3(0.0));
     const float d = dot(gap, gap) * box_slack;
     if (d < next) return true;
     nearest_beyond = min(nearest_beyond, d);
