@@ -18,7 +18,7 @@ template <class Push>
 Pass make(Device& device, const char* name, std::span<const std::uint32_t> spirv, std::vector<std::uint32_t> bindings,
           std::uint32_t local_size, std::vector<std::uint32_t> constants = {}, std::uint32_t subgroup_size = 0) {
     return Pass(device, {name, spirv, std::move(bindings), static_cast<std::uint32_t>(sizeof(Push)), local_size,
-                         subgroup_size, std::move(constants)});
+                         std::move(constants), subgroup_size});
 }
 
 // An operation errs by half a unit in the last place where the device rounds to nearest, else by one.

@@ -78,28 +78,15 @@ float offset(uvec2 q, uvec2 p) {
     return coarse ? coarse_offset(q.y, p.y) : rough_difference(q, p);
 }
 
-// Whether a box may hold seeds nearer than `next`.
+// Whether a box may hold candidates.
 bool is_near(uint level, uint node) {
     const uint n = LEVEL_FIRST(level) + node;
     if (nodes[n].lower[0].y == NO_COORDINATE) return false;
-    float dx, dy, dz;
-    if (coarse) {
-        dx = coarse_gap(px.y, nodes[n].lower[0].y, nodes[n].upper[0].y);
-        dy = coarse_gap(py.y, nodes[n].lower[1].y, nodes[n].upper[1].y);
-        dz = coarse_gap(pz.y, nodes[n].lower[2].y, nodes[n].upper[2].y);
-    } else {
-        dx = gap(px, nodes[n].lower[0], nodes[n].upper[0]);
-        dy = gap(py, nodes[n].lower[1], nodes[n].upper[1]);
-        dz = gap(pz, nodes[n].lower[2], nodes[n].upper[2]);
-    }
-    const float d = (dx * dx + dy * dy + dz * dz) * box_slack;
-    if (done > 0.0) {
-        const vec3 lower = vec3(offset(nodes[n].lower[0], px), offset(nodes[n].lower[1], py),
-                                offset(nodes[n].lower[2], pz));
-        const vec3 upper = vec3(offset(nodes[n].upper[0], px), offset(nodes[n].upper[1], py),
-                                offset(nodes[n].upper[2], pz));
-        if (any(greaterThan(lower, reach_upper)) || any(lessThan(upper, reach_lower))) return false;
-    }
+    const vec3 lower = vec3(offset(nodes[n].lower[0], px), offset(nodes[n].lower[1], py), offset(nodes[n].lower[2], pz));
+    const vec3 upper = vec3(offset(nodes[n].upper[0], px), offset(nodes[n].upper[1], py), offset(nodes[n].upper[2], pz));
+    if (any(greaterThan(lower, reach_upper)) || any(lessThan(upper, reach_lower))) return false;
+    const vec3 gap = max(max(lower, -upper), vec3(0.0));
+    const float d = dot(gap, gap) * box_slack;
     if (d < next) return true;
     nearest_beyond = min(nearest_beyond, d);
     return false;

@@ -16,8 +16,8 @@ struct PassInfo {
     std::vector<std::uint32_t> bindings;   // numbers of the storage buffers in set 0; gaps are fine
     std::uint32_t push_bytes = 0;          // of push constants, a multiple of 4
     std::uint32_t local_size = 64;         // invocations of a work-group, all along x: specialization constant 0
-    std::uint32_t subgroup_size = 0;       // asked for where the device lets one ask; 0 = any
     std::vector<std::uint32_t> constants;  // raw 32-bit values of specialization constants 1, 2, ...
+    std::uint32_t subgroup_size = 0;       // asked for where the device lets one ask; 0 = any
 };
 
 // Throws `unsupported` when the device's limits are too small for it.
