@@ -68,6 +68,7 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
     Options options;
     options.box = how.box.value_or(plan.box);
     options.walls = plan.walls;
+    options.periodic = plan.periodic;
     options.threads = how.threads;
     options.want = {.neighbors = true, .volumes = true, .centroids = true};
     options.outside = Outside::drop;
@@ -86,6 +87,9 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
         out.status.push_back(result.status[i]);
         out.indices.insert(out.indices.end(), result.indices.begin() + result.indptr[i],
                            result.indices.begin() + result.indptr[i + 1]);
+        if (!result.shifts.empty())
+            out.shifts.insert(out.shifts.end(), result.shifts.begin() + 3 * result.indptr[i],
+                              result.shifts.begin() + 3 * result.indptr[i + 1]);
         out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
         out.volumes.push_back(result.volumes[i]);
         for (std::size_t k = 0; k < 3; ++k) out.centroids.push_back(result.centroids[3 * i + k]);

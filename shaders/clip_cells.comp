@@ -304,7 +304,9 @@ void main() {
     }
     scale = uintBitsToFloat((127u - exponent) << 23);
     quantum = state.lossy != 0u ? real(2.0 * scale) : real(0);
-    if (exponent < SMALLEST_CELL_EXPONENT) {
+    if (state.incomplete != 0u) {
+        status = STATUS_CANDIDATES_EXHAUSTED;
+    } else if (exponent < SMALLEST_CELL_EXPONENT) {
         status = STATUS_NEEDS_EXACT;
     } else {
         start_cell(real[6](real(difference(px, uvec2(0))), difference(push.extent[0], px), difference(py, uvec2(0)),

@@ -33,8 +33,9 @@ void main() {
     if (leads) certified = unresolved = duplicates = outside = faces_of_all = 0u;
     barrier();
     const uint cell = linear_invocation();
-    if (cell < push.cell_count) {
-        const uint seed = seed_input[push.first_cell + cell] & INDEX_MASK, word = info[cell];
+    const uint seed = cell < push.cell_count ? seed_input[push.first_cell + cell] & INDEX_MASK : push.own_count;
+    if (seed < push.own_count) {
+        const uint word = info[cell];
         uint status = word & 0xffu, begin = 0u, length = 0u;
         if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
             length = row_length[cell];

@@ -51,8 +51,12 @@ uvec3 hilbert_transposed(uvec3 axes, uint bits) {
 void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
-    const vec3 high = vec3(points_x[point].y, points_y[point].y, points_z[point].y);
-    const uvec3 block = min(uvec3(high * push.blocks_per_unit), uvec3((1u << push.bits) - 1u));
+    const uint most = (1u << push.bits) - 1u;
+    uvec3 block = uvec3(most);  // of what has no coordinates: at the end, where the curve is
+    if (points_x[point].y != NO_COORDINATE) {
+        const vec3 high = vec3(points_x[point].y, points_y[point].y, points_z[point].y);
+        block = min(uvec3(high * push.blocks_per_unit), uvec3(most));
+    }
     const uvec3 h = hilbert_transposed(block, push.bits);
     keys[point] = uvec2(interleave(h), interleave(h >> 10));
     index[point] = point;

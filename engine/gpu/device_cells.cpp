@@ -71,11 +71,8 @@ std::uint32_t DeviceCells::window_bits(const vulkan::Device& device) {
     return std::min<std::uint32_t>(static_cast<std::uint32_t>(std::bit_width(words)) - 1, most_window_bits);
 }
 
-void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
-                               std::uint32_t window_bits) {
-    constexpr std::uint32_t bindings[ROW_WINDOWS] = {BINDING_ROWS_OUT, BINDING_ROWS_OUT_1, BINDING_ROWS_OUT_2,
-                                                     BINDING_ROWS_OUT_3};
-    const VkDeviceSize window = VkDeviceSize{4} << window_bits;
+void DeviceCells::set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], const Slice& rows) {
+    const VkDeviceSize window = VkDeviceSize{4} << rows_.window_bits;
     VkDeviceSize begin = 0;
     Slice slice = rows;
     for (const std::uint32_t binding : bindings) {
@@ -85,9 +82,18 @@ void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint3
         bindings_.set(binding, slice);
         begin += window;
     }
+}
+
+void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
+                               std::uint32_t window_bits) {
     rows_.window_bits = window_bits;
-    bindings_.set(BINDING_AREAS_OUT, areas);
     rows_.capacity = capacity;
+    set_windows({BINDING_ROWS_OUT, BINDING_ROWS_OUT_1, BINDING_ROWS_OUT_2, BINDING_ROWS_OUT_3}, rows);
+    bindings_.set(BINDING_AREAS_OUT, areas);
+}
+
+void DeviceCells::set_shifts_out(const Slice& shifts) {
+    set_windows({BINDING_SHIFTS_OUT, BINDING_SHIFTS_OUT_1, BINDING_SHIFTS_OUT_2, BINDING_SHIFTS_OUT_3}, shifts);
 }
 
 void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job,
@@ -101,7 +107,7 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     knn_.first_cell = clip_.first_cell = first;
     knn_.cell_count = clip_.cell_count = rows_.cell_count = count;
     knn_.seed_count = clip_.seed_count = seeds.count();
-    knn_.own_count = clip_.own_count = job.own_count;
+    knn_.own_count = clip_.own_count = rows_.own_count = job.own_count;
     knn_.level_count = clip_.level_count = static_cast<std::uint32_t>(seeds.level_first().size());
     std::ranges::copy(seeds.level_first(), knn_.level_first);
     std::ranges::copy(seeds.level_first(), clip_.level_first);

@@ -36,6 +36,8 @@ public:
     // Where the rows go, and the areas beside them; for that many entries. Windows of 2^window_bits of them are bound.
     void set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
                       std::uint32_t window_bits = most_window_bits);
+    // Beside the rows, in as many windows.
+    void set_shifts_out(const Slice& shifts);
     static constexpr std::uint32_t most_window_bits = 31;
     // The largest that the device can bind.
     [[nodiscard]] static std::uint32_t window_bits(const vulkan::Device& device);
@@ -55,6 +57,8 @@ public:
     [[nodiscard]] Slice slice(std::uint32_t binding) const { return bindings_.get(binding); }
 
 private:
+    void set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], const Slice& rows);
+
     std::uint32_t cells_ = 0, todo_capacity_ = 0;
     VkDeviceSize most_entries_ = 0;
     Scan scan_;

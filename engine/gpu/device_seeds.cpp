@@ -63,8 +63,15 @@ void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, s
     }
 }
 
-void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t capacity) {
+void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32_t images) {
+    const std::uint32_t capacity = seeds + images;
     set_count(capacity);
+    images_.capacity = images;
+    if (images > 0) {
+        bindings_.set(BINDING_IMAGE_HOME, workspace.take_words(images, "image home"));
+        image_counts_ = workspace.take_words(seeds, "image counts");
+        image_scan_.reserve(workspace, seeds);
+    }
     const VkDeviceSize n = capacity;
     for (std::uint32_t k = 0; k < 3; ++k) {
         bindings_.set(BINDING_POINTS_X + k, workspace.take(n * coordinate_bytes, "points"));
@@ -102,6 +109,51 @@ void DeviceSeeds::set_box(const Box& box) {
         origin_[k] = units_.of(box.lower[k], box_lossy_);
         extent_[k] = units_.of(box.upper[k], box_lossy_) - origin_[k];
     }
+}
+
+void DeviceSeeds::set_periodic_box(const Box& box, const std::array<bool, 3>& periodic, double margin) {
+    Box larger = box;
+    box_ = box;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!periodic[k]) continue;
+        const double side = box.upper[k] - box.lower[k];
+        larger.lower[k] -= std::min(margin, 0.99 * side);  // images by one side are enough
+        larger.upper[k] += std::min(margin, 0.99 * side);
+        box_.lower[k] -= side;
+        box_.upper[k] += side;
+    }
+    const Box checked = box_;
+    set_box(whole_box(larger, periodic));
+    box_ = checked;
+    images_.periodic = 0;
+    for (int k = 0; k < 3; ++k) {
+        bool lossy = false;
+        const std::uint64_t lower = units_.of(box.lower[k], lossy), upper = units_.of(box.upper[k], lossy);
+        images_.lower[k] = words(lower - origin_[k]);
+        images_.side[k] = words(upper - lower);
+        images_.extent[k] = words(extent_[k]);
+        if (!periodic[k]) continue;
+        images_.periodic |= 1u << k;
+        if (lossy)
+            throw Error(ErrorCode::unsupported,
+                        "the bounds of the periodic box differ too much in size for its sides to be whole numbers of "
+                        "2^-62 of the longest one: choose bounds with fewer digits");
+    }
+}
+
+void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const Slice& header,
+                                std::uint32_t count) const {
+    ImagesPush push = images_;
+    push.count = count;
+    Bindings bindings = bindings_;
+    bindings.set(BINDING_SCAN_DATA, image_counts_);
+    bindings.set(BINDING_HEADER, header);
+    recorder.dispatch(*passes.upload_wrap, bindings.list(), push_bytes(push), count);
+    recorder.barrier();
+    if (count == 0) return;
+    image_scan_.record(recorder, passes, image_counts_, count);
+    recorder.dispatch(*passes.upload_images, bindings.list(), push_bytes(push), push.capacity);
+    recorder.barrier();
 }
 
 void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {

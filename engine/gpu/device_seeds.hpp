@@ -47,11 +47,14 @@ public:
     // Bytes of a struct Node of shaders/lib/node.glsl, and of a coordinate.
     static constexpr VkDeviceSize node_bytes = 48, coordinate_bytes = 8;
 
-    // Arrays for up to `capacity` seeds.
-    void reserve(Workspace& workspace, std::uint32_t capacity);
-    // What to record from now on.
+    // Arrays for up to `capacity` seeds, and for the images of those of a periodic box.
+    void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0);
+    // What to record from now on. count: with all places for images.
     void set_count(std::uint32_t count);
     void set_box(const Box& box);
+    // Along these axes the box repeats: images up to `margin` outside of it count. Throws `unsupported` when the sides
+    // of the box are no whole numbers of units.
+    void set_periodic_box(const Box& box, const std::array<bool, 3>& periodic, double margin);
 
     // Forgets what is known about points; to be followed by a barrier. lossy: points that are rounded already.
     void record_begin(Recorder& recorder, bool lossy) const;
@@ -63,6 +66,8 @@ public:
     };
     void record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                        std::uint32_t count) const;
+    // After the upload of `count` seeds: brings them into the periodic box, and adds images at their places.
+    void record_images(Recorder& recorder, const Passes& passes, const Slice& header, std::uint32_t count) const;
     // key_bits: per axis.
     void record_sort(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const;
     void record_hierarchy(Recorder& recorder, const Passes& passes) const;
@@ -79,6 +84,7 @@ public:
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
     [[nodiscard]] Slice run_state() const { return bindings_.get(BINDING_RUN_STATE); }
     [[nodiscard]] Slice seed_input() const { return bindings_.get(BINDING_SEED_INPUT); }
+    [[nodiscard]] Slice image_home() const { return bindings_.get(BINDING_IMAGE_HOME); }
     [[nodiscard]] Slice sorted_keys() const { return keys_[0]; }
     [[nodiscard]] Slice sorted_index() const { return index_[0]; }
 
@@ -90,8 +96,9 @@ private:
     Box box_;
     bool box_lossy_ = false;
     std::uint64_t extent_[3]{}, origin_[3]{};
-    Slice keys_[2], index_[2], counts_;
-    Scan scan_;
+    Slice keys_[2], index_[2], counts_, image_counts_;
+    Scan scan_, image_scan_;
+    ImagesPush images_{};
     std::array<std::uint32_t, MOST_LEVELS> level_first_{}, level_size_{};
     std::uint32_t level_count_ = 0;
     Bindings bindings_;

@@ -1,6 +1,7 @@
 #include "gpu/frame.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "options.hpp"
@@ -20,6 +21,8 @@ constexpr VkDeviceSize geometry_bytes = 16;  // of a cell: vec4
 constexpr double volume_tolerance = 0.5e-5;
 // What float32 can prove of nearly every cell; the errors themselves are some thousand times smaller.
 constexpr double float32_volume_tolerance = 1e-2;
+constexpr double margin_spacings = 3.4;          // of the mean distance between seeds: most uniform cells need less
+constexpr std::uint32_t most_of_all = 1u << 27;  // seeds: rows have 32 bits for their entries, images 27 for their seed
 
 [[noreturn]] void refuse(const std::string& what) {
     throw Error(ErrorCode::invalid_argument, what);
@@ -38,12 +41,31 @@ std::shared_ptr<gpu::vulkan::Instance> adopt(const HostInstance& host, bool debu
 }
 
 void check(const PlanOptions& options) {
-    constexpr std::uint32_t most = 1u << 27;  // rows have 32 bits for their entries
-    if (options.most_seeds == 0 || options.most_seeds > most)
-        refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(most));
+    if (options.most_seeds == 0 || options.most_seeds > most_of_all)
+        refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(most_of_all));
+    if (!(options.margin >= 0)) refuse("margin = " + number(options.margin) + " must be 0 or more");
     if (options.stride < 3) refuse("stride = " + std::to_string(options.stride) + " must be 3 or more numbers");
     if (options.k_init > 1024) refuse("k_init = " + std::to_string(options.k_init) + " must be at most 1024");
     check_box(options.box);
+}
+
+// Of the images around the box of so many seeds.
+double margin_of(const PlanOptions& options, const Box& box, std::uint32_t count) {
+    if (options.margin > 0) return options.margin;
+    double spacing = 1 / std::cbrt(static_cast<double>(std::max(count, 1u)));
+    for (std::size_t k = 0; k < 3; ++k) spacing *= std::cbrt(box.upper[k] - box.lower[k]);
+    return margin_spacings * spacing;
+}
+
+// Places for images: a quarter more than uniform seeds have.
+std::uint32_t usual_images(const PlanOptions& options) {
+    const double margin = margin_of(options, options.box, options.most_seeds);
+    double larger = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double side = options.box.upper[k] - options.box.lower[k];
+        if (options.periodic[k]) larger *= 1 + 2 * std::min(margin / side, 1.0);
+    }
+    return static_cast<std::uint32_t>(std::min(1.25 * (larger - 1) * options.most_seeds + 1000, 1.0 * most_of_all));
 }
 
 // Arrays that shaders see as wholes.
@@ -84,7 +106,11 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     gpu::PassSettings settings = gpu::usual_settings(device, options.k_init);
     settings.measure = options.geometry;
     settings.frames = true;
+    settings.images = state->is_periodic();
     state->passes.emplace(device, settings);
+    if (state->is_periodic()) state->images = options.most_images != 0 ? options.most_images : usual_images(options);
+    if (state->images > most_of_all)
+        refuse("most_images = " + std::to_string(state->images) + " must be at most " + std::to_string(most_of_all));
     state->chunk_cells = gpu::usual_chunk(device, settings, options.chunk_size, options.most_seeds);
 
     const VkDeviceSize n = options.most_seeds;
@@ -98,8 +124,12 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     sizes.cells = n * sizeof(Cell);
     sizes.indices = options.neighbors ? VkDeviceSize{state->entries} * 4 : 0;
     sizes.geometry = options.geometry ? n * geometry_bytes : 0;
+    sizes.shifts = state->is_periodic() ? sizes.indices : 0;
+    if (state->is_periodic())  // refuses the box now
+        gpu::DeviceSeeds().set_periodic_box(options.box, options.periodic,
+                                            margin_of(options, options.box, options.most_seeds));
     gpu::PartOfBuffer workspace(device, VK_NULL_HANDLE, 0);
-    gpu::DeviceSeeds().reserve(workspace, options.most_seeds);
+    gpu::DeviceSeeds().reserve(workspace, options.most_seeds, state->images);
     gpu::DeviceCells().reserve(workspace, state->chunk_cells, settings, device.has_float64());
     sizes.workspace = workspace.bytes();
     check_range(device, sizes.seeds, "seeds", "most_seeds or stride");
@@ -154,12 +184,13 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     raw_ = slice(buffers.seeds, sizes.seeds, "seeds");
     header_ = slice(buffers.header, sizes.header, "header");
     gpu::PartOfBuffer workspace(*plan->device, scratch.handle, scratch.offset);
-    seeds_.reserve(workspace, plan->options.most_seeds);
+    seeds_.reserve(workspace, plan->options.most_seeds, plan->images);
     cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings, plan->device->has_float64());
     // Passes bind something in place of arrays that are not wanted.
     const auto wanted = [&](const gpu::Slice& array) { return array ? array : header_; };
     cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")), header_, plan->entries,
                         gpu::DeviceCells::window_bits(*plan->device));
+    if (plan->is_periodic()) cells_.set_shifts_out(wanted(slice(buffers.shifts, sizes.shifts, "shifts")));
     outputs_.set(BINDING_HEADER, header_);
     outputs_.set(BINDING_CELLS, slice(buffers.cells, sizes.cells, "cells"));
     outputs_.set(BINDING_GEOMETRY_OUT, wanted(slice(buffers.geometry, sizes.geometry, "geometry")));
@@ -188,9 +219,13 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
         if (options.timestamps.pool != VK_NULL_HANDLE)
             recorder_.write_timestamp(options.timestamps.pool, options.timestamps.first + slot);
     };
+    const Box box = options.box.value_or(plan->options.box);
+    if (plan->is_periodic())
+        seeds_.set_periodic_box(box, plan->options.periodic, margin_of(plan->options, box, options.count));
+    else
+        seeds_.set_box(box);
+    seeds_.set_count(options.count == 0 ? 0 : options.count + plan->images);
     stamp(0);
-    seeds_.set_count(options.count);
-    seeds_.set_box(options.box.value_or(plan->options.box));
     {
         const auto label = recorder_.label("upload");
         seeds_.record_begin(recorder_, false);
@@ -200,6 +235,7 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
         recorder_.barrier();
         const std::uint32_t format = plan->options.format == SeedFormat::float32 ? POINTS_FLOAT32 : POINTS_FLOAT64;
         seeds_.record_upload(recorder_, passes, {raw_, format, plan->options.stride, true}, 0, options.count);
+        if (plan->is_periodic()) seeds_.record_images(recorder_, passes, header_, options.count);
     }
     stamp(1);
     {
@@ -224,8 +260,14 @@ void detail::FrameState::record_cells(std::uint32_t count) {
     job.walls = plan->options.walls;
     job.volume_tolerance = plan->device->has_float64() ? volume_tolerance : float32_volume_tolerance;
     job.own_count = count;
-    for (std::uint32_t first = 0; first < count;) {
-        const std::uint32_t cells = std::min(plan->chunk_cells, count - first);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!plan->options.periodic[k]) continue;
+        job.bounded |= 9u << k;
+        job.upper[k] = seeds_.extent()[k];
+    }
+    // Images are sorted among the seeds, and make no cells.
+    for (std::uint32_t first = 0; first < seeds_.count();) {
+        const std::uint32_t cells = std::min(plan->chunk_cells, seeds_.count() - first);
         cells_.set_job(seeds_, passes.settings, job, first, cells);
         {
             const auto label = recorder_.label("knn");
@@ -242,7 +284,8 @@ void detail::FrameState::record_cells(std::uint32_t count) {
                              plan->entries,
                              job.neighbors ? 1u : 0u,
                              plan->options.geometry ? 1u : 0u,
-                             seeds_.units().shift};
+                             seeds_.units().shift,
+                             count};
         recorder_.dispatch(*passes.download_cells, outputs_.list(), push_bytes(push), cells);
         recorder_.barrier();
         if (job.neighbors) {

@@ -43,6 +43,12 @@ Pass download_rows(Device& device, const PassSettings& settings) {
     std::vector<std::uint32_t> bindings{BINDING_ROW_LENGTH,  BINDING_ROW_PLACE,   BINDING_ROWS,     BINDING_SECOND_ROWS,
                                         BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_ROWS_OUT, BINDING_ROWS_OUT_1,
                                         BINDING_ROWS_OUT_2,  BINDING_ROWS_OUT_3};
+    if (settings.images) {
+        bindings.insert(bindings.end(), {BINDING_IMAGE_HOME, BINDING_SHIFTS_OUT, BINDING_SHIFTS_OUT_1,
+                                         BINDING_SHIFTS_OUT_2, BINDING_SHIFTS_OUT_3});
+        return make<RowsPush>(device, "download_rows shifts", shaders::download_rows_shifts, bindings,
+                              settings.local_size);
+    }
     if (!settings.areas)
         return make<RowsPush>(device, "download_rows", shaders::download_rows, bindings, settings.local_size);
     bindings.insert(bindings.end(), {BINDING_AREAS, BINDING_SECOND_AREAS, BINDING_AREAS_OUT});
@@ -104,6 +110,14 @@ Passes::Passes(Device& device, const PassSettings& s)
     download_total.emplace(
         make<FramePush>(device, "download_total", shaders::download_total,
                         {BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_HEADER}, 1));
+    if (!s.images) return;
+    upload_wrap.emplace(make<ImagesPush>(device, "upload_wrap", shaders::upload_wrap,
+                                         {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_SCAN_DATA},
+                                         s.local_size));
+    upload_images.emplace(make<ImagesPush>(device, "upload_images", shaders::upload_images,
+                                           {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_SCAN_DATA,
+                                            BINDING_RUN_STATE, BINDING_IMAGE_HOME, BINDING_HEADER},
+                                           s.local_size));
 }
 
 }  // namespace votess::gpu

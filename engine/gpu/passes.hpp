@@ -24,6 +24,7 @@ struct PassSettings {
     bool measure = true;                     // volumes and centroids
     bool areas = false;                      // and areas beside the rows
     bool frames = false;                     // the passes of recorded frames too
+    bool images = false;                     // and those of periodic ones; areas are not for them
     std::uint32_t local_size = 64;           // of passes without shared memory
     bool operator==(const PassSettings&) const = default;
 };
@@ -40,7 +41,7 @@ struct Passes {
     vulkan::Pass knn_boxes, knn_search;
     vulkan::Pass clip_cells[2], clip_todo;
     vulkan::Pass download_rows;
-    std::optional<vulkan::Pass> download_cells, download_total;
+    std::optional<vulkan::Pass> download_cells, download_total, upload_wrap, upload_images;
 };
 
 }  // namespace votess::gpu

@@ -9,24 +9,19 @@ namespace {
 
 constexpr double margin_spacings = 4;  // of the mean distance between seeds
 constexpr double slack = 1e-6;         // of a side: more than all rounding
-constexpr int side_bits = 20;          // of the larger box's sides, so that they are whole numbers of units
 constexpr double most_tries = 400;     // shifts tried for each image that is wanted, in skewed boxes
 
 using Vector = std::array<double, 3>;
 
 Box larger_box(const Job& job, double margin) {
     const Domain& domain = *job.domain;
-    Box box;
+    Box box = job.box;
     for (int k = 0; k < 3; ++k) {
-        box.lower[k] = job.box.lower[k];
-        box.upper[k] = job.box.upper[k];
         if (!domain.periodic[k]) continue;
-        const double lower = domain.box.lower[k] / job.scale - margin, upper = domain.box.upper[k] / job.scale + margin;
-        const double step = std::ldexp(1.0, std::ilogb(upper - lower) - side_bits);
-        box.lower[k] = std::floor(lower / step) * step;
-        box.upper[k] = std::ceil(upper / step) * step;
+        box.lower[k] = domain.box.lower[k] / job.scale - margin;
+        box.upper[k] = domain.box.upper[k] / job.scale + margin;
     }
-    return box;
+    return whole_box(box, domain.periodic);
 }
 
 }  // namespace

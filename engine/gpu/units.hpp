@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -39,5 +40,17 @@ struct Units {
         return static_cast<std::uint64_t>(rounded);
     }
 };
+
+// Moved out to where its sides are whole numbers of units, of boxes of about its size.
+inline Box whole_box(Box box, const std::array<bool, 3>& axes) {
+    constexpr int side_bits = 20;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!axes[k]) continue;
+        const double step = std::ldexp(1.0, std::ilogb(box.upper[k] - box.lower[k]) - side_bits);
+        box.lower[k] = std::floor(box.lower[k] / step) * step;
+        box.upper[k] = std::ceil(box.upper[k] / step) * step;
+    }
+    return box;
+}
 
 }  // namespace votess::gpu

@@ -82,6 +82,12 @@ enum class SeedFormat : std::uint32_t { float32 = 0, float64 = 1 };
 struct PlanOptions {
     std::uint32_t most_seeds = 0;  // of one frame
     Box box;                       // seeds outside of it, or not finite, get status `outside` and no cell
+    // Axes along which the box repeats. Seeds up to a side beyond it are wrapped into it, without rounding. Images of
+    // the seeds up to `margin` around the box are made on the device, in most_images places; cells that reach farther
+    // stay unresolved, all cells where the places are too few (see Header::images).
+    std::array<bool, 3> periodic{};
+    double margin = 0;              // length, at most 0.99 sides count; 0 = 3.4 mean distances between seeds
+    std::uint32_t most_images = 0;  // 0 = a quarter more than uniform seeds have
     SeedFormat format = SeedFormat::float32;
     std::uint32_t stride = 3;        // numbers from one seed to the next, at least 3: 4 for a vec4
     bool neighbors = true;           // rows of neighbors
@@ -106,8 +112,8 @@ inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFE
 // Bytes of each buffer, for most_seeds seeds. All arrays are in the order of the seeds as given. 0: not wanted.
 struct BufferSizes {
     VkDeviceSize seeds = 0;  // read: x y z, `stride` numbers of `format` apart
-    // Nothing to be found in it; device-local. At most 90 bytes a seed and 900 a cell of the chunk (PlanOptions), so
-    // that with all arrays 1e8 seeds take some 22 GB.
+    // Nothing to be found in it; device-local. At most 90 bytes a seed or place for an image, and 900 a cell of the
+    // chunk (PlanOptions), so that with all arrays 1e8 seeds take some 22 GB.
     VkDeviceSize workspace = 0;
     VkDeviceSize header = 0;   // struct Header
     VkDeviceSize cells = 0;    // N struct Cell
@@ -116,6 +122,9 @@ struct BufferSizes {
     // at most 1e-5, without float64 1e-2 (usually 1e-6, which float32 cannot prove). Choose a unit of length with which
     // volumes are in the range of float32.
     VkDeviceSize geometry = 0;
+    // Periodic: beside each entry of indices 4 int8, its shift (sx, sy, sz) and 0: as Tessellation::shifts(). Rows are
+    // ordered by id, then shift.
+    VkDeviceSize shifts = 0;
 };
 
 // How the frame came out, on the GPU; word for word as here.
@@ -128,7 +137,7 @@ struct Header {
     std::uint32_t entries;     // that the rows need. More than most_entries: the rows of the cells that did not fit are
                                // left out, with status `candidates_exhausted`
     std::uint32_t faces;       // of all certified cells, walls included
-    std::uint32_t reserved;
+    std::uint32_t images;      // that periodic seeds have within the margin
 };
 
 struct Cell {
@@ -139,7 +148,7 @@ struct Cell {
 };
 
 struct Buffers {
-    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{};
+    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{}, shifts{};
 };
 
 // Where to note times: `slots` consecutive queries of a timestamp pool from `first` on, which the program has reset.
@@ -173,8 +182,8 @@ public:
     // Promised after: the last commands are a barrier that makes header, cells, indices and geometry visible to all
     // later commands on the queue, at any stage, for any access; not to the host, which needs its own barrier.
     //
-    // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds, an empty or inverted box. Then
-    // nothing was recorded.
+    // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds, an empty or inverted box;
+    // unsupported: a periodic box as Plan() refuses. Then nothing was recorded.
     void record(VkCommandBuffer commands, const RecordOptions& options) const;
 
 private:
@@ -193,6 +202,7 @@ struct Resolved {
     std::vector<CellStatus> status;     // R
     std::vector<std::int64_t> indptr;   // R+1
     std::vector<std::int32_t> indices;  // indptr[R]: rows, ids ascend, walls first
+    std::vector<std::int8_t> shifts;    // 3 indptr[R] of a periodic plan, else empty
     std::vector<double> volumes;        // R
     std::vector<double> centroids;      // 3R, absolute
 };
@@ -200,8 +210,8 @@ struct Resolved {
 // Immutable, safe to use from several threads. All pipelines are made here.
 class VOTESS_API Plan {
 public:
-    // Throws Error: invalid_argument, unsupported (limits of the device; the message says which), out_of_memory,
-    // device_lost.
+    // Throws Error: invalid_argument, unsupported (limits of the device, or a periodic box with bounds of very
+    // different size such as 1e-30 and 1; the message says which), out_of_memory, device_lost.
     Plan(const HostDevice& device, const PlanOptions& options);
 
     [[nodiscard]] const BufferSizes& sizes() const noexcept;

@@ -41,6 +41,11 @@
 #define BINDING_ROWS_OUT_1 34
 #define BINDING_ROWS_OUT_2 35
 #define BINDING_ROWS_OUT_3 36
-#define BINDING_COUNT 37
+#define BINDING_IMAGE_HOME 37  // uint: seed << SHIFT_BITS | shift of each image
+#define BINDING_SHIFTS_OUT 38  // int8 x y z 0, beside ROWS_OUT and in as many windows
+#define BINDING_SHIFTS_OUT_1 39
+#define BINDING_SHIFTS_OUT_2 40
+#define BINDING_SHIFTS_OUT_3 41
+#define BINDING_COUNT 42
 
 #endif

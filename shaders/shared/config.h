@@ -47,6 +47,10 @@
 // clip: where a row is; rows of the second tier have the bit set.
 #define SECOND_TIER_BIT 0x80000000u
 
+// Shifts of periodic images: (sx + 1) 9 + (sy + 1) 3 + (sz + 1), in their lexicographic order.
+#define SHIFT_BITS 5
+#define SHIFT_NONE 13
+
 // download: rows out may be larger than what a shader can see at once.
 #define ROW_WINDOWS 4
 

@@ -25,6 +25,15 @@ struct UploadPush {
     uint check;   // 1: points outside of the box, or not finite, get no coordinates
 };
 
+struct ImagesPush {
+    uvec2 lower[3];   // of the periodic box, from the lower corner of the larger one
+    uvec2 side[3];    // of the periodic box
+    uvec2 extent[3];  // of the larger one
+    uint periodic;    // a bit an axis
+    uint count;       // of seeds
+    uint capacity;    // for images
+};
+
 struct SortPush {
     uint count;
     uint tiles;
@@ -88,6 +97,7 @@ struct RowsPush {
     uint second_row_stride;  // of the second tier
     uint capacity;           // entries of the rows out
     uint window_bits;        // of the windows through which they are seen
+    uint own_count;          // input indices from here on are images
 };
 
 struct FramePush {
@@ -97,6 +107,7 @@ struct FramePush {
     uint neighbors;  // 1: there are rows
     uint geometry;   // 1: there are volumes and centroids
     int shift;       // as in UploadPush
+    uint own_count;  // as in RowsPush
 };
 
 // What the sort found out about the points.
@@ -104,7 +115,7 @@ struct RunState {
     uint lossy;       // LOSSY_ bits: coordinates that are no whole number of units
     uint suspects;    // 1: there may be duplicates that were not marked
     uint duplicates;  // marked
-    uint reserved;
+    uint incomplete;  // 1: images are missing
 };
 
 // What knn tells about a cell's list.
@@ -123,7 +134,7 @@ struct ChunkState {
 
 // votess::vulkan::Header and Cell.
 struct FrameHeader {
-    uint seeds, certified, unresolved, duplicates, outside, entries, faces, reserved;
+    uint seeds, certified, unresolved, duplicates, outside, entries, faces, images;
 };
 struct FrameCell {
     uint status, row_begin, row_length, faces;

@@ -47,7 +47,7 @@ struct Host {
 
 // Buffers of a frame, which the host can see.
 struct Target {
-    vk::Buffer seeds, workspace, header, cells, indices, geometry;
+    vk::Buffer seeds, workspace, header, cells, indices, geometry, shifts;
     Frame frame;
 
     Target(Host& host, const Plan& plan) {
@@ -59,12 +59,14 @@ struct Target {
         cells = visible(sizes.cells);
         indices = visible(sizes.indices);
         geometry = visible(sizes.geometry);
+        shifts = visible(sizes.shifts);
         frame = plan.frame({.seeds = {seeds.handle()},
                             .workspace = {workspace.handle()},
                             .header = {header.handle()},
                             .cells = {cells.handle()},
                             .indices = {indices.handle()},
-                            .geometry = {geometry.handle()}});
+                            .geometry = {geometry.handle()},
+                            .shifts = {shifts.handle()}});
     }
 
     template <class Real>
@@ -91,7 +93,8 @@ void run(Host& host, std::span<const Target* const> targets, std::uint32_t count
     host.commands.submit();
     host.commands.wait();
     for (const Target* target : targets)
-        for (const vk::Buffer* buffer : {&target->header, &target->cells, &target->indices, &target->geometry})
+        for (const vk::Buffer* buffer :
+             {&target->header, &target->cells, &target->indices, &target->geometry, &target->shifts})
             buffer->invalidate();
 }
 
@@ -102,6 +105,7 @@ void run(Host& host, const Target& target, std::uint32_t count) {
 
 struct Rows {
     std::vector<std::vector<std::int32_t>> rows;
+    std::vector<std::vector<std::int8_t>> shifts;  // three an entry, of periodic plans
     std::vector<double> volumes, centroids;
     std::vector<CellStatus> status;
 };
@@ -116,6 +120,12 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
         const Cell& cell = target.cell(count)[i];
         const auto row = target.indices.as<std::int32_t>().subspan(cell.row_begin, cell.row_length);
         all.rows.emplace_back(row.begin(), row.end());
+        all.shifts.emplace_back();
+        for (std::uint32_t k = 0; k < cell.row_length && plan.sizes().shifts > 0; ++k) {
+            const auto four = target.shifts.as<std::int8_t>().subspan(4 * (std::size_t{cell.row_begin} + k), 4);
+            all.shifts[i].insert(all.shifts[i].end(), four.begin(), four.begin() + 3);
+            CHECK(four[3] == 0);
+        }
         all.status.push_back(static_cast<CellStatus>(cell.status));
         const auto g = target.geometry.as<float>().subspan(4 * i, 4);
         all.volumes.push_back(g[3]);
@@ -126,6 +136,9 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
         const std::size_t i = more.cells[r];
         CHECK(all.rows[i].empty());
         all.rows[i].assign(more.indices.begin() + more.indptr[r], more.indices.begin() + more.indptr[r + 1]);
+        if (plan.sizes().shifts > 0)
+            all.shifts[i].assign(more.shifts.begin() + 3 * more.indptr[r],
+                                 more.shifts.begin() + 3 * more.indptr[r + 1]);
         all.volumes[i] = more.volumes[r];
         all.status[i] = more.status[r];
         for (std::size_t k = 0; k < 3; ++k) all.centroids[3 * i + k] = more.centroids[3 * r + k];
@@ -138,6 +151,10 @@ std::string compare(const Rows& rows, const votess::Tessellation& t) {
         const std::string where = "cell " + std::to_string(i) + ": ";
         if (rows.status[i] != t.status()[i]) return where + "another status";
         if (!std::ranges::equal(rows.rows[i], t.neighbors(i))) return where + "another row";
+        if (!t.shifts().empty() &&
+            !std::ranges::equal(rows.shifts[i], t.shifts().subspan(3 * static_cast<std::size_t>(t.indptr()[i]),
+                                                                   3 * t.neighbors(i).size())))
+            return where + "another shift";
         const double volume = t.volumes()[i];
         if (t.status()[i] != CellStatus::certified) continue;
         // Frames hold float32.
@@ -192,6 +209,7 @@ PlanOptions options_for(const PointSet& set) {
 votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan) {
     votess::Options options = test::all_options(plan.box);
     options.walls = plan.walls;
+    options.periodic = plan.periodic;
     options.device = "cpu";
     return votess::tessellate(std::span<const double>(set.points), options);
 }
@@ -260,6 +278,106 @@ TEST_SUITE("cases") {
                   target.frame.record(host.commands.handle(), {.count = 1, .box = test::cube(1, 0)});
               }) == votess::ErrorCode::invalid_argument);
         host.commands.end();
+    }
+
+    TEST_CASE("gpu frame: periodic boxes, seeds up to a side outside") {
+        Host host;
+        const auto axes = [](unsigned bits) {
+            return std::array<bool, 3>{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0};
+        };
+        for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{9}, test::by_size(1500, 200)})
+            for (const unsigned bits : {1u, 6u, 7u}) {
+                CAPTURE(n);
+                CAPTURE(bits);
+                PointSet set = test::uniform(n, n + bits);
+                set.box = votess::Box{{-0.25, 0, 0.5}, {0.75, 1.5, 1.75}};
+                test::Random random(n * bits);
+                for (std::size_t i = 0; i < set.points.size(); ++i) {
+                    const std::size_t k = i % 3;
+                    const double side = set.box->upper[k] - set.box->lower[k];
+                    set.points[i] = set.box->lower[k] + set.points[i] * side;
+                    if (axes(bits)[k] && random.below(4) == 0)
+                        set.points[i] += side * (random.below(2) == 0 ? 1 : -1) * 0.999;
+                }
+                set.points[0] = (bits & 1) != 0 ? set.box->upper[0] : set.box->lower[0];
+                const votess::Box box = *set.box;
+                set.box.reset();
+                PlanOptions options = options_for(set);
+                options.box = box;
+                options.periodic = axes(bits);
+                options.walls = n == 9;
+                options.chunk_size = n == 9 ? 5 : 0;
+                const Plan plan(host.device(), options);
+                Target target(host, plan);
+                target.write<double>(set.points, 3);
+                run(host, target, options.most_seeds);
+                check_header(target.head(), target.cell(n));
+                if (n > 1000) CHECK(target.head().unresolved < n / 10);
+                const Rows rows = collect<double>(plan, target, n);
+                Rows absolute = rows;  // centroids are relative to the seed as given; the library's lie in the box
+                const auto t = on_cpu(set, options);
+                for (std::size_t i = 0; i < rows.centroids.size(); ++i) {
+                    const std::size_t k = i % 3;
+                    const double side = box.upper[k] - box.lower[k];
+                    if (options.periodic[k])
+                        absolute.centroids[i] -= side * std::round((absolute.centroids[i] - t.centroids()[i]) / side);
+                }
+                CHECK(compare(absolute, t) == "");
+            }
+    }
+
+    TEST_CASE("gpu frame: periodic lattices, too few places for images, short margins, far seeds") {
+        Host host;
+        PointSet set = test::uniform(300, 14);
+        PlanOptions options = options_for(set);
+        options.box = test::unit_box();
+        options.periodic = {true, true, true};
+        const auto expected = on_cpu(set, options);
+        std::uint32_t images = 0;
+        for (const double margin : {0.0, 1e-3, 0.1, 7.0}) {
+            options.margin = margin;
+            options.most_images = margin == 7 ? 30 * options.most_seeds : 0;
+            const Plan plan(host.device(), options);
+            Target target(host, plan);
+            target.write<double>(set.points, 3);
+            run(host, target, options.most_seeds);
+            if (margin == 0) images = target.head().images;
+            CHECK((margin == 1e-3) == (target.head().images < 20));
+            CHECK(compare(collect<double>(plan, target, set.size()), expected) == "");
+        }
+        options.margin = 0;
+        REQUIRE(images > 10);
+        for (const std::uint32_t places : {1u, images - 1, images}) {
+            options.most_images = places;
+            const Plan plan(host.device(), options);
+            Target target(host, plan);
+            target.write<double>(set.points, 3);
+            run(host, target, options.most_seeds);
+            CHECK(target.head().images == images);
+            CHECK((target.head().unresolved == options.most_seeds) == (places < images));
+            CHECK(compare(collect<double>(plan, target, set.size()), expected) == "");
+        }
+        const PointSet lattice = test::bcc(4);
+        options = options_for(lattice);
+        options.box = test::cube(0, 4);
+        options.periodic = {true, true, true};
+        CHECK(check(host, lattice, options) == "");
+        // Farther away than a side, or along an axis that is not periodic.
+        Coordinates far = set.points;
+        far[0] = 2.5;
+        far[4] = -1.5;
+        far[8] = 1.5;
+        options = options_for(set);
+        options.box = test::unit_box();
+        options.periodic = {true, true, false};
+        const Plan plan(host.device(), options);
+        Target target(host, plan);
+        target.write<double>(far, 3);
+        run(host, target, options.most_seeds);
+        CHECK(target.head().outside == 3);
+        // Bounds that no common unit divides.
+        options.box.lower[0] = -1e-30;
+        CHECK(test::error_of([&] { Plan(host.device(), options); }) == votess::ErrorCode::unsupported);
     }
 
     TEST_CASE("gpu frame: float32 seeds") {

@@ -103,6 +103,9 @@ TEST_SUITE("stages") {
         check("UploadPush", shaders::test_layout_upload, upload,
               words_of(upload.origin, upload.first, upload.count, upload.shift, upload.format, upload.lower,
                        upload.upper, upload.stride, upload.check));
+        const auto images = filled<ImagesPush>();
+        check("ImagesPush", shaders::test_layout_images, images,
+              words_of(images.lower, images.side, images.extent, images.periodic, images.count, images.capacity));
         const auto sort = filled<SortPush>();
         check("SortPush", shaders::test_layout_sort, sort,
               words_of(sort.count, sort.tiles, sort.shift, sort.high_word));
@@ -124,19 +127,20 @@ TEST_SUITE("stages") {
                        clip.most_visits, clip.level_count, clip.level_first));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
-              words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity, rows.window_bits));
+              words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity, rows.window_bits,
+                       rows.own_count));
     }
 
     TEST_CASE("gpu layout: of recorded frames") {
         Reader reader;
         const auto push = filled<FramePush>();
-        const Words push_words =
-            words_of(push.first_cell, push.cell_count, push.capacity, push.neighbors, push.geometry, push.shift);
+        const Words push_words = words_of(push.first_cell, push.cell_count, push.capacity, push.neighbors,
+                                          push.geometry, push.shift, push.own_count);
         CHECK(sizeof push == 4 * push_words.size());
         CHECK(reader.push(shaders::test_layout_frame, push) == push_words);
         const auto header = filled<FrameHeader>();
         const Words header_words = words_of(header.seeds, header.certified, header.unresolved, header.duplicates,
-                                            header.outside, header.entries, header.faces, header.reserved);
+                                            header.outside, header.entries, header.faces, header.images);
         CHECK(sizeof header == 4 * header_words.size());
         CHECK(reader.buffer(shaders::test_layout_header, push_bytes(header)) == header_words);
         const auto cell = filled<FrameCell>();
@@ -148,7 +152,7 @@ TEST_SUITE("stages") {
     TEST_CASE("gpu layout: states") {
         Reader reader;
         const auto run = filled<RunState>();
-        const Words run_words = words_of(run.lossy, run.suspects, run.duplicates, run.reserved);
+        const Words run_words = words_of(run.lossy, run.suspects, run.duplicates, run.incomplete);
         CHECK(sizeof run == 4 * run_words.size());
         CHECK(reader.buffer(shaders::test_layout_run, push_bytes(run)) == run_words);
         const auto chunk = filled<ChunkState>();

@@ -50,6 +50,13 @@ void main() {
     put(push.upper);
     put(push.stride);
     put(push.check);
+#elif defined(IMAGES)
+    put(push.lower);
+    put(push.side);
+    put(push.extent);
+    put(push.periodic);
+    put(push.count);
+    put(push.capacity);
 #elif defined(SORT)
     put(push.count);
     put(push.tiles);
@@ -101,6 +108,7 @@ void main() {
     put(push.second_row_stride);
     put(push.capacity);
     put(push.window_bits);
+    put(push.own_count);
 #elif defined(FRAME)
     put(push.first_cell);
     put(push.cell_count);
@@ -108,11 +116,12 @@ void main() {
     put(push.neighbors);
     put(push.geometry);
     put(push.shift);
+    put(push.own_count);
 #elif defined(RUN)
     put(state.lossy);
     put(state.suspects);
     put(state.duplicates);
-    put(state.reserved);
+    put(state.incomplete);
 #elif defined(CHUNK)
     put(state.todo_count);
     put(state.groups_x);
@@ -127,7 +136,7 @@ void main() {
     put(state.outside);
     put(state.entries);
     put(state.faces);
-    put(state.reserved);
+    put(state.images);
 #elif defined(CELL)
     put(state.status);
     put(state.row_begin);
