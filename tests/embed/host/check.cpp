@@ -12,8 +12,7 @@ using votess::CellStatus;
 using votess::vulkan::Cell;
 using votess::vulkan::Header;
 
-// Of volumes, and of centroids in sizes of the cell; from the GPU, and from the CPU.
-constexpr double single_tolerance = 1e-5, double_tolerance = 1e-10;
+constexpr double cpu_tolerance = 1e-10;
 
 struct Difference {
     std::string text;
@@ -85,7 +84,8 @@ void check_centroid(std::size_t i, const std::array<double, 3>& centroid, std::s
 
 }  // namespace
 
-Comparison compare(const votess::vulkan::Plan& plan, std::span<const float> seeds, const Results& results) {
+Comparison compare(const votess::vulkan::Plan& plan, std::span<const float> seeds, const Results& results,
+                   double tolerance) {
     Comparison comparison;
     const votess::vulkan::PlanOptions& options = plan.options();
     const std::size_t count = results.cells.size();
@@ -107,13 +107,12 @@ Comparison compare(const votess::vulkan::Plan& plan, std::span<const float> seed
                 const auto begin = resolved.indices.begin() + resolved.indptr[r],
                            end = resolved.indices.begin() + resolved.indptr[r + 1];
                 check_row(i, std::span(begin, end), expected.neighbors(i), "by resolve()");
-                require(
-                    std::abs(resolved.volumes[r] - expected.volumes()[i]) <= double_tolerance * expected.volumes()[i],
-                    "cell ", i, ": volume ", resolved.volumes[r], " by resolve()");
+                require(std::abs(resolved.volumes[r] - expected.volumes()[i]) <= cpu_tolerance * expected.volumes()[i],
+                        "cell ", i, ": volume ", resolved.volumes[r], " by resolve()");
                 if (expected.volumes()[i] > 0) {
                     check_centroid(
                         i, {resolved.centroids[3 * r], resolved.centroids[3 * r + 1], resolved.centroids[3 * r + 2]},
-                        expected.centroids(), size, double_tolerance);
+                        expected.centroids(), size, cpu_tolerance);
                 }
                 ++r;
                 continue;
@@ -138,11 +137,11 @@ Comparison compare(const votess::vulkan::Plan& plan, std::span<const float> seed
             }
             const double error = std::abs(geometry[3] - volume) / volume;
             comparison.worst_volume = std::max(comparison.worst_volume, error);
-            require(error <= single_tolerance, "cell ", i, ": volume ", geometry[3], " instead of ", volume);
+            require(error <= tolerance, "cell ", i, ": volume ", geometry[3], " instead of ", volume);
             check_centroid(i,
                            {double{seeds[4 * i]} + geometry[0], double{seeds[4 * i + 1]} + geometry[1],
                             double{seeds[4 * i + 2]} + geometry[2]},
-                           expected.centroids(), size, single_tolerance);
+                           expected.centroids(), size, tolerance);
         }
         comparison.resolved = static_cast<std::uint32_t>(r);
     } catch (const Difference& difference) {

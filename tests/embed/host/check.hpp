@@ -16,9 +16,9 @@ struct Comparison {
     std::uint32_t resolved = 0;  // cells by resolve()
 };
 
-// seeds: 4 numbers each.
-[[nodiscard]] Comparison compare(const votess::vulkan::Plan& plan, std::span<const float> seeds,
-                                 const Results& results);
+// seeds: 4 numbers each. tolerance: of volumes from the GPU, relative, and of centroids in sizes of the cell.
+[[nodiscard]] Comparison compare(const votess::vulkan::Plan& plan, std::span<const float> seeds, const Results& results,
+                                 double tolerance);
 
 // The cells in the pixels of a picture against the first solid ones on the rays through them, found by looking at all
 // cells of the unit box. The first difference in a line; empty: none.
