@@ -112,7 +112,7 @@ inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFE
 
 // Bytes of each buffer, for most_seeds seeds. All arrays are in the order of the seeds as given. 0: not wanted.
 struct BufferSizes {
-    VkDeviceSize seeds = 0;  // read: x y z, `stride` numbers of `format` apart
+    VkDeviceSize seeds = 0;  // read: x y z, `stride` numbers of `format` apart; ends with the last z
     // Nothing to be found in it; device-local. At most 90 bytes a seed or place for an image, and 900 a cell of the
     // chunk (PlanOptions), so that with all arrays 1e8 seeds take some 22 GB.
     VkDeviceSize workspace = 0;
