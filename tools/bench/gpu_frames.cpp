@@ -90,7 +90,7 @@ struct Frames::Device {
 Frames::Frames(const std::string& device_name) : device_(std::make_unique<Device>(device_name)) {}
 Frames::~Frames() = default;
 
-FrameRow Frames::measure(const Input& input, bool rows, int repeats, bool to_compare) const {
+FrameRow Frames::measure(const Input& input, bool rows, votess::Kernel kernel, int repeats, bool to_compare) const {
     const host::HostDevice& device = device_->device;
     FrameRow row;
     row.input = input.name;
@@ -100,6 +100,7 @@ FrameRow Frames::measure(const Input& input, bool rows, int repeats, bool to_com
     options.most_seeds = static_cast<std::uint32_t>(row.n);
     options.box = input.box;
     options.neighbors = rows;
+    options.kernel = kernel;
     options.most_entries = entries_each * options.most_seeds;
     const Plan plan(device.for_votess(true), options);
     const Buffers buffers(device, plan.sizes());
@@ -141,9 +142,9 @@ void print_frames_head() {
     std::printf(
         "\nRecorded frames, seeds and results on the device: million cells per second by the time from submission to "
         "the\nend, then all seeds or cells by the device's time of a stage. rows: neighbors too, else volumes and "
-        "centroids.\nLeft: cells left to resolve(). MiB: buffers on the device.\n\n%-10s %9s %-9s %8s %8s  %8s %8s "
-        "%9s %8s %9s %7s  check\n",
-        "input", "n", "want", "best", "median", "upload", "sort", "hierarchy", "cells", "left", "MiB");
+        "centroids.\nLeft: cells left to resolve(). MiB: buffers on the device.\n\n%-10s %9s %-9s %-10s %8s %8s  "
+        "%8s %8s %9s %8s %9s %7s  check\n",
+        "input", "n", "want", "kernel", "best", "median", "upload", "sort", "hierarchy", "cells", "left", "MiB");
     std::fflush(stdout);
 }
 
@@ -166,7 +167,7 @@ const char* want_of(const FrameRow& row) {
 }  // namespace
 
 void print(const FrameRow& row) {
-    std::printf("%-10s %9zu %-9s", row.input.c_str(), row.n, want_of(row));
+    std::printf("%-10s %9zu %-9s %-10s", row.input.c_str(), row.n, want_of(row), row.kernel.c_str());
     if (!row.note.empty()) {
         std::printf("  %s\n", row.note.c_str());
     } else {
@@ -183,7 +184,8 @@ void print(const FrameRow& row) {
 std::string json(const FrameRow& row) {
     std::ostringstream out;
     out.precision(6);
-    out << "{\"input\": " << in_quotes(row.input) << ", \"n\": " << row.n << ", \"want\": " << in_quotes(want_of(row));
+    out << "{\"input\": " << in_quotes(row.input) << ", \"n\": " << row.n << ", \"want\": " << in_quotes(want_of(row))
+        << ", \"kernel\": " << in_quotes(row.kernel);
     if (!row.note.empty()) {
         out << ", \"note\": " << in_quotes(row.note) << '}';
         return out.str();

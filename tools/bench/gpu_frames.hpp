@@ -13,6 +13,7 @@ namespace bench {
 struct FrameRow {
     std::string input;
     std::size_t n = 0;
+    std::string kernel;
     bool rows = false;                          // neighbors too, else volumes and centroids only
     double first_seconds = 0;                   // of the warm-up
     std::vector<double> seconds;                // each repeat, from submission to the end
@@ -31,7 +32,8 @@ public:
     ~Frames();
 
     // compare: certified rows with the CPU's, and volumes.
-    [[nodiscard]] FrameRow measure(const Input& input, bool rows, int repeats, bool compare) const;
+    [[nodiscard]] FrameRow measure(const Input& input, bool rows, votess::Kernel kernel, int repeats,
+                                   bool compare) const;
 
 private:
     struct Device;

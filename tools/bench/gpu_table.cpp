@@ -310,31 +310,38 @@ bool measure_frames(const GpuTable& table, const std::string& device_name,
     const Frames frames(device_name);
     print_frames_head();
     bool good = true;
+    const auto measure_one = [&](const Input& input, bool with_rows, const std::string& kernel, double& pace) {
+        FrameRow row;
+        try {
+            if (pace * static_cast<double>(input.size()) > table.limit) {
+                row.note = "left out: over --limit";
+            } else {
+                row = frames.measure(input, with_rows, kernel_named(kernel), table.repeats,
+                                     static_cast<double>(input.size()) <= table.check_limit);
+                pace = std::max(pace, median(row.seconds) / static_cast<double>(row.n));
+            }
+        } catch (const votess::Error& error) {
+            row.wrong = error.code() != votess::ErrorCode::unsupported;
+            row.note = (row.wrong ? "failed: " : "left out: ") + std::string(error.what());
+        } catch (const std::exception& error) {
+            row.note = std::string("failed: ") + error.what();
+            row.wrong = true;
+        }
+        row.input = input.name;
+        row.n = input.size();
+        row.rows = with_rows;
+        row.kernel = kernel;
+        print(row);
+        written(bench::json(row));
+        return !row.wrong;
+    };
     for (const std::string& name : table.inputs) {
-        double pace = 0;  // seconds per seed
+        std::map<std::string, double> paces;  // seconds per seed, by kernel
         for (const std::size_t n : is_file(name) ? std::vector<std::size_t>{0} : table.sizes) {
             const Input input = make_input(name, n, table.rng_seed);
-            for (const bool with_rows : {false, true}) {
-                FrameRow row;
-                if (pace * static_cast<double>(input.size()) > table.limit) {
-                    row.note = "left out: over --limit";
-                } else {
-                    try {
-                        row = frames.measure(input, with_rows, table.repeats,
-                                             static_cast<double>(input.size()) <= table.check_limit);
-                        pace = std::max(pace, median(row.seconds) / static_cast<double>(row.n));
-                    } catch (const std::exception& error) {
-                        row.note = std::string("failed: ") + error.what();
-                        row.wrong = true;
-                    }
-                }
-                row.input = input.name;
-                row.n = input.size();
-                row.rows = with_rows;
-                good = good && !row.wrong;
-                print(row);
-                written(bench::json(row));
-            }
+            for (const bool with_rows : {false, true})
+                for (const std::string& kernel : table.kernels)
+                    good = measure_one(input, with_rows, kernel, paces[kernel]) && good;
         }
     }
     return good;
