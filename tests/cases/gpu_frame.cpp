@@ -258,6 +258,27 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("gpu frame: a subgroup per cell") {
+        Host host;
+        PlanOptions options;
+        for (const PointSet& set :
+             {test::uniform(300, 15), test::clustered(300, 16), test::with_duplicates(130, 20, 17), test::bcc(3)}) {
+            CAPTURE(set.name);
+            options = options_for(set);
+            options.kernel = votess::Kernel::subgroup;
+            options.chunk_size = 100;
+            CHECK(check(host, set, options) == "");
+        }
+        const PointSet set = test::uniform(300, 18);
+        options = options_for(set);
+        options.kernel = votess::Kernel::subgroup;
+        options.box = test::unit_box();
+        options.periodic = {true, false, true};
+        CHECK(check(host, set, options) == "");
+        options.most_images = 1;  // too few
+        CHECK(check(host, set, options) == "");
+    }
+
     TEST_CASE("gpu frame: a box that changes from frame to frame") {
         Host host;
         PointSet set = test::uniform(300, 13);
