@@ -115,8 +115,15 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
 
     const VkDeviceSize n = options.most_seeds;
     constexpr std::uint32_t usual_row = 20;
-    state->entries =
-        options.most_entries != 0 ? options.most_entries : usual_row * std::min(options.most_seeds, 1u << 27);
+    // Rows are seen through windows.
+    const std::uint64_t most_entries = std::uint64_t{ROW_WINDOWS} << gpu::DeviceCells::window_bits(device);
+    if (options.most_entries > most_entries)
+        throw Error(ErrorCode::unsupported, "most_entries = " + std::to_string(options.most_entries) +
+                                                " is more than the " + std::to_string(most_entries) +
+                                                " that shaders of " + adapter.name + " can reach");
+    state->entries = options.most_entries != 0
+                         ? options.most_entries
+                         : static_cast<std::uint32_t>(std::min(usual_row * std::uint64_t{n}, most_entries));
     BufferSizes& sizes = state->sizes;
     const VkDeviceSize number_bytes = options.format == SeedFormat::float32 ? 4 : 8;
     sizes.seeds = ((n - 1) * options.stride + 3) * number_bytes;
@@ -135,8 +142,6 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     check_range(device, sizes.seeds, "seeds", "most_seeds or stride");
     check_range(device, sizes.cells, "cells", "most_seeds");
     check_range(device, sizes.geometry, "geometry", "most_seeds");
-    // Rows are seen through windows.
-    check_range(device, sizes.indices / ROW_WINDOWS, "rows (a quarter of them)", "most_entries");
     check_range(device, workspace.largest(), "largest part of the workspace", "most_seeds or chunk_size");
     state_ = std::move(state);
 }
