@@ -315,6 +315,7 @@ TEST_SUITE("stages") {
         if (!gpu.gpu.device->has_float64()) return;
         const std::size_t n = test::by_size(70, 40);  // this is slow
         for (const std::uint32_t lanes : {16u, 32u, 64u}) {
+            if (lanes != 32 && test::by_size(1, 0) == 0) continue;  // under sanitizers one size has to do
             CAPTURE(lanes);
             kernels.use([&](PassSettings& s) { s.subgroup_size = lanes; });
             auto& pass = gpu.passes->clip_cells[0];
