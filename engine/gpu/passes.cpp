@@ -143,22 +143,23 @@ Passes::Passes(Device& device, const PassSettings& s)
       clip_todo(make<ClipPush>(device, "clip_todo", shaders::clip_todo, {BINDING_CHUNK_STATE}, 1, {s.local_size})),
       download_rows(gpu::download_rows(device, s)) {
     if (!s.frames) return;
-    download_cells.emplace(make<FramePush>(
+    download_cells = std::make_unique<Pass>(make<FramePush>(
         device, "download_cells", device.has_float64() ? shaders::download_cells_f64 : shaders::download_cells_f32,
         {BINDING_SEED_INPUT, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE,
          BINDING_GEOMETRY, BINDING_HEADER, BINDING_CELLS, BINDING_GEOMETRY_OUT},
         s.local_size));
-    download_total.emplace(
+    download_total = std::make_unique<Pass>(
         make<FramePush>(device, "download_total", shaders::download_total,
                         {BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_HEADER}, 1));
     if (!s.images) return;
-    upload_wrap.emplace(make<ImagesPush>(device, "upload_wrap", shaders::upload_wrap,
-                                         {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_SCAN_DATA},
-                                         s.local_size));
-    upload_images.emplace(make<ImagesPush>(device, "upload_images", shaders::upload_images,
-                                           {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_SCAN_DATA,
-                                            BINDING_RUN_STATE, BINDING_IMAGE_HOME, BINDING_HEADER},
-                                           s.local_size));
+    upload_wrap = std::make_unique<Pass>(
+        make<ImagesPush>(device, "upload_wrap", shaders::upload_wrap,
+                         {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_SCAN_DATA}, s.local_size));
+    upload_images = std::make_unique<Pass>(
+        make<ImagesPush>(device, "upload_images", shaders::upload_images,
+                         {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_SCAN_DATA, BINDING_RUN_STATE,
+                          BINDING_IMAGE_HOME, BINDING_HEADER},
+                         s.local_size));
 }
 
 }  // namespace votess::gpu

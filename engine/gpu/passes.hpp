@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 
 #include "gpu/vulkan/pass.hpp"
 
@@ -45,7 +45,7 @@ struct Passes {
     vulkan::Pass knn_boxes, knn_search;
     vulkan::Pass clip_cells[2], clip_todo;  // clip_cells[0] searches too where subgroups make cells
     vulkan::Pass download_rows;
-    std::optional<vulkan::Pass> download_cells, download_total, upload_wrap, upload_images;
+    std::unique_ptr<vulkan::Pass> download_cells, download_total, upload_wrap, upload_images;  // null: not wanted
 };
 
 }  // namespace votess::gpu

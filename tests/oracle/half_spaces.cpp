@@ -274,10 +274,14 @@ std::string check_against_half_spaces(const votess::Tessellation& t, std::span<c
     const auto line = [](const std::vector<ExactFace>& faces) {
         std::string text;
         for (const auto& [id, shift] : faces) {
-            text += " " + std::to_string(id);
-            if (shift != std::array<int, 3>{})
-                text += "(" + std::to_string(shift[0]) + "," + std::to_string(shift[1]) + "," +
-                        std::to_string(shift[2]) + ")";
+            text += ' ';
+            text += std::to_string(id);
+            if (shift == std::array<int, 3>{}) continue;
+            for (std::size_t k = 0; k < 3; ++k) {
+                text += k == 0 ? '(' : ',';
+                text += std::to_string(shift[k]);
+            }
+            text += ')';
         }
         return text;
     };
