@@ -1,7 +1,7 @@
 // Single passes of the GPU engine, and what they leave in the device's memory.
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "generators.hpp"
@@ -31,13 +31,13 @@ inline votess::gpu::PassSettings pass_settings(std::uint32_t k = 112) {
 struct GpuStages {
     Gpu gpu;
     vk::Memory memory{*gpu.device};
-    std::optional<votess::gpu::Passes> passes;
+    std::unique_ptr<votess::gpu::Passes> passes;
     votess::gpu::SeedStore seeds{*gpu.device, memory};
 
     explicit GpuStages(const votess::gpu::PassSettings& settings = pass_settings()) { use(settings); }
     void use(const votess::gpu::PassSettings& settings) {
         passes.reset();
-        passes.emplace(*gpu.device, settings);
+        passes = std::make_unique<votess::gpu::Passes>(*gpu.device, settings);
     }
 
     // The upload of a set, whose points must stay.
