@@ -1,6 +1,5 @@
 // Plan::resolve(): the cells that a recorded frame could not certify, by the exact clipper.
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -58,9 +57,15 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
         throw Error(ErrorCode::invalid_argument, std::to_string(seeds.size()) + " numbers are too few for " +
                                                      std::to_string(count) + " seeds with a stride of " +
                                                      std::to_string(stride));
-    std::vector<std::int32_t> unresolved;
-    for (std::size_t i = 0; i < count; ++i)
-        if (is_unresolved(cells[i].status)) unresolved.push_back(static_cast<std::int32_t>(i));
+    // Seeds that the frame has left out are not there for the CPU either; the others keep their order.
+    std::vector<std::int32_t> kept, unresolved;
+    std::vector<double> points;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (cells[i].status == static_cast<std::uint32_t>(CellStatus::outside)) continue;
+        if (is_unresolved(cells[i].status)) unresolved.push_back(static_cast<std::int32_t>(kept.size()));
+        kept.push_back(static_cast<std::int32_t>(i));
+        for (std::size_t k = 0; k < 3; ++k) points.push_back(seeds[i * stride + k]);
+    }
     Resolved out;
     out.indptr.push_back(0);
     if (unresolved.empty()) return out;
@@ -71,22 +76,16 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
     options.periodic = plan.periodic;
     options.threads = how.threads;
     options.want = {.neighbors = true, .volumes = true, .centroids = true};
-    options.outside = Outside::drop;
-    std::vector<double> points(3 * count);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double x = seeds[i * stride + k];
-            // What is not finite lies outside too.
-            points[3 * i + k] = std::isfinite(x) ? x : std::numeric_limits<double>::max();
-        }
     SomeCells engine(unresolved);
     const votess::detail::Result result = run_pipeline({points, {}}, options, engine);
     for (const std::int32_t cell : unresolved) {
         const auto i = static_cast<std::size_t>(cell);
-        out.cells.push_back(static_cast<std::uint32_t>(cell));
+        out.cells.push_back(static_cast<std::uint32_t>(kept[i]));
         out.status.push_back(result.status[i]);
-        out.indices.insert(out.indices.end(), result.indices.begin() + result.indptr[i],
-                           result.indices.begin() + result.indptr[i + 1]);
+        for (std::int64_t entry = result.indptr[i]; entry < result.indptr[i + 1]; ++entry) {
+            const std::int32_t id = result.indices[static_cast<std::size_t>(entry)];
+            out.indices.push_back(id < 0 ? id : kept[static_cast<std::size_t>(id)]);
+        }
         if (!result.shifts.empty())
             out.shifts.insert(out.shifts.end(), result.shifts.begin() + 3 * result.indptr[i],
                               result.shifts.begin() + 3 * result.indptr[i + 1]);

@@ -55,7 +55,6 @@ public:
     // Entries that the rows of all cells have room for.
     [[nodiscard]] VkDeviceSize most_entries() const { return most_entries_; }
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
-    [[nodiscard]] std::uint32_t list_columns() const { return knn_.stride; }
     [[nodiscard]] Slice slice(std::uint32_t binding) const { return bindings_.get(binding); }
 
 private:

@@ -172,16 +172,17 @@ struct FrameState;
 }  // namespace detail
 
 // Buffers and descriptor sets of one frame in flight. Copies share them; they must live until the commands are done.
+// One thread at a time records a Frame or its copies.
 class VOTESS_API Frame {
 public:
     Frame();
     // Records all stages: upload, sort, knn, clip, download.
     //
     // Expected before: writes to the seeds are visible to compute shaders (stage COMPUTE_SHADER, access SHADER_READ);
-    // no other use of workspace, header, cells, indices and geometry is pending (they are written at COMPUTE_SHADER and
-    // TRANSFER stages).
-    // Promised after: the last commands are a barrier that makes header, cells, indices and geometry visible to all
-    // later commands on the queue, at any stage, for any access; not to the host, which needs its own barrier.
+    // no other use of the workspace and of what is written (header, cells, indices, geometry, shifts) is pending; they
+    // are written at COMPUTE_SHADER and TRANSFER stages.
+    // Promised after: the last commands are a barrier that makes what was written visible to all later commands on the
+    // queue, at any stage, for any access; not to the host, which needs its own barrier.
     //
     // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds, an empty or inverted box;
     // unsupported: a periodic box as Plan() refuses. Then nothing was recorded.

@@ -387,17 +387,28 @@ TEST_SUITE("cases") {
         CHECK(check(host, lattice, options) == "");
         // Farther away than a side, or along an axis that is not periodic.
         Coordinates far = set.points;
-        far[0] = 2.5;
+        far[0] = std::numeric_limits<double>::quiet_NaN();
         far[4] = -1.5;
         far[8] = 1.5;
         options = options_for(set);
         options.box = test::unit_box();
         options.periodic = {true, true, false};
+        options.margin = 0.05;  // leaves cells to resolve()
         const Plan plan(host.device(), options);
         Target target(host, plan);
         target.write<double>(far, 3);
         run(host, target, options.most_seeds);
         CHECK(target.head().outside == 3);
+        const Rows rows = collect<double>(plan, target, set.size());
+        // The first three seeds are not there, for resolve() neither.
+        const PointSet rest{"rest", {far.begin() + 9, far.end()}, test::unit_box()};
+        const auto t = on_cpu(rest, options);
+        CHECK(target.head().unresolved > 0);
+        for (std::size_t i = 0; i < t.size(); ++i) {
+            std::vector<std::int32_t> row(t.neighbors(i).begin(), t.neighbors(i).end());
+            for (std::int32_t& id : row) id += 3;
+            CHECK(rows.rows[i + 3] == row);
+        }
         // Bounds that no common unit divides.
         options.box.lower[0] = -1e-30;
         CHECK(test::error_of([&] { Plan(host.device(), options); }) == votess::ErrorCode::unsupported);

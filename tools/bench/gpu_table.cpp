@@ -303,6 +303,26 @@ votess::DeviceInfo open(const std::string& device) {
     return describe(device, t.stats().device);
 }
 
+// Measures a row of n seeds unless that would take too long by the pace so far, in seconds a seed.
+template <class AnyRow, class Measure>
+void attempt(AnyRow& row, std::size_t n, double& pace, double limit, Measure measure) {
+    if (pace * static_cast<double>(n) > limit) {
+        row.note = "left out: over --limit";
+        return;
+    }
+    try {
+        measure(row);
+        pace = std::max(pace, median(row.seconds) / static_cast<double>(n));
+    } catch (const votess::Error& error) {
+        // A device that cannot run a kernel is no failure.
+        row.wrong = error.code() != votess::ErrorCode::unsupported;
+        row.note = (row.wrong ? "failed: " : "left out: ") + std::string(error.what());
+    } catch (const std::exception& error) {
+        row.note = std::string("failed: ") + error.what();
+        row.wrong = true;
+    }
+}
+
 #if BENCH_FRAMES
 // Calls written(JSON) after each row; false when one was wrong.
 bool measure_frames(const GpuTable& table, const std::string& device_name,
@@ -312,21 +332,10 @@ bool measure_frames(const GpuTable& table, const std::string& device_name,
     bool good = true;
     const auto measure_one = [&](const Input& input, bool with_rows, const std::string& kernel, double& pace) {
         FrameRow row;
-        try {
-            if (pace * static_cast<double>(input.size()) > table.limit) {
-                row.note = "left out: over --limit";
-            } else {
-                row = frames.measure(input, with_rows, kernel_named(kernel), table.repeats,
-                                     static_cast<double>(input.size()) <= table.check_limit);
-                pace = std::max(pace, median(row.seconds) / static_cast<double>(row.n));
-            }
-        } catch (const votess::Error& error) {
-            row.wrong = error.code() != votess::ErrorCode::unsupported;
-            row.note = (row.wrong ? "failed: " : "left out: ") + std::string(error.what());
-        } catch (const std::exception& error) {
-            row.note = std::string("failed: ") + error.what();
-            row.wrong = true;
-        }
+        attempt(row, input.size(), pace, table.limit, [&](FrameRow& measured) {
+            measured = frames.measure(input, with_rows, kernel_named(kernel), table.repeats,
+                                      static_cast<double>(input.size()) <= table.check_limit);
+        });
         row.input = input.name;
         row.n = input.size();
         row.rows = with_rows;
@@ -370,21 +379,9 @@ int run_gpu_table(const GpuTable& table) {
             const Input input = make_input(name, n, table.rng_seed);
             for (Row& row : variants_of(table, input)) {
                 double& pace = paces[std::string(name_of(row.want)) + row.kernel];
-                if (pace * static_cast<double>(row.n) > table.limit) {
-                    row.note = "left out: over --limit";
-                } else {
-                    try {
-                        measure(row, table, input, static_cast<double>(row.n) <= table.check_limit);
-                        pace = std::max(pace, median(row.seconds) / static_cast<double>(row.n));
-                    } catch (const votess::Error& error) {
-                        // A device that cannot run a kernel is no failure.
-                        row.wrong = error.code() != votess::ErrorCode::unsupported;
-                        row.note = (row.wrong ? "failed: " : "left out: ") + std::string(error.what());
-                    } catch (const std::exception& error) {
-                        row.note = std::string("failed: ") + error.what();
-                        row.wrong = true;
-                    }
-                }
+                attempt(row, row.n, pace, table.limit, [&](Row& measured) {
+                    measure(measured, table, input, static_cast<double>(measured.n) <= table.check_limit);
+                });
                 good = good && !row.wrong;
                 print(row);
                 rows.push_back(std::move(row));
