@@ -2,7 +2,7 @@
 // proves the cell complete. A cell that cannot be proven gets the status that says why. The second tier has larger
 // arrays, and goes on where the list ends.
 //
-// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in float32.
+// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in pairs of float32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/bindings.h"
@@ -34,8 +34,9 @@ layout(std430, binding = BINDING_TODO) buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
 
 #include "lib/real.glsl"
-layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { geometry_real geometry[]; };
-layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { geometry_real areas[]; };
+#include "lib/number.glsl"
+layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
+layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
 
 #include "lib/hierarchy.glsl"
 #include "lib/int64.glsl"
@@ -189,11 +190,11 @@ void finish(uint slot, uint cell, uint exponent) {
     }
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
         measure_cell();
-        if (!(volume_error <= geometry_real(push.volume_tolerance) * volume)) status = STATUS_NEEDS_EXACT;
+        if (!is_measured(push.volume_tolerance)) status = STATUS_NEEDS_EXACT;
         geometry[4u * cell] = volume;
-        geometry[4u * cell + 1u] = centroid_x;
-        geometry[4u * cell + 2u] = centroid_y;
-        geometry[4u * cell + 3u] = centroid_z;
+        geometry[4u * cell + 1u] = mass_center.x;
+        geometry[4u * cell + 2u] = mass_center.y;
+        geometry[4u * cell + 3u] = mass_center.z;
     }
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
         for (int w = 0; w < plane_words; ++w)
@@ -201,7 +202,7 @@ void finish(uint slot, uint cell, uint exponent) {
                 const int plane = 32 * w + findLSB(rest);
                 const int id = plane_id[plane];
                 if (id < 0 && push.walls == 0u) continue;
-                if (want_geometry == 2u) areas[length * push.row_stride + slot] = max(area[plane], geometry_real(0));
+                if (want_geometry == 2u) areas[length * push.row_stride + slot] = not_negative(area[plane]);
                 rows[length * push.row_stride + slot] = id < 0 ? id : int(seed_input[id]);
                 ++length;
             }

@@ -15,6 +15,7 @@
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #endif
 #include "shared/bindings.h"
 #include "shared/layout.h"
@@ -41,8 +42,9 @@ layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
 layout(std430, binding = BINDING_TODO) writeonly buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
 #include "lib/real.glsl"
-layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { geometry_real geometry[]; };
-layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { geometry_real areas[]; };
+#include "lib/number.glsl"
+layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
+layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
 
 // Of each subgroup of the work-group one after the other.
 shared uint candidate_key[SUBGROUP_STORE * subgroups];  // squared distance, in its last bits the place in the store
@@ -168,7 +170,7 @@ uint write_row(uint cell, uint used) {
         const uint at = (length + rank_among(listed, count)) * push.row_stride + cell;
         if (listed) {
             rows[at] = id < 0 ? id : int(seed_input[id]);
-            if (want_geometry == 2u) areas[at] = max(area_of(p), geometry_real(0));
+            if (want_geometry == 2u) areas[at] = not_negative(area_of(p));
         }
         length += count;
     }
@@ -186,10 +188,11 @@ void finish(uint cell, uint exponent) {
     }
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
         measure_cell(used, vertices);
-        if (!(volume_error <= geometry_real(push.volume_tolerance) * volume)) status = STATUS_NEEDS_EXACT;
-        if (lane < 4u)
-            geometry[4u * cell + lane] =
-                lane == 0u ? volume : (lane == 1u ? centroid_x : (lane == 2u ? centroid_y : centroid_z));
+        if (!is_measured(push.volume_tolerance)) status = STATUS_NEEDS_EXACT;
+        if (lane == 0u) geometry[4u * cell] = volume;
+        if (lane == 1u) geometry[4u * cell + 1u] = mass_center.x;
+        if (lane == 2u) geometry[4u * cell + 2u] = mass_center.y;
+        if (lane == 3u) geometry[4u * cell + 3u] = mass_center.z;
     }
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) length = write_row(cell, used);
     if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_NEEDS_EXACT;

@@ -13,11 +13,8 @@ layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
 layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
-#ifdef GEOMETRY_FLOAT64
-layout(std430, binding = BINDING_GEOMETRY) readonly buffer Geometry { double geometry[]; };
-#else
-layout(std430, binding = BINDING_GEOMETRY) readonly buffer Geometry { float geometry[]; };
-#endif
+#include "lib/number.glsl"
+layout(std430, binding = BINDING_GEOMETRY) readonly buffer Geometry { Number geometry[]; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
 layout(std430, binding = BINDING_CELLS) writeonly buffer Cells { FrameCell cells[]; };
 layout(std430, binding = BINDING_GEOMETRY_OUT) writeonly buffer GeometryOut { vec4 geometry_out[]; };
@@ -52,7 +49,8 @@ void main() {
             const int exponent = int(word >> INFO_EXPONENT_SHIFT) - push.shift;
             vec4 g = vec4(0);
             if (done)
-                g = vec4(geometry[4u * cell + 1u], geometry[4u * cell + 2u], geometry[4u * cell + 3u], geometry[4u * cell]);
+                g = vec4(rounded(geometry[4u * cell + 1u]), rounded(geometry[4u * cell + 2u]),
+                         rounded(geometry[4u * cell + 3u]), rounded(geometry[4u * cell]));
             geometry_out[seed] = ldexp(g, ivec4(exponent, exponent, exponent, 3 * exponent));
         }
         if (done) {

@@ -1,7 +1,6 @@
 // download: the rows of a chunk one after the other, each in ascending order, and the areas beside them.
 //
-// Variants: AREA is the type of an area as it lies in memory, uint for float32, uvec2 for float64; without it there are
-// no areas. SHIFTS: images get the name of their seed, and shifts stand beside the rows, which are in the order of both.
+// Variants: AREAS, which are moved as the two words that any Number takes. SHIFTS: images get the name of their seed, and shifts stand beside the rows, which are in the order of both.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/bindings.h"
@@ -26,10 +25,10 @@ layout(std430, binding = BINDING_SHIFTS_OUT_1) writeonly buffer ShiftsOut1 { uin
 layout(std430, binding = BINDING_SHIFTS_OUT_2) writeonly buffer ShiftsOut2 { uint shifts_out_2[]; };
 layout(std430, binding = BINDING_SHIFTS_OUT_3) writeonly buffer ShiftsOut3 { uint shifts_out_3[]; };
 #endif
-#ifdef AREA
-layout(std430, binding = BINDING_AREAS) readonly buffer Areas { AREA areas[]; };
-layout(std430, binding = BINDING_SECOND_AREAS) readonly buffer SecondAreas { AREA second_areas[]; };
-layout(std430, binding = BINDING_AREAS_OUT) writeonly buffer AreasOut { AREA areas_out[]; };
+#ifdef AREAS
+layout(std430, binding = BINDING_AREAS) readonly buffer Areas { uvec2 areas[]; };
+layout(std430, binding = BINDING_SECOND_AREAS) readonly buffer SecondAreas { uvec2 second_areas[]; };
+layout(std430, binding = BINDING_AREAS_OUT) writeonly buffer AreasOut { uvec2 areas_out[]; };
 #endif
 
 #include "lib/linear.glsl"
@@ -99,7 +98,7 @@ void main() {
             if (entry(place, j) < id) ++rank;
         put(offset + rank, id);
 #endif
-#ifdef AREA
+#ifdef AREAS
         const uint column = place & ~SECOND_TIER_BIT;
         if ((place & SECOND_TIER_BIT) != 0u)
             areas_out[offset + rank] = second_areas[i * push.second_row_stride + column];

@@ -9,8 +9,8 @@ namespace votess::gpu {
 using vulkan::MemoryKind;
 
 Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells, const PassSettings& settings)
-    : float64_geometry_(device.has_float64()), measure_(settings.measure), buffers_(memory), commands_(device, 4) {
-    cells_.reserve(buffers_, cells, settings, float64_geometry_);
+    : float64_(device.has_float64()), measure_(settings.measure), buffers_(memory), commands_(device, 4) {
+    cells_.reserve(buffers_, cells, settings);
     const auto on_host = [&](VkDeviceSize bytes, const char* name) {
         return memory.buffer(bytes, MemoryKind::download, name);
     };
@@ -20,7 +20,7 @@ Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells
     state_host_ = on_host(sizeof(ChunkState), "chunk state, host");
     const VkDeviceSize entries = cells_.most_entries();
     rows_out_ = on_host(entries * 4, "rows out");
-    areas_out_ = on_host(settings.areas ? entries * (float64_geometry_ ? 8 : 4) : 0, "areas out");
+    areas_out_ = on_host(settings.areas ? entries * DeviceCells::number_bytes : 0, "areas out");
     constexpr VkDeviceSize countable = std::numeric_limits<std::uint32_t>::max();
     cells_.set_rows_out(rows_out_, areas_out_, static_cast<std::uint32_t>(std::min(entries, countable)));
 }
@@ -65,12 +65,17 @@ void Chunk::wait() {
 }
 
 double Chunk::area(std::size_t entry) const {
-    return float64_geometry_ ? areas_out_.as<double>()[entry] : static_cast<double>(areas_out_.as<float>()[entry]);
+    return number(areas_out_, entry);
 }
 
 double Chunk::geometry(std::uint32_t cell, std::uint32_t component) const {
-    const std::size_t i = std::size_t{cell} * DeviceCells::geometry_components + component;
-    return float64_geometry_ ? geometry_host_.as<double>()[i] : static_cast<double>(geometry_host_.as<float>()[i]);
+    return number(geometry_host_, std::size_t{cell} * DeviceCells::geometry_components + component);
+}
+
+double Chunk::number(const Buffer& buffer, std::size_t i) const {
+    if (float64_) return buffer.as<double>()[i];
+    const auto halves = buffer.as<float>().subspan(2 * i, 2);
+    return static_cast<double>(halves[0]) + static_cast<double>(halves[1]);
 }
 
 Chunk::Seconds Chunk::seconds() const {

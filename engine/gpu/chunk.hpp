@@ -45,7 +45,10 @@ public:
     [[nodiscard]] const DeviceCells& on_device() const { return cells_; }
 
 private:
-    bool float64_geometry_;
+    // Element i of an array of Number, see shaders/lib/number.glsl.
+    [[nodiscard]] double number(const Buffer& buffer, std::size_t i) const;
+
+    bool float64_;
     bool measure_;
     OwnBuffers buffers_;
     DeviceCells cells_;

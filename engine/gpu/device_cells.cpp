@@ -39,8 +39,7 @@ std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& sett
 }
 
 VkDeviceSize DeviceCells::bytes_per_cell(const PassSettings& s) {
-    // List, rows and rows out, of both tiers; then the words of reserve(), geometry as float64 twice, and areas as
-    // float64 beside the rows.
+    // List, rows and rows out, of both tiers; then the words of reserve(), geometry twice, and areas beside the rows.
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
     return 4 * (list_words(s) + 2 * planes + 10 + 2 * 2 * geometry_components + (s.areas ? 2 * 2 * planes : 0));
 }
@@ -50,11 +49,11 @@ VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
     return 4 * std::max<VkDeviceSize>(list_words(s), (s.areas ? 2 : 1) * planes);
 }
 
-void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings, bool float64) {
+void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings) {
     cells_ = cells;
     todo_capacity_ = second_tier_cells(cells, settings);
     const VkDeviceSize n = cells, t = todo_capacity_;
-    const VkDeviceSize words = float64 ? 2 : 1, area_words = settings.areas ? words : 0;
+    const VkDeviceSize words = number_bytes / 4, area_words = settings.areas ? words : 0;
     const VkDeviceSize first_rows = n * settings.tiers[0].planes, second_rows = t * settings.tiers[1].planes;
     const auto take = [&](std::uint32_t binding, VkDeviceSize count, const char* name) {
         bindings_.set(binding, workspace.take_words(count, name));

@@ -26,13 +26,14 @@ struct ChunkJob {
 class DeviceCells {
 public:
     static constexpr std::uint32_t geometry_components = 4;  // volume and centroid
+    static constexpr std::uint32_t number_bytes = 8;  // of each, and of an area: Number in shaders/lib/number.glsl
 
     // Bytes per cell of a chunk on the device; the largest of its arrays.
     static VkDeviceSize bytes_per_cell(const PassSettings& settings);
     static VkDeviceSize largest_bytes_per_cell(const PassSettings& settings);
 
-    // Arrays for up to `cells`. float64: geometry and areas are of that type.
-    void reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings, bool float64);
+    // Arrays for up to `cells`.
+    void reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings);
     // Where the rows go, and the areas beside them; for that many entries. Windows of 2^window_bits of them are bound.
     void set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
                       std::uint32_t window_bits = most_window_bits);

@@ -19,8 +19,6 @@ static_assert(sizeof(Cell) == sizeof(FrameCell) && offsetof(Cell, faces) == offs
 
 constexpr VkDeviceSize geometry_bytes = 16;  // of a cell: vec4
 constexpr double volume_tolerance = 0.5e-5;
-// What float32 can prove of nearly every cell; the errors themselves are some thousand times smaller.
-constexpr double float32_volume_tolerance = 1e-2;
 constexpr double margin_spacings = 3.4;          // of the mean distance between seeds: most uniform cells need less
 constexpr std::uint32_t most_of_all = 1u << 27;  // seeds: rows have 32 bits for their entries, images 27 for their seed
 
@@ -137,7 +135,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
                                             margin_of(options, options.box, options.most_seeds));
     gpu::PartOfBuffer workspace(device, VK_NULL_HANDLE, 0);
     gpu::DeviceSeeds().reserve(workspace, options.most_seeds, state->images);
-    gpu::DeviceCells().reserve(workspace, state->chunk_cells, settings, device.has_float64());
+    gpu::DeviceCells().reserve(workspace, state->chunk_cells, settings);
     sizes.workspace = workspace.bytes();
     check_range(device, sizes.seeds, "seeds", "most_seeds or stride");
     check_range(device, sizes.cells, "cells", "most_seeds");
@@ -190,7 +188,7 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     header_ = slice(buffers.header, sizes.header, "header");
     gpu::PartOfBuffer workspace(*plan->device, scratch.handle, scratch.offset);
     seeds_.reserve(workspace, plan->options.most_seeds, plan->images);
-    cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings, plan->device->has_float64());
+    cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings);
     // Passes bind something in place of arrays that are not wanted.
     const auto wanted = [&](const gpu::Slice& array) { return array ? array : header_; };
     cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")), header_, plan->entries,
@@ -263,7 +261,7 @@ void detail::FrameState::record_cells(std::uint32_t count) {
     gpu::ChunkJob job;
     job.neighbors = plan->options.neighbors;
     job.walls = plan->options.walls;
-    job.volume_tolerance = plan->device->has_float64() ? volume_tolerance : float32_volume_tolerance;
+    job.volume_tolerance = volume_tolerance;
     job.own_count = count;
     for (std::size_t k = 0; k < 3; ++k) {
         if (!plan->options.periodic[k]) continue;

@@ -27,7 +27,8 @@ std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
     } needed[] = {{VK_SUBGROUP_FEATURE_BASIC_BIT, "basic"},
                   {VK_SUBGROUP_FEATURE_VOTE_BIT, "vote"},
                   {VK_SUBGROUP_FEATURE_BALLOT_BIT, "ballot"},
-                  {VK_SUBGROUP_FEATURE_ARITHMETIC_BIT, "arithmetic"}};
+                  {VK_SUBGROUP_FEATURE_ARITHMETIC_BIT, "arithmetic"},
+                  {VK_SUBGROUP_FEATURE_SHUFFLE_BIT, "shuffle"}};
     for (const auto& operations : needed)
         if ((adapter.subgroup_operations & operations.bit) == 0)
             return std::string(operations.name) + " operations of subgroups";

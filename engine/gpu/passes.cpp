@@ -91,8 +91,7 @@ Pass download_rows(Device& device, const PassSettings& settings) {
     if (!settings.areas)
         return make<RowsPush>(device, "download_rows", shaders::download_rows, bindings, settings.local_size);
     bindings.insert(bindings.end(), {BINDING_AREAS, BINDING_SECOND_AREAS, BINDING_AREAS_OUT});
-    const auto spirv = device.has_float64() ? shaders::download_rows_areas_f64 : shaders::download_rows_areas_f32;
-    return make<RowsPush>(device, "download_rows areas", spirv, bindings, settings.local_size);
+    return make<RowsPush>(device, "download_rows areas", shaders::download_rows_areas, bindings, settings.local_size);
 }
 
 }  // namespace

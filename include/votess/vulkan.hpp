@@ -45,8 +45,7 @@ struct HostInstance {
     std::uint32_t api_version = VK_API_VERSION_1_1;              // VkApplicationInfo::apiVersion
 };
 
-// What to give to vkCreateDevice. A device that was made without `features` runs too, with some more cells unresolved
-// and volumes of less precision, see BufferSizes::geometry.
+// What to give to vkCreateDevice. A device that was made without `features` runs too, with some more cells unresolved.
 struct Requirements {
     std::string missing;                  // why votess cannot use the physical device, in one line; empty: it can
     std::uint32_t queue_family = 0;       // one that will do: any with compute will
@@ -120,8 +119,7 @@ struct BufferSizes {
     VkDeviceSize cells = 0;    // N struct Cell
     VkDeviceSize indices = 0;  // int32: the rows; that of seed i is indices[cells[i].row_begin ..+ row_length]
     // N x 4 float32: centroid relative to the seed, and volume; 0 for cells without. The relative error of a volume is
-    // at most 1e-5, without float64 1e-2 (usually 1e-6, which float32 cannot prove). Choose a unit of length with which
-    // volumes are in the range of float32.
+    // at most 1e-5. Choose a unit of length with which volumes are in the range of float32.
     VkDeviceSize geometry = 0;
     // Periodic: beside each entry of indices 4 int8, its shift (sx, sy, sz) and 0: as Tessellation::shifts(). Rows are
     // ordered by id, then shift.

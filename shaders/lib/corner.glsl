@@ -1,85 +1,115 @@
 // Volume, centroid and areas of the faces of a finished cell, from its planes and vertices alone. Feet of the seed on a
-// face's plane (r_a) and on an edge's line (r_ab) split the cell into tetrahedra (seed, r_a, r_ab, vertex), signed, six
-// a vertex:
-//     6 V = sum over vertices (a,b,c) and their edges (a,b), (b,c), (c,a) of det(r_a - r_b, r_ab, vertex) .
+// face's plane (r_a = foot_a n_a) and on an edge's line (r_ab) split the cell into tetrahedra (seed, r_a, r_ab, vertex),
+// signed, six a vertex. With t = n_a x n_b along the edge and
+//     r_ab = alpha n_a + beta n_b,  alpha = (h_a |n_b|^2 - h_b n_a.n_b) / |t|^2,  beta = (h_b |n_a|^2 - h_a n_a.n_b) / |t|^2
+// both on the edge (a,b) of the vertex X have
+//     6 V = (foot_a beta + foot_b alpha) X.t ,
+// and add beta X.t / (2 |n_a|) to the area of face a, alpha X.t / (2 |n_b|) to that of b.
 //
-// and the area of face a is 1/2 sum over its vertices and edges of +- n_a . (r_ab x vertex) / |n_a|.
+// R the farthest vertex, u the unit roundoff: alpha |n_a| <= R / sin(a,b) is right to 41u R / sin^2, X.t to
+// |n_a||n_b| (sin |x - X| + 9u R), X to u R (51 condition + 6) as in lib/filter.glsl; so 6 V of an edge is right to
+//     u R^3 (100 / sin^2(a,b) + 102 condition + 50) ,
+// the last for its sum with all others. The areas are right to volume_error 3 / R altogether: relative to the surface
+// that is better than the volume, which is at most surface R / 3.
 //
-// A term is right to u R^3 (45 / sin^2(a,b) + 60 condition + 10), R the farthest vertex.
-//
-// The areas are right to volume_error 3 / R altogether: relative to the surface that is better than the volume, which
-// is at most surface R / 3.
-//
-// Needs want_geometry, geometry_real, geometry_unit and quantum.
+// Needs want_geometry, quantum, lib/number.glsl and lib/relative.glsl.
 
-struct Moments {
-    geometry_real sum, x, y, z;     // six volumes, and 24 times their centroids
-    geometry_real error, farthest;  // farthest: squared
+struct ExactPlane {
+    Vector n;
+    Number foot;  // n.x = foot |n|^2; of bisectors 1/2
 };
 
-geometry_real volume, centroid_x, centroid_y, centroid_z, volume_error;
+ExactPlane exact_wall(uint i) {
+    const Number zero = number(0.0), side = number((i & 1u) != 0u ? 1.0 : -1.0);
+    const uint axis = i / 2u;
+    const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
+    return ExactPlane(Vector(axis == 0u ? side : zero, axis == 1u ? side : zero, axis == 2u ? side : zero),
+                      (i & 1u) != 0u ? exact_difference(push.extent[axis], p) : exact_difference(p, uvec2(0)));
+}
 
-// Adds the tetrahedra of the vertex of three planes n.x = h. areas: what it adds to the areas of the three faces.
-void add_corner(geometry_real nx[3], geometry_real ny[3], geometry_real nz[3], geometry_real h[3], inout Moments all,
-                out geometry_real areas[3]) {
-    geometry_real nn[3];
+ExactPlane exact_bisector(uint q) {
+    return ExactPlane(Vector(exact_difference(seeds_x[q], px), exact_difference(seeds_y[q], py),
+                             exact_difference(seeds_z[q], pz)),
+                      number(0.5));
+}
+
+struct Moments {
+    Number sum;             // six volumes
+    Vector first;           // and 24 times their centroids
+    float error, farthest;  // error in u R^3; farthest: squared
+};
+
+Number volume;
+Vector mass_center;
+float volume_error;
+
+Moments no_moments() {
+    const Number zero = number(0.0);
+    return Moments(zero, Vector(zero, zero, zero), 0.0, 0.0);
+}
+
+// Adds the tetrahedra of the vertex of three planes. areas: what it adds to the areas of their faces.
+void add_corner(ExactPlane plane[3], inout Moments all, out Number areas[3]) {
+    Number square[3], h[3], of_normal[3];
+    float norm[3];
     for (int k = 0; k < 3; ++k) {
-        nn[k] = nx[k] * nx[k] + ny[k] * ny[k] + nz[k] * nz[k];
-        areas[k] = geometry_real(0);
+        square[k] = dot(plane[k].n, plane[k].n);
+        h[k] = times(plane[k].foot, square[k]);
+        norm[k] = sqrt(rounded(square[k]));
+        of_normal[k] = areas[k] = number(0.0);
     }
-    // t[k] = n[k] x n[k+1], along the edge of both planes.
-    geometry_real tx[3], ty[3], tz[3];
+    Vector t[3];
+    for (int k = 0; k < 3; ++k) t[k] = cross(plane[k].n, plane[k == 2 ? 0 : k + 1].n);
+    const Number inverse_det = reciprocal(dot(plane[0].n, t[1]));
+    const Vector vertex =
+        times(plus(plus(times(t[1], h[0]), times(t[2], h[1])), times(t[0], h[2])), inverse_det);
+    const vec3 near_vertex = vec3(rounded(vertex.x), rounded(vertex.y), rounded(vertex.z));
+    all.farthest = max(all.farthest, dot(near_vertex, near_vertex));
+    all.error += 306.0 * (norm[0] * norm[1] * norm[2] * rounded(inverse_det)) + 150.0;
+
+    Number of_vertex = number(0.0);
     for (int k = 0; k < 3; ++k) {
         const int l = k == 2 ? 0 : k + 1;
-        tx[k] = ny[k] * nz[l] - nz[k] * ny[l];
-        ty[k] = nz[k] * nx[l] - nx[k] * nz[l];
-        tz[k] = nx[k] * ny[l] - ny[k] * nx[l];
-    }
-    const geometry_real det = nx[0] * tx[1] + ny[0] * ty[1] + nz[0] * tz[1];
-    const geometry_real inverse = geometry_real(1) / det;
-    const geometry_real x = (h[0] * tx[1] + h[1] * tx[2] + h[2] * tx[0]) * inverse;
-    const geometry_real y = (h[0] * ty[1] + h[1] * ty[2] + h[2] * ty[0]) * inverse;
-    const geometry_real z = (h[0] * tz[1] + h[1] * tz[2] + h[2] * tz[0]) * inverse;
-    all.farthest = max(all.farthest, x * x + y * y + z * z);
-    all.error += geometry_real(180) * sqrt(nn[0] * nn[1] * nn[2]) * inverse + geometry_real(30);
-    for (int k = 0; k < 3; ++k) {
-        const int l = k == 2 ? 0 : k + 1;
-        const geometry_real tt = tx[k] * tx[k] + ty[k] * ty[k] + tz[k] * tz[k];
-        const geometry_real over = geometry_real(1) / tt;
-        // r_ab = (h_a (n_b x t) + h_b (t x n_a)) / |t|^2
-        const geometry_real ex =
-            (h[k] * (ny[l] * tz[k] - nz[l] * ty[k]) + h[l] * (ty[k] * nz[k] - tz[k] * ny[k])) * over;
-        const geometry_real ey =
-            (h[k] * (nz[l] * tx[k] - nx[l] * tz[k]) + h[l] * (tz[k] * nx[k] - tx[k] * nz[k])) * over;
-        const geometry_real ez =
-            (h[k] * (nx[l] * ty[k] - ny[l] * tx[k]) + h[l] * (tx[k] * ny[k] - ty[k] * nx[k])) * over;
-        const geometry_real cx = ey * z - ez * y, cy = ez * x - ex * z, cz = ex * y - ey * x;
-        const geometry_real foot_a = h[k] / nn[k], foot_b = h[l] / nn[l];
-        const geometry_real doubled_a = nx[k] * cx + ny[k] * cy + nz[k] * cz;  // area times |n|
-        const geometry_real doubled_b = nx[l] * cx + ny[l] * cy + nz[l] * cz;
-        const geometry_real part_a = foot_a * doubled_a;
-        const geometry_real part_b = foot_b * doubled_b;
+        const Number over = reciprocal(dot(t[k], t[k])), both = dot(plane[k].n, plane[l].n);
+        const Number alpha = times(minus(times(h[k], square[l]), times(h[l], both)), over);
+        const Number beta = times(minus(times(h[l], square[k]), times(h[k], both)), over);
+        const Number along = dot(vertex, t[k]);
+        const Number area_k = times(beta, along), area_l = times(alpha, along);  // twice, and times |n|
+        const Number part_k = times(plane[k].foot, area_k), part_l = times(plane[l].foot, area_l);
+        const Number part = plus(part_k, part_l);
+        of_vertex = plus(of_vertex, part);
+        // Of the sum of the corners r_a, r_ab and X, in terms of n_a, n_b and X.
+        of_normal[k] = plus(of_normal[k], plus(times(part, alpha), times(part_k, plane[k].foot)));
+        of_normal[l] = plus(of_normal[l], plus(times(part, beta), times(part_l, plane[l].foot)));
         if (want_geometry == 2u) {
-            areas[k] += geometry_real(0.5) * doubled_a / sqrt(nn[k]);
-            areas[l] -= geometry_real(0.5) * doubled_b / sqrt(nn[l]);
+            areas[k] = plus(areas[k], area_k);
+            areas[l] = plus(areas[l], area_l);
         }
-        const geometry_real part = part_a - part_b;
-        all.sum += part;
-        all.x += part * (ex + x) + part_a * foot_a * nx[k] - part_b * foot_b * nx[l];
-        all.y += part * (ey + y) + part_a * foot_a * ny[k] - part_b * foot_b * ny[l];
-        all.z += part * (ez + z) + part_a * foot_a * nz[k] - part_b * foot_b * nz[l];
-        all.error += geometry_real(45) * nn[k] * nn[l] * over;
+        const float sines = norm[k] * norm[l];
+        all.error += 100.0 * sines * sines * rounded(over);
+    }
+    all.sum = plus(all.sum, of_vertex);
+    all.first = plus(all.first, times(vertex, of_vertex));
+    for (int k = 0; k < 3; ++k) {
+        all.first = plus(all.first, times(plane[k].n, of_normal[k]));
+        if (want_geometry == 2u) areas[k] = times(times(areas[k], number(0.5)), reciprocal(root(square[k])));
     }
 }
 
 void conclude(Moments all) {
-    const geometry_real radius = sqrt(all.farthest);
-    volume = all.sum / geometry_real(6);
+    volume = times(all.sum, reciprocal(number(6.0)));
     // A tetrahedron's centroid is a quarter of the sum of its corners.
-    const geometry_real over = geometry_real(0.25) / all.sum;
-    centroid_x = all.x * over;
-    centroid_y = all.y * over;
-    centroid_z = all.z * over;
-    volume_error = (geometry_unit + geometry_real(8) * geometry_real(quantum)) * all.error * radius * radius * radius /
-                   geometry_real(3);
+    mass_center = times(all.first, times(reciprocal(all.sum), number(0.25)));
+    const float radius = sqrt(all.farthest);
+    // Some more than the bound, for the roundings in it.
+    volume_error = (number_unit + 8.0 * float(quantum)) * all.error * radius * radius * radius * 0.334;
+}
+
+// Areas of faces of next to no size may come out below zero.
+Number not_negative(Number area) {
+    return rounded(area) < 0.0 ? number(0.0) : area;
+}
+
+bool is_measured(float tolerance) {
+    return volume_error <= tolerance * rounded(volume);
 }

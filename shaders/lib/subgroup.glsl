@@ -3,7 +3,7 @@
 // Variant: LANES_OF_WORK_GROUP takes the invocations of a work-group instead, by shared memory, and any number of them;
 // so a device tests the kernels for subgroups that it does not have.
 //
-// Needs lanes, subgroups and geometry_real.
+// Needs lanes, subgroups and lib/number.glsl.
 
 uint lane;
 
@@ -11,7 +11,7 @@ uint lane;
 
 #define SUBGROUP 0u
 shared uint exchange[64];
-shared geometry_real exchange_numbers[64];
+shared Number exchange_numbers[64];
 
 bool enter_subgroup() {
     lane = gl_LocalInvocationID.x;
@@ -75,21 +75,19 @@ float smallest(float number) {
     return all;
 }
 
-geometry_real sum_numbers(geometry_real number) {
-    share();
-    exchange_numbers[lane] = number;
-    share();
-    geometry_real all = geometry_real(0);
-    for (uint i = 0u; i < uint(lanes); ++i) all += exchange_numbers[i];
+float sum(float value) {
+    put(floatBitsToUint(value));
+    float all = 0.0;
+    for (uint i = 0u; i < uint(lanes); ++i) all += uintBitsToFloat(exchange[i]);
     return all;
 }
 
-geometry_real largest_number(geometry_real number) {
+Number sum(Number value) {
     share();
-    exchange_numbers[lane] = number;
+    exchange_numbers[lane] = value;
     share();
-    geometry_real all = number;
-    for (uint i = 0u; i < uint(lanes); ++i) all = max(all, exchange_numbers[i]);
+    Number all = number(0.0);
+    for (uint i = 0u; i < uint(lanes); ++i) all = plus(all, exchange_numbers[i]);
     return all;
 }
 
@@ -136,12 +134,17 @@ float smallest(float number) {
     return uintBitsToFloat(subgroupMin(floatBitsToUint(number)));
 }
 
-geometry_real sum_numbers(geometry_real number) {
-    return subgroupAdd(number);
+float sum(float value) {
+    return subgroupAdd(value);
 }
 
-geometry_real largest_number(geometry_real number) {
-    return subgroupMax(number);
+// In pairs of lanes, then of pairs: a sum of two does not depend on their order, so it is the same in all lanes.
+Number sum(Number value) {
+    for (uint step = 1u; step < uint(lanes); step *= 2u) {
+        const uvec2 words = words_of(value);
+        value = plus(value, of_words(uvec2(subgroupShuffleXor(words.x, step), subgroupShuffleXor(words.y, step))));
+    }
+    return value;
 }
 
 #endif

@@ -3,20 +3,16 @@
 //
 // Needs what lib/subgroup_cell.glsl, lib/corner.glsl and lib/relative.glsl define.
 
-#ifdef GEOMETRY_FLOAT64
+// A number takes two words, SUBGROUP_PLANES apart.
 #define PUT_NUMBER(array, i, number)                              \
     {                                                             \
-        const uvec2 words = unpackDouble2x32(number);             \
-        array[SUBGROUP_STORE * SUBGROUP + (i)] = words.x;    \
-        array[SUBGROUP_STORE * SUBGROUP + (i) + 32] = words.y; \
+        const uvec2 words = words_of(number);                     \
+        array[SUBGROUP_STORE * SUBGROUP + (i)] = words.x;         \
+        array[SUBGROUP_STORE * SUBGROUP + (i) + 32] = words.y;    \
     }
-#define GET_NUMBER(array, i)                                              \
-    packDouble2x32(uvec2(array[SUBGROUP_STORE * SUBGROUP + (i)],     \
-                         array[SUBGROUP_STORE * SUBGROUP + (i) + 32]))
-#else
-#define PUT_NUMBER(array, i, number) array[SUBGROUP_STORE * SUBGROUP + (i)] = floatBitsToUint(number);
-#define GET_NUMBER(array, i) uintBitsToFloat(array[SUBGROUP_STORE * SUBGROUP + (i)])
-#endif
+#define GET_NUMBER(array, i)                                      \
+    of_words(uvec2(array[SUBGROUP_STORE * SUBGROUP + (i)],        \
+                   array[SUBGROUP_STORE * SUBGROUP + (i) + 32]))
 
 #define VERTEX_LIST(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
 const int planes_of_lane = (SUBGROUP_PLANES + lanes - 1) / lanes;
@@ -26,25 +22,26 @@ void share_exact_planes(uint used) {
     for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes)) {
         if (((used >> p) & 1u) == 0u) continue;
         const int id = id_of(p);
-        const Plane rounded = plane_at(p);
-        geometry_real x = geometry_real(rounded.x), y = geometry_real(rounded.y), z = geometry_real(rounded.z), h;
-        if (id < 0) {
-            h = wall_distance(-1 - id);
-        } else {
-            x = geometry_difference(seeds_x[id], px);
-            y = geometry_difference(seeds_y[id], py);
-            z = geometry_difference(seeds_z[id], pz);
-            h = (x * x + y * y + z * z) / geometry_real(2);
-        }
-        PUT_NUMBER(candidate_key, p, x)
-        PUT_NUMBER(candidate_key, p + 64u, y)
-        PUT_NUMBER(candidate_seed, p, z)
-        PUT_NUMBER(candidate_seed, p + 64u, h)
+        ExactPlane plane;
+        if (id < 0)
+            plane = exact_wall(uint(-1 - id));
+        else
+            plane = exact_bisector(uint(id));
+        PUT_NUMBER(candidate_key, p, plane.n.x)
+        PUT_NUMBER(candidate_key, p + 64u, plane.n.y)
+        PUT_NUMBER(candidate_seed, p, plane.n.z)
+        PUT_NUMBER(candidate_seed, p + 64u, plane.foot)
     }
     share();
 }
 
-geometry_real area_of(uint plane) {
+ExactPlane exact_plane_at(uint p) {
+    return ExactPlane(Vector(GET_NUMBER(candidate_key, p), GET_NUMBER(candidate_key, p + 64u),
+                             GET_NUMBER(candidate_seed, p)),
+                      GET_NUMBER(candidate_seed, p + 64u));
+}
+
+Number area_of(uint plane) {
     return GET_NUMBER(candidate_key, plane);
 }
 
@@ -60,41 +57,34 @@ void measure_cell(uint used, uint vertices) {
         listed += count;
     }
     share();
-    const geometry_real zero = geometry_real(0);
-    Moments all = Moments(zero, zero, zero, zero, zero, zero);
-    geometry_real areas_of_lane[planes_of_lane];
-    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) areas_of_lane[i] = zero;
+    Moments all = no_moments();
+    Number areas_of_lane[planes_of_lane];
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) areas_of_lane[i] = number(0.0);
     for (uint first = 0u; first < vertices; first += uint(lanes)) {
-        geometry_real nx[3], ny[3], nz[3], h[3], parts[3];
+        Number parts[3];
         uint planes = 0xffffffu;  // none
         if (first + lane < vertices) {
             planes = VERTEX_LIST(first + lane);
-            for (int k = 0; k < 3; ++k) {
-                const uint p = plane_of(planes, k);
-                nx[k] = GET_NUMBER(candidate_key, p);
-                ny[k] = GET_NUMBER(candidate_key, p + 64u);
-                nz[k] = GET_NUMBER(candidate_seed, p);
-                h[k] = GET_NUMBER(candidate_seed, p + 64u);
-            }
-            add_corner(nx, ny, nz, h, all, parts);
+            const ExactPlane corner[3] =
+                ExactPlane[3](exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)),
+                              exact_plane_at(plane_of(planes, 2)));
+            add_corner(corner, all, parts);
         }
         if (want_geometry != 2u) continue;
         for (uint rest = used; rest != 0u; rest &= rest - 1u) {
             const uint p = uint(findLSB(rest));
-            geometry_real mine = zero;
+            Number mine = number(0.0);
             for (int k = 0; k < 3; ++k)
                 if (plane_of(planes, k) == p) mine = parts[k];
-            const geometry_real area = sum_numbers(mine);
+            const Number area = sum(mine);
             [[unroll]] for (int i = 0; i < planes_of_lane; ++i)
-                if (p == uint(i * lanes) + lane) areas_of_lane[i] += area;
+                if (p == uint(i * lanes) + lane) areas_of_lane[i] = plus(areas_of_lane[i], area);
         }
     }
-    all.sum = sum_numbers(all.sum);
-    all.x = sum_numbers(all.x);
-    all.y = sum_numbers(all.y);
-    all.z = sum_numbers(all.z);
-    all.error = sum_numbers(all.error);
-    all.farthest = largest_number(all.farthest);
+    all.sum = sum(all.sum);
+    all.first = Vector(sum(all.first.x), sum(all.first.y), sum(all.first.z));
+    all.error = sum(all.error);
+    all.farthest = largest(all.farthest);
     conclude(all);
     if (want_geometry != 2u) return;
     share();

@@ -149,7 +149,7 @@ TEST_SUITE("stages") {
         for (const std::uint32_t capacity : {4u << window_bits, entries - 700, 3u << window_bits, 1000u}) {
             votess::gpu::OwnBuffers buffers(gpu.memory);
             votess::gpu::DeviceCells cells;
-            cells.reserve(buffers, 400, gpu.passes->settings, gpu.gpu.device->has_float64());
+            cells.reserve(buffers, 400, gpu.passes->settings);
             const test::vk::Buffer rows = gpu.memory.buffer(capacity * 4, test::vk::MemoryKind::download);
             std::ranges::fill(rows.as<std::int32_t>(), -77);
             rows.flush();

@@ -35,7 +35,9 @@ struct GpuStages {
     votess::gpu::SeedStore seeds{*gpu.device, memory};
 
     explicit GpuStages(const votess::gpu::PassSettings& settings = pass_settings()) { use(settings); }
-    void use(const votess::gpu::PassSettings& settings) {
+    // With float64 where the device has it.
+    void use(votess::gpu::PassSettings settings) {
+        for (auto& tier : settings.tiers) tier.float64 = tier.float64 && gpu.device->has_float64();
         passes.reset();
         passes = std::make_unique<votess::gpu::Passes>(*gpu.device, settings);
     }

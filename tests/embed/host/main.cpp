@@ -46,8 +46,7 @@ void check_frame(const Arguments& arguments, const HostDevice& device, const Fra
     for (std::size_t p = 0; p < plans.size(); ++p) {
         const Results results = frames.results(frame, p);
         const votess::vulkan::Header& header = results.header;
-        const bool float64 = device.float64() && arguments.probe;
-        const Comparison comparison = compare(plans[p], seeds, results, float64 ? 1e-5 : 1e-2);
+        const Comparison comparison = compare(plans[p], seeds, results, 1e-5);
         const std::string where = "frame " + std::to_string(frame) + ", plan " + std::to_string(p) + ": ";
         if (!comparison.difference.empty()) throw std::runtime_error(where + comparison.difference);
         // Leaving everything to resolve() would be right too.
