@@ -219,6 +219,19 @@ void make_domain(Job& job) {
 
 }  // namespace
 
+void check_k_init(std::uint32_t k_init) {
+    constexpr std::uint32_t most = 1024;
+    if (k_init > most)
+        refuse("k_init = " + std::to_string(k_init) + " is too many: give at most " + std::to_string(most) +
+               ", or 0 for automatic");
+}
+
+void check_kernel(Kernel kernel) {
+    if (kernel != Kernel::automatic && kernel != Kernel::invocation && kernel != Kernel::subgroup)
+        refuse("kernel = " + std::to_string(static_cast<int>(kernel)) +
+               " is neither automatic nor invocation nor subgroup");
+}
+
 void check_box(const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double lower = box.lower[k], upper = box.upper[k];
@@ -244,19 +257,14 @@ void check_options(const Options& options) {
     if (options.grid_resolution > most_resolution)
         refuse("grid resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
                std::to_string(most_resolution) + ", or 0 for automatic");
-    if (options.k_init > most_k_init)
-        refuse("k_init = " + std::to_string(options.k_init) + " is too many: give at most " +
-               std::to_string(most_k_init) + ", or 0 for automatic");
+    check_k_init(options.k_init);
     check_instructions(options.instructions);
     if (!names_device(options.device))
         refuse("device " + in_quotes(options.device) +
                " is not known: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
     if (options.precision != Precision::single && options.precision != Precision::double_)
         refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
-    if (options.kernel != Kernel::automatic && options.kernel != Kernel::invocation &&
-        options.kernel != Kernel::subgroup)
-        refuse("kernel = " + std::to_string(static_cast<int>(options.kernel)) +
-               " is neither automatic nor invocation nor subgroup");
+    check_kernel(options.kernel);
     if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
         refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
     if (!(options.min_face >= 0 && std::isfinite(options.min_face)))

@@ -8,6 +8,8 @@ namespace votess {
 // The options alone. Whether the device is there is the concern of whoever selects the engine.
 void check_options(const Options& options);
 void check_box(const Box& box);
+void check_k_init(std::uint32_t k_init);
+void check_kernel(Kernel kernel);
 // Options and points.
 Job validate(const Points& points, const Options& options);
 

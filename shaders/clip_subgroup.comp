@@ -188,7 +188,7 @@ void finish(uint cell, uint exponent) {
     }
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
         measure_cell(used, vertices);
-        if (!is_measured(push.volume_tolerance)) status = STATUS_NEEDS_EXACT;
+        if (any_lane(!is_measured(push.volume_tolerance))) status = STATUS_NEEDS_EXACT;
         if (lane == 0u) geometry[4u * cell] = volume;
         if (lane == 1u) geometry[4u * cell + 1u] = mass_center.x;
         if (lane == 2u) geometry[4u * cell + 2u] = mass_center.y;

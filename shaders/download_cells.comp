@@ -51,7 +51,9 @@ void main() {
             if (done)
                 g = vec4(rounded(geometry[4u * cell + 1u]), rounded(geometry[4u * cell + 2u]),
                          rounded(geometry[4u * cell + 3u]), rounded(geometry[4u * cell]));
-            geometry_out[seed] = ldexp(g, ivec4(exponent, exponent, exponent, 3 * exponent));
+            // The volume in steps: devices may flush a power of two below float32's range.
+            g.w = ldexp(ldexp(g.w, exponent), exponent);
+            geometry_out[seed] = ldexp(g, ivec4(exponent));
         }
         if (done) {
             atomicAdd(certified, 1u);

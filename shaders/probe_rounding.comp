@@ -1,4 +1,4 @@
-// Sums, products and conversions of given numbers, for the host to see how the device rounds. FLOAT64: in float64.
+// Sums, products, conversions, quotients and roots of given numbers, for the host to see how the device rounds. FLOAT64: in float64.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/bindings.h"
@@ -21,7 +21,10 @@ void main() {
     if (i >= push.count) return;
     const real a = operands[2u * i], b = operands[2u * i + 1u];
     precise const real sum = a + b, product = a * b;
-    results[3u * i] = sum;
-    results[3u * i + 1u] = product;
-    results[3u * i + 2u] = real(0x01000001u + 2u * i);
+    precise const real quotient = a / b, side = sqrt(abs(a));
+    results[5u * i] = sum;
+    results[5u * i + 1u] = product;
+    results[5u * i + 2u] = real(0x01000001u + 2u * i);
+    results[5u * i + 3u] = quotient;
+    results[5u * i + 4u] = side;
 }

@@ -43,7 +43,11 @@ void check(const PlanOptions& options) {
         refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(most_of_all));
     if (!(options.margin >= 0)) refuse("margin = " + number(options.margin) + " must be 0 or more");
     if (options.stride < 3) refuse("stride = " + std::to_string(options.stride) + " must be 3 or more numbers");
-    if (options.k_init > 1024) refuse("k_init = " + std::to_string(options.k_init) + " must be at most 1024");
+    if (options.format != SeedFormat::float32 && options.format != SeedFormat::float64)
+        refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
+               " is neither float32 nor float64");
+    check_k_init(options.k_init);
+    check_kernel(options.kernel);
     check_box(options.box);
 }
 

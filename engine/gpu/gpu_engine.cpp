@@ -47,8 +47,11 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     s.tiers[0].float64 = measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
     s.areas = !lists_only_ && options.want.areas;
-    if (const std::uint32_t size = local_size_from_environment(); size != 0) s.local_size = size;
-    if (limits_.local_size != 0) s.local_size = limits_.local_size;
+    if (const std::uint32_t size = limits_.local_size != 0 ? limits_.local_size : local_size_from_environment();
+        size != 0) {
+        s.local_size = size;
+        if (s.subgroup_size != 0) s.subgroups = std::max(size / s.subgroup_size, 1u);
+    }
     return s;
 }
 

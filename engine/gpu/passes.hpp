@@ -29,6 +29,9 @@ struct PassSettings {
     std::uint32_t local_size = 64;           // of passes that do not rely on theirs
     // Invocations that make a cell of the first tier together, searching as they clip; 0: each makes one, from a list.
     std::uint32_t subgroup_size = 0;
+    // Of a work-group. With one, what is uniform in a subgroup is so in the work-group, and only there SPIR-V promises
+    // that lanes are together again behind a branch that parted them.
+    std::uint32_t subgroups = 1;
     std::uint32_t first_count = 48;  // seeds that the subgroup's first search aims at
     bool operator==(const PassSettings&) const = default;
 };

@@ -42,6 +42,7 @@ struct Moments {
 Number volume;
 Vector mass_center;
 float volume_error;
+bool is_in_range;
 
 Moments no_moments() {
     const Number zero = number(0.0);
@@ -101,6 +102,7 @@ void conclude(Moments all) {
     // A tetrahedron's centroid is a quarter of the sum of its corners.
     mass_center = times(all.first, times(reciprocal(all.sum), number(0.25)));
     const float radius = sqrt(all.farthest);
+    is_in_range = all.farthest < farthest_of_range;
     // Some more than the bound, for the roundings in it.
     volume_error = (number_unit + 8.0 * float(quantum)) * all.error * radius * radius * radius * 0.334;
 }
@@ -111,5 +113,5 @@ Number not_negative(Number area) {
 }
 
 bool is_measured(float tolerance) {
-    return volume_error <= tolerance * rounded(volume);
+    return volume_error <= tolerance * rounded(volume) && is_in_range;
 }

@@ -10,6 +10,7 @@
 
 #define Number double
 const float number_unit = 1.1102230246251565e-16;  // unit roundoff
+const float farthest_of_range = 3.0e38;            // squared radius of a cell that it holds for
 
 Number number(float a) {
     return Number(a);
@@ -52,6 +53,7 @@ struct Number {
     float high, low;
 };
 const float number_unit = 9.094947e-13;  // 2^-40
+const float farthest_of_range = 1.0e12;  // beyond, reciprocals may be so small that their low parts are flushed
 
 Number number(float a) {
     return Number(a, 0.0);

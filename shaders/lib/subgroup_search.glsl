@@ -162,6 +162,7 @@ bool collect() {
     const uint own = self / GROUP_SEEDS, steps = (push.level_count - 1u) * FAN;
     visits += steps;
     group_count = 1u;
+    share();  // the last cut may still read what lies there
     if (lane == 0u) GROUP_STACK(0) = own;
     share();
     for (uint first = 0u; first < steps; first += uint(lanes)) {

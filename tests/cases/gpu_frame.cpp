@@ -612,6 +612,17 @@ TEST_SUITE("cases") {
         options.stride = 2;
         CHECK(refused([&] { Plan(host.device(), options); }));
         options = good;
+        options.format = static_cast<SeedFormat>(2);
+        CHECK(refused([&] { Plan(host.device(), options); }));
+        CHECK(said == "format = 2 is neither float32 nor float64");
+        options = good;
+        options.kernel = static_cast<votess::Kernel>(7);
+        CHECK(refused([&] { Plan(host.device(), options); }));
+        CHECK(said == "kernel = 7 is neither automatic nor invocation nor subgroup");
+        options = good;
+        options.k_init = 1025;
+        CHECK(refused([&] { Plan(host.device(), options); }));
+        options = good;
         options.box.upper = options.box.lower;
         CHECK(refused([&] { Plan(host.device(), options); }));
         options = good;

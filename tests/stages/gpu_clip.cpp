@@ -273,12 +273,12 @@ TEST_SUITE("stages") {
         Kernels kernels(Kernel::subgroup);
         GpuStages& gpu = kernels.gpu;
         const std::size_t n = test::by_size(600, 150);
-        const struct { std::uint32_t first_count, local_size; } variants[] = {{1, 8}, {8, 32}, {30, 128}, {96, 64}};
-        for (const auto& [first_count, local_size] : variants) {
+        const struct { std::uint32_t first_count, subgroups; } variants[] = {{1, 1}, {8, 4}, {30, 16}, {96, 8}};
+        for (const auto& [first_count, subgroups] : variants) {
             CAPTURE(first_count);
             kernels.use([&](PassSettings& s) {
                 s.first_count = first_count;
-                s.local_size = local_size;
+                s.subgroups = subgroups;
             });
             CHECK(fraction(check_cells(gpu, test::uniform(n, 29), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
             CHECK(fraction(check_cells(gpu, test::clustered(n, 30), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);
@@ -302,7 +302,7 @@ TEST_SUITE("stages") {
             CAPTURE(other);
             kernels.use([&](PassSettings& s) {
                 s.subgroup_size = other;
-                s.local_size = 64;
+                s.subgroups = 64 / other;
             });
             CHECK(fraction(check_cells(gpu, set, {.second_tier = false}), STATUS_CANDIDATES_EXHAUSTED) == 1);
             CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);

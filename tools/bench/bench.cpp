@@ -258,7 +258,7 @@ int main(int argc, char** argv) try {
         app.add_option("--kernel", s.kernels, "--gpu-table: automatic, invocation, subgroup; default the two")
             ->check(CLI::IsMember({"automatic", "invocation", "subgroup"}));
     auto* local_sizes =
-        app.add_option("--local-size", s.local_sizes, "--gpu-table: invocations of a work-group; default 64,128")
+        app.add_option("--local-size", s.local_sizes, "--gpu-table: invocations of a work-group; default 32,128")
             ->check(CLI::IsMember({8, 16, 32, 64, 128, 256, 512, 1024}));
     app.option_defaults()->delimiter('\0');
 

@@ -16,7 +16,7 @@ struct GpuTable {
     // Variants, each with each; of inputs full of ties, which the CPU finishes whatever the device does, the first
     // alone.
     std::vector<std::string> kernels{"invocation", "subgroup"};  // or automatic
-    std::vector<unsigned> local_sizes{64, 128};                  // invocations of a work-group
+    std::vector<unsigned> local_sizes{32, 128};                  // invocations of a work-group
     unsigned threads = 0;
     int repeats = 5;
     double limit = 120;

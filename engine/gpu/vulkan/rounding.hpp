@@ -6,7 +6,9 @@ namespace votess::gpu::vulkan {
 class Device;
 
 struct Rounding {
-    bool nearest32 = false;  // float32 sums, products and conversions are rounded to nearest even
+    // float32 sums, products and conversions are rounded to nearest even, and quotients and roots are right to a few
+    // units in the last place.
+    bool nearest32 = false;
     bool nearest64 = false;  // the same in float64
 };
 
