@@ -77,15 +77,17 @@ detail::Result run_on(Engines& engines, const Points& points, const Options& opt
     check_options(options);
     // Of other domains a GPU would hand every cell to the CPU.
     const bool on_cpu_anyway = options.device == "auto" && !has_plain_domain(options);
-    Engine& engine = on_cpu_anyway ? engines.cpu() : engines.choose(options.device);
+    bool on_cpu = on_cpu_anyway;
     try {
+        Engine& engine = on_cpu_anyway ? engines.cpu() : engines.choose(options.device);
+        on_cpu = &engine == &engines.cpu();
         return run_pipeline(points, options, engine, std::move(arrays), update);
     } catch (const Error& error) {
         const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
-        const bool on_cpu = &engine == &engines.cpu();
         // After a failure the engine's device may be unusable.
         if (device_failed) engines.forget_gpu();
-        if (!device_failed || options.device != "auto" || on_cpu) throw;
+        const bool device_cannot = device_failed || error.code() == ErrorCode::unsupported;
+        if (!device_cannot || options.device != "auto" || on_cpu) throw;
         if (options.log) options.log(std::string("the CPU takes over: ") + error.what());
     }
     return run_pipeline(points, options, engines.cpu());

@@ -151,7 +151,7 @@ struct Options {
 
     // "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device that is
     // software; a number = that device of devices(). A device that cannot be had is `unsupported`, never replaced;
-    // with "auto" a GPU that fails is replaced by the CPU.
+    // with "auto" a GPU that fails, or cannot do what is asked for, is replaced by the CPU.
     std::string device = "auto";
     Precision precision = Precision::single;
     // Tuning: changes speed and memory, never the answer.

@@ -118,8 +118,10 @@ TEST_SUITE("cases") {
         const auto& set = usual_set();
         for (const Case& c : {Case{"auto", VK_ERROR_DEVICE_LOST, ErrorCode::device_lost},
                               Case{"auto", VK_ERROR_OUT_OF_DEVICE_MEMORY, ErrorCode::out_of_memory},
+                              Case{"auto", VK_ERROR_UNKNOWN, ErrorCode::unsupported},
                               Case{name.c_str(), VK_ERROR_DEVICE_LOST, ErrorCode::device_lost},
-                              Case{name.c_str(), VK_ERROR_OUT_OF_DEVICE_MEMORY, ErrorCode::out_of_memory}}) {
+                              Case{name.c_str(), VK_ERROR_OUT_OF_DEVICE_MEMORY, ErrorCode::out_of_memory},
+                              Case{name.c_str(), VK_ERROR_UNKNOWN, ErrorCode::unsupported}}) {
             CAPTURE(c.device);
             CAPTURE(c.failure);
             Gpu gpu;

@@ -127,8 +127,13 @@ TEST_SUITE("stages") {
         };
         check_all(no_memory, ErrorCode::out_of_memory, "memory");
         check_all(lost, ErrorCode::device_lost, "the device was lost in vk");
-        const Break other[] = {[](VolkDeviceTable& t) { fail<VK_ERROR_UNKNOWN>(t.vkEndCommandBuffer); }};
-        check_all(other, ErrorCode::internal, "VK_ERROR_UNKNOWN in vkEndCommandBuffer");
+        const Break refused[] = {
+            [](VolkDeviceTable& t) { fail<VK_ERROR_UNKNOWN>(t.vkCreateComputePipelines); },
+            [](VolkDeviceTable& t) { fail<VK_ERROR_INVALID_SHADER_NV>(t.vkCreateShaderModule); },
+        };
+        check_all(refused, ErrorCode::unsupported, "the driver refuses, VK_ERROR_");
+        const Break other[] = {[](VolkDeviceTable& t) { fail<VK_ERROR_FRAGMENTED_POOL>(t.vkEndCommandBuffer); }};
+        check_all(other, ErrorCode::internal, "VK_ERROR_FRAGMENTED_POOL in vkEndCommandBuffer");
         everything(*gpu.device);  // nothing is broken for good
     }
 

@@ -64,6 +64,16 @@ void check(VkResult result, const char* call) {
         case VK_ERROR_OUT_OF_POOL_MEMORY:
             throw Error(ErrorCode::out_of_memory,
                         "the device is out of memory" + where + "; try a smaller --chunk-size or another --device");
+        case VK_ERROR_INITIALIZATION_FAILED:
+        case VK_ERROR_INCOMPATIBLE_DRIVER:
+        case VK_ERROR_LAYER_NOT_PRESENT:
+        case VK_ERROR_EXTENSION_NOT_PRESENT:
+        case VK_ERROR_FEATURE_NOT_PRESENT:
+        case VK_ERROR_TOO_MANY_OBJECTS:
+        case VK_ERROR_INVALID_SHADER_NV:
+        case VK_ERROR_UNKNOWN:
+            throw Error(ErrorCode::unsupported, "the driver refuses, " + result_name(result) + where +
+                                                    "; try another --device, or a newer driver");
         default:
             throw Error(ErrorCode::internal, result_name(result) + where);
     }
