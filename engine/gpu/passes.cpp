@@ -59,8 +59,8 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
                            : (device.has_float64() && settings.measure ? shaders::clip_subgroup_f32_measure_f64
                                                                        : shaders::clip_subgroup_f32);
     const vulkan::Adapter& adapter = device.adapter();
-    std::uint32_t subgroups = std::min(settings.subgroups,
-                                       adapter.limits.maxComputeSharedMemorySize / shared_bytes(settings));
+    std::uint32_t subgroups =
+        std::min(settings.subgroups, adapter.limits.maxComputeSharedMemorySize / shared_bytes(settings));
     if (adapter.subgroup_size_control) subgroups = std::min(subgroups, adapter.max_subgroups);
     subgroups = std::max(subgroups, 1u);
     return make<CellsPush>(

@@ -109,9 +109,9 @@ inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFE
                                                    VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
                                                    VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
 
-// Bytes of each buffer, for most_seeds seeds. All arrays are in the order of the seeds as given. 0: not wanted. With very
-// many seeds one may be larger than the device allocates at once (maxMemoryAllocationSize, 4 GiB with some drivers): such
-// a buffer needs sparse binding.
+// Bytes of each buffer, for most_seeds seeds. All arrays are in the order of the seeds as given. 0: not wanted. With
+// very many seeds one may be larger than the device allocates at once (maxMemoryAllocationSize, 4 GiB with some
+// drivers): such a buffer needs sparse binding.
 struct BufferSizes {
     VkDeviceSize seeds = 0;  // read: x y z, `stride` numbers of `format` apart; ends with the last z
     // Nothing to be found in it; device-local. At most 90 bytes a seed or place for an image, and 900 a cell of the

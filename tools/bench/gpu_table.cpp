@@ -1,17 +1,20 @@
 #include "gpu_table.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
-#include <functional>
 #include <iomanip>
 #include <map>
 #include <sstream>
+#include <string_view>
 
 #include "bench.hpp"
 #if BENCH_FRAMES
@@ -238,7 +241,7 @@ std::string file_name(const std::string& device) {
 
 // frames: of JSON.
 void write(const std::string& file, const votess::DeviceInfo& device, unsigned threads, const std::vector<Row>& rows,
-           const std::vector<std::string>& frames = {}) {
+           const std::vector<std::string>& frames) {
     std::ostringstream out;
     out << std::setprecision(6) << "{\n  \"device\": {\"id\": " << in_quotes(device.id)
         << ", \"name\": " << in_quotes(device.name) << ", \"description\": " << in_quotes(device.description)
@@ -323,41 +326,99 @@ void attempt(AnyRow& row, std::size_t n, double& pace, double limit, Measure mea
     }
 }
 
-#if BENCH_FRAMES
-// Calls written(JSON) after each row; false when one was wrong.
-bool measure_frames(const GpuTable& table, const std::string& device_name,
-                    const std::function<void(std::string)>& written) {
-    const Frames frames(device_name);
-    print_frames_head();
-    bool good = true;
-    const auto measure_one = [&](const Input& input, bool with_rows, const std::string& kernel, double& pace) {
-        FrameRow row;
-        attempt(row, input.size(), pace, table.limit, [&](FrameRow& measured) {
-            measured = frames.measure(input, with_rows, kernel_named(kernel), table.repeats,
-                                      static_cast<double>(input.size()) <= table.check_limit);
+// Ends the process when a row takes far too long, as a device that hangs would; what was measured is on disk.
+class Watch {
+public:
+    explicit Watch(const GpuTable& table) {
+        std::signal(SIGALRM, [](int) {
+            constexpr std::string_view text =
+                "\nstopped: that row did not come to an end. The rows before it are in the JSON file.\n";
+            static_cast<void>(!::write(STDERR_FILENO, text.data(), text.size()));
+            ::_exit(1);
         });
-        row.input = input.name;
-        row.n = input.size();
-        row.rows = with_rows;
-        row.kernel = kernel;
-        print(row);
-        written(bench::json(row));
-        return !row.wrong;
-    };
-    for (const std::string& name : table.inputs) {
-        std::map<std::string, double> paces;  // seconds per seed, by kernel
-        for (const std::size_t n : is_file(name) ? std::vector<std::size_t>{0} : table.sizes) {
-            const Input input = make_input(name, n, table.rng_seed);
-            for (const bool with_rows : {false, true})
-                for (const std::string& kernel : table.kernels)
-                    good = measure_one(input, with_rows, kernel, paces[kernel]) && good;
-        }
+        ::alarm(static_cast<unsigned>((table.repeats + 2) * table.limit + 60));
     }
-    return good;
+    ~Watch() { ::alarm(0); }
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+};
+
+// What has been measured, on disk after every row, and before it too: a row that ends the process is named.
+class Report {
+public:
+    Report(const GpuTable& table, votess::DeviceInfo device)
+        : table_(table), device_(std::move(device)), file_(table.json.empty() ? file_name(device_.name) : table.json) {
+        save();  // fails now rather than after an hour
+    }
+
+    // Measures a row of either table unless that would take too long by the pace so far, in seconds a seed.
+    template <class AnyRow, class Measure>
+    void add(std::vector<AnyRow>& rows, AnyRow row, double& pace, Measure measure) {
+        rows.push_back(row);
+        rows.back().note = "did not finish";
+        save();
+        {
+            const Watch watch(table_);
+            attempt(row, row.n, pace, table_.limit, measure);
+        }
+        good_ = good_ && !row.wrong;
+        print(row);
+        rows.back() = std::move(row);
+        save();
+    }
+
+    std::vector<Row> rows;
+#if BENCH_FRAMES
+    std::vector<FrameRow> frames;
+#endif
+    [[nodiscard]] bool good() const {
+        return good_;
+    }
+    [[nodiscard]] const std::string& file() const {
+        return file_;
+    }
+
+private:
+    void save() const {
+        std::vector<std::string> of_frames;
+#if BENCH_FRAMES
+        for (const FrameRow& row : frames) of_frames.push_back(bench::json(row));
+#endif
+        write(file_, device_, table_.threads, rows, of_frames);
+    }
+
+    const GpuTable& table_;
+    votess::DeviceInfo device_;
+    std::string file_;
+    bool good_ = true;
+};
+
+using Paces = std::map<std::string, double>;  // seconds per seed, by what is measured
+
+void measure_engine(Report& report, const GpuTable& table, const Input& input, Paces& paces) {
+    for (const Row& row : variants_of(table, input)) {
+        double& pace = paces[input.name + " " + std::string(name_of(row.want)) + row.kernel];
+        report.add(report.rows, row, pace, [&](Row& measured) {
+            measure(measured, table, input, static_cast<double>(measured.n) <= table.check_limit);
+        });
+    }
 }
-#else
-bool measure_frames(const GpuTable&, const std::string&, const std::function<void(std::string)>&) {
-    return true;
+
+#if BENCH_FRAMES
+void measure_frames(Report& report, const GpuTable& table, const Frames& frames, const Input& input, Paces& paces) {
+    for (const bool with_rows : {false, true})
+        for (const std::string& kernel : table.kernels) {
+            FrameRow row;
+            row.input = input.name;
+            row.n = input.size();
+            row.rows = with_rows;
+            row.kernel = kernel;
+            report.add(report.frames, row, paces[input.name + " frame " + kernel], [&](FrameRow& measured) {
+                measured = frames.measure(input, with_rows, kernel_named(kernel), table.repeats,
+                                          static_cast<double>(input.size()) <= table.check_limit);
+                measured.kernel = kernel;
+            });
+        }
 }
 #endif
 
@@ -367,38 +428,27 @@ int run_gpu_table(const GpuTable& table) {
     const votess::DeviceInfo device = open(table.device);
     std::printf("device %s: %s\n%s\n", device.id.c_str(), device.name.c_str(), device.description.c_str());
     print_machine();
-    const std::string json = table.json.empty() ? file_name(device.name) : table.json;
-    write(json, device, table.threads, {});  // fails now rather than after an hour
-    print_head(table);
-
-    std::vector<Row> rows;
-    bool good = true;
-    for (const std::string& name : table.inputs) {
-        std::map<std::string, double> paces;  // seconds per seed, by want
-        for (const std::size_t n : is_file(name) ? std::vector<std::size_t>{0} : table.sizes) {
-            const Input input = make_input(name, n, table.rng_seed);
-            for (Row& row : variants_of(table, input)) {
-                double& pace = paces[std::string(name_of(row.want)) + row.kernel];
-                attempt(row, row.n, pace, table.limit, [&](Row& measured) {
-                    measure(measured, table, input, static_cast<double>(measured.n) <= table.check_limit);
-                });
-                good = good && !row.wrong;
-                print(row);
-                rows.push_back(std::move(row));
-                write(json, device, table.threads, rows);
-            }
-        }
+    Report report(table, device);
+#if BENCH_FRAMES
+    const Frames frames(device.name);
+#endif
+    Paces paces;
+    // The small ones of all inputs first. Files have a size of their own.
+    for (std::size_t step = 0; step < table.sizes.size(); ++step) {
+        std::vector<Input> inputs;
+        for (const std::string& name : table.inputs)
+            if (!is_file(name) || step == 0)
+                inputs.push_back(make_input(name, is_file(name) ? 0 : table.sizes[step], table.rng_seed));
+        print_head(table);
+        for (const Input& input : inputs) measure_engine(report, table, input, paces);
+#if BENCH_FRAMES
+        print_frames_head();
+        for (const Input& input : inputs) measure_frames(report, table, frames, input, paces);
+#endif
     }
-    print_best(rows);
-    std::vector<std::string> frames;
-    good = measure_frames(table, device.name,
-                          [&](std::string frame) {
-                              frames.push_back(std::move(frame));
-                              write(json, device, table.threads, rows, frames);
-                          }) &&
-           good;
-    std::printf("\nwritten to %s\n", json.c_str());
-    return good ? 0 : 1;
+    print_best(report.rows);
+    std::printf("\nwritten to %s\n", report.file().c_str());
+    return report.good() ? 0 : 1;
 }
 
 }  // namespace bench
