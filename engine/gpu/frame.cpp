@@ -89,6 +89,7 @@ Requirements requirements(const HostInstance& host, VkPhysicalDevice physical_de
     needs.missing = adapter.missing();
     needs.queue_family = adapter.queue_family;
     needs.features.shaderFloat64 = adapter.float64;
+    needs.subgroup_size_control = adapter.subgroup_size_control;
     if (adapter.portability_subset) needs.extensions.emplace_back("VK_KHR_portability_subset");
     return needs;
 }
@@ -100,9 +101,10 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     if (host.device == VK_NULL_HANDLE) refuse("the device is null");
     const auto adapter = gpu::vulkan::query_adapter(instance->calls(), host.physical_device, instance->version());
     auto state = std::make_shared<detail::PlanState>();
-    state->device = gpu::vulkan::Device::adopt(instance, adapter,
-                                               {host.device, host.queue_family, host.probe_queue,
-                                                host.features.shaderFloat64 != VK_FALSE, host.pipeline_cache});
+    state->device = gpu::vulkan::Device::adopt(
+        instance, adapter,
+        {host.device, host.queue_family, host.probe_queue, host.features.shaderFloat64 != VK_FALSE,
+         host.subgroup_size_control, host.pipeline_cache});
     state->options = options;
     gpu::vulkan::Device& device = *state->device;
     gpu::PassSettings settings = gpu::usual_settings(device, options.k_init, options.kernel);

@@ -32,6 +32,11 @@ std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
     for (const auto& operations : needed)
         if ((adapter.subgroup_operations & operations.bit) == 0)
             return std::string(operations.name) + " operations of subgroups";
+    // Where sizes vary, drivers may tell a nominal one that no shader runs with; not AMD's.
+    constexpr std::uint32_t amd = 0x1002;
+    if (!adapter.subgroup_size_control && adapter.min_subgroup_size != adapter.max_subgroup_size &&
+        adapter.vendor_id != amd)
+        return "control of the size of subgroups, which varies";
     const std::uint32_t lanes = lanes_of(adapter);
     if (lanes < fewest_lanes || lanes > most_lanes || !std::has_single_bit(lanes))
         return "subgroups of 8 to 64 invocations, it has " + std::to_string(lanes);

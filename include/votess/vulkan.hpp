@@ -51,6 +51,8 @@ struct Requirements {
     std::uint32_t queue_family = 0;       // one that will do: any with compute will
     VkPhysicalDeviceFeatures features{};  // votess uses these where they are enabled: shaderFloat64 at most
     std::vector<std::string> extensions;  // must be enabled
+    // The device can be asked for a size of subgroups; for HostDevice::subgroup_size_control.
+    bool subgroup_size_control = false;
 };
 // Throws Error invalid_argument for null handles, unsupported for an instance below Vulkan 1.1.
 [[nodiscard]] VOTESS_API Requirements requirements(const HostInstance& host, VkPhysicalDevice physical_device);
@@ -62,8 +64,12 @@ struct HostDevice {
     HostInstance host;
     VkPhysicalDevice physical_device = VK_NULL_HANDLE;
     VkDevice device = VK_NULL_HANDLE;
-    std::uint32_t queue_family = 0;                   // of the queue that the commands will run on; with compute
-    VkPhysicalDeviceFeatures features{};              // those that the device was made with
+    std::uint32_t queue_family = 0;       // of the queue that the commands will run on; with compute
+    VkPhysicalDeviceFeatures features{};  // those that the device was made with
+    // The device was made with subgroupSizeControl and computeFullSubgroups of
+    // VkPhysicalDeviceSubgroupSizeControlFeatures; below Vulkan 1.3 with VK_EXT_subgroup_size_control for them.
+    // Without, devices whose subgroups vary in size (Intel's) make each cell by an invocation, see Kernel.
+    bool subgroup_size_control = false;
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // may be null
     // VK_EXT_debug_utils is enabled: stages get labels, objects names. Loaders (1.3.239) may crash in these calls while
     // another thread destroys a device.

@@ -26,7 +26,7 @@ struct Host {
     test::Gpu gpu;
     vk::Memory memory{*gpu.device};
     vk::Commands commands{*gpu.device};
-    bool float64 = true, probe = true;
+    bool float64 = true, probe = true, subgroup_size_control = false;
 
     [[nodiscard]] HostInstance instance() const {
         return {gpu.instance->handle(), loader.calls().vkGetInstanceProcAddr, gpu.instance->version()};
@@ -38,6 +38,7 @@ struct Host {
         host.device = gpu.device->handle();
         host.queue_family = gpu.adapter.queue_family;
         host.features.shaderFloat64 = float64 && gpu.adapter.float64;
+        host.subgroup_size_control = subgroup_size_control;  // enabled where the adapter has it
         host.debug_utils = gpu.instance->debug_utils();
         if (probe) gpu.device->table().vkGetDeviceQueue(host.device, host.queue_family, 0, &host.probe_queue);
         return host;
@@ -271,9 +272,12 @@ TEST_SUITE("cases") {
             options.chunk_size = 100;
             CHECK(check(host, set, options) == "");
         }
+        // With the size asked for, where that can be.
+        host.subgroup_size_control = requirements(host.instance(), host.gpu.adapter.handle).subgroup_size_control;
         const PointSet set = test::uniform(300, 18);
         options = options_for(set);
         options.kernel = votess::Kernel::subgroup;
+        CHECK(check(host, set, options) == "");
         options.box = test::unit_box();
         options.periodic = {true, false, true};
         CHECK(check(host, set, options) == "");

@@ -348,7 +348,7 @@ TEST_SUITE("stages") {
         adapter.type = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
         adapter.subgroup_size_control = false;
         for (const std::uint32_t size : {8u, 16u, 32u, 64u}) {
-            adapter.subgroup_size = size;
+            adapter.subgroup_size = adapter.min_subgroup_size = adapter.max_subgroup_size = size;
             CHECK(choose_subgroup_size(adapter, Kernel::automatic) == size);
         }
         adapter.subgroup_size_control = true;  // then the size nearest to 32
@@ -373,6 +373,10 @@ TEST_SUITE("stages") {
         refused(other, "compute");
         other = adapter;
         other.subgroup_size_control = false;
+        refused(other, "which varies");
+        other.vendor_id = 0x1002;
+        CHECK(choose_subgroup_size(other, Kernel::automatic) == 64);
+        other.min_subgroup_size = other.max_subgroup_size;
         other.subgroup_size = 128;
         refused(other, "128");
         other.subgroup_size = 4;

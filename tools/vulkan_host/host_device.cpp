@@ -141,6 +141,12 @@ void HostDevice::create_device(bool float64) {
     if (!float64) features_.shaderFloat64 = VK_FALSE;
     std::vector<const char*> extensions;
     for (const std::string& extension : needs.extensions) extensions.push_back(extension.c_str());
+    VkPhysicalDeviceSubgroupSizeControlFeatures sizes{};
+    sizes.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES;
+    sizes.subgroupSizeControl = sizes.computeFullSubgroups = VK_TRUE;
+    subgroup_size_control_ = needs.subgroup_size_control;
+    // The instance is of Vulkan 1.1, where this is an extension.
+    if (subgroup_size_control_) extensions.push_back(VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
 
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
@@ -152,6 +158,7 @@ void HostDevice::create_device(bool float64) {
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
+    info.pNext = subgroup_size_control_ ? &sizes : nullptr;
     info.pEnabledFeatures = &features_;
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
@@ -172,6 +179,7 @@ votess::vulkan::HostDevice HostDevice::for_votess(bool probe) const {
             .device = device_,
             .queue_family = queue_family_,
             .features = features_,
+            .subgroup_size_control = subgroup_size_control_,
             .pipeline_cache = cache_.get(),
             .debug_utils = validate_ > 0,
             .probe_queue = probe ? queue_ : VK_NULL_HANDLE};

@@ -80,7 +80,6 @@ public:
     [[nodiscard]] VkPipelineCache pipeline_cache() const { return cache_.get(); }
     // Of timestamps of the queue; 0: it has none.
     [[nodiscard]] std::uint32_t timestamp_bits() const { return timestamp_bits_; }
-    [[nodiscard]] bool float64() const { return features_.shaderFloat64 != VK_FALSE; }
     [[nodiscard]] const VkPhysicalDeviceProperties& properties() const { return properties_; }
     // A memory type out of `allowed` with these properties, if possible with the preferred ones too.
     [[nodiscard]] std::uint32_t memory_type(std::uint32_t allowed, VkMemoryPropertyFlags needed,
@@ -102,6 +101,7 @@ private:
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkPhysicalDeviceProperties properties_{};
     VkPhysicalDeviceFeatures features_{};
+    bool subgroup_size_control_ = false;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
     std::uint32_t timestamp_bits_ = 0;

@@ -86,7 +86,7 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
       host_cache_(host.pipeline_cache),
       owned_(false) {
     adapter_.queue_family = host.queue_family;
-    adapter_.subgroup_size_control = false;  // for which the host may have enabled nothing
+    adapter_.subgroup_size_control = adapter_.subgroup_size_control && host.subgroup_size_control;
     load_device_table(table_, handle_, instance_->calls().vkGetDeviceProcAddr);
 }
 

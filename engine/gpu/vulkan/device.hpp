@@ -22,8 +22,9 @@ struct DeviceOptions {
 struct HostDevice {
     VkDevice handle = VK_NULL_HANDLE;
     std::uint32_t queue_family = 0;
-    VkQueue queue = VK_NULL_HANDLE;  // for the probe of rounding; null: there is none
-    bool float64 = false;            // enabled
+    VkQueue queue = VK_NULL_HANDLE;      // for the probe of rounding; null: there is none
+    bool float64 = false;                // enabled
+    bool subgroup_size_control = false;  // enabled
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
 };
 
