@@ -19,7 +19,8 @@ static_assert(sizeof(Cell) == sizeof(FrameCell) && offsetof(Cell, faces) == offs
 
 constexpr VkDeviceSize geometry_bytes = 16;  // of a cell: vec4
 constexpr double volume_tolerance = 0.5e-5;
-constexpr double margin_spacings = 3.4;          // of the mean distance between seeds: most uniform cells need less
+constexpr std::uint32_t most_walk_visits = 2000;  // a frame waits for its slowest cell; resolve() makes what is left
+constexpr double margin_spacings = 3.4;           // of the mean distance between seeds: most uniform cells need less
 constexpr std::uint32_t most_of_all = 1u << 27;  // seeds: rows have 32 bits for their entries, images 27 for their seed
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -110,6 +111,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     gpu::PassSettings settings = gpu::usual_settings(device, options.k_init, options.kernel);
     settings.measure = options.geometry;
     settings.frames = true;
+    settings.most_walk_visits = std::min(settings.most_walk_visits, most_walk_visits);
     settings.images = state->is_periodic();
     state->passes.emplace(device, settings);
     if (state->is_periodic()) state->images = options.most_images != 0 ? options.most_images : usual_images(options);

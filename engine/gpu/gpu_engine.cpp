@@ -182,12 +182,17 @@ void GpuEngine::clip_part(std::size_t index) {
     const bool last_part = index + 1 == parts_->size();
     std::uint32_t skipped = 0;
     std::size_t slot = 0;
+    std::uint32_t paced = cells;
+    const auto finish = [&](const Chunk& chunk, double progress) {
+        collect(chunk, progress);
+        paced = paced_cells(chunk, cells);
+    };
     for (std::uint32_t first = 0; first < seeds_.count() || running != nullptr;) {
         Chunk* started = nullptr;
         // After a hopeless chunk, and at first, a small one tells whether the device is of use.
         const bool trial = first == 0 || (skip_ > 0 && skipped == skip_);
         if (first < seeds_.count()) {
-            const std::uint32_t count = std::min(trial ? std::min(cells, trial_cells) : cells, seeds_.count() - first);
+            const std::uint32_t count = std::min(trial ? std::min(cells, trial_cells) : paced, seeds_.count() - first);
             if (skipped < skip_) {
                 ++skipped;
                 leave_to_cpu(first, count);
@@ -206,15 +211,25 @@ void GpuEngine::clip_part(std::size_t index) {
         Progress::require(progress_.going_on(progress));
         if (running != nullptr) {
             running->wait();
-            collect(*running, progress);
+            finish(*running, progress);
         }
         running = started;
         if (trial && running != nullptr) {  // what it tells is worth the wait
             running->wait();
-            collect(*running, progress);
+            finish(*running, progress);
             running = nullptr;
         }
     }
+}
+
+std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, std::uint32_t most) const {
+    constexpr double usual_seconds = 0.25;  // drivers of displays stop work that takes some seconds
+    constexpr double most_growth = 32;      // the next cells may be slower ones
+    if (limits_.chunk_seconds == 0 && device_->adapter().software()) return most;
+    const double allowed = limits_.chunk_seconds != 0 ? limits_.chunk_seconds : usual_seconds;
+    const auto spent = chunk.seconds();
+    const double growth = std::min(allowed / std::max(spent.knn + spent.clip + spent.download, 1e-9), most_growth);
+    return static_cast<std::uint32_t>(std::clamp<double>(chunk.count() * growth, std::min(most, trial_cells), most));
 }
 
 void GpuEngine::collect(const Chunk& chunk, double progress) {

@@ -23,6 +23,7 @@ struct EngineLimits {
     std::uint32_t most_seeds = 0;  // on the device at once
     std::uint32_t local_size = 0;
     std::uint32_t most_walk_visits = 0;
+    double chunk_seconds = 0;  // that the device may take for a chunk; the next one has as many cells
 };
 
 class GpuEngine : public Engine {
@@ -57,6 +58,8 @@ private:
     void clip_part(std::size_t index);
     // Takes over the cells of a finished chunk; those not certified are added to the pending ones.
     void collect(const Chunk& chunk, double progress);
+    // How many cells the next chunk should have, by the time that this one took.
+    [[nodiscard]] std::uint32_t paced_cells(const Chunk& chunk, std::uint32_t most) const;
     void collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin, std::size_t end,
                       std::size_t first_entry);
     // The chunk's certified cells as lists, for the CPU to make polytopes of.

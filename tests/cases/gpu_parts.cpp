@@ -37,6 +37,16 @@ TEST_SUITE("cases") {
             CHECK(compare(large, set) == "");
     }
 
+    TEST_CASE("gpu: chunks of as many cells as the device does in a given time") {
+        test::Gpu gpu;
+        const PointSet set = test::uniform(test::by_size(9000, 5000), 93);
+        for (const double seconds : {1e-4, 0.02, 1e3}) {
+            CAPTURE(seconds);
+            test::GpuRunner runner(gpu, {.chunk_seconds = seconds});
+            CHECK(compare(runner, set) == "");
+        }
+    }
+
     TEST_CASE("gpu: parts spare the CPU most cells") {
         test::Gpu gpu;
         test::GpuRunner runner(gpu, {.most_seeds = test::reduced() ? 2000u : 5000u});
