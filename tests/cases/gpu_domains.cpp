@@ -10,6 +10,7 @@
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
+#include "support/gpu.hpp"
 #include "support/random.hpp"
 
 namespace {
@@ -37,7 +38,7 @@ struct Counts {
 
 Counts compare_kernel(const Coordinates& points, Options options, votess::Kernel kernel) {
     const auto cpu = votess::tessellate(std::span<const double>(points), options);
-    options.device = "lavapipe";
+    options.device = test::device_name();
     options.kernel = kernel;
     const auto gpu = votess::tessellate(std::span<const double>(points), options);
     Counts counts{gpu.stats().fallback_cells, test::check_domain(gpu)};
@@ -64,7 +65,7 @@ Counts compare(const Coordinates& points, const Options& options) {
     const Counts by_invocation = compare_kernel(points, options, votess::Kernel::invocation);
     const std::size_t most = test::by_size(600, 60);  // coordinates: on software devices the other kernel is slow
     if (!by_invocation.failure.empty() || points.size() > most) return by_invocation;
-    Counts by_subgroup = compare_kernel(points, options, votess::Kernel::subgroup);
+    Counts by_subgroup = compare_kernel(points, options, test::by_subgroup());
     by_subgroup.fallback = std::max(by_subgroup.fallback, by_invocation.fallback);
     return by_subgroup;
 }
@@ -114,7 +115,7 @@ TEST_SUITE("cases") {
         options.want.faces = options.want.normals = true;
         const Coordinates points = random_points(test::by_size(2000, 300), 4);
         const auto cpu = votess::tessellate(std::span<const double>(points), options);
-        options.device = "lavapipe";
+        options.device = test::device_name();
         const auto gpu = votess::tessellate(std::span<const double>(points), options);
         CHECK(std::ranges::equal(cpu.face_vertices(), gpu.face_vertices()));
         CHECK(std::ranges::equal(cpu.cell_vertex_indices(), gpu.cell_vertex_indices()));

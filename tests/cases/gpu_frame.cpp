@@ -268,7 +268,7 @@ TEST_SUITE("cases") {
              {test::uniform(300, 15), test::clustered(300, 16), test::with_duplicates(130, 20, 17), test::bcc(3)}) {
             CAPTURE(set.name);
             options = options_for(set);
-            options.kernel = votess::Kernel::subgroup;
+            options.kernel = test::by_subgroup();
             options.chunk_size = 100;
             CHECK(check(host, set, options) == "");
         }
@@ -276,7 +276,7 @@ TEST_SUITE("cases") {
         host.subgroup_size_control = requirements(host.instance(), host.gpu.adapter.handle).subgroup_size_control;
         const PointSet set = test::uniform(300, 18);
         options = options_for(set);
-        options.kernel = votess::Kernel::subgroup;
+        options.kernel = test::by_subgroup();
         CHECK(check(host, set, options) == "");
         options.box = test::unit_box();
         options.periodic = {true, false, true};

@@ -22,7 +22,7 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu: seeds in parts, every family") {
         test::Gpu gpu;
         test::GpuRunner small(gpu, {.most_seeds = 300});
-        for (const auto kernel : {votess::Kernel::invocation, votess::Kernel::subgroup})
+        for (const auto kernel : {votess::Kernel::invocation, test::by_subgroup()})
             for (const PointSet& set :
                  test::families(kernel == votess::Kernel::invocation ? test::by_size(800, 350) : 350, 91)) {
                 CAPTURE(static_cast<int>(kernel));
@@ -54,7 +54,7 @@ TEST_SUITE("cases") {
         Options options = test::all_options();
         options.threads = 0;
         options.chunk_size = 500;
-        options.kernel = votess::Kernel::subgroup;
+        options.kernel = test::by_subgroup();
         CHECK(runner.run(set, options).stats().fallback_cells < set.size() / 3);
         options.kernel = votess::Kernel::automatic;
         std::vector<double> fractions;
@@ -94,7 +94,7 @@ TEST_SUITE("cases") {
             CHECK(compare(runner, test::far_from_origin(n, n + 2)) == "");
         }
         Options options = test::all_options();
-        options.precision = votess::Precision::double_;
+        options.precision = test::double_precision();
         options.k_init = 30;
         CHECK(compare(runner, test::uniform(test::by_size(2000, 900), 97), options) == "");
         PointSet set = test::uniform(900, 98);  // all on the bounds of every part
@@ -126,7 +126,7 @@ TEST_SUITE("cases") {
                 CAPTURE(set.name);
                 CHECK(compare(runner, set) == "");
                 Options options = test::all_options();
-                options.kernel = votess::Kernel::subgroup;
+                options.kernel = test::by_subgroup();
                 if (local_size >= 32) CHECK(compare(second, set, options) == "");
             }
         }
@@ -136,7 +136,7 @@ TEST_SUITE("cases") {
         test::Gpu gpu({.float64 = false});
         CHECK_FALSE(gpu.device->has_float64());
         test::GpuRunner runner(gpu);
-        for (const auto kernel : {votess::Kernel::invocation, votess::Kernel::subgroup})
+        for (const auto kernel : {votess::Kernel::invocation, test::by_subgroup()})
             for (const PointSet& set : test::families(test::by_size(300, 100), 106)) {
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);

@@ -47,7 +47,7 @@ TEST_SUITE("cases") {
         };
         for (const auto& [kernel, n] : {Variant{votess::Kernel::invocation, test::by_size(200, 60)},
                                         {votess::Kernel::invocation, test::by_size(1200, 100)},
-                                        {votess::Kernel::subgroup, test::by_size(200, 60)}})
+                                        {test::by_subgroup(), test::by_size(200, 60)}})
             for (const PointSet& set : test::families(n, n + 1)) {
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
@@ -66,7 +66,7 @@ TEST_SUITE("cases") {
         options.device = "cpu";
         const Tessellation cpu = votess::tessellate(set.points, options);
         options.device = test::device_name();
-        for (const auto kernel : {votess::Kernel::invocation, votess::Kernel::subgroup}) {
+        for (const auto kernel : {votess::Kernel::invocation, test::by_subgroup()}) {
             CAPTURE(static_cast<int>(kernel));
             options.kernel = kernel;
             const Tessellation gpu = tessellator.tessellate(set.points, options);
@@ -96,7 +96,7 @@ TEST_SUITE("cases") {
                 CAPTURE(exponent);
                 CAPTURE(k);
                 CHECK(compare(tessellator, set, options) == "");
-                options.kernel = votess::Kernel::subgroup;
+                options.kernel = test::by_subgroup();
                 if (k == 64) CHECK(compare(second, set, options) == "");
             }
     }
@@ -110,18 +110,18 @@ TEST_SUITE("cases") {
         vary("k_init 8", [](Options& o) { o.k_init = 8; });
         vary("k_init 200", [](Options& o) { o.k_init = 200; });
         vary("k_init 1024", [](Options& o) { o.k_init = 1024; });
-        vary("precision double", [](Options& o) { o.precision = votess::Precision::double_; });
+        vary("precision double", [](Options& o) { o.precision = test::double_precision(); });
         vary("chunk_size 7", [](Options& o) { o.chunk_size = 7; });
         vary("chunk_size 100", [](Options& o) { o.chunk_size = 100; });
         vary("grid_resolution 1", [](Options& o) { o.grid_resolution = 1; });
         vary("grid_resolution 64", [](Options& o) { o.grid_resolution = 64; });
         vary("grid_resolution 1025", [](Options& o) { o.grid_resolution = 1025; });
         vary("grid_resolution 2^20", [](Options& o) { o.grid_resolution = 1u << 20; });
-        const auto by_subgroup = [](Options& o) { o.kernel = votess::Kernel::subgroup; };
+        const auto by_subgroup = [](Options& o) { o.kernel = test::by_subgroup(); };
         vary("kernel subgroup", by_subgroup);
         vary("kernel subgroup, k_init 1", [&](Options& o) { by_subgroup(o), o.k_init = 1; });
         vary("kernel subgroup, precision double",
-             [&](Options& o) { by_subgroup(o), o.precision = votess::Precision::double_; });
+             [&](Options& o) { by_subgroup(o), o.precision = test::double_precision(); });
         vary("kernel subgroup, chunk_size 7", [&](Options& o) { by_subgroup(o), o.chunk_size = 7; });
         vary("3 threads", [](Options& o) { o.threads = 3, o.chunk_size = 64; });
         vary("no walls", [](Options& o) { o.walls = false; });
@@ -146,7 +146,7 @@ TEST_SUITE("cases") {
             options.want = {(bits & 1) != 0, (bits & 8) != 0, (bits & 16) != 0, (bits & 2) != 0, (bits & 32) != 0};
             options.walls = (bits & 4) != 0;
             CHECK(compare(tessellator, set, options) == "");
-            options.kernel = votess::Kernel::subgroup;
+            options.kernel = test::by_subgroup();
             if (bits % 9 == 0) CHECK(compare(second, set, options) == "");
         }
     }
@@ -211,7 +211,7 @@ TEST_SUITE("cases") {
                 if (!with_box) set.box.reset();
                 CHECK(compare(tessellator, set) == "");
                 Options options = test::all_options();
-                options.kernel = votess::Kernel::subgroup;
+                options.kernel = test::by_subgroup();
                 CHECK(compare(second, set, options) == "");
             }
         PointSet same{"same", {}, std::nullopt};
@@ -233,8 +233,8 @@ TEST_SUITE("cases") {
             options.threads = 1 + static_cast<unsigned>(random.below(3));
             options.k_init = random.chance(0.3) ? 20 : 0;
             options.chunk_size = random.chance(0.3) ? 300 : 0;
-            if (random.chance(0.3)) options.precision = votess::Precision::double_;
-            if (random.chance(0.5)) options.kernel = votess::Kernel::subgroup;
+            if (random.chance(0.3)) options.precision = test::double_precision();
+            if (random.chance(0.5)) options.kernel = test::by_subgroup();
             CAPTURE(n);
             CHECK(compare(tessellator, random.chance(0.5) ? test::uniform(n, n) : test::clustered(n, n), options) ==
                   "");

@@ -9,6 +9,7 @@
 #include "gpu/chunk.hpp"
 #include "gpu/kernel_choice.hpp"
 #include "support/check.hpp"
+#include "support/gpu.hpp"
 #include "support/gpu_stages.hpp"
 #include "test_shaders.hpp"
 
@@ -121,7 +122,7 @@ private:
 
 // Runs the check with both.
 void with_both(auto&& check) {
-    for (const Kernel kernel : {Kernel::invocation, Kernel::subgroup}) {
+    for (const Kernel kernel : {Kernel::invocation, test::by_subgroup()}) {
         CAPTURE(static_cast<int>(kernel));
         Kernels kernels(kernel);
         kernels.use();
@@ -270,6 +271,7 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("gpu clip: searches of a subgroup, short and long, in work-groups of few and many") {
+        if (test::by_subgroup() != Kernel::subgroup) return;
         Kernels kernels(Kernel::subgroup);
         GpuStages& gpu = kernels.gpu;
         const std::size_t n = test::by_size(600, 150);
@@ -293,6 +295,7 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("gpu clip: subgroups of another size than the kernel was made for leave all cells to the second tier") {
+        if (test::by_subgroup() != Kernel::subgroup) return;
         Kernels kernels(Kernel::subgroup);
         GpuStages& gpu = kernels.gpu;
         const PointSet set = test::uniform(test::by_size(300, 130), 33);
@@ -310,9 +313,10 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("gpu clip: subgroups of 16 to 64, by work-groups that do what subgroups do") {
-        Kernels kernels(Kernel::subgroup);
+        Kernels kernels(Kernel::invocation);
         GpuStages& gpu = kernels.gpu;
-        if (!gpu.gpu.device->has_float64()) return;
+        const auto spirv = gpu.gpu.device->has_float64() ? votess::gpu::shaders::test_clip_by_work_group_f64
+                                                         : votess::gpu::shaders::test_clip_by_work_group_f32;
         const std::size_t n = test::by_size(70, 40);  // this is slow
         for (const std::uint32_t lanes : {16u, 32u, 64u}) {
             if (lanes != 32 && test::by_size(1, 0) == 0) continue;  // under sanitizers one size has to do
@@ -322,7 +326,7 @@ TEST_SUITE("stages") {
             const std::vector<std::uint32_t> bindings(pass.bindings().begin(), pass.bindings().end());
             const std::uint32_t unit = std::bit_cast<std::uint32_t>(0x1p-23f);
             pass = votess::gpu::vulkan::Pass(*gpu.gpu.device, {.name = "clip_subgroup by work-groups",
-                                                               .spirv = votess::gpu::shaders::test_clip_by_work_group,
+                                                               .spirv = spirv,
                                                                .bindings = bindings,
                                                                .push_bytes = pass.push_bytes(),
                                                                .local_size = lanes,
@@ -336,6 +340,7 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("gpu clip: what a device must have for a subgroup per cell") {
+        if (test::by_subgroup() != Kernel::subgroup) return;
         const Kernels kernels(Kernel::subgroup);
         votess::gpu::vulkan::Adapter adapter = kernels.gpu.gpu.device->adapter();
         using votess::gpu::choose_subgroup_size;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "gpu/kernel_choice.hpp"
 #include "pipeline.hpp"
 
 namespace test {
@@ -123,6 +124,16 @@ std::string check_same(const votess::Tessellation& gpu, const votess::Tessellati
 std::string device_name() {
     const char* name = std::getenv("VOTESS_TEST_DEVICE");
     return name != nullptr && *name != '\0' ? name : "lavapipe";
+}
+
+votess::Kernel by_subgroup() {
+    static const bool can = votess::gpu::missing_for_subgroups(Gpu().adapter).empty();
+    return can ? votess::Kernel::subgroup : votess::Kernel::invocation;
+}
+
+votess::Precision double_precision() {
+    static const bool can = Gpu().device->has_float64();
+    return can ? votess::Precision::double_ : votess::Precision::single;
 }
 
 votess::Tessellation GpuRunner::run(const PointSet& set, votess::Options options) {

@@ -26,6 +26,10 @@ std::string check_same(const votess::Tessellation& gpu, const votess::Tessellati
 // The device that tests of the whole library name: lavapipe, or VOTESS_TEST_DEVICE.
 std::string device_name();
 
+// Kernel::subgroup and Precision::double_ where the tests' device has what they need, else what every device can do.
+votess::Kernel by_subgroup();
+votess::Precision double_precision();
+
 // An engine of its own on the tests' device, and the pipeline on it.
 struct GpuRunner {
     votess::cpu::CpuClipper clipper;
