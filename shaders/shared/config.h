@@ -50,7 +50,7 @@
 #define SUBGROUP_STORE 128    // candidates; a power of two
 #define SUBGROUP_NODES 96     // boxes to open
 #define SUBGROUP_GROUPS 80    // groups to look into, at least 64 + 64 / GROUP_SEEDS
-#define SUBGROUP_SCRATCH 192  // boxes, groups and MOST_LEVELS numbers; while it clips, four words a plane
+#define SUBGROUP_SCRATCH 192  // boxes, groups and MOST_LEVELS numbers; while it clips, three words a plane
 #define SUBGROUP_SEARCHES 24  // of a cell, before it is left to the second tier
 
 // clip: where a row is; rows of the second tier have the bit set.
