@@ -2,8 +2,8 @@
 // the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the seed's group and of all
 // that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups of seeds before boxes.
 //
-// The store is sorted whole (bitonic, in shared memory): by unique keys, so that the order does not depend on which
-// lane came first, as places in buckets taken by atomics would.
+// The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
+// buckets taken by atomics would.
 //
 // Needs self, status, first_count, the shared arrays, and what lib/subgroup.glsl and lib/reach.glsl define.
 
@@ -20,6 +20,7 @@ uint node_count, group_count;
 const uint lanes_each = FAN;  // of a box and of a group
 const uint side_by_side = uint(lanes) / lanes_each;
 const uint key_place_mask = SUBGROUP_STORE - 1u;
+const int keys_of_lane = SUBGROUP_STORE / lanes;
 
 #define NODE_STACK(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
 #define GROUP_STACK(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_NODES + (i)]
@@ -74,37 +75,40 @@ void search_on(float needed) {
     if (!(next < UNBOUNDED)) next = UNBOUNDED;
 }
 
-float offset(uvec2 q, uvec2 p) {
-    return coarse ? coarse_offset(q.y, p.y) : rough_difference(q, p);
+vec3 offset(uvec2 x, uvec2 y, uvec2 z) {
+    if (coarse) return vec3(coarse_offset(x.y, px.y), coarse_offset(y.y, py.y), coarse_offset(z.y, pz.y));
+    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
 }
+
+// The lanes do the same in what follows, without branches, whatever they find.
 
 // Whether a box may hold candidates.
 bool is_near(uint level, uint node) {
     const uint n = LEVEL_FIRST(level) + node;
-    if (nodes[n].lower[0].y == NO_COORDINATE) return false;
-    const vec3 lower = vec3(offset(nodes[n].lower[0], px), offset(nodes[n].lower[1], py), offset(nodes[n].lower[2], pz));
-    const vec3 upper = vec3(offset(nodes[n].upper[0], px), offset(nodes[n].upper[1], py), offset(nodes[n].upper[2], pz));
-    if (any(greaterThan(lower, reach_upper)) || any(lessThan(upper, reach_lower))) return false;
+    const vec3 lower = offset(nodes[n].lower[0], nodes[n].lower[1], nodes[n].lower[2]);
+    const vec3 upper = offset(nodes[n].upper[0], nodes[n].upper[1], nodes[n].upper[2]);
+    const bool empty = nodes[n].lower[0].y == NO_COORDINATE;
+    const bool above = any(greaterThan(lower, reach_upper)), below = any(lessThan(upper, reach_lower));
     const vec3 gap = max(max(lower, -upper), vec3(0.0));
     const float d = dot(gap, gap) * box_slack;
-    if (d < next) return true;
-    nearest_beyond = min(nearest_beyond, d);
-    return false;
+    const bool near = d < next, possible = !(empty || above || below);
+    nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
+    return possible && near;
 }
 
 // Whether a seed is a candidate, and its squared distance.
 bool is_candidate(uint seed, out float d) {
-    d = 0.0;
-    const uint high = seeds_x[seed].y;
-    if (seed == self || high == NO_COORDINATE) return false;
-    const float dx = offset(seeds_x[seed], px), dy = offset(seeds_y[seed], py), dz = offset(seeds_z[seed], pz);
+    const uvec2 x = seeds_x[seed];
+    const vec3 at = offset(x, seeds_y[seed], seeds_z[seed]);
     // The same in every search of the cell, or one would see a seed twice or never.
-    precise const float square = dx * dx + dy * dy + dz * dz;
+    precise const float square = at.x * at.x + at.y * at.y + at.z * at.z;
     d = square;
-    const vec3 at = vec3(dx, dy, dz);
-    if (any(greaterThan(at, reach_upper)) || any(lessThan(at, reach_lower))) return false;
-    if (d >= next) nearest_beyond = min(nearest_beyond, d);
-    return d >= done && d < next;
+    const bool none = seed == self || x.y == NO_COORDINATE;
+    const bool above = any(greaterThan(at, reach_upper)), below = any(lessThan(at, reach_lower));
+    const bool possible = !(none || above || below), near = d < next;
+    nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
+    const bool fresh = d >= done;
+    return possible && near && fresh;
 }
 
 // Boxes that are near, one a lane at most; false when there are too many.
@@ -185,28 +189,34 @@ bool collect() {
     return true;
 }
 
-// By distance. Keys beyond the last candidate are the largest of numbers.
+// By distance: a key's place is the number of smaller ones. A lane ranks two of its keys at a time.
 void sort_candidates() {
     const uint base = SUBGROUP_STORE * SUBGROUP;
-    if (candidate_count < 2u) {
-        share();
-        return;
-    }
-    const uint size = 2u << uint(findMSB(candidate_count - 1u));
-    for (uint i = candidate_count + lane; i < size; i += uint(lanes)) candidate_key[base + i] = 0xffffffffu;
+    // Up to a multiple of four, for those that are read together.
+    const uint quads = (candidate_count + 3u) / 4u;
+    if (candidate_count + lane < 4u * quads) candidate_key[base + candidate_count + lane] = 0xffffffffu;
     share();
-    for (uint run = 2u; run <= size; run <<= 1)
-        for (uint stride = run >> 1; stride > 0u; stride >>= 1) {
-            for (uint i = lane; i < size / 2u; i += uint(lanes)) {
-                const uint a = base + 2u * i - (i & (stride - 1u)), b = a + stride;
-                const uint key_a = candidate_key[a], key_b = candidate_key[b];
-                if ((key_a > key_b) == (((a - base) & run) == 0u)) {
-                    candidate_key[a] = key_b;
-                    candidate_key[b] = key_a;
-                }
-            }
-            share();
+    uint keys[keys_of_lane], places[keys_of_lane];
+    [[unroll]] for (int r = 0; r < keys_of_lane; r += 2) {
+        keys[r] = keys[r + 1] = places[r] = places[r + 1] = 0u;
+        if (uint(r * lanes) >= candidate_count) continue;
+        const uint at = base + uint(r * lanes) + lane;
+        keys[r] = candidate_key[at];
+        keys[r + 1] = candidate_key[at + uint(lanes)];
+        for (uint i = 0u; i < quads; ++i) {
+            const uint a = candidate_key[base + 4u * i], b = candidate_key[base + 4u * i + 1u],
+                       c = candidate_key[base + 4u * i + 2u], d = candidate_key[base + 4u * i + 3u];
+            places[r] += uint(a < keys[r]) + uint(b < keys[r]) + uint(c < keys[r]) + uint(d < keys[r]);
+            places[r + 1] += uint(a < keys[r + 1]) + uint(b < keys[r + 1]) + uint(c < keys[r + 1]) + uint(d < keys[r + 1]);
         }
+    }
+    share();
+    [[unroll]] for (int r = 0; r < keys_of_lane; r += 2) {
+        if (uint(r * lanes) >= candidate_count) continue;
+        if (uint(r * lanes) + lane < candidate_count) candidate_key[base + places[r]] = keys[r];
+        if (uint((r + 1) * lanes) + lane < candidate_count) candidate_key[base + places[r + 1]] = keys[r + 1];
+    }
+    share();
 }
 
 // False when the store does not hold them: then `next` is shorter, or the status tells why that is of no use.
