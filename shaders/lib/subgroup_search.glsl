@@ -22,10 +22,16 @@ const uint side_by_side = uint(lanes) / lanes_each;
 const uint key_place_mask = SUBGROUP_STORE - 1u;
 const int keys_of_lane = SUBGROUP_STORE / lanes;
 
-#define NODE_STACK(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
-#define GROUP_STACK(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_NODES + (i)]
-#define LEVEL_FIRST(level) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_NODES + SUBGROUP_GROUPS + (level)]
+#define STACKS(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
+#define NODE_STACK(i) STACKS(i)
+#define GROUP_STACK(i) STACKS(SUBGROUP_NODES + (i))
+#define LEVEL_FIRST(level) STACKS(SUBGROUP_NODES + SUBGROUP_GROUPS + (level))
 #define NODE_BITS 28
+
+Node node_at(uint n) {
+    const uvec4 a = node_words[3u * n], b = node_words[3u * n + 1u], c = node_words[3u * n + 2u];
+    return Node(uvec2[3](a.xy, a.zw, b.xy), uvec2[3](b.zw, c.xy, c.zw));
+}
 
 uint nodes_of(uint level) {
     return ((push.seed_count - 1u) >> (FAN_BITS * (level + 1u))) + 1u;
@@ -53,7 +59,7 @@ void begin_search() {
     reach_lower = vec3(-UNBOUNDED);
     reach_upper = vec3(UNBOUNDED);
     next = UNBOUNDED;
-    if (push.level_count >= 3u) next = expected_reach_in(nodes[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)], first_count);
+    if (push.level_count >= 3u) next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count);
     coarse = next >= coarse_from;
 }
 
@@ -75,8 +81,11 @@ void search_on(float needed) {
     if (!(next < UNBOUNDED)) next = UNBOUNDED;
 }
 
-vec3 offset(uvec2 x, uvec2 y, uvec2 z) {
-    if (coarse) return vec3(coarse_offset(x.y, px.y), coarse_offset(y.y, py.y), coarse_offset(z.y, pz.y));
+vec3 coarse_offset_of(uvec2 x, uvec2 y, uvec2 z) {
+    return vec3(coarse_offset(x.y, px.y), coarse_offset(y.y, py.y), coarse_offset(z.y, pz.y));
+}
+
+vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
     return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
 }
 
@@ -84,10 +93,16 @@ vec3 offset(uvec2 x, uvec2 y, uvec2 z) {
 
 // Whether a box may hold candidates.
 bool is_near(uint level, uint node) {
-    const uint n = LEVEL_FIRST(level) + node;
-    const vec3 lower = offset(nodes[n].lower[0], nodes[n].lower[1], nodes[n].lower[2]);
-    const vec3 upper = offset(nodes[n].upper[0], nodes[n].upper[1], nodes[n].upper[2]);
-    const bool empty = nodes[n].lower[0].y == NO_COORDINATE;
+    const Node box = node_at(LEVEL_FIRST(level) + node);
+    vec3 lower, upper;
+    if (coarse) {
+        lower = coarse_offset_of(box.lower[0], box.lower[1], box.lower[2]);
+        upper = coarse_offset_of(box.upper[0], box.upper[1], box.upper[2]);
+    } else {
+        lower = fine_offset_of(box.lower[0], box.lower[1], box.lower[2]);
+        upper = fine_offset_of(box.upper[0], box.upper[1], box.upper[2]);
+    }
+    const bool empty = box.lower[0].y == NO_COORDINATE;
     const bool above = any(greaterThan(lower, reach_upper)), below = any(lessThan(upper, reach_lower));
     const vec3 gap = max(max(lower, -upper), vec3(0.0));
     const float d = dot(gap, gap) * box_slack;
@@ -98,8 +113,12 @@ bool is_near(uint level, uint node) {
 
 // Whether a seed is a candidate, and its squared distance.
 bool is_candidate(uint seed, out float d) {
-    const uvec2 x = seeds_x[seed];
-    const vec3 at = offset(x, seeds_y[seed], seeds_z[seed]);
+    const uvec2 x = seeds_x[seed], y = seeds_y[seed], z = seeds_z[seed];
+    vec3 at;
+    if (coarse)
+        at = coarse_offset_of(x, y, z);
+    else
+        at = fine_offset_of(x, y, z);
     // The same in every search of the cell, or one would see a seed twice or never.
     precise const float square = at.x * at.x + at.y * at.y + at.z * at.z;
     d = square;
@@ -113,12 +132,12 @@ bool is_candidate(uint seed, out float d) {
 
 // Boxes that are near, one a lane at most; false when there are too many.
 bool push_near(bool near, uint level, uint node) {
+    const bool is_group = level == 0u;
     uint groups, boxes;
-    const uint group_rank = rank_among(near && level == 0u, groups);
-    const uint box_rank = rank_among(near && level != 0u, boxes);
+    const uint group_rank = group_count + rank_among(near && is_group, groups);
+    const uint box_rank = node_count + rank_among(near && !is_group, boxes);
     if (node_count + boxes > SUBGROUP_NODES || group_count + groups > SUBGROUP_GROUPS) return false;
-    if (near && level == 0u) GROUP_STACK(group_count + group_rank) = node;
-    if (near && level != 0u) NODE_STACK(node_count + box_rank) = (level << NODE_BITS) | node;
+    if (near) STACKS(is_group ? SUBGROUP_NODES + group_rank : box_rank) = (level << NODE_BITS) | node;
     group_count += groups;
     node_count += boxes;
     share();
