@@ -45,7 +45,7 @@ layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { geometry_
 layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { geometry_real areas[]; };
 
 // Of each subgroup of the work-group one after the other.
-shared uint candidate_key[SUBGROUP_STORE * subgroups];  // squared distance, in its last bits the place in the store
+shared uint candidate_key[SUBGROUP_STORE * subgroups];  // squared distance, in its last bits the place here
 shared uint candidate_seed[SUBGROUP_STORE * subgroups];
 shared uint scratch[SUBGROUP_SCRATCH * subgroups];
 
@@ -106,7 +106,7 @@ void clip_by_candidates() {
 bool find_unit(out uint exponent) {
     exponent = COORDINATE_BITS - 1;
     if (candidate_count > 0u) {
-        const float nearest = distance_of(candidate_key[SUBGROUP_STORE * SUBGROUP]);
+        const float nearest = distance_at(0u);
         if (coarse && nearest < coarse_order_from) return false;
         exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
     }

@@ -20,12 +20,13 @@ uint node_count, group_count;
 const uint lanes_each = FAN;  // of a box and of a group
 const uint side_by_side = uint(lanes) / lanes_each;
 const uint key_place_mask = SUBGROUP_STORE - 1u;
-const int keys_of_lane = SUBGROUP_STORE / lanes;
 
 #define STACKS(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
 #define NODE_STACK(i) STACKS(i)
 #define GROUP_STACK(i) STACKS(SUBGROUP_NODES + (i))
-#define LEVEL_FIRST(level) STACKS(SUBGROUP_NODES + SUBGROUP_GROUPS + (level))
+// Not in the memory of cuts. When the store is sorted, the stacks are not needed any more.
+#define SORTED(i) STACKS(3u * SUBGROUP_PLANES + (i))
+#define LEVEL_FIRST(level) STACKS(3u * SUBGROUP_PLANES + SUBGROUP_STORE + (level))
 #define NODE_BITS 28
 
 Node node_at(uint n) {
@@ -37,14 +38,13 @@ uint nodes_of(uint level) {
     return ((push.seed_count - 1u) >> (FAN_BITS * (level + 1u))) + 1u;
 }
 
-// Candidate i of the sorted store.
+// Candidate i of the sorted store, and about its squared distance.
 uint candidate_at(uint i) {
-    const uint base = SUBGROUP_STORE * SUBGROUP;
-    return candidate_seed[base + (candidate_key[base + i] & key_place_mask)];
+    return candidate_seed[SUBGROUP_STORE * SUBGROUP + SORTED(i)];
 }
 
-float distance_of(uint key) {
-    return uintBitsToFloat(key & ~key_place_mask);
+float distance_at(uint i) {
+    return uintBitsToFloat(candidate_key[SUBGROUP_STORE * SUBGROUP + SORTED(i)] & ~key_place_mask);
 }
 
 void begin_search() {
@@ -208,32 +208,22 @@ bool collect() {
     return true;
 }
 
-// By distance: a key's place is the number of smaller ones. A lane ranks two of its keys at a time.
+// By distance: a key's place is the number of smaller ones.
 void sort_candidates() {
     const uint base = SUBGROUP_STORE * SUBGROUP;
     // Up to a multiple of four, for those that are read together.
     const uint quads = (candidate_count + 3u) / 4u;
     if (candidate_count + lane < 4u * quads) candidate_key[base + candidate_count + lane] = 0xffffffffu;
     share();
-    uint keys[keys_of_lane], places[keys_of_lane];
-    [[unroll]] for (int r = 0; r < keys_of_lane; r += 2) {
-        keys[r] = keys[r + 1] = places[r] = places[r + 1] = 0u;
-        if (uint(r * lanes) >= candidate_count) continue;
-        const uint at = base + uint(r * lanes) + lane;
-        keys[r] = candidate_key[at];
-        keys[r + 1] = candidate_key[at + uint(lanes)];
+    for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
+        const uint own = min(first + lane, SUBGROUP_STORE - 1u), key = candidate_key[base + own];
+        uint place = 0u;
         for (uint i = 0u; i < quads; ++i) {
             const uint a = candidate_key[base + 4u * i], b = candidate_key[base + 4u * i + 1u],
                        c = candidate_key[base + 4u * i + 2u], d = candidate_key[base + 4u * i + 3u];
-            places[r] += uint(a < keys[r]) + uint(b < keys[r]) + uint(c < keys[r]) + uint(d < keys[r]);
-            places[r + 1] += uint(a < keys[r + 1]) + uint(b < keys[r + 1]) + uint(c < keys[r + 1]) + uint(d < keys[r + 1]);
+            place += uint(a < key) + uint(b < key) + uint(c < key) + uint(d < key);
         }
-    }
-    share();
-    [[unroll]] for (int r = 0; r < keys_of_lane; r += 2) {
-        if (uint(r * lanes) >= candidate_count) continue;
-        if (uint(r * lanes) + lane < candidate_count) candidate_key[base + places[r]] = keys[r];
-        if (uint((r + 1) * lanes) + lane < candidate_count) candidate_key[base + places[r + 1]] = keys[r + 1];
+        if (first + lane < candidate_count) SORTED(place) = own;
     }
     share();
 }
@@ -256,7 +246,7 @@ bool search() {
     const float shorter =
         candidate_count == 0u
             ? 0.5 * (done + next)
-            : distance_of(candidate_key[SUBGROUP_STORE * SUBGROUP + candidate_count * uint(first_count) / 160u]);
+            : distance_at(candidate_count * uint(first_count) / 160u);
     if (shorter > done && shorter < next)
         next = shorter;
     else
