@@ -95,9 +95,9 @@ geometry_real largest_number(geometry_real number) {
 
 #else
 
-// Of the work-group. Its lanes take the number of the first one: compilers that reckon gl_SubgroupID from the invocation
-// cannot know that it is the same in all, and then take every branch on what is read from shared memory for one that
-// may part the lanes.
+// Of the work-group. Its lanes take the number of the first one: compilers that reckon gl_SubgroupID from the
+// invocation cannot know that it is the same in all, and then take every branch on what is read from shared memory for
+// one that may part the lanes.
 uint subgroup_index;
 #define SUBGROUP subgroup_index
 

@@ -18,7 +18,8 @@ shared int plane_id[SUBGROUP_PLANES * subgroups];  // sorted seed, or wall id
 shared real4 test_equation[lanes * subgroups];
 shared real test_norm[lanes * subgroups];
 
-// While the cell is being cut, of each plane a: the planes b with an edge (a, b) of a killed vertex, and those with (b, a).
+// While the cell is being cut, of each plane a: the planes b with an edge (a, b) of a killed vertex, and those with
+// (b, a).
 #define EDGES_FROM(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * (a)]
 #define EDGES_TO(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * (a) + 1u]
 #define HORIZON(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * SUBGROUP_PLANES + (i)]

@@ -59,7 +59,8 @@ void begin_search() {
     reach_lower = vec3(-UNBOUNDED);
     reach_upper = vec3(UNBOUNDED);
     next = UNBOUNDED;
-    if (push.level_count >= 3u) next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count);
+    if (push.level_count >= 3u)
+        next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count);
     coarse = next >= coarse_from;
 }
 

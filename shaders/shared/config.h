@@ -50,8 +50,8 @@
 #define SUBGROUP_STORE 128  // candidates; a power of two
 #define SUBGROUP_NODES 96   // boxes to open
 #define SUBGROUP_GROUPS 80  // groups to look into, at least 64 + 64 / GROUP_SEEDS
-#define SUBGROUP_SCRATCH \
-    240  // boxes and groups; or three words a plane and the order of the store; MOST_LEVELS numbers
+// Boxes and groups, or three words a plane and the order of the store; and MOST_LEVELS numbers.
+#define SUBGROUP_SCRATCH 240
 #define SUBGROUP_SEARCHES 24  // of a cell, before it is left to the second tier
 
 // clip: where a row is; rows of the second tier have the bit set.
