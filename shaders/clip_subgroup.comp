@@ -34,7 +34,7 @@ layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y
 layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
-layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three a Node: fewer loads
 layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
 layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
@@ -47,7 +47,7 @@ layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number ge
 layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
 
 // Of each subgroup of the work-group one after the other.
-shared uint candidate_key[SUBGROUP_STORE * subgroups];  // squared distance, in its last bits the place in the store
+shared uint candidate_key[SUBGROUP_STORE * subgroups];  // squared distance, in its last bits the place here
 shared uint candidate_seed[SUBGROUP_STORE * subgroups];
 shared uint scratch[SUBGROUP_SCRATCH * subgroups];
 
@@ -108,7 +108,7 @@ void clip_by_candidates() {
 bool find_unit(out uint exponent) {
     exponent = COORDINATE_BITS - 1;
     if (candidate_count > 0u) {
-        const float nearest = distance_of(candidate_key[SUBGROUP_STORE * SUBGROUP]);
+        const float nearest = distance_at(0u);
         if (coarse && nearest < coarse_order_from) return false;
         exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
     }

@@ -55,23 +55,33 @@ real security_radius_squared(real radius_squared, real largest_error) {
     return radius * radius;
 }
 
+// x y - z w
+real difference_of_products(real x, real y, real z, real w) {
+    precise const real second = z * w;
+    precise const real result = fma(x, y, -second);
+    return result;
+}
+
 // The vertex of three planes in positive orientation, det(na,nb,nc) > 0; false when the bound above, which is of first
 // order, does not hold.
 bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
-    precise const real bcx = b.y * c.z - b.z * c.y, bcy = b.z * c.x - b.x * c.z, bcz = b.x * c.y - b.y * c.x;
-    precise const real cax = c.y * a.z - c.z * a.y, cay = c.z * a.x - c.x * a.z, caz = c.x * a.y - c.y * a.x;
-    precise const real abx = a.y * b.z - a.z * b.y, aby = a.z * b.x - a.x * b.z, abz = a.x * b.y - a.y * b.x;
-    precise const real det = a.x * bcx + a.y * bcy + a.z * bcz;
+    const real bcx = difference_of_products(b.y, c.z, b.z, c.y), bcy = difference_of_products(b.z, c.x, b.x, c.z),
+               bcz = difference_of_products(b.x, c.y, b.y, c.x);
+    const real cax = difference_of_products(c.y, a.z, c.z, a.y), cay = difference_of_products(c.z, a.x, c.x, a.z),
+               caz = difference_of_products(c.x, a.y, c.y, a.x);
+    const real abx = difference_of_products(a.y, b.z, a.z, b.y), aby = difference_of_products(a.z, b.x, a.x, b.z),
+               abz = difference_of_products(a.x, b.y, a.y, b.x);
+    precise const real det = fma(a.x, bcx, fma(a.y, bcy, a.z * bcz));
     precise const real product = a.norm * b.norm * c.norm;
     precise const real inverse = real(1) / det;
-    precise const real x = (a.h * bcx + b.h * cax + c.h * abx) * inverse;
-    precise const real y = (a.h * bcy + b.h * cay + c.h * aby) * inverse;
-    precise const real z = (a.h * bcz + b.h * caz + c.h * abz) * inverse;
-    precise const real length = sqrt(x * x + y * y + z * z);
+    precise const real x = fma(a.h, bcx, fma(b.h, cax, c.h * abx)) * inverse;
+    precise const real y = fma(a.h, bcy, fma(b.h, cay, c.h * aby)) * inverse;
+    precise const real z = fma(a.h, bcz, fma(b.h, caz, c.h * abz)) * inverse;
+    precise const real length = sqrt(fma(x, x, fma(y, y, z * z)));
     precise const real condition = product * inverse;
     precise const real distances = a.distance + b.distance + c.distance;
     precise const real rounding =
-        unit * (condition * (real(13.9) * distances + real(9.3) * length) + real(12) * length) * real(1.05);
-    vertex = Vertex(x, y, z, rounding + quantum * (real(4) * condition + real(1)) * (length + real(1)));
+        unit * fma(condition, fma(real(13.9), distances, real(9.3) * length), real(12) * length) * real(1.05);
+    vertex = Vertex(x, y, z, fma(quantum, fma(real(4), condition, real(1)) * (length + real(1)), rounding));
     return det * real(0.0005) > product * unit;
 }

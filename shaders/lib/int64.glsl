@@ -53,20 +53,21 @@ uvec2 shift_right64(uvec2 a, uint n, inout bool lost) {
     return uvec2((a.x >> n) | (a.y << (32u - n)), (a.y >> n) | (sign << (32u - n)));
 }
 
-// q - p in two's complement, to a few roundings. For searches.
+// q - p in two's complement, to a few roundings. For searches: without branches.
 float rough_difference(uvec2 q, uvec2 p) {
     const uvec2 d = subtract64(q, p);
-    const bool negative = (d.y & 0x80000000u) != 0u;
-    const uvec2 m = negative ? negate64(d) : d;
+    const uint sign = uint(int(d.y) >> 31);  // all ones when negative
+    const uvec2 m = add64(d ^ sign, uvec2(sign & 1u, 0u));
     const float magnitude = float(m.y) * 4294967296.0 + float(m.x);
-    return negative ? -magnitude : magnitude;
+    return uintBitsToFloat(floatBitsToUint(magnitude) | (sign & 0x80000000u));
 }
 
 // A number below 2^64 with one rounding: its leading 32 bits, the last of them set when any bit behind is.
 float round64(uvec2 m) {
-    if (m.y == 0u) return float(m.x);
-    const uint drop = uint(findMSB(m.y)) + 1u;  // 1 .. 32
-    const uint kept = drop == 32u ? m.y : (m.y << (32u - drop)) | (m.x >> drop);
-    const uint rest = drop == 32u ? m.x : m.x << (32u - drop);
-    return ldexp(float(kept | (rest != 0u ? 1u : 0u)), int(drop));
+    const bool small = m.y == 0u;
+    const uint shift = uint(31 - findMSB(m.y | 1u));  // of the high word to its left, 0 .. 31
+    const uint leading = (m.y << shift) | ((m.x >> 1) >> (31u - shift)), rest = m.x << shift;
+    const uint kept = leading | min(rest, 1u);
+    const float high = float(kept) * uintBitsToFloat((159u - shift) << 23);
+    return mix(high, float(m.x), small);
 }

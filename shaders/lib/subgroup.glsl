@@ -93,12 +93,18 @@ Number sum(Number value) {
 
 #else
 
-#define SUBGROUP gl_SubgroupID
+// Of the work-group. Its lanes take the number of the first one: compilers that reckon gl_SubgroupID from the
+// invocation cannot know that it is the same in all, and then take every branch on what is read from shared memory for
+// one that may part the lanes.
+uint subgroup_index;
+#define SUBGROUP subgroup_index
 
-// False when subgroups are not those that the kernel was made for.
+// False when subgroups are not those that the kernel was made for: so many, of so many invocations in a row.
 bool enter_subgroup() {
     lane = gl_SubgroupInvocationID;
-    return gl_SubgroupSize == uint(lanes) && gl_NumSubgroups == uint(subgroups);
+    const uint mine = gl_LocalInvocationID.x / uint(lanes);
+    subgroup_index = subgroupBroadcastFirst(mine);
+    return subgroupAll(mine == subgroup_index && gl_SubgroupSize == uint(lanes) && gl_NumSubgroups == uint(subgroups));
 }
 
 // What the lanes have written to shared memory becomes visible to all of the subgroup.

@@ -18,13 +18,11 @@ shared int plane_id[SUBGROUP_PLANES * subgroups];  // sorted seed, or wall id
 shared real4 test_equation[lanes * subgroups];
 shared real test_norm[lanes * subgroups];
 
-// While the cell is being cut, of each plane a: the planes b with an edge (a, b) of a killed vertex, the one with such
-// an edge on the horizon, and the one with (b, a).
-#define EDGES_KILLED(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + (a)]
-#define SUCCESSOR(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_PLANES + (a)]
-#define PREDECESSOR(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * SUBGROUP_PLANES + (a)]
-#define HORIZON(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + 3u * SUBGROUP_PLANES + (i)]
-const uint no_plane = 0xffu;
+// While the cell is being cut, of each plane a: the planes b with an edge (a, b) of a killed vertex, and those with
+// (b, a).
+#define EDGES_FROM(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * (a)]
+#define EDGES_TO(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * (a) + 1u]
+#define HORIZON(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * SUBGROUP_PLANES + (i)]
 
 uint plane_of(uint packed, int k) {
     return (packed >> (8 * k)) & 0xffu;
@@ -141,20 +139,18 @@ bool test_plane(Plane p) {
     bool near = false;
     [[unroll]] for (int s = 0; s < slots; ++s) {
         sides[s] = side_of(p, vertex_x[s], vertex_y[s], vertex_z[s]);
-        near = near || !(sides[s] < -most);
+        const bool reached = !(sides[s] < -most);
+        near = near || reached;
     }
     if (!any_lane(near)) return false;
-    killed = 0u;
-    bool certain = true;
+    uint outside = 0u, inside = 0u;
     [[unroll]] for (int s = 0; s < slots; ++s) {
         const real bound = side_bound(p, vertex_error[s]);
-        const bool is_alive = (alive & (1u << s)) != 0u;
-        if (is_alive && sides[s] > bound)
-            killed |= 1u << s;
-        else if (is_alive && !(sides[s] < -bound))
-            certain = false;
+        outside |= uint(sides[s] > bound) << s;
+        inside |= uint(sides[s] < -bound) << s;
     }
-    if (any_lane(!certain)) {
+    killed = alive & outside;
+    if (any_lane((alive & ~(outside | inside)) != 0u)) {
         status = STATUS_NEEDS_EXACT;
         return false;
     }
@@ -171,9 +167,8 @@ uint planes_in_use() {
 
 // As find_horizon() leaves it; searches use the same memory.
 void forget_edges(uint a) {
-    EDGES_KILLED(a) = 0u;
-    SUCCESSOR(a) = no_plane;
-    PREDECESSOR(a) = no_plane;
+    EDGES_FROM(a) = 0u;
+    EDGES_TO(a) = 0u;
 }
 
 void prepare_cuts() {
@@ -184,38 +179,38 @@ void prepare_cuts() {
 // many; 0 when they are no ring.
 uint find_horizon() {
     [[unroll]] for (int s = 0; s < slots; ++s)
-        if ((killed & (1u << s)) != 0u)
-            for (int k = 0; k < 3; ++k) {
-                const uint a = plane_of(vertex_planes[s], k), b = plane_of(vertex_planes[s], k == 2 ? 0 : k + 1);
-                atomicOr(EDGES_KILLED(a), 1u << b);
-            }
+        if ((killed & (1u << s)) != 0u) {
+            const uint a = plane_of(vertex_planes[s], 0), b = plane_of(vertex_planes[s], 1),
+                       c = plane_of(vertex_planes[s], 2);
+            const uint a_bit = 1u << a, b_bit = 1u << b, c_bit = 1u << c;
+            atomicOr(EDGES_FROM(a), b_bit);
+            atomicOr(EDGES_TO(a), c_bit);
+            atomicOr(EDGES_FROM(b), c_bit);
+            atomicOr(EDGES_TO(b), a_bit);
+            atomicOr(EDGES_FROM(c), a_bit);
+            atomicOr(EDGES_TO(c), b_bit);
+        }
     share();
-    uint found = 0u;
-    [[unroll]] for (int s = 0; s < slots; ++s)
-        if ((killed & (1u << s)) != 0u)
-            for (int k = 0; k < 3; ++k) {
-                const uint a = plane_of(vertex_planes[s], k), b = plane_of(vertex_planes[s], k == 2 ? 0 : k + 1);
-                if ((EDGES_KILLED(b) & (1u << a)) != 0u) continue;
-                SUCCESSOR(a) = b;
-                PREDECESSOR(b) = a;
-                ++found;
-            }
-    share();
-    // Each plane once as the first and once as the second of an edge, or some would be lost here.
-    uint count = 0u, ends = 0u;
+    // A ring: no two killed vertices have the same edge, so that all of them are counted here, and no plane has two
+    // edges of the horizon from it. Then none has two to it, as every vertex adds one of both.
+    uint count = 0u, faults = 0u - 3u * uint(bitCount(killed));
     for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes)) {
         const uint a = first + lane;
-        const uint b = a < SUBGROUP_PLANES ? SUCCESSOR(a) : no_plane;
+        uint successor = 0u;
+        if (lanes <= SUBGROUP_PLANES || a < SUBGROUP_PLANES) {
+            const uint from = EDGES_FROM(a), to = EDGES_TO(a);
+            successor = from & ~to;
+            faults += uint(bitCount(from));
+            faults += (successor & (successor - 1u)) != 0u ? 1000u : 0u;
+            forget_edges(a);
+        }
         uint more;
-        const uint rank = rank_among(b != no_plane, more);
-        if (b != no_plane) HORIZON(count + rank) = a | (b << 8);
+        const uint rank = rank_among(successor != 0u, more);
+        if (successor != 0u) HORIZON(count + rank) = a | (uint(findLSB(successor)) << 8);
         count += more;
-        rank_among(a < SUBGROUP_PLANES && PREDECESSOR(a) != no_plane, more);
-        ends += more;
-        if (a < SUBGROUP_PLANES) forget_edges(a);
     }
     share();
-    return sum(found) == count && ends == count ? count : 0u;
+    return sum(faults) == 0u ? count : 0u;
 }
 
 // Replaces the killed vertices by those of the new plane with the horizon.

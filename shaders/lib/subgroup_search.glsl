@@ -2,8 +2,8 @@
 // the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the seed's group and of all
 // that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups of seeds before boxes.
 //
-// The store is sorted whole (bitonic, in shared memory): by unique keys, so that the order does not depend on which
-// lane came first, as places in buckets taken by atomics would.
+// The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
+// buckets taken by atomics would.
 //
 // Needs self, status, first_count, the shared arrays, and what lib/subgroup.glsl and lib/reach.glsl define.
 
@@ -21,23 +21,30 @@ const uint lanes_each = FAN;  // of a box and of a group
 const uint side_by_side = uint(lanes) / lanes_each;
 const uint key_place_mask = SUBGROUP_STORE - 1u;
 
-#define NODE_STACK(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
-#define GROUP_STACK(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_NODES + (i)]
-#define LEVEL_FIRST(level) scratch[SUBGROUP_SCRATCH * SUBGROUP + SUBGROUP_NODES + SUBGROUP_GROUPS + (level)]
+#define STACKS(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
+#define NODE_STACK(i) STACKS(i)
+#define GROUP_STACK(i) STACKS(SUBGROUP_NODES + (i))
+// Not in the memory of cuts. When the store is sorted, the stacks are not needed any more.
+#define SORTED(i) STACKS(3u * SUBGROUP_PLANES + (i))
+#define LEVEL_FIRST(level) STACKS(3u * SUBGROUP_PLANES + SUBGROUP_STORE + (level))
 #define NODE_BITS 28
+
+Node node_at(uint n) {
+    const uvec4 a = node_words[3u * n], b = node_words[3u * n + 1u], c = node_words[3u * n + 2u];
+    return Node(uvec2[3](a.xy, a.zw, b.xy), uvec2[3](b.zw, c.xy, c.zw));
+}
 
 uint nodes_of(uint level) {
     return ((push.seed_count - 1u) >> (FAN_BITS * (level + 1u))) + 1u;
 }
 
-// Candidate i of the sorted store.
+// Candidate i of the sorted store, and about its squared distance.
 uint candidate_at(uint i) {
-    const uint base = SUBGROUP_STORE * SUBGROUP;
-    return candidate_seed[base + (candidate_key[base + i] & key_place_mask)];
+    return candidate_seed[SUBGROUP_STORE * SUBGROUP + SORTED(i)];
 }
 
-float distance_of(uint key) {
-    return uintBitsToFloat(key & ~key_place_mask);
+float distance_at(uint i) {
+    return uintBitsToFloat(candidate_key[SUBGROUP_STORE * SUBGROUP + SORTED(i)] & ~key_place_mask);
 }
 
 void begin_search() {
@@ -52,7 +59,8 @@ void begin_search() {
     reach_lower = vec3(-UNBOUNDED);
     reach_upper = vec3(UNBOUNDED);
     next = UNBOUNDED;
-    if (push.level_count >= 3u) next = expected_reach_in(nodes[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)], first_count);
+    if (push.level_count >= 3u)
+        next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count);
     coarse = next >= coarse_from;
 }
 
@@ -74,47 +82,63 @@ void search_on(float needed) {
     if (!(next < UNBOUNDED)) next = UNBOUNDED;
 }
 
-float offset(uvec2 q, uvec2 p) {
-    return coarse ? coarse_offset(q.y, p.y) : rough_difference(q, p);
+vec3 coarse_offset_of(uvec2 x, uvec2 y, uvec2 z) {
+    return vec3(coarse_offset(x.y, px.y), coarse_offset(y.y, py.y), coarse_offset(z.y, pz.y));
 }
+
+vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
+    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
+}
+
+// The lanes do the same in what follows, without branches, whatever they find.
 
 // Whether a box may hold candidates.
 bool is_near(uint level, uint node) {
-    const uint n = LEVEL_FIRST(level) + node;
-    if (nodes[n].lower[0].y == NO_COORDINATE) return false;
-    const vec3 lower = vec3(offset(nodes[n].lower[0], px), offset(nodes[n].lower[1], py), offset(nodes[n].lower[2], pz));
-    const vec3 upper = vec3(offset(nodes[n].upper[0], px), offset(nodes[n].upper[1], py), offset(nodes[n].upper[2], pz));
-    if (any(greaterThan(lower, reach_upper)) || any(lessThan(upper, reach_lower))) return false;
+    const Node box = node_at(LEVEL_FIRST(level) + node);
+    vec3 lower, upper;
+    if (coarse) {
+        lower = coarse_offset_of(box.lower[0], box.lower[1], box.lower[2]);
+        upper = coarse_offset_of(box.upper[0], box.upper[1], box.upper[2]);
+    } else {
+        lower = fine_offset_of(box.lower[0], box.lower[1], box.lower[2]);
+        upper = fine_offset_of(box.upper[0], box.upper[1], box.upper[2]);
+    }
+    const bool empty = box.lower[0].y == NO_COORDINATE;
+    const bool above = any(greaterThan(lower, reach_upper)), below = any(lessThan(upper, reach_lower));
     const vec3 gap = max(max(lower, -upper), vec3(0.0));
     const float d = dot(gap, gap) * box_slack;
-    if (d < next) return true;
-    nearest_beyond = min(nearest_beyond, d);
-    return false;
+    const bool near = d < next, possible = !(empty || above || below);
+    nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
+    return possible && near;
 }
 
 // Whether a seed is a candidate, and its squared distance.
 bool is_candidate(uint seed, out float d) {
-    d = 0.0;
-    const uint high = seeds_x[seed].y;
-    if (seed == self || high == NO_COORDINATE) return false;
-    const float dx = offset(seeds_x[seed], px), dy = offset(seeds_y[seed], py), dz = offset(seeds_z[seed], pz);
+    const uvec2 x = seeds_x[seed], y = seeds_y[seed], z = seeds_z[seed];
+    vec3 at;
+    if (coarse)
+        at = coarse_offset_of(x, y, z);
+    else
+        at = fine_offset_of(x, y, z);
     // The same in every search of the cell, or one would see a seed twice or never.
-    precise const float square = dx * dx + dy * dy + dz * dz;
+    precise const float square = at.x * at.x + at.y * at.y + at.z * at.z;
     d = square;
-    const vec3 at = vec3(dx, dy, dz);
-    if (any(greaterThan(at, reach_upper)) || any(lessThan(at, reach_lower))) return false;
-    if (d >= next) nearest_beyond = min(nearest_beyond, d);
-    return d >= done && d < next;
+    const bool none = seed == self || x.y == NO_COORDINATE;
+    const bool above = any(greaterThan(at, reach_upper)), below = any(lessThan(at, reach_lower));
+    const bool possible = !(none || above || below), near = d < next;
+    nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
+    const bool fresh = d >= done;
+    return possible && near && fresh;
 }
 
 // Boxes that are near, one a lane at most; false when there are too many.
 bool push_near(bool near, uint level, uint node) {
+    const bool is_group = level == 0u;
     uint groups, boxes;
-    const uint group_rank = rank_among(near && level == 0u, groups);
-    const uint box_rank = rank_among(near && level != 0u, boxes);
+    const uint group_rank = group_count + rank_among(near && is_group, groups);
+    const uint box_rank = node_count + rank_among(near && !is_group, boxes);
     if (node_count + boxes > SUBGROUP_NODES || group_count + groups > SUBGROUP_GROUPS) return false;
-    if (near && level == 0u) GROUP_STACK(group_count + group_rank) = node;
-    if (near && level != 0u) NODE_STACK(node_count + box_rank) = (level << NODE_BITS) | node;
+    if (near) STACKS(is_group ? SUBGROUP_NODES + group_rank : box_rank) = (level << NODE_BITS) | node;
     group_count += groups;
     node_count += boxes;
     share();
@@ -186,28 +210,24 @@ bool collect() {
     return true;
 }
 
-// By distance. Keys beyond the last candidate are the largest of numbers.
+// By distance: a key's place is the number of smaller ones.
 void sort_candidates() {
     const uint base = SUBGROUP_STORE * SUBGROUP;
-    if (candidate_count < 2u) {
-        share();
-        return;
-    }
-    const uint size = 2u << uint(findMSB(candidate_count - 1u));
-    for (uint i = candidate_count + lane; i < size; i += uint(lanes)) candidate_key[base + i] = 0xffffffffu;
+    // Up to a multiple of four, for those that are read together.
+    const uint quads = (candidate_count + 3u) / 4u;
+    if (candidate_count + lane < 4u * quads) candidate_key[base + candidate_count + lane] = 0xffffffffu;
     share();
-    for (uint run = 2u; run <= size; run <<= 1)
-        for (uint stride = run >> 1; stride > 0u; stride >>= 1) {
-            for (uint i = lane; i < size / 2u; i += uint(lanes)) {
-                const uint a = base + 2u * i - (i & (stride - 1u)), b = a + stride;
-                const uint key_a = candidate_key[a], key_b = candidate_key[b];
-                if ((key_a > key_b) == (((a - base) & run) == 0u)) {
-                    candidate_key[a] = key_b;
-                    candidate_key[b] = key_a;
-                }
-            }
-            share();
+    for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
+        const uint own = min(first + lane, SUBGROUP_STORE - 1u), key = candidate_key[base + own];
+        uint place = 0u;
+        for (uint i = 0u; i < quads; ++i) {
+            const uint a = candidate_key[base + 4u * i], b = candidate_key[base + 4u * i + 1u],
+                       c = candidate_key[base + 4u * i + 2u], d = candidate_key[base + 4u * i + 3u];
+            place += uint(a < key) + uint(b < key) + uint(c < key) + uint(d < key);
         }
+        if (first + lane < candidate_count) SORTED(place) = own;
+    }
+    share();
 }
 
 // False when the store does not hold them: then `next` is shorter, or the status tells why that is of no use.
@@ -228,7 +248,7 @@ bool search() {
     const float shorter =
         candidate_count == 0u
             ? 0.5 * (done + next)
-            : distance_of(candidate_key[SUBGROUP_STORE * SUBGROUP + candidate_count * uint(first_count) / 160u]);
+            : distance_at(candidate_count * uint(first_count) / 160u);
     if (shorter > done && shorter < next)
         next = shorter;
     else

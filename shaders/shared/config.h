@@ -47,10 +47,11 @@
 // clip_subgroup: words of shared memory that a subgroup has. Beside them are the planes of its cell, 6 numbers and an
 // id each, and a plane being tested for each lane, of 5 numbers.
 #define SUBGROUP_PLANES 32
-#define SUBGROUP_STORE 128    // candidates; a power of two
-#define SUBGROUP_NODES 96     // boxes to open
-#define SUBGROUP_GROUPS 80    // groups to look into, at least 64 + 64 / GROUP_SEEDS
-#define SUBGROUP_SCRATCH 192  // boxes, groups and MOST_LEVELS numbers; while it clips, four words a plane
+#define SUBGROUP_STORE 128  // candidates; a power of two
+#define SUBGROUP_NODES 96   // boxes to open
+#define SUBGROUP_GROUPS 80  // groups to look into, at least 64 + 64 / GROUP_SEEDS
+// Boxes and groups, or three words a plane and the order of the store; and MOST_LEVELS numbers.
+#define SUBGROUP_SCRATCH 240
 #define SUBGROUP_SEARCHES 24  // of a cell, before it is left to the second tier
 
 // clip: where a row is; rows of the second tier have the bit set.
