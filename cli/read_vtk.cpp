@@ -133,7 +133,9 @@ private:
             if (to.empty()) {
                 to = std::move(values);
             } else {
-                to.insert(to.end(), values.begin(), values.end());
+                const std::size_t before = to.size();
+                to.resize(before + values.size());
+                std::copy(values.begin(), values.end(), to.begin() + static_cast<std::ptrdiff_t>(before));
             }
         };
         add(input.points, load_floats(*piece.points, layout_, 3 * piece.count, name_ + ": points"));

@@ -27,6 +27,7 @@ layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e
 layout(constant_id = CONSTANT_LANES) const int lanes = 32;
 layout(constant_id = CONSTANT_SUBGROUPS) const int subgroups = 2;
 layout(constant_id = CONSTANT_FIRST_COUNT) const int first_count = 48;
+layout(constant_id = CONSTANT_LOCKSTEP) const bool lockstep = false;
 layout(push_constant) uniform Push { CellsPush push; };
 #include "lib/node.glsl"
 layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };

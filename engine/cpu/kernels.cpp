@@ -3,6 +3,8 @@
 #include <bit>
 #include <cstring>
 
+#include "cpu/target.hpp"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -136,8 +138,7 @@ __attribute__((target("avx512f"))) int select_band_compress(const double* distan
 VOTESS_KERNELS(baseline, , select_band_plain)
 #if defined(__x86_64__)
 VOTESS_KERNELS(avx2, __attribute__((target("avx2"))), select_band_plain)
-VOTESS_KERNELS(avx512, __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"))),
-               select_band_compress)
+VOTESS_KERNELS(avx512, VOTESS_TARGET_512("avx512f,avx512dq,avx512vl"), select_band_compress)
 #endif
 
 }  // namespace

@@ -2,8 +2,12 @@
 #include "cpu/star_context.hpp"
 
 #if defined(__x86_64__)
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,fma,lzcnt,popcnt"))), apply_to = function)
+#else
 #pragma GCC push_options
 #pragma GCC target("avx2,bmi,bmi2,fma,lzcnt,popcnt")
+#endif
 #include "cpu/star_walk.hpp"
 
 namespace votess::cpu {
@@ -16,5 +20,9 @@ std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& 
 }
 
 }  // namespace votess::cpu
+#ifdef __clang__
+#pragma clang attribute pop
+#else
 #pragma GCC pop_options
+#endif
 #endif

@@ -17,7 +17,8 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     double longest = 0;
     for (int p = 0; p < planes_; ++p) {
         need_plane(p);
-        normal[p] = __builtin_shuffle(Wide(wide(n_[p])), turn_twice) * unscale_;
+        turn_twice(wide(n_[p]), normal[p]);
+        normal[p] *= unscale_;
         area[p] = Wide{};
         longest = std::max(longest, h_[p]);
     }
@@ -25,15 +26,20 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     int corner = 0;
     for (int v = 0; v < vertices_; ++v) {
         const Wide from = wide(position_[v]);
-        const Wide from_turned = __builtin_shuffle(from, turn);
+        Wide from_turned;
+        turn(from, from_turned);
         // The edge along planes a, b is counterclockwise around b; its other end has it around a.
         auto add_edge = [&](int a, int b, Wide& moment) __attribute__((always_inline)) {
             const Wide to = wide(position_[from_vertex_[b][a]]);
-            const Wide across = from * __builtin_shuffle(to, turn) - from_turned * to;
+            Wide to_turned;
+            turn(to, to_turned);
+            const Wide across = from * to_turned - from_turned * to;
             area[b] += across;
-            Wide part = across * normal[b];
-            part += __builtin_shuffle(part, turn) + __builtin_shuffle(part, turn_twice);
-            moment += part * (from + to);
+            const Wide part = across * normal[b];
+            Wide part_turned, part_turned_twice;
+            turn(part, part_turned);
+            turn_twice(part, part_turned_twice);
+            moment += (part + (part_turned + part_turned_twice)) * (from + to);
         };
         const std::uint8_t* planes = corners_.data() + corner;
         const int count = first_corner_[v + 1] - corner;
@@ -54,7 +60,9 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     for (int p = 0; p < planes_; ++p) {
         const double part = dot(normal[p], area[p]);
         volume += part;
-        moment += 0.5 * part * __builtin_shuffle(normal[p], turn);
+        Wide normal_turned;
+        turn(normal[p], normal_turned);
+        moment += 0.5 * part * normal_turned;
     }
     volume /= 12;
     if (!(volume > smallest_volume)) return false;

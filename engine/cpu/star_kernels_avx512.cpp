@@ -3,17 +3,19 @@
 #include <limits>
 
 #include "cpu/star_kernels_plain.hpp"
+#include "cpu/target.hpp"
 
 #if defined(__x86_64__)
 // GCC 12 takes the undefined operands that its own header passes to masked instructions for mistakes (GCC bug 105593).
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
+#ifndef __clang__
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <immintrin.h>
 #pragma GCC diagnostic pop
 
-#define VOTESS_AVX512 \
-    __attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi,prefer-vector-width=512")))
+#define VOTESS_AVX512 VOTESS_TARGET_512("avx512f,avx512dq,avx512vl,avx512bw,fma,popcnt,bmi")
 
 namespace votess::cpu {
 namespace {

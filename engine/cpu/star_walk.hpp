@@ -45,9 +45,9 @@ private:
     static constexpr int most_hints = 32;  // of a cell
     static constexpr std::uint16_t no_slot = 255;
 
-    using Wide = double __attribute__((vector_size(32), aligned(8), may_alias));
-    using Lanes = std::int64_t __attribute__((vector_size(32)));
-    static constexpr Lanes turn{1, 2, 0, 3}, turn_twice{2, 0, 1, 3};
+    // Attributes stand behind the name: elsewhere Clang does not see a lesser alignment.
+    using Wide __attribute__((vector_size(32), aligned(8), may_alias)) = double;
+    static_assert(alignof(Wide) == 8);
 
     // By reference, for processors without such registers.
     [[gnu::always_inline]] static const Wide& wide(const Four& four) { return reinterpret_cast<const Wide&>(four); }
@@ -56,13 +56,23 @@ private:
         const Wide ab = a * b;
         return ab[0] + ab[1] + ab[2];
     }
+    // y, z, x of an x, y, z; the last lane stays.
+    [[gnu::always_inline]] static void turn(const Wide& a, Wide& out) {
+        out = __builtin_shufflevector(a, a, 1, 2, 0, 3);
+    }
+    [[gnu::always_inline]] static void turn_twice(const Wide& a, Wide& out) {
+        out = __builtin_shufflevector(a, a, 2, 0, 1, 3);
+    }
     [[gnu::always_inline]] static void cross(const Wide& a, const Wide& b, Wide& out) {
-        const Wide turned = a * __builtin_shuffle(b, turn) - __builtin_shuffle(a, turn) * b;
-        out = __builtin_shuffle(turned, turn);
+        Wide turned_a, turned_b;
+        turn(a, turned_a);
+        turn(b, turned_b);
+        turn(a * turned_b - turned_a * b, out);
     }
 
     [[gnu::always_inline]] static void narrow(const Wide& w, float* out) {
-        using Floats = float __attribute__((vector_size(16), aligned(4), may_alias));
+        using Floats __attribute__((vector_size(16), aligned(4), may_alias)) = float;
+        static_assert(alignof(Floats) == 4);
         *reinterpret_cast<Floats*>(out) = __builtin_convertvector(w, Floats);
     }
 

@@ -69,7 +69,7 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
          BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_PLACE, BINDING_ROWS, BINDING_GEOMETRY, BINDING_TODO,
          BINDING_CHUNK_STATE, BINDING_AREAS},
         subgroups * settings.subgroup_size,
-        {limits.planes, limits.vertices, 0u, wanted_geometry(settings),
+        {limits.planes, limits.vertices, adapter.lockstep ? 1u : 0u, wanted_geometry(settings),
          std::bit_cast<std::uint32_t>(float_unit(device)), settings.subgroup_size, subgroups, settings.first_count},
         settings.subgroup_size);
 }

@@ -14,7 +14,7 @@ constexpr VkDeviceSize staging_bytes = VkDeviceSize{8} << 20;
 }  // namespace
 
 SeedStore::SeedStore(vulkan::Device& device, vulkan::Memory& memory)
-    : device_(device), memory_(memory), commands_(device, 4), uploads_{Commands(device, 2), Commands(device, 2)} {}
+    : memory_(memory), commands_(device, 4), uploads_{Commands(device, 2), Commands(device, 2)} {}
 
 std::uint32_t SeedStore::most_seeds(const vulkan::Device& device, const vulkan::Memory& memory) {
     const auto range = std::min<VkDeviceSize>(device.adapter().limits.maxStorageBufferRange, memory.max_buffer_bytes());

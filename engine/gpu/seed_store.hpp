@@ -53,7 +53,6 @@ private:
     void upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
     void reserve(std::uint32_t count);
 
-    vulkan::Device& device_;
     vulkan::Memory& memory_;
     OwnBuffers buffers_{memory_};
     Buffer staging_[2], state_host_, order_host_;

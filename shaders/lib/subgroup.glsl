@@ -3,7 +3,7 @@
 // Variant: LANES_OF_WORK_GROUP takes the invocations of a work-group instead, by shared memory, and any number of them;
 // so a device tests the kernels for subgroups that it does not have.
 //
-// Needs lanes, subgroups and lib/number.glsl.
+// Needs lanes, subgroups, lockstep and lib/number.glsl.
 
 uint lane;
 
@@ -109,7 +109,10 @@ bool enter_subgroup() {
 
 // What the lanes have written to shared memory becomes visible to all of the subgroup.
 void share() {
-    subgroupBarrier();  // of control and of memory
+    if (lockstep)
+        subgroupMemoryBarrierShared();
+    else
+        subgroupBarrier();  // of control and of memory
 }
 
 bool any_lane(bool yes) {

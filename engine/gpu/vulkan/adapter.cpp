@@ -137,6 +137,7 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
     a.max_allocation = limits.maxMemoryAllocationSize;
     a.max_buffer = buffers.maxBufferSize ? buffers.maxBufferSize : a.max_allocation;
     a.max_buffer = std::min({a.max_buffer, a.max_allocation, a.device_memory});
+    a.lockstep = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
     a.driver = driver.driverName;
     if (driver.driverInfo[0]) a.driver += std::string(" ") + driver.driverInfo;
 }

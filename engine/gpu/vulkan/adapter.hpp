@@ -34,6 +34,9 @@ struct Adapter {
     bool subgroup_size_control = false;    // a compute shader can ask for a size, and for full subgroups
     bool subgroup_size_extension = false;  // ... after VK_EXT_subgroup_size_control was enabled
     std::uint32_t max_subgroups = 0;       // of a work-group that asks for a size
+    // Subgroups are vectors of a CPU: their lanes never part, and need no barrier. llvmpipe (Mesa 25) must not be given
+    // one: it takes it for the work-group's, and ends the work-group with the first subgroup that ends.
+    bool lockstep = false;
 
     bool float64 = false;
     bool int64 = false;

@@ -248,8 +248,12 @@ VkBool32 Instance::on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity, V
                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* self) {
     try {
         const bool error = severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-        static_cast<Instance*>(self)->add_message((error ? "error: " : "warning: ") +
-                                                  std::string(data->pMessage ? data->pMessage : ""));
+        const std::string_view text = data->pMessage ? data->pMessage : "";
+        const std::string_view rule = data->pMessageIdName ? data->pMessageIdName : "";
+        std::string message = error ? "error: " : "warning: ";
+        // Older layers name the rule in the text.
+        if (!rule.empty() && text.find(rule) == text.npos) message.append(rule).append(": ");
+        static_cast<Instance*>(self)->add_message(message.append(text));
     } catch (...) {  // out of memory: the caller is C, and must not see an exception
     }
     return VK_FALSE;
