@@ -40,8 +40,8 @@ std::string picture_file(const std::string& folder, std::uint32_t frame) {
 }
 
 // The cells of a frame that is still in its buffers are right, for each plan, and its picture shows those of the first.
-void check_frame(const Arguments& arguments, const HostDevice& device, const Frames& frames,
-                 const std::vector<votess::vulkan::Plan>& plans, std::uint32_t frame) {
+void check_frame(const Arguments& arguments, const Frames& frames, const std::vector<votess::vulkan::Plan>& plans,
+                 std::uint32_t frame) {
     const std::vector<float> seeds = frames.seeds(frame);
     for (std::size_t p = 0; p < plans.size(); ++p) {
         const Results results = frames.results(frame, p);
@@ -84,7 +84,7 @@ void run(const Arguments& arguments, Messages& messages) {
     for (std::uint32_t frame = left; frame < arguments.frames; ++frame) finish(frame);
     std::printf("%s\n", device.properties().deviceName);
     for (std::uint32_t frame = left; frame < arguments.frames; ++frame) {
-        check_frame(arguments, device, frames, plans, frame);
+        check_frame(arguments, frames, plans, frame);
     }
 }
 
