@@ -5,6 +5,7 @@
 // Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in pairs of float32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "shared/bindings.h"
 #include "shared/layout.h"
 

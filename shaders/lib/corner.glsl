@@ -12,7 +12,7 @@
 // the last for its sum with all others. The areas are right to volume_error 3 / R altogether: relative to the surface
 // that is better than the volume, which is at most surface R / 3.
 //
-// Needs want_geometry, quantum, lib/number.glsl and lib/relative.glsl.
+// Needs want_geometry, quantum, plane_of, lib/number.glsl and lib/relative.glsl.
 
 struct ExactPlane {
     Vector n;
@@ -49,52 +49,62 @@ Moments no_moments() {
     return Moments(zero, Vector(zero, zero, zero), 0.0, 0.0);
 }
 
-// Adds the tetrahedra of the vertex of three planes. areas: what it adds to the areas of their faces.
-void add_corner(ExactPlane plane[3], inout Moments all, out Number areas[3]) {
-    Number square[3], h[3], of_normal[3];
-    float norm[3];
-    for (int k = 0; k < 3; ++k) {
-        square[k] = dot(plane[k].n, plane[k].n);
-        h[k] = times(plane[k].foot, square[k]);
-        norm[k] = sqrt(rounded(square[k]));
-        of_normal[k] = areas[k] = number(0.0);
-    }
-    Vector t[3];
-    for (int k = 0; k < 3; ++k) t[k] = cross(plane[k].n, plane[k == 2 ? 0 : k + 1].n);
-    const Number inverse_det = reciprocal(dot(plane[0].n, t[1]));
-    const Vector vertex =
-        times(plus(plus(times(t[1], h[0]), times(t[2], h[1])), times(t[0], h[2])), inverse_det);
+// Of the cell that is measured; defined where the planes are kept.
+ExactPlane exact_plane_at(uint plane);
+
+// The vertex of three planes.
+Vector exact_vertex(ExactPlane a, ExactPlane b, ExactPlane c, inout Moments all) {
+    const Vector ab = cross(a.n, b.n), bc = cross(b.n, c.n), ca = cross(c.n, a.n);
+    const Number square_a = dot(a.n, a.n), square_b = dot(b.n, b.n), square_c = dot(c.n, c.n);
+    const Number inverse_det = reciprocal(dot(a.n, bc));
+    const Vector sum = plus(plus(times(bc, times(a.foot, square_a)), times(ca, times(b.foot, square_b))),
+                            times(ab, times(c.foot, square_c)));
+    const Vector vertex = times(sum, inverse_det);
     const vec3 near_vertex = vec3(rounded(vertex.x), rounded(vertex.y), rounded(vertex.z));
     all.farthest = max(all.farthest, dot(near_vertex, near_vertex));
-    all.error += 306.0 * (norm[0] * norm[1] * norm[2] * rounded(inverse_det)) + 150.0;
+    const float norms = sqrt(rounded(square_a)) * sqrt(rounded(square_b)) * sqrt(rounded(square_c));
+    all.error += 306.0 * (norms * rounded(inverse_det)) + 150.0;
+    return vertex;
+}
 
-    Number of_vertex = number(0.0);
-    for (int k = 0; k < 3; ++k) {
-        const int l = k == 2 ? 0 : k + 1;
-        const Number over = reciprocal(dot(t[k], t[k])), both = dot(plane[k].n, plane[l].n);
-        const Number alpha = times(minus(times(h[k], square[l]), times(h[l], both)), over);
-        const Number beta = times(minus(times(h[l], square[k]), times(h[k], both)), over);
-        const Number along = dot(vertex, t[k]);
-        const Number area_k = times(beta, along), area_l = times(alpha, along);  // twice, and times |n|
-        const Number part_k = times(plane[k].foot, area_k), part_l = times(plane[l].foot, area_l);
-        const Number part = plus(part_k, part_l);
-        of_vertex = plus(of_vertex, part);
-        // Of the sum of the corners r_a, r_ab and X, in terms of n_a, n_b and X.
-        of_normal[k] = plus(of_normal[k], plus(times(part, alpha), times(part_k, plane[k].foot)));
-        of_normal[l] = plus(of_normal[l], plus(times(part, beta), times(part_l, plane[l].foot)));
-        if (want_geometry == 2u) {
-            areas[k] = plus(areas[k], area_k);
-            areas[l] = plus(areas[l], area_l);
-        }
-        const float sines = norm[k] * norm[l];
-        all.error += 100.0 * sines * sines * rounded(over);
+// Adds the two tetrahedra of a vertex on its edge of planes a and b, and what they add to the areas of the two faces.
+void add_edge(ExactPlane a, ExactPlane b, Vector vertex, inout Moments all, inout Number area_a, inout Number area_b) {
+    const Vector t = cross(a.n, b.n);
+    const Number square_a = dot(a.n, a.n), square_b = dot(b.n, b.n), both = dot(a.n, b.n);
+    const Number h_a = times(a.foot, square_a), h_b = times(b.foot, square_b);
+    const Number over = reciprocal(dot(t, t)), along = dot(vertex, t);
+    const Number alpha = times(minus(times(h_a, square_b), times(h_b, both)), over);
+    const Number beta = times(minus(times(h_b, square_a), times(h_a, both)), over);
+    const Number on_a = times(beta, along), on_b = times(alpha, along);  // areas, twice, and times |n|
+    const Number part_a = times(a.foot, on_a), part_b = times(b.foot, on_b);
+    const Number part = plus(part_a, part_b);
+    all.sum = plus(all.sum, part);
+    // The sum of the corners r_a or r_b, r_ab and X, in terms of n_a, n_b and X.
+    all.first = plus(all.first, times(vertex, part));
+    all.first = plus(all.first, times(a.n, plus(times(part, alpha), times(part_a, a.foot))));
+    all.first = plus(all.first, times(b.n, plus(times(part, beta), times(part_b, b.foot))));
+    all.error += 100.0 * rounded(square_a) * rounded(square_b) * rounded(over);
+    if (want_geometry != 2u) return;
+    area_a = plus(area_a, times(on_a, reciprocal(times(root(square_a), number(2.0)))));
+    area_b = plus(area_b, times(on_b, reciprocal(times(root(square_b), number(2.0)))));
+}
+
+// Adds the tetrahedra of the vertex of three planes, of 8 bits each. areas: what it adds to the areas of their faces.
+// The loop is not unrolled: of all that is measured it needs the most registers.
+void add_corner(uint planes, inout Moments all, out Number areas[3]) {
+    const Vector vertex = exact_vertex(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)),
+                                       exact_plane_at(plane_of(planes, 2)), all);
+    Number area_a = number(0.0), area_b = number(0.0), area_c = number(0.0);
+    [[dont_unroll]] for (int k = 0; k < 3; ++k) {
+        add_edge(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)), vertex, all, area_a, area_b);
+        // The next edge; after three all is where it was.
+        planes = plane_of(planes, 1) | (plane_of(planes, 2) << 8) | (plane_of(planes, 0) << 16);
+        const Number first = area_a;
+        area_a = area_b;
+        area_b = area_c;
+        area_c = first;
     }
-    all.sum = plus(all.sum, of_vertex);
-    all.first = plus(all.first, times(vertex, of_vertex));
-    for (int k = 0; k < 3; ++k) {
-        all.first = plus(all.first, times(plane[k].n, of_normal[k]));
-        if (want_geometry == 2u) areas[k] = times(times(areas[k], number(0.5)), reciprocal(root(square[k])));
-    }
+    areas = Number[3](area_a, area_b, area_c);
 }
 
 void conclude(Moments all) {

@@ -4,6 +4,10 @@
 ExactPlane exact_plane[most_planes];
 Number area[most_planes];  // when want_geometry is 2
 
+ExactPlane exact_plane_at(uint plane) {
+    return exact_plane[plane];
+}
+
 void measure_cell() {
     for (int w = 0; w < plane_words; ++w)
         for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {
@@ -16,10 +20,8 @@ void measure_cell() {
         }
     Moments all = no_moments();
     for (int v = 0; v < vertex_count; ++v) {
-        ExactPlane planes[3];
         Number areas[3];
-        for (int k = 0; k < 3; ++k) planes[k] = exact_plane[plane_of(vertex_planes[v], k)];
-        add_corner(planes, all, areas);
+        add_corner(vertex_planes[v], all, areas);
         if (want_geometry == 2u)
             for (int k = 0; k < 3; ++k) {
                 const uint p = plane_of(vertex_planes[v], k);

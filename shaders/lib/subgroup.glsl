@@ -103,7 +103,7 @@ uint subgroup_index;
 bool enter_subgroup() {
     lane = gl_SubgroupInvocationID;
     const uint mine = gl_LocalInvocationID.x / uint(lanes);
-    subgroup_index = subgroupBroadcastFirst(mine);
+    subgroup_index = subgroups == 1 ? 0u : subgroupBroadcastFirst(mine);
     return subgroupAll(mine == subgroup_index && gl_SubgroupSize == uint(lanes) && gl_NumSubgroups == uint(subgroups));
 }
 

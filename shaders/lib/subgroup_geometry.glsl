@@ -65,10 +65,7 @@ void measure_cell(uint used, uint vertices) {
         uint planes = 0xffffffu;  // none
         if (first + lane < vertices) {
             planes = VERTEX_LIST(first + lane);
-            const ExactPlane corner[3] =
-                ExactPlane[3](exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)),
-                              exact_plane_at(plane_of(planes, 2)));
-            add_corner(corner, all, parts);
+            add_corner(planes, all, parts);
         }
         if (want_geometry != 2u) continue;
         for (uint rest = used; rest != 0u; rest &= rest - 1u) {
