@@ -15,7 +15,7 @@ namespace votess {
 namespace {
 
 constexpr const char* axis_name[3] = {"x", "y", "z"};
-constexpr unsigned most_threads = 1024, most_resolution = 1u << 20, most_k_init = 1024;
+constexpr unsigned most_threads = 1024, most_resolution = 1u << 20;
 constexpr std::size_t most_index_digits = 6;
 constexpr double largest_scaled_weight = 0x1p500;  // so that no square overflows
 

@@ -6,6 +6,7 @@
 #include "cpu/target.hpp"
 
 #if defined(__x86_64__)
+#include <cpuid.h>
 #include <immintrin.h>
 #endif
 
@@ -141,6 +142,14 @@ VOTESS_KERNELS(avx2, __attribute__((target("avx2"))), select_band_plain)
 VOTESS_KERNELS(avx512, VOTESS_TARGET_512("avx512f,avx512dq,avx512vl"), select_band_compress)
 #endif
 
+#if defined(__x86_64__)
+// Clang 14 has no name for it.
+bool has_lzcnt() {
+    unsigned a = 0, b = 0, c = 0, d = 0;
+    return __get_cpuid(0x80000001, &a, &b, &c, &d) != 0 && (c & bit_LZCNT) != 0;
+}
+#endif
+
 }  // namespace
 
 std::vector<const Kernels*> supported_kernels() {
@@ -148,8 +157,8 @@ std::vector<const Kernels*> supported_kernels() {
 #if defined(__x86_64__)
     // All that any code of the set is compiled for: a virtual machine may hide some of it.
     const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                          __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-                          __builtin_cpu_supports("lzcnt") && __builtin_cpu_supports("popcnt");
+                          __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt() &&
+                          __builtin_cpu_supports("popcnt");
     if (has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
         supported.push_back(&kernels_avx512);
