@@ -14,7 +14,7 @@
 
 namespace votess::cpu {
 
-struct Four {
+struct alignas(32) Four {
     double x[4];
 };
 
