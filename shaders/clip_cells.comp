@@ -2,7 +2,7 @@
 // proves the cell complete. A cell that cannot be proven gets the status that says why. The second tier has larger
 // arrays, and goes on where the list ends.
 //
-// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in pairs of float32.
+// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in sums of two float32.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,6 +1,7 @@
 // download: the rows of a chunk one after the other, each in ascending order, and the areas beside them.
 //
-// Variants: AREAS, which are moved as the two words that any Number takes. SHIFTS: images get the name of their seed, and shifts stand beside the rows, which are in the order of both.
+// Variants: AREAS, which are moved as the two words that any Number takes. SHIFTS: images get the name of their seed, and
+// shifts stand beside the rows, which are in the order of both.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/bindings.h"

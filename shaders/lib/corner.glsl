@@ -1,8 +1,9 @@
 // Volume, centroid and areas of the faces of a finished cell, from its planes and vertices alone. Feet of the seed on a
-// face's plane (r_a = foot_a n_a) and on an edge's line (r_ab) split the cell into tetrahedra (seed, r_a, r_ab, vertex),
-// signed, six a vertex. With t = n_a x n_b along the edge and
-//     r_ab = alpha n_a + beta n_b,  alpha = (h_a |n_b|^2 - h_b n_a.n_b) / |t|^2,  beta = (h_b |n_a|^2 - h_a n_a.n_b) / |t|^2
-// both on the edge (a,b) of the vertex X have
+// face's plane (r_a = foot_a n_a) and on an edge's line (r_ab) split the cell into tetrahedra (seed, r_a, r_ab, X),
+// signed, two for each edge (a,b) of a vertex X. With t = n_a x n_b and
+//     r_ab = alpha n_a + beta n_b,
+//     alpha = (h_a |n_b|^2 - h_b n_a.n_b) / |t|^2,  beta = (h_b |n_a|^2 - h_a n_a.n_b) / |t|^2,
+// these two together have
 //     6 V = (foot_a beta + foot_b alpha) X.t ,
 // and add beta X.t / (2 |n_a|) to the area of face a, alpha X.t / (2 |n_b|) to that of b.
 //

@@ -1,8 +1,8 @@
 // The numbers that a cell is measured in: float64, or where a device has none, sums of two float32.
 //
 // Sums and products of the latter are those of Dekker (1971) and Knuth; a product's factors are split by rounding their
-// bits, which is exact on every device. Where a device rounds to nearest they are right to 2^-44, reciprocals and roots to
-// 2^-42; another rounding to one of the two neighbors costs less than two bits (Boldo, Graillat, Muller 2017).
+// bits, which is exact on every device. Where a device rounds to nearest they are right to 2^-44, reciprocals and roots
+// to 2^-42; another rounding to one of the two neighbors costs less than two bits (Boldo, Graillat, Muller 2017).
 //
 // Variant: GEOMETRY_FLOAT64.
 

@@ -1,6 +1,7 @@
 // The seeds around one, by a subgroup: all whose squared distance is at least `done` and below `next` and that can cut
-// the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the seed's group and of all
-// that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups of seeds before boxes.
+// the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the seed's
+// group and of all that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups of seeds
+// before boxes.
 //
 // The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
 // buckets taken by atomics would.

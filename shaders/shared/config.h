@@ -89,9 +89,9 @@
 #define CONSTANT_UNIT_ROUNDOFF 5  // clip: float32's, as float bits
 #define CONSTANT_LIST_OF_TODO 6   // clip: 1 when the list has a column for each cell of the second tier alone
 #define CONSTANT_LOCKSTEP 3       // clip_subgroup: 1 where lanes cannot run ahead of each other
-#define CONSTANT_LANES 6        // clip_subgroup: invocations of a subgroup, 8 to 64; tier and planes are not asked for
-#define CONSTANT_SUBGROUPS 7    // clip_subgroup: of a work-group
-#define CONSTANT_FIRST_COUNT 8  // clip_subgroup: seeds that the first search aims at
-#define CONSTANT_TODO_GROUP 1   // todo: local size of the second tier
+#define CONSTANT_LANES 6          // clip_subgroup: invocations of a subgroup, 8 to 64; it has no tier, no list
+#define CONSTANT_SUBGROUPS 7      // clip_subgroup: of a work-group
+#define CONSTANT_FIRST_COUNT 8    // clip_subgroup: seeds that the first search aims at
+#define CONSTANT_TODO_GROUP 1     // todo: local size of the second tier
 
 #endif
