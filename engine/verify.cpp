@@ -81,10 +81,6 @@ bool takes_part(const Tessellation& t, std::size_t j) {
     return t.status()[j] != CellStatus::duplicate && t.status()[j] != CellStatus::outside;
 }
 
-double distance_squared(const exact::Point& p, const exact::Point& q) {
-    return (q[0] - p[0]) * (q[0] - p[0]) + (q[1] - p[1]) * (q[1] - p[1]) + (q[2] - p[2]) * (q[2] - p[2]);
-}
-
 struct Wrapped {
     exact::Shift shift;
     exact::Point at;  // rounded
@@ -93,56 +89,85 @@ Wrapped wrapped_seed(const Job& job, std::size_t j) {
     const exact::Point p = scaled_seed(job, j);
     if (!job.domain->is_periodic()) return {{}, p};
     const exact::Shift shift = wrap(*job.domain, p).value_or(exact::Shift{});
-    const exact::Point step = job.domain->translation(shift);
-    return {shift, {p[0] + step[0], p[1] + step[1], p[2] + step[2]}};
+    const auto at = exact::differences({}, exact::Plane::bisector(p, shift, job.domain->lattice)).x;
+    return {shift, {at[0].high, at[1].high, at[2].high}};
 }
 
-// By every seed; nearest first, for speed alone. In a periodic domain by every image that can reach what the seeds
-// themselves have left.
+// Images of one seed by a range of shifts.
+struct Images {
+    double distance_squared;  // of the nearest, or less
+    std::int32_t id;
+    ShiftRange shifts;
+};
+
+bool farther(const Images& a, const Images& b) {
+    return a.distance_squared > b.distance_squared;
+}
+
+// By every seed, and in a periodic domain by every image that can reach what is left of the cell: ranges of shifts are
+// halved until they hold one. Nearest first, for speed alone.
 void clip_by_all(const Tessellation& t, const Job& job, std::size_t i, cpu::Cell& cell) {
     const Domain& domain = *job.domain;
     const Wrapped own = wrapped_seed(job, i);
-    struct Other {
-        double distance;
-        std::int32_t id;
-        exact::Shift shift;
-    };
-    const auto clip = [&](std::vector<Other>& others) {
-        std::ranges::sort(others, {}, &Other::distance);
-        for (const Other& o : others) {
-            const auto j = static_cast<std::size_t>(o.id);
-            const Wrapped theirs = wrapped_seed(job, j);
-            exact::Shift total;
-            for (std::size_t k = 0; k < 3; ++k) total[k] = o.shift[k] + theirs.shift[k] - own.shift[k];
-            exact::Plane plane = exact::Plane::bisector(scaled_seed(job, j), total, domain.lattice);
-            if (domain.has_weights()) plane.power = exact::two_sum(domain.weights[i], -domain.weights[j]);
-            cell.clip(o.id, plane, o.shift);
-        }
-    };
-    std::vector<Other> others;
-    others.reserve(t.size());
-    cell.start(scaled_seed(job, i), domain, static_cast<std::int32_t>(i), own.at);
-    for (std::size_t j = 0; j < t.size(); ++j)
-        if (j != i && takes_part(t, j))
-            others.push_back({distance_squared(own.at, wrapped_seed(job, j).at), static_cast<std::int32_t>(j), {}});
-    clip(others);
-    if (!domain.is_periodic()) return;
-    others.clear();
+    const double more = domain.has_weights() ? domain.largest_weight - domain.weights[i] : 0;
+    double largest = 0;
+    for (int k = 0; k < 3; ++k)
+        largest = std::max({largest, std::abs(domain.box.lower[k]), std::abs(domain.box.upper[k])});
+    const double rounding = domain.is_periodic() ? 16 * 0x1p-53 * largest : 0;
+    cell.start(scaled_seed(job, i), domain, static_cast<std::int32_t>(i));
     // R + sqrt(R^2 + w - w_i) for the largest weight w.
     const double square = cell.radius_squared() * (1 + 1e-9);
-    const double more = domain.has_weights() ? domain.largest_weight - domain.weights[i] : 0;
-    const double distance = (std::sqrt(square) + std::sqrt(square + more)) * (1 + 1e-9), reach = distance * distance;
-    for (const exact::Shift& shift : domain.shifts_within(own.at, distance)) {
-        if (shift == exact::Shift{}) continue;
-        const exact::Point step = domain.translation(shift);
-        for (std::size_t j = 0; j < t.size(); ++j) {
-            if (!takes_part(t, j)) continue;
-            const exact::Point q = wrapped_seed(job, j).at;
-            const double square_there = distance_squared(own.at, {q[0] + step[0], q[1] + step[1], q[2] + step[2]});
-            if (square_there <= reach) others.push_back({square_there, static_cast<std::int32_t>(j), shift});
+    const double distance = (std::sqrt(square) + std::sqrt(square + more)) * (1 + 1e-9) + rounding;
+
+    std::vector<Images> images;
+    const auto bounds_of = [&](const exact::Point& q, const ShiftRange& shifts) {
+        return domain.is_periodic() ? images_of(domain, {q, q}, shifts) : Box{q, q};
+    };
+    const auto add = [&](std::int32_t id, const exact::Point& q, const ShiftRange& shifts) {
+        const Box bounds = bounds_of(q, shifts);
+        double square_there = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double gap = std::max({0.0, bounds.lower[k] - own.at[k], own.at[k] - bounds.upper[k]});
+            square_there += gap * gap;
         }
+        images.push_back({square_there, id, shifts});
+        std::ranges::push_heap(images, farther);
+    };
+    for (std::size_t j = 0; j < t.size(); ++j) {
+        if (!takes_part(t, j) || (j == i && !domain.is_periodic())) continue;
+        const exact::Point q = wrapped_seed(job, j).at;
+        add(static_cast<std::int32_t>(j), q,
+            domain.is_periodic() ? shifts_around(domain, {q, q}, own.at, distance) : ShiftRange{});
     }
-    clip(others);
+    while (!images.empty()) {
+        std::ranges::pop_heap(images, farther);
+        Images next = images.back();
+        images.pop_back();
+        const auto j = static_cast<std::size_t>(next.id);
+        const Wrapped theirs = wrapped_seed(job, j);
+        const Box bounds = bounds_of(theirs.at, next.shifts);
+        cpu::BoundingBox box;
+        for (int k = 0; k < 3; ++k) box.lower[k] = bounds.lower[k], box.upper[k] = bounds.upper[k];
+        if (!cell.in_reach(box, own.at, rounding, more)) continue;
+        ShiftRange& range = next.shifts;
+        if (!range.is_single()) {
+            const auto axis = static_cast<std::size_t>(longest_extent(domain, range).axis);
+            const std::int32_t most = range.most[axis];
+            range.most[axis] = range.least[axis] + (most - range.least[axis]) / 2;
+            add(next.id, theirs.at, range);
+            range.least[axis] = range.most[axis] + 1;
+            range.most[axis] = most;
+            add(next.id, theirs.at, range);
+            continue;
+        }
+        const exact::Shift shift = domain.is_periodic() ? only_shift(domain, range) : exact::Shift{};
+        if ((j == i && shift == exact::Shift{}) || cell.knows(next.id, shift)) continue;
+        exact::Shift total;
+        for (std::size_t k = 0; k < 3; ++k) total[k] = shift[k] + theirs.shift[k] - own.shift[k];
+        exact::Plane plane = exact::Plane::bisector(scaled_seed(job, j), total, domain.lattice);
+        if (domain.has_weights()) plane.power = exact::two_sum(domain.weights[i], -domain.weights[j]);
+        cell.clip(next.id, plane, shift);
+    }
 }
 
 struct RowFace {

@@ -16,8 +16,16 @@ constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
 constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which only the exact test decides
 constexpr std::int32_t no_plane = -1;     // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
-// Every tolerance is at most worst_condition * 110 u * sqrt(3) |x| < 2.2e-10 |x|.
-constexpr double radius_slack = 1 + 1e-9;
+// Covers the rounding of squared lengths and distances, and of a box outward.
+constexpr double radius_slack = 1 + 32 * unit;
+// Vertices have a relative error of at most this.
+constexpr double worst_error = worst_condition * solved_factor;
+// A seed q cuts off a vertex v only if |q - v|^2 < |v|^2 + more, where `more` is by how much its weight is greater.
+// When v has a relative error of e, both sides change by less than 4.1 e (|v|^2 + more): with |q - v|^2 = D^2 by 2 e
+// |v| D.
+constexpr double reach_of_error(double e) {
+    return 1 + 5 * e;
+}
 // Squared distances below this may have underflowed; a cell that small is searched as if it were larger.
 constexpr double smallest_radius = 1e-280;
 
@@ -122,12 +130,7 @@ void Cell::start(const exact::Point& seed, const Box& box) {
 }
 
 void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id) {
-    start(seed, domain, id, seed);
-}
-
-void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id, const exact::Point& at) {
     seed_ = seed;
-    at_ = at;
     planes_.clear();
     const bool periodic = domain.is_periodic();
     for (int wall = 0; wall < 6; ++wall) {
@@ -135,7 +138,7 @@ void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id
             planes_.push_back(box_wall(seed, domain.box, wall));
             continue;
         }
-        exact::Shift shift = domain.short_vectors[wall / 2];
+        exact::Shift shift = domain.reduced.shift[wall / 2];
         if (wall % 2 == 0)
             for (auto& times : shift) times = -times;
         planes_.push_back(make_plane(seed, id, exact::Plane::bisector(seed, shift, domain.lattice), shift));
@@ -163,7 +166,7 @@ void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id
         y_[v] = (v & 2) != 0 ? planes_[3].h : -planes_[2].h;
         z_[v] = (v & 4) != 0 ? planes_[5].h : -planes_[4].h;
         tolerance_[v] = rounded_factor * (std::abs(x_[v]) + std::abs(y_[v]) + std::abs(z_[v]));
-        radius_[v] = x_[v] * x_[v] + y_[v] * y_[v] + z_[v] * z_[v];
+        radius_[v] = (x_[v] * x_[v] + y_[v] * y_[v] + z_[v] * z_[v]) * reach_of_error(rounded_factor);
     }
     for (std::size_t w = 0; w < domain.walls.size(); ++w) clip(-7 - static_cast<std::int32_t>(w), domain.walls[w]);
 }
@@ -178,19 +181,23 @@ double Cell::radius_squared() {
     return radius_squared_;
 }
 
-bool Cell::in_reach(const BoundingBox& box, const exact::Point& shift, double more) const {
+// Rounding of the subtraction and of coordinates moves the box outward.
+bool Cell::in_reach(const BoundingBox& box, const exact::Point& at, double rounding, double more) const {
     BoundingBox relative;
     for (int k = 0; k < 3; ++k) {
-        // Outward by the rounding of the subtraction, and of coordinates that are not as given.
-        const double rounding = at_ == seed_ && shift[k] == 0 ? 0 : 4 * unit * (std::abs(at_[k]) + std::abs(shift[k]));
-        relative.lower[k] = (box.lower[k] - at_[k]) + shift[k];
-        relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]) + rounding;
-        relative.upper[k] = (box.upper[k] - at_[k]) + shift[k];
-        relative.upper[k] += 2 * unit * std::abs(relative.upper[k]) + rounding;
+        relative.lower[k] = box.lower[k] - at[k];
+        relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]) + 2 * rounding;
+        relative.upper[k] = box.upper[k] - at[k];
+        relative.upper[k] += 2 * unit * std::abs(relative.upper[k]) + 2 * rounding;
     }
+    const double floor = smallest_radius + more * reach_of_error(worst_error) * radius_slack;
     for (int w = 0; w * word_slots < slots_; ++w)
-        if (kernels_.box_in_reach(block(w), relative, radius_slack, smallest_radius + more)) return true;
+        if (kernels_.box_in_reach(block(w), relative, radius_slack, floor)) return true;
     return false;
+}
+
+bool Cell::knows(std::int32_t id, const exact::Shift& shift) const {
+    return std::ranges::any_of(planes_, [&](const CellPlane& p) { return p.id == id && p.shift == shift; });
 }
 
 int Cell::refined_side(int slot, const CellPlane& plane) {
@@ -273,7 +280,7 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
     refined_[slot].tests = 0;
     x_[slot] = x, y_[slot] = y, z_[slot] = z;
     tolerance_[slot] = factor * (std::abs(x) + std::abs(y) + std::abs(z));
-    radius_[slot] = x * x + y * y + z * z;
+    radius_[slot] = (x * x + y * y + z * z) * reach_of_error(factor);
 }
 
 bool Cell::clip(std::int32_t id, const exact::Point& q) {

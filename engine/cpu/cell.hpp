@@ -59,19 +59,23 @@ public:
     // Begins anew with the box around the seed; the box contains the seed.
     void start(const exact::Point& seed, const Box& box);
     // The same with a domain, whose walls bound the cell, and along periodic axes the nearest images of the seed, which
-    // is `id`. at: the seed as wrapped into the domain, rounded; what in_reach() goes by.
+    // is `id`.
     void start(const exact::Point& seed, const Domain& domain, std::int32_t id = 0);
-    void start(const exact::Point& seed, const Domain& domain, std::int32_t id, const exact::Point& at);
     // Cuts by the bisector with q (not equal to the seed). True when the cell changed.
     bool clip(std::int32_t id, const exact::Point& q);
     // Cuts by any plane that is relative to seed(); a bisector with a seed at the same place needs power.
     bool clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift = {});
 
-    // At least the squared distance to the farthest vertex: no seed at 2 R or beyond cuts the cell.
+    // At least the squared distance to the farthest vertex, by enough for what it is compared with: no seed at 2 R or
+    // beyond cuts the cell.
     [[nodiscard]] double radius_squared();
-    // False only when no seed inside the box (absolute coordinates, moved by `shift`) can cut the cell. more: how much
-    // the weight of the seed may exceed that of the cell's, 0 or more.
-    [[nodiscard]] bool in_reach(const BoundingBox& box, const exact::Point& shift = {}, double more = 0) const;
+    // False only when no seed inside the box can cut the cell. The box holds rounded coordinates, and `at` is the
+    // rounded place of the cell's own seed: each may be off by `rounding`. more: how much the weight of the seed may
+    // exceed that of the cell's, 0 or more.
+    [[nodiscard]] bool in_reach(const BoundingBox& box, const exact::Point& at, double rounding = 0,
+                                double more = 0) const;
+    // Whether it has been cut, or begun, by that bisector.
+    [[nodiscard]] bool knows(std::int32_t id, const exact::Shift& shift) const;
     // Nothing is left: in a power diagram another seed is nearer everywhere.
     [[nodiscard]] bool empty() const { return empty_; }
 
@@ -133,7 +137,7 @@ private:
     void for_each_alive(Visit visit) const;
 
     const Kernels& kernels_;
-    exact::Point seed_{}, at_{};
+    exact::Point seed_{};
     std::vector<CellPlane> planes_;
 
     int slots_ = 0;  // slots in use or free below this

@@ -203,7 +203,8 @@ std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces,
 
 double Cell::farthest_squared(const CellFaces& faces) const {
     double farthest = 0;
-    for (const std::int32_t slot : faces.corners) farthest = std::max(farthest, radius_[slot]);
+    for (const std::int32_t slot : faces.corners)
+        farthest = std::max(farthest, x_[slot] * x_[slot] + y_[slot] * y_[slot] + z_[slot] * z_[slot]);
     return farthest;
 }
 

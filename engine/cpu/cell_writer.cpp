@@ -61,7 +61,9 @@ bool CellWriter::write(std::size_t seed, Star& star) {
     if (want_.neighbors) {
         face_shifts_.clear();
         for (std::size_t f = 0; f < faces.size() && periodic_; ++f)
-            face_shifts_.push_back(faces[f] < 0 ? exact::Shift{} : seeds_.images->shift(faces[f]));
+            face_shifts_.push_back(
+                faces[f] < 0 ? exact::Shift{}
+                             : row_shift(seed, seeds_.images->home(faces[f]), seeds_.images->shift(faces[f])));
         write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
     }
     if (want_.vertices) {
@@ -99,8 +101,10 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
         face_normals_.clear();
         face_shifts_.clear();
         for (const std::int32_t p : planes) {
-            ids_.push_back(cell.planes()[p].id);
-            if (periodic_) face_shifts_.push_back(cell.planes()[p].shift);
+            const CellPlane& plane = cell.planes()[p];
+            ids_.push_back(plane.id);
+            if (periodic_)
+                face_shifts_.push_back(plane.id < 0 ? exact::Shift{} : row_shift(seed, plane.id, plane.shift));
             if (want_.normals) face_normals_.push_back(unit_vector(cell.planes()[p].n));
         }
         write_row({ids_, face_shifts_, face_areas_.data(), face_normals_.data()});
@@ -123,7 +127,7 @@ void CellWriter::write_geometry(std::size_t seed, double volume, const double* c
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
     if (want_.volumes) out_->volumes()[input] = volume * unscale_ * unscale_ * unscale_;
     if (!want_.centroids) return;
-    const double p[3] = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    const exact::Point p = place(seed);
     for (int k = 0; k < 3; ++k) out_->centroids()[3 * input + k] = (centroid[k] + p[k]) * unscale_;
 }
 
@@ -145,6 +149,17 @@ void CellWriter::write_counts(std::size_t seed, std::size_t faces, std::uint32_t
 std::int32_t CellWriter::input_of(std::int32_t id) const {
     const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
     return seeds_.input[static_cast<std::size_t>(home)];
+}
+
+exact::Shift CellWriter::row_shift(std::size_t seed, std::int32_t home, const exact::Shift& shift) const {
+    exact::Shift row = seeds_.images->shift_in_domain(home, seed);
+    for (std::size_t j = 0; j < 3; ++j) row[j] += shift[j];
+    return row;
+}
+
+exact::Point CellWriter::place(std::size_t seed) const {
+    if (seeds_.images != nullptr) return seeds_.images->place_in_domain(seed);
+    return {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
 }
 
 void CellWriter::make_room(std::size_t faces) {
@@ -212,7 +227,7 @@ void CellWriter::find_order(const Faces& faces) {
 // After write_row() of the same cell.
 void CellWriter::write_polygons(std::size_t seed, const CellPolygons& polygons) {
     const std::size_t hidden = order_.size() - lengths_.back();
-    polygon_writer_.append(polygons, labels_, order_, hidden, {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]});
+    polygon_writer_.append(polygons, labels_, order_, hidden, place(seed));
 }
 
 void CellWriter::end_block(std::span<const std::int32_t> cells) {

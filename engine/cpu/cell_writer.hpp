@@ -45,6 +45,9 @@ private:
 
     void write_empty(std::size_t seed);
     [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
+    // The shift of an image of `home` as rows give it, and where a seed lies: in the domain, not in its reduced cell.
+    [[nodiscard]] exact::Shift row_shift(std::size_t seed, std::int32_t home, const exact::Shift& shift) const;
+    [[nodiscard]] exact::Point place(std::size_t seed) const;
     void write_geometry(std::size_t seed, double volume, const double* centroid);
     void write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared);
     void write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices);

@@ -17,7 +17,7 @@ struct VertexBlock {
     const double* y;
     const double* z;
     const double* tolerance;       // bound on the position error plus the rounding of n.x, see Cell
-    const double* radius_squared;  // |x|^2
+    const double* radius_squared;  // |x|^2, and a little more where x is not exact
     int blocks;                    // number of 8-lane blocks in use, at most 8
 };
 

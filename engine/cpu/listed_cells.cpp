@@ -32,14 +32,16 @@ void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, con
         for (std::size_t k = begin; k < end; ++k) {
             worker.candidates.clear();
             worker.shifts.clear();
+            const auto seed = static_cast<std::size_t>(position_[static_cast<std::size_t>(cells[k])]);
             for (const std::size_t row_end = entry + lists.lengths[k]; entry < row_end; ++entry) {
                 if (lists.ids[entry] < 0) continue;
-                worker.candidates.push_back(position_[static_cast<std::size_t>(lists.ids[entry])]);
+                const std::int32_t neighbor = position_[static_cast<std::size_t>(lists.ids[entry])];
+                worker.candidates.push_back(neighbor);
                 if (lists.shifts.empty()) continue;
-                const auto& [a, b, c] = lists.shifts[entry];
-                worker.shifts.push_back({a, b, c});
+                exact::Shift shift = images_.shift_in_domain(neighbor, seed);
+                for (std::size_t j = 0; j < 3; ++j) shift[j] = lists.shifts[entry][j] - shift[j];
+                worker.shifts.push_back(shift);
             }
-            const auto seed = static_cast<std::size_t>(position_[static_cast<std::size_t>(cells[k])]);
             Cell& cell = lists.shifts.empty() ? worker.builder.build_from(seed, worker.candidates)
                                               : worker.builder.build_from(seed, worker.candidates, worker.shifts);
             worker.writer.write(seed, cell);

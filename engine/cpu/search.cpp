@@ -1,6 +1,7 @@
 #include "cpu/search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -19,6 +20,10 @@ constexpr double band_growth = 1.6;        // of the squared distance from band 
 constexpr double distance_slack = 1 + 1e-12;
 
 bool farther(const QueueEntry& a, const QueueEntry& b) {
+    return a.distance_squared > b.distance_squared;
+}
+
+bool farther_images(const FarEntry& a, const FarEntry& b) {
     return a.distance_squared > b.distance_squared;
 }
 
@@ -63,7 +68,7 @@ void CellBuilder::start(std::size_t seed) {
     const exact::Point at{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     base_ = seeds_.images == nullptr ? SeedImages::Base{at, {}} : seeds_.images->base(seed);
     if (!seeds_.weights.empty()) more_weight_ = domain_->largest_weight - seeds_.weights[seed];
-    cell_.start(base_.point, *domain_, static_cast<std::int32_t>(seed), at);
+    cell_.start(base_.point, *domain_, static_cast<std::int32_t>(seed));
     seed_ = seed;
 }
 
@@ -78,6 +83,8 @@ void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
 
 void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     const auto i = static_cast<std::size_t>(home);
+    // The nearest of them are there from the start.
+    if (i == seed_ && cell_.knows(home, shift)) return;
     exact::Plane plane = seeds_.images == nullptr ? exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]})
                                                   : seeds_.images->bisector(base_, home, shift);
     if (!seeds_.weights.empty()) plane.power = exact::two_sum(seeds_.weights[seed_], -seeds_.weights[i]);
@@ -244,10 +251,8 @@ void CellBuilder::refuse_equal(double x, double y, double z) const {
     if (plain_ && cell_.seed() == exact::Point{x, y, z}) throw NeedsSort();
 }
 
-void CellBuilder::clip_far(std::size_t seed, double from, const exact::Shift& shift) {
-    const bool moved = shift != exact::Shift{};
-    const exact::Point by = moved ? domain_->translation(shift) : exact::Point{};
-    const exact::Point p{seeds_.x[seed] - by[0], seeds_.y[seed] - by[1], seeds_.z[seed] - by[2]};
+void CellBuilder::clip_far(std::size_t seed, double from) {
+    const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     const BoundingBox here{{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
     far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
     while (!far_queue_.empty()) {
@@ -256,10 +261,9 @@ void CellBuilder::clip_far(std::size_t seed, double from, const exact::Shift& sh
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > most_tests_) return;
-        if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node), by, more_weight_)) continue;
+        if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node), p, rounding_, more_weight_)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
-                if (moved && hierarchy_.first_seed(level, node) >= seeds_.size()) return;  // images only
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
                 std::push_heap(far_queue_.begin(), far_queue_.end(), farther);
             });
@@ -270,26 +274,92 @@ void CellBuilder::clip_far(std::size_t seed, double from, const exact::Shift& sh
         kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
                                    p.data(), distance);
         for (std::size_t i = begin; i < end; ++i) {
-            if (distance[i - begin] < from || (i == seed && !moved)) continue;
+            if (distance[i - begin] < from || i == seed) continue;
             if (distance[i - begin] == 0) refuse_equal(seeds_.x[i], seeds_.y[i], seeds_.z[i]);
-            if (moved)
-                clip_by_image(static_cast<std::int32_t>(i), shift);
-            else
-                clip_by(static_cast<std::int32_t>(i), seeds_.x[i], seeds_.y[i], seeds_.z[i]);
+            clip_by(static_cast<std::int32_t>(i), seeds_.x[i], seeds_.y[i], seeds_.z[i]);
             ++tests_;
         }
     }
 }
 
-// In the basis of the short vectors, where shifts that come near are few even when the box is skewed.
+Box CellBuilder::far_box(std::int32_t level, std::uint32_t node) const {
+    if (level < 0) {
+        const exact::Point x{seeds_.x[node], seeds_.y[node], seeds_.z[node]};
+        return {x, x};
+    }
+    const BoundingBox box = hierarchy_.box(level, node);
+    return {std::to_array(box.lower), std::to_array(box.upper)};
+}
+
+BoundingBox CellBuilder::far_images_of(const FarEntry& entry) const {
+    const Box images = images_of(*domain_, far_box(entry.level, entry.node), entry.shifts);
+    BoundingBox box;
+    for (int k = 0; k < 3; ++k) box.lower[k] = images.lower[k], box.upper[k] = images.upper[k];
+    return box;
+}
+
+void CellBuilder::push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts) {
+    FarEntry entry{0, level, node, shifts};
+    entry.distance_squared = box_distance(far_images_of(entry), {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}});
+    if (entry.distance_squared >= reach_squared()) return;
+    far_images_.push_back(entry);
+    std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
+}
+
+// Halves the range of shifts or opens the box, whichever extends farther.
+void CellBuilder::split_far(const exact::Point& p, const FarEntry& entry) {
+    const Box box = far_box(entry.level, entry.node);
+    double side = 0;
+    for (int k = 0; k < 3; ++k) side = std::max(side, box.upper[k] - box.lower[k]);
+    const Extent extent = longest_extent(*domain_, entry.shifts);
+    if (entry.level < 0 || extent.length > side) {
+        const auto axis = static_cast<std::size_t>(extent.axis);
+        const std::int32_t least = entry.shifts.least[axis], most = entry.shifts.most[axis];
+        ShiftRange half = entry.shifts;
+        half.most[axis] = least + (most - least) / 2;
+        push_far(p, entry.level, entry.node, half);
+        half.least[axis] = half.most[axis] + 1;
+        half.most[axis] = most;
+        push_far(p, entry.level, entry.node, half);
+    } else if (entry.level > 0) {
+        for_each_child(hierarchy_, {0, entry.level, entry.node}, [&](int level, std::size_t node, const BoundingBox&) {
+            if (hierarchy_.first_seed(level, node) < seeds_.size())  // others hold images only
+                push_far(p, level, static_cast<std::uint32_t>(node), entry.shifts);
+        });
+    } else {
+        const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
+        for (std::size_t i = begin; i < end; ++i) push_far(p, -1, static_cast<std::uint32_t>(i), entry.shifts);
+    }
+}
+
 void CellBuilder::clip_far_images(std::size_t seed) {
     const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
-    const double known = seeds_.images->reach(p);
+    const double known = std::max(0.0, seeds_.images->reach(p) - rounding_);
     if (reach_squared() <= known * known) return;
-    for (const exact::Shift& shift : domain_->shifts_within(p, std::sqrt(reach_squared()))) {
-        if (shift == exact::Shift{}) continue;
-        clip_far(seed, known * known * (1 - 1e-9), shift);
-        if (reach_squared() <= known * known) return;
+    // Images surely nearer than that have been tried; bounds of images are rounded outward by more than coordinates
+    // are.
+    const double tried = std::max(0.0, known * (1 - 1e-9) - 64 * rounding_);
+    const int top = hierarchy_.top_level();
+    far_images_.clear();
+    push_far(p, top, 0, shifts_around(*domain_, far_box(top, 0), p, std::sqrt(reach_squared())));
+    while (!far_images_.empty()) {
+        std::pop_heap(far_images_.begin(), far_images_.end(), farther_images);
+        const FarEntry entry = far_images_.back();
+        far_images_.pop_back();
+        const double reach = reach_squared();
+        if (entry.distance_squared >= reach || reach <= known * known) return;
+        if (++tests_ > most_tests_) return;
+        if (!cell_.in_reach(far_images_of(entry), p, rounding_, more_weight_)) continue;
+        const bool single = entry.shifts.is_single();
+        if (single && entry.shifts == ShiftRange{}) continue;  // the seeds themselves
+        if (entry.level >= 0 || !single) {
+            split_far(p, entry);
+            continue;
+        }
+        const auto id = static_cast<std::int32_t>(entry.node);
+        const exact::Shift shift = only_shift(*domain_, entry.shifts);
+        if (entry.distance_squared < tried * tried || cell_.knows(id, shift)) continue;
+        clip_by_image(id, shift);
     }
 }
 

@@ -1,6 +1,8 @@
 // Candidates near a seed, nearest first. A hierarchy of bounding boxes over groups of consecutive sorted seeds serves
 // two searches: a window of candidates around a group, shared by its seeds, and for cells that reach farther than a
-// window (voids, hulls of clusters) a walk that skips boxes which no vertex of the cell reaches.
+// window (voids, hulls of clusters) a walk that skips boxes which no vertex of the cell reaches. In a periodic domain
+// the walk goes on through the images that are not among the seeds: through pairs of a box and a range of shifts, of
+// which it halves whichever extends farther, so that a thin or long box costs little more than a cube.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +24,14 @@ struct QueueEntry {
     double distance_squared;  // at most the distance from the home to any seed below the node
     std::int32_t level;
     std::uint32_t node;
+};
+
+// The same for images by a range of shifts; level -1 is a single seed.
+struct FarEntry {
+    double distance_squared;
+    std::int32_t level;
+    std::uint32_t node;
+    ShiftRange shifts;
 };
 
 // Builds cells; throws NeedsSort when it meets a seed that equals that of the cell. One per thread; holds all scratch
@@ -61,11 +71,15 @@ private:
     // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
     // tests are exhausted.
     bool clip_band(std::size_t seed, double from, double to);
-    // By all seeds from that squared distance on, moved by `shift`; images only when that is 0.
-    void clip_far(std::size_t seed, double from, const exact::Shift& shift = {});
+    // By all seeds, and images among them, from that squared distance on.
+    void clip_far(std::size_t seed, double from);
     Cell& again_by_planes(const CellFaces& faces);
     // By the images beyond those among the seeds.
     void clip_far_images(std::size_t seed);
+    void push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts);
+    void split_far(const exact::Point& p, const FarEntry& entry);
+    [[nodiscard]] Box far_box(std::int32_t level, std::uint32_t node) const;
+    [[nodiscard]] BoundingBox far_images_of(const FarEntry& entry) const;
     // No seed has a bisector with itself.
     void refuse_equal(double x, double y, double z) const;
 
@@ -82,6 +96,7 @@ private:
     std::size_t group_ = ~std::size_t{0};
     BoundingBox home_{};
     std::vector<QueueEntry> queue_, far_queue_;
+    std::vector<FarEntry> far_images_;
     double covered_ = 0;  // squared distance from home within which the window is complete
     std::vector<double> x_, y_, z_, distance_;
     std::vector<std::int32_t> index_;

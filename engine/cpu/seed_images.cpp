@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "cpu/sort_inside.hpp"
 
@@ -12,7 +13,10 @@ namespace {
 // Margin around the box in units of the mean spacing: most cells of uniform seeds need less.
 constexpr double margin_spacings = 3.4;
 constexpr std::size_t task_points = 32768;
-constexpr double fraction_slack = 1e-9;  // more than the rounding of fractions
+constexpr double fraction_slack = 1e-9;
+// Images beyond the margin are searched for by each cell that needs them; in thin or long boxes there would be too
+// many.
+constexpr double most_images_per_seed = 16, most_images_of_few = 4096;
 
 exact::Point point_of(const Points& points, std::size_t i, double scale) {
     return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
@@ -26,10 +30,31 @@ std::size_t tasks_for(std::size_t count) {
 
 double SeedImages::reach(const exact::Point& seed) const {
     double least = std::numeric_limits<double>::infinity();
-    const auto f = domain_->fraction(seed);
-    for (int j = 0; j < 3; ++j)
-        if (domain_->periodic[j]) least = std::min(least, (std::min(f[j], 1 - f[j]) + margin_[j]) * domain_->width[j]);
-    return least * (1 - fraction_slack);
+    const auto f = fraction(seed);
+    for (int j = 0; j < 3; ++j) {
+        if (!domain_->periodic[j]) continue;
+        const double inside = std::min(f[j], 1 - f[j]) + margin_[j] - 2 * error_[j];
+        least = std::min(least, inside * basis_->width[j]);
+    }
+    return std::max(least * (1 - fraction_slack), 0.0);
+}
+
+exact::Shift SeedImages::shift_in_domain(std::int32_t home, std::size_t seed) const {
+    if (moves_.empty()) return {};
+    const auto& of_home = moves_[static_cast<std::size_t>(seeds_->input[static_cast<std::size_t>(home)])];
+    const auto& of_seed = moves_[static_cast<std::size_t>(seeds_->input[seed])];
+    exact::Shift shift;
+    for (int j = 0; j < 3; ++j) shift[j] = of_home[j] - of_seed[j];
+    return shift;
+}
+
+exact::Point SeedImages::place_in_domain(std::size_t seed) const {
+    if (moves_.empty()) return {seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]};
+    const auto input = static_cast<std::size_t>(seeds_->input[seed]);
+    exact::Shift shift;
+    for (int j = 0; j < 3; ++j) shift[j] = wraps_[input][j] - moves_[input][j];
+    const auto at = position(input, shift);
+    return {at.x[0].high, at.x[1].high, at.x[2].high};
 }
 
 SeedImages::Base SeedImages::base(std::size_t seed) const {
@@ -52,6 +77,7 @@ exact::Differences SeedImages::position(std::size_t input, const exact::Shift& s
 void SeedImages::wrap_points(ThreadPool& pool) {
     const std::size_t count = points_.count();
     wraps_.assign(count, {});
+    moves_.assign(domain_->skewed ? count : 0, {});
     std::vector<char> any(tasks_for(count), 0);
     std::vector<std::size_t> too_far(tasks_for(count), count);
     pool.run(tasks_for(count), [&](std::size_t task, unsigned) {
@@ -59,6 +85,11 @@ void SeedImages::wrap_points(ThreadPool& pool) {
             const auto shift = wrap(*domain_, point_of(points_, i, scale_));
             if (!shift) too_far[task] = std::min(too_far[task], i);
             wraps_[i] = shift.value_or(exact::Shift{});
+            if (shift && domain_->skewed) {
+                const auto at = position(i, *shift);
+                moves_[i] = shift_into_reduced(*domain_, {at.x[0].high, at.x[1].high, at.x[2].high});
+                for (int j = 0; j < 3; ++j) wraps_[i][j] += moves_[i][j];
+            }
             any[task] |= wraps_[i] != exact::Shift{};
         }
     });
@@ -68,6 +99,7 @@ void SeedImages::wrap_points(ThreadPool& pool) {
     wrapped_.clear();
     if (std::ranges::count(any, 0) == static_cast<std::ptrdiff_t>(any.size())) {
         wraps_.clear();
+        moves_.clear();
         return;
     }
     wrapped_.resize(3 * count);
@@ -77,28 +109,106 @@ void SeedImages::wrap_points(ThreadPool& pool) {
     });
 }
 
-// Seeds that differ only by what rounding takes are not equal: one of each two moves by a unit in the last place, which
-// its low part takes back.
-bool SeedImages::part_false_duplicates(const SortedSeeds& seeds) {
-    bool found = false;
-    for (std::size_t i = 0; i < seeds.duplicate_of.size(); ++i) {
-        const std::int32_t other = seeds.duplicate_of[i];
-        if (other < 0) continue;
-        const auto j = static_cast<std::size_t>(other);
+// The sorter takes seeds for equal whose rounded positions are. Those that are not equal go to the end, behind each
+// other where their positions are near; the lowest index of each place keeps it for its duplicates.
+void SeedImages::keep_false_duplicates(SortedSeeds& out) const {
+    if (out.duplicates == 0 || wraps_.empty()) return;
+    struct Member {
+        std::size_t at;  // the sorted seed that has the rounded position
+        std::array<double, 3> low;
+        bool rough;
+        std::int32_t input;
+    };
+    std::vector<std::size_t> sorted(points_.count());
+    for (std::size_t s = 0; s < out.size(); ++s) sorted[static_cast<std::size_t>(out.input[s])] = s;
+    std::vector<Member> members;
+    const auto add = [&](std::size_t i, std::size_t at) {
+        const auto position = this->position(i, wraps_[i]);
+        const auto& [x, y, z] = position.x;
+        members.push_back({at, {x.low, y.low, z.low}, !position.exact, static_cast<std::int32_t>(i)});
+    };
+    std::vector<bool> shared(out.size(), false);
+    for (std::size_t i = 0; i < out.duplicate_of.size(); ++i) {
+        if (out.duplicate_of[i] < 0) continue;
+        const std::size_t at = sorted[static_cast<std::size_t>(out.duplicate_of[i])];
+        if (!shared[at]) add(static_cast<std::size_t>(out.input[at]), at);
+        shared[at] = true;
+        add(i, at);
+    }
+    std::ranges::sort(members, {}, [](const Member& m) { return std::tie(m.at, m.low, m.input); });
+    const auto equal = [this](const Member& a, const Member& b) {
+        if (a.at != b.at || a.low != b.low) return false;
+        if (!a.rough && !b.rough) return true;
+        const auto i = static_cast<std::size_t>(a.input), j = static_cast<std::size_t>(b.input);
         exact::Shift shift;
         for (int k = 0; k < 3; ++k) shift[k] = wraps_[j][k] - wraps_[i][k];
-        const exact::Plane bisector = exact::Plane::bisector(point_of(points_, j, scale_), shift, domain_->lattice);
-        const auto n = exact::difference<exact::Quad>(point_of(points_, i, scale_), bisector);
-        if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;
-        wrapped_[3 * i] = std::nextafter(wrapped_[3 * i], std::numeric_limits<double>::infinity());
-        found = true;
+        return exact::difference<exact::Quad>(point_of(points_, i, scale_),
+                                              exact::Plane::bisector(point_of(points_, j, scale_), shift,
+                                                                     domain_->lattice)) == std::array<exact::Quad, 3>{};
+    };
+    std::vector<const Member*> first, apart;  // of each place with these rounded coordinates and lows; of all to keep
+    out.duplicates = 0;
+    for (const Member& member : members) {
+        if (!first.empty() && (first[0]->at != member.at || first[0]->low != member.low)) first.clear();
+        const auto same = std::ranges::find_if(first, [&](const Member* f) { return equal(*f, member); });
+        std::int32_t& duplicate_of = out.duplicate_of[static_cast<std::size_t>(member.input)];
+        if (same != first.end()) {
+            duplicate_of = (*same)->input;
+            ++out.duplicates;
+            continue;
+        }
+        first.push_back(&member);
+        if (duplicate_of >= 0) apart.push_back(&member);
+        duplicate_of = -1;
     }
-    return found;
+    if (out.duplicates == 0) out.duplicate_of.clear();
+
+    const std::size_t kept = out.size(), count = kept + apart.size();
+    for (auto* axis : {&out.x, &out.y, &out.z}) {
+        Buffer<double> all(SortedSeeds::pages);
+        all.resize_uninitialized((count + group_size - 1) / group_size * group_size);
+        std::copy_n(axis->begin(), kept, all.begin());
+        for (std::size_t k = 0; k < apart.size(); ++k) all[kept + k] = all[apart[k]->at];
+        std::fill(all.begin() + count, all.end(), std::numeric_limits<double>::infinity());
+        *axis = std::move(all);
+    }
+    Buffer<std::int32_t> input;
+    input.resize_uninitialized(count);
+    std::copy_n(out.input.begin(), kept, input.begin());
+    for (std::size_t k = 0; k < apart.size(); ++k) input[kept + k] = apart[k]->input;
+    out.input = std::move(input);
+}
+
+std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
+    const auto& o = domain_->origin;
+    return basis_->fraction({x[0] - o[0], x[1] - o[1], x[2] - o[2]});
+}
+
+void SeedImages::choose_margin(std::size_t seeds) {
+    const auto count = static_cast<double>(std::max<std::size_t>(seeds, 1));
+    const double most = most_images_per_seed * count + most_images_of_few;
+    double margin = std::min(margin_spacings * std::cbrt(domain_->volume / count), 2 * domain_->covering_radius);
+    const auto images = [&] {
+        double cells = 1;
+        for (int j = 0; j < 3; ++j) cells *= domain_->periodic[j] ? 1 + 2 * margin / basis_->width[j] : 1;
+        return count * (cells - 1);
+    };
+    while (images() > most) margin *= 0.8;
+    double size = margin;
+    for (int k = 0; k < 3; ++k) {
+        double extent = std::abs(domain_->origin[k]) + margin;
+        for (int j = 0; j < 3; ++j) extent += 2 * std::abs(basis_->vector[j][k]);
+        size = std::max(size, extent);
+    }
+    for (int j = 0; j < 3; ++j) {
+        error_[j] = fraction_slack + basis_->fraction_error(j, size);
+        margin_[j] = domain_->periodic[j] ? margin / basis_->width[j] : 0;
+    }
 }
 
 template <class Visit>
 void SeedImages::for_images(const exact::Point& x, Visit visit) const {
-    const auto f = domain_->fraction(x);
+    const auto f = fraction(x);
     std::array<int, 3> least{}, most{};
     for (int j = 0; j < 3; ++j) {
         if (!domain_->periodic[j]) continue;
@@ -107,8 +217,12 @@ void SeedImages::for_images(const exact::Point& x, Visit visit) const {
     }
     for (int a = least[0]; a <= most[0]; ++a)
         for (int b = least[1]; b <= most[1]; ++b)
-            for (int c = least[2]; c <= most[2]; ++c)
-                if (a != 0 || b != 0 || c != 0) visit(exact::Shift{a, b, c});
+            for (int c = least[2]; c <= most[2]; ++c) {
+                if (a == 0 && b == 0 && c == 0) continue;
+                const auto& [u, v, w] = basis_->shift;
+                visit(exact::Shift{a * u[0] + b * v[0] + c * w[0], a * u[1] + b * v[1] + c * w[1],
+                                   a * u[2] + b * v[2] + c * w[2]});
+            }
 }
 
 void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
@@ -116,17 +230,12 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     points_ = job.points;
     scale_ = job.scale;
     seeds_ = &out;
-    const std::size_t count = points_.count();
+    basis_ = domain_->skewed ? &domain_->reduced : &domain_->edges;
     wrap_points(pool);
-    do {
-        const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
-        sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool,
-                    out);
-    } while (out.duplicates > 0 && !wraps_.empty() && part_false_duplicates(out));
-
-    const double spacing = std::cbrt(domain_->volume / static_cast<double>(std::max<std::size_t>(count, 1)));
-    const double margin = std::min(margin_spacings * spacing, 2 * domain_->covering_radius);
-    for (int j = 0; j < 3; ++j) margin_[j] = domain_->periodic[j] ? margin / domain_->width[j] + fraction_slack : 0;
+    const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
+    sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
+    keep_false_duplicates(out);
+    choose_margin(out.size());
     append(sorter, pool, out);
     out.images = this;
 }
@@ -149,6 +258,7 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     std::vector<exact::Shift> shifts(images);
     std::vector<double> coordinates(3 * images);
     std::vector<std::array<double, 3>> lows(images);
+    std::vector<char> rough(images);
     pool.run(tasks_for(seeds), [&](std::size_t task, unsigned) {
         std::size_t i = begin[task];
         for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s) {
@@ -159,6 +269,7 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
                 exact::Shift total = shift;
                 for (int j = 0; j < 3 && !wraps_.empty(); ++j) total[j] += wraps_[input][j];
                 const auto position = this->position(input, total);
+                rough[i] = position.exact ? 0 : 1;
                 for (int k = 0; k < 3; ++k) {
                     coordinates[3 * i + k] = position.x[k].high;
                     lows[i][k] = position.x[k].low;
@@ -179,6 +290,8 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     home_.resize(images);
     shift_.resize(images);
     low_.assign(places, {});
+    rough_.assign(places, false);
+    any_rough_ = false;
     largest_coordinate_ = 0;
     Buffer<double>* const axes[3] = {&out.x, &out.y, &out.z};
     for (int k = 0; k < 3; ++k) {
@@ -198,13 +311,16 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
         home_[i] = homes[from];
         shift_[i] = shifts[from];
         low_[first_ + i] = lows[from];
+        rough_[first_ + i] = rough[from] != 0;
+        any_rough_ = any_rough_ || rough[from] != 0;
     }
     for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s) {
         const auto input = static_cast<std::size_t>(out.input[s]);
         if (wraps_[input] == exact::Shift{}) continue;
-        exact::Plane seed = exact::Plane::bisector(point_of(points_, input, scale_), wraps_[input], domain_->lattice);
-        const auto rest = exact::differences({out.x[s], out.y[s], out.z[s]}, seed);
-        for (int k = 0; k < 3; ++k) low_[s][k] = rest.x[k].high;
+        const auto position = this->position(input, wraps_[input]);
+        for (int k = 0; k < 3; ++k) low_[s][k] = position.x[k].low;
+        rough_[s] = !position.exact;
+        any_rough_ = any_rough_ || !position.exact;
     }
 }
 

@@ -11,8 +11,9 @@
 //
 // Margin. With e = 2^-24, planes N rounded to floats from integers that are exact to q = 1.8 units, H = |N|^2/2, and a
 // vertex X known to 62 u cond |X| < 0.2 e |X| (cond <= worst_condition), rounding changes H - N.X by at most
-//     e (6.3 |N||X| + 9 H) + q (|X| + |N|),
-// whether or not the compiler's target fuses a*b+c.
+//     e (6.3 |N||X| + 9 H) + q (|X| + |N| + q / 2),
+// whether or not the compiler's target fuses a*b+c. Where it is used, 2 stands for q in the first two terms of the last
+// bracket, which pays for the third as long as |N| may be 9 units.
 #pragma once
 
 #include <array>

@@ -44,8 +44,14 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h) const {
         const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
         Wide difference = q - p;
         if (seeds_.images != nullptr) {
-            const auto& low = seeds_.images->low(id);
-            difference += Wide{low[0], low[1], low[2], 0};
+            // Near p the two may cancel, and what a third double holds would be missing.
+            if (seeds_.images->is_rough(id)) {
+                const auto [x, y, z] = exact::differences(p_, exact_plane(id)).x;
+                difference = Wide{x.high, y.high, z.high, 0};
+            } else {
+                const auto& low = seeds_.images->low(id);
+                difference += Wide{low[0], low[1], low[2], 0};
+            }
         }
         difference *= scale_;
         wide(n) = difference;
@@ -353,7 +359,7 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
         double h;
         plane_through(id, n, h);
         const double excess = dot(wide(n), wide(x)) - h;
-        const double bound = std::sqrt(2 * h * length2) * unit * (64 * condition + 8) + 12 * unit * h;
+        const double bound = std::sqrt(2 * h * length2) * (solved_factor * condition + 8 * unit) + 12 * unit * h;
         if (excess > bound) return lane;
         if (!(excess < -bound)) {
             refuse_equal(id, three);

@@ -31,7 +31,7 @@ private:
     static constexpr double quantum = 2;              // of window integers: more than q in star.hpp
     static constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
     static constexpr double margin = 2e-8;            // more than the relative error of a vertex that is accepted
-    static constexpr double solved_factor = 64 * unit;
+    static constexpr double solved_factor = 80 * unit;  // Cell's 62 u, and 13 u for normals that are rounded twice
     static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
     static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
     static constexpr double reach_margin = 1.9;                    // of the squared security radius that is typical

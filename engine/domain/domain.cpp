@@ -21,34 +21,27 @@ double length(const Vector& a) {
     return std::sqrt(dot(a, a));
 }
 
-struct Inverse {
-    std::array<Vector, 3> rows;
-    std::array<double, 3> width;  // between opposite faces
-    double volume;
-};
+constexpr double unit = 0x1p-53;
 
-Inverse invert(const std::array<Vector, 3>& vectors) {
-    Inverse inverse{};
-    inverse.volume = std::abs(dot(vectors[0], cross(vectors[1], vectors[2])));
+// Fills all that follows from shift and vector.
+void invert(Basis& basis) {
+    const auto& v = basis.vector;
+    basis.volume = std::abs(dot(v[0], cross(v[1], v[2])));
+    basis.condition = length(v[0]) * length(v[1]) * length(v[2]) / basis.volume;
     for (int j = 0; j < 3; ++j) {
-        const Vector across = cross(vectors[(j + 1) % 3], vectors[(j + 2) % 3]);
-        const double along = dot(vectors[j], across);
-        for (int k = 0; k < 3; ++k) inverse.rows[j][k] = across[k] / along;
-        inverse.width[j] = inverse.volume / length(across);
+        const Vector across = cross(v[(j + 1) % 3], v[(j + 2) % 3]);
+        const double along = dot(v[j], across);
+        for (int k = 0; k < 3; ++k) basis.dual[j][k] = across[k] / along;
+        basis.width[j] = basis.volume / length(across);
     }
-    return inverse;
 }
 
 // Makes the vectors of a lattice short: takes from each the multiples of the others that bring it nearest to 0
-// (pairwise reduction), until none becomes shorter. Only speed depends on how short they are. vectors: of the lattice,
-// along other axes those of the box.
-void find_short_vectors(Domain& domain, const std::array<Vector, 3>& vectors) {
-    auto& shifts = domain.short_vectors;
-    std::array<Vector, 3> v = vectors;
-    for (int j = 0; j < 3; ++j) {
-        shifts[j] = {};
-        if (domain.periodic[j]) shifts[j][j] = 1;
-    }
+// (pairwise reduction), until none becomes shorter. Only speed depends on how short they are.
+Basis reduced_basis(const Domain& domain) {
+    Basis basis = domain.edges;
+    auto& shifts = basis.shift;
+    auto& v = basis.vector;
     constexpr int most_rounds = 100;
     bool shorter = domain.triclinic;
     for (int round = 0; round < most_rounds && shorter; ++round) {
@@ -56,35 +49,56 @@ void find_short_vectors(Domain& domain, const std::array<Vector, 3>& vectors) {
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
                 if (i == j) continue;
-                const double times = std::round(dot(v[i], v[j]) / dot(v[j], v[j]));
-                if (!(std::abs(times) >= 1 && std::abs(times) < 1e6)) continue;
-                Vector reduced;
-                for (int k = 0; k < 3; ++k) reduced[k] = v[i][k] - times * v[j][k];
+                const double multiple = std::round(dot(v[i], v[j]) / dot(v[j], v[j]));
+                if (!(std::abs(multiple) >= 1 && std::abs(multiple) < exact::most_shift)) continue;
+                std::array<std::int64_t, 3> wide;
+                bool fits = true;
+                for (int k = 0; k < 3; ++k) {
+                    wide[k] = shifts[i][k] - static_cast<std::int64_t>(multiple) * shifts[j][k];
+                    fits = fits && std::abs(wide[k]) < exact::most_shift / 4;
+                }
+                if (!fits) continue;
+                exact::Shift shift;
+                for (int k = 0; k < 3; ++k) shift[k] = static_cast<std::int32_t>(wide[k]);
+                const Vector reduced = domain.translation(shift);
                 if (!(dot(reduced, reduced) < dot(v[i], v[i]) * (1 - 1e-9))) continue;
                 v[i] = reduced;
-                for (int k = 0; k < 3; ++k) shifts[i][k] -= static_cast<std::int32_t>(times) * shifts[j][k];
+                shifts[i] = shift;
                 shorter = true;
             }
     }
-    // A point is within half of each short vector of a corner of its parallelepiped, and in the box along other axes.
-    domain.covering_radius = 0;
-    for (int j = 0; j < 3; ++j) domain.covering_radius += (domain.periodic[j] ? 0.5 : 1) * length(v[j]);
-    const Inverse inverse = invert(v);
-    domain.to_short = inverse.rows;
-    domain.short_width = inverse.width;
-    for (int j = 0; j < 3; ++j)
-        for (const Vector& edge : vectors) {
-            const double k = dot(inverse.rows[j], edge);
-            (k < 0 ? domain.short_lower[j] : domain.short_upper[j]) += k;
-        }
+    invert(basis);
+    return basis;
 }
 
-void set_vectors(Domain& domain, const std::array<Vector, 3>& vectors) {
-    const Inverse inverse = invert(vectors);
-    domain.to_fraction = inverse.rows;
-    domain.width = inverse.width;
-    domain.volume = inverse.volume;
-    find_short_vectors(domain, vectors);
+// edges: of the box; lattice and vector are known.
+void set_edges(Domain& domain, const std::array<Vector, 3>& edges) {
+    domain.edges.vector = edges;
+    for (int j = 0; j < 3; ++j)
+        if (domain.periodic[j]) domain.edges.shift[j][j] = 1;
+    invert(domain.edges);
+    domain.reduced = reduced_basis(domain);
+    domain.volume = domain.reduced.volume;
+    const auto narrowest = [](const Basis& basis) { return std::ranges::min(basis.width); };
+    domain.skewed = narrowest(domain.edges) < 0.5 * narrowest(domain.reduced);
+    // A point is within half of each short vector of a corner of its parallelepiped, and in the box along other axes.
+    domain.covering_radius = 0;
+    for (int j = 0; j < 3; ++j)
+        domain.covering_radius += (domain.periodic[j] ? 0.5 : 1) * length(domain.reduced.vector[j]);
+}
+
+exact::Shift in_lattice(const Basis& basis, const std::array<std::int32_t, 3>& multiples) {
+    exact::Shift shift{};
+    for (int k = 0; k < 3; ++k) {
+        std::int64_t sum = 0;
+        for (int j = 0; j < 3; ++j) sum += std::int64_t{multiples[j]} * basis.shift[j][k];
+        if (std::abs(sum) > exact::most_shift / 4)
+            throw Error(
+                ErrorCode::unsupported,
+                "the periodic box is so thin or skewed that cells reach over more than 268 million box vectors");
+        shift[k] = static_cast<std::int32_t>(sum);
+    }
+    return shift;
 }
 
 // Sign of the fraction of x + shift along vector j, less `less`; W limbs hold the coordinates.
@@ -132,52 +146,72 @@ int fraction_sign(const Domain& domain, const exact::Point& x, const exact::Shif
 
 }  // namespace
 
-std::array<double, 3> Domain::fraction(const exact::Point& x) const {
-    const Vector d{x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
-    return {dot(to_fraction[0], d), dot(to_fraction[1], d), dot(to_fraction[2], d)};
+std::array<double, 3> Basis::fraction(const std::array<double, 3>& x) const {
+    return {dot(dual[0], x), dot(dual[1], x), dot(dual[2], x)};
+}
+
+// x and x - origin err by 2 u size, the products and sums by 4 u, and dual by 12 u condition of its length, which the
+// cross products and the determinant lose; x - origin is at most 2 size.
+double Basis::fraction_error(int j, double size) const {
+    return 40 * unit * condition * size * (std::abs(dual[j][0]) + std::abs(dual[j][1]) + std::abs(dual[j][2]));
 }
 
 exact::Point Domain::translation(const exact::Shift& shift) const {
-    exact::Point t{};
-    for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) t[k] += shift[j] * vector[j][k];
-    return t;
+    const auto d = exact::differences({}, exact::Plane::bisector({}, shift, lattice));
+    return {d.x[0].high, d.x[1].high, d.x[2].high};
 }
 
-std::vector<exact::Shift> Domain::shifts_within(const exact::Point& x, double distance) const {
-    constexpr double slack = 1e-9;
-    const Vector d{x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
-    std::array<int, 3> least{}, most{};
+ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Point& x, double distance) {
+    const Basis& basis = domain.reduced;
+    double size = distance;
+    for (int k = 0; k < 3; ++k) size = std::max({size, std::abs(box.lower[k]), std::abs(box.upper[k]), std::abs(x[k])});
+    ShiftRange range;
     for (int j = 0; j < 3; ++j) {
-        if (!periodic[j]) continue;
-        const double at = dot(to_short[j], d), around = distance / short_width[j] + slack;
-        least[j] = static_cast<int>(std::ceil(at - around - short_upper[j]));
-        most[j] = static_cast<int>(std::floor(at + around - short_lower[j]));
+        if (!domain.periodic[j]) continue;
+        double lower = 0, upper = 0;  // fractions of box - x
+        for (int k = 0; k < 3; ++k) {
+            const double a = basis.dual[j][k] * (box.lower[k] - x[k]), b = basis.dual[j][k] * (box.upper[k] - x[k]);
+            lower += std::min(a, b);
+            upper += std::max(a, b);
+        }
+        const double around = distance / basis.width[j] * (1 + 1e-9) + basis.fraction_error(j, size);
+        range.least[j] = static_cast<std::int32_t>(std::ceil(std::max(-around - upper, -0.25 * exact::most_shift)));
+        range.most[j] = static_cast<std::int32_t>(std::floor(std::min(around - lower, 0.25 * exact::most_shift)));
+        if (range.most[j] < range.least[j]) return {};
     }
-    struct Near {
-        double distance;
-        exact::Shift shift;
-    };
-    std::vector<Near> near;
-    for (int a = least[0]; a <= most[0]; ++a)
-        for (int b = least[1]; b <= most[1]; ++b)
-            for (int c = least[2]; c <= most[2]; ++c) {
-                exact::Shift shift;
-                for (int j = 0; j < 3; ++j)
-                    shift[j] = a * short_vectors[0][j] + b * short_vectors[1][j] + c * short_vectors[2][j];
-                const exact::Point by = translation(shift);
-                double square = 0;
-                for (int k = 0; k < 3; ++k) {
-                    const double gap = std::max({0.0, box.lower[k] + by[k] - x[k], x[k] - box.upper[k] - by[k]});
-                    square += gap * gap;
-                }
-                if (square <= distance * distance * (1 + slack)) near.push_back({square, shift});
-            }
-    std::ranges::stable_sort(near, {}, &Near::distance);
-    std::vector<exact::Shift> shifts;
-    shifts.reserve(near.size());
-    for (const Near& n : near) shifts.push_back(n.shift);
-    return shifts;
+    return range;
+}
+
+Box images_of(const Domain& domain, const Box& box, const ShiftRange& range) {
+    Box images = box;
+    for (int k = 0; k < 3; ++k) {
+        double size = std::max(std::abs(box.lower[k]), std::abs(box.upper[k]));
+        for (int j = 0; j < 3; ++j) {
+            const double a = range.least[j] * domain.reduced.vector[j][k],
+                         b = range.most[j] * domain.reduced.vector[j][k];
+            images.lower[k] += std::min(a, b);
+            images.upper[k] += std::max(a, b);
+            size += std::max(std::abs(a), std::abs(b));
+        }
+        // The vectors and products are rounded once, each of three sums by at most u size.
+        images.lower[k] -= 6 * unit * size;
+        images.upper[k] += 6 * unit * size;
+    }
+    return images;
+}
+
+Extent longest_extent(const Domain& domain, const ShiftRange& range) {
+    Extent longest;
+    for (int j = 0; j < 3; ++j) {
+        const double steps = static_cast<double>(range.most[j]) - range.least[j];
+        const double extent = steps * length(domain.reduced.vector[j]);
+        if (extent > longest.length) longest = {j, extent};
+    }
+    return longest;
+}
+
+exact::Shift only_shift(const Domain& domain, const ShiftRange& range) {
+    return in_lattice(domain.reduced, range.least);
 }
 
 Domain box_domain(const Box& box, const std::array<bool, 3>& periodic) {
@@ -192,7 +226,7 @@ Domain box_domain(const Box& box, const std::array<bool, 3>& periodic) {
         domain.lattice.vector[k][k] = exact::two_sum(box.upper[k], -box.lower[k]);
         domain.vector[k] = vectors[k];
     }
-    set_vectors(domain, vectors);
+    set_edges(domain, vectors);
     return domain;
 }
 
@@ -214,13 +248,19 @@ Domain triclinic_domain(const TriclinicBox& cell) {
         domain.box.lower[k] = domain.box.upper[k] = cell.origin[k];
         for (const Vector& v : domain.vector) (v[k] < 0 ? domain.box.lower[k] : domain.box.upper[k]) += v[k];
     }
-    set_vectors(domain, domain.vector);
+    set_edges(domain, domain.vector);
     return domain;
 }
 
 std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {
     exact::Shift shift{};
-    const auto f = domain.fraction(x);
+    Vector d;
+    double size = 0;
+    for (int k = 0; k < 3; ++k) {
+        d[k] = x[k] - domain.origin[k];
+        size = std::max({size, std::abs(x[k]), std::abs(domain.origin[k])});
+    }
+    const auto f = domain.edges.fraction(d);
     for (int j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
         const double whole = std::floor(f[j]);
@@ -228,15 +268,21 @@ std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {
         shift[j] = -static_cast<std::int32_t>(whole);
     }
     // The rounding of f matters near faces only: one fraction does not depend on the shifts along the others.
-    constexpr double near_face = 1e-6;
     for (int j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
-        const double rest = f[j] - std::floor(f[j]);
-        if (rest > near_face && rest < 1 - near_face && std::abs(f[j]) < 1e6) continue;
+        const double rest = f[j] - std::floor(f[j]), error = domain.edges.fraction_error(j, size);
+        if (rest > error && rest < 1 - error) continue;
         while (fraction_sign(domain, x, shift, j, 0) < 0) ++shift[j];
         while (fraction_sign(domain, x, shift, j, 1) >= 0) --shift[j];
     }
     return shift;
+}
+
+exact::Shift shift_into_reduced(const Domain& domain, const exact::Point& x) {
+    const auto f = domain.reduced.fraction({x[0] - domain.origin[0], x[1] - domain.origin[1], x[2] - domain.origin[2]});
+    std::array<std::int32_t, 3> whole;
+    for (int j = 0; j < 3; ++j) whole[j] = -static_cast<std::int32_t>(std::floor(f[j]));
+    return in_lattice(domain.reduced, whole);
 }
 
 }  // namespace votess

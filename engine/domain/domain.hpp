@@ -12,25 +12,43 @@
 
 namespace votess {
 
+// Three vectors that span the lattice of a periodic domain; along axes that are not periodic, the edges of its box.
+struct Basis {
+    std::array<exact::Shift, 3> shift{};            // in vectors of the lattice; zero along other axes
+    std::array<std::array<double, 3>, 3> vector{};  // rounded
+    std::array<std::array<double, 3>, 3> dual{};    // x = f.vector with f_j = dual[j].x
+    std::array<double, 3> width{};                  // between planes of whole f_j
+    double condition = 1;                           // product of the lengths over the volume
+    double volume = 0;
+
+    [[nodiscard]] std::array<double, 3> fraction(const std::array<double, 3>& x) const;
+    // At least the error of a fraction of x - origin, when no coordinate of x and origin is larger than `size` and x is
+    // rounded.
+    [[nodiscard]] double fraction_error(int j, double size) const;
+};
+
+// Shifts a.reduced with least <= a <= most on each axis.
+struct ShiftRange {
+    std::array<std::int32_t, 3> least{}, most{};
+
+    [[nodiscard]] bool is_single() const { return least == most; }
+    friend bool operator==(const ShiftRange&, const ShiftRange&) = default;
+};
+
 struct Domain {
     Box box;  // its walls, where an axis is not periodic; of a triclinic box the bounds
     std::array<bool, 3> periodic{};
     double volume = 0;
     std::vector<exact::Plane> walls;  // ids -7, -8, ... in this order
 
-    // Periodic domains: its points are origin + f.vectors, with 0 <= f < 1 along periodic axes.
     bool triclinic = false;
     exact::Point origin{};
-    exact::Lattice lattice;                              // zero along axes that are not periodic
-    std::array<std::array<double, 3>, 3> vector{};       // the same, rounded
-    std::array<std::array<double, 3>, 3> to_fraction{};  // f_j = to_fraction[j].(x - origin)
-    std::array<double, 3> width{};                       // between opposite faces
-    // Short vectors of the lattice that span it, in whole multiples of its vectors; of periodic axes only.
-    std::array<exact::Shift, 3> short_vectors{};
-    std::array<std::array<double, 3>, 3> to_short{};  // x = k.short_vectors with k_j = to_short[j].x
-    std::array<double, 3> short_width{};              // between planes of whole k_j
-    // The domain in that basis, from its origin.
-    std::array<double, 3> short_lower{}, short_upper{};
+    exact::Lattice lattice;                         // zero along axes that are not periodic
+    std::array<std::array<double, 3>, 3> vector{};  // the same, rounded
+    Basis edges;    // the points of the domain are origin + f.edges, with 0 <= f < 1 along periodic axes
+    Basis reduced;  // short vectors of the same lattice
+    // The cell is so flat beside its reduced one that seeds are better moved into that.
+    bool skewed = false;
     double covering_radius = 0;  // at least the largest distance of a point of space to the nearest image of a seed
 
     // Power diagrams: by input index, times scale squared; else empty.
@@ -41,14 +59,24 @@ struct Domain {
     [[nodiscard]] bool has_weights() const { return !weights.empty(); }
     // A box with walls and no weights.
     [[nodiscard]] bool is_plain() const { return !is_periodic() && walls.empty() && !has_weights(); }
-    [[nodiscard]] std::array<double, 3> fraction(const exact::Point& x) const;
-    [[nodiscard]] exact::Point translation(const exact::Shift& shift) const;  // rounded
-    // All shifts, nearest first, by which some point of a periodic domain may come nearer than that to x, which lies in
-    // it; 0 among them.
-    [[nodiscard]] std::vector<exact::Shift> shifts_within(const exact::Point& x, double distance) const;
+    [[nodiscard]] exact::Point translation(const exact::Shift& shift) const;  // each coordinate to nearest
     // Walls of the box count from 0, xmin to zmax.
     [[nodiscard]] bool has_box_wall(int wall) const { return !periodic[wall / 2]; }
 };
+
+// The shifts by which a point of `box` may come nearer than `distance` to x, with care for rounding. Where there are
+// none, only that by 0.
+ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Point& x, double distance);
+// Bounds of all images of the points of `box` by shifts of the range, rounded outward.
+Box images_of(const Domain& domain, const Box& box, const ShiftRange& range);
+// The axis along which the images of a point by the range extend farthest, and how far.
+struct Extent {
+    int axis = 0;
+    double length = 0;
+};
+Extent longest_extent(const Domain& domain, const ShiftRange& range);
+// The shift of a range that holds one.
+exact::Shift only_shift(const Domain& domain, const ShiftRange& range);
 
 // Domain of a box; the periods along its periodic axes are upper - lower, exactly.
 Domain box_domain(const Box& box, const std::array<bool, 3>& periodic);
@@ -58,6 +86,8 @@ Domain triclinic_domain(const TriclinicBox& cell);
 // The shift that brings x into a periodic domain: without rounding, so that images of a point are brought to the same.
 // Nothing when that is more than some 500 million periods.
 std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x);
+// The shift that brings a point of a skewed domain into its reduced cell, or, by rounding, just beside it.
+exact::Shift shift_into_reduced(const Domain& domain, const exact::Point& x);
 
 // A wall normal . x <= offset, with a normal of order one and the offset times scale. Throws Error(invalid_argument),
 // which calls it `name`.

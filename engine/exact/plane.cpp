@@ -24,21 +24,33 @@ public:
         add(x.low);
         add(x.high);
     }
-    // The sum; `exact` becomes false when it takes more than two doubles.
+    // The sum as two doubles: the nearest one, and the one nearest to the rest. Equal sums give equal doubles, however
+    // they were added up. `exact` becomes false when it takes more than two.
     [[nodiscard]] DoubleDouble rounded(bool& exact) const {
-        DoubleDouble sum{};
-        double lost = 0;
-        for (std::size_t i = size_; i-- > 0;) {
-            const auto low = two_sum(sum.low, terms_[i]);
-            const auto high = two_sum(sum.high, low.high);
-            sum = high;
-            lost += low.low;
-        }
-        exact = exact && lost == 0;
+        DoubleDouble sum{nearest(), 0};
+        Expansion rest = *this;
+        rest.add(-sum.high);
+        sum.low = rest.nearest();
+        rest.add(-sum.low);
+        exact = exact && rest.size_ == 0;
         return sum;
     }
 
 private:
+    // The sum rounded to nearest, ties to even. Components do not overlap, so the first rounding from the top that
+    // leaves a rest decides, unless the rest is half a unit: then the sign of the next component does.
+    [[nodiscard]] double nearest() const {
+        if (size_ == 0) return 0;
+        std::size_t i = size_ - 1;
+        DoubleDouble sum{terms_[i], 0};
+        while (i > 0 && sum.low == 0) sum = two_sum(sum.high, terms_[--i]);
+        if (i > 0 && (sum.low < 0) == (terms_[i - 1] < 0)) {
+            const DoubleDouble up = two_sum(sum.high, 2 * sum.low);
+            if (up.low == 0) return up.high;
+        }
+        return sum.high;
+    }
+
     static constexpr std::size_t most_terms = 16;  // a coordinate, that of p, and four for each of three vectors
     std::array<double, most_terms> terms_{};
     std::size_t size_ = 0;

@@ -28,6 +28,7 @@ Box larger_box(const Job& job, double margin) {
 
 std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_seeds) {
     const Domain& domain = *job.domain;
+    if (domain.skewed) return std::nullopt;
     const std::size_t count = job.points.count();
     const double spacing = std::cbrt(domain.volume / static_cast<double>(std::max<std::size_t>(count, 1)));
     const double margin = std::min(margin_spacings * spacing, 2 * domain.covering_radius) / job.scale;
@@ -47,13 +48,16 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
         }
     if (lossy) return std::nullopt;
 
+    const auto fraction = [&](const exact::Point& x) {
+        return domain.edges.fraction({x[0] - domain.origin[0], x[1] - domain.origin[1], x[2] - domain.origin[2]});
+    };
     // Shifts that may carry a point of the domain into the box: those of its corners, in fractions.
     Vector lower = {0, 0, 0}, upper = {0, 0, 0};
     for (int corner = 0; corner < 8; ++corner) {
         exact::Point x;
         for (int k = 0; k < 3; ++k)
             x[k] = (((corner >> k) & 1) != 0 ? result.box.upper[k] : result.box.lower[k]) * job.scale;
-        const Vector f = domain.fraction(x);
+        const Vector f = fraction(x);
         for (int j = 0; j < 3; ++j) {
             lower[j] = corner == 0 ? f[j] : std::min(lower[j], f[j]);
             upper[j] = corner == 0 ? f[j] : std::max(upper[j], f[j]);
@@ -98,7 +102,7 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
         exact::Point x = scaled(i);
         const exact::Point by = domain.translation(wraps[i]);
         for (int k = 0; k < 3; ++k) x[k] += by[k];
-        const Vector f = domain.fraction(x);
+        const Vector f = fraction(x);
         std::array<int, 3> least{}, most{};
         for (int j = 0; j < 3; ++j) {
             if (!domain.periodic[j]) continue;
