@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <sstream>
 
 #include "oracle/certificate.hpp"
 #include "oracle/half_spaces.hpp"
@@ -105,15 +106,26 @@ std::string check_answer(const votess::Tessellation& t, const Job& job, const st
         if (const std::string wrong = check_certificate(t, job.points, options, cells); !wrong.empty())
             return "exact: " + wrong;
     }
-    if (const std::string wrong = votess::verify(t, job.points, {t.size() > few ? 64u : 0u, number}).failure;
-        !wrong.empty())
-        return "verify: " + wrong;
+    try {
+        const std::string wrong = votess::verify(t, job.points, {t.size() > few ? 64u : 0u, number}).failure;
+        if (!wrong.empty()) return "verify: " + wrong;
+    } catch (const std::exception& error) {
+        return std::string("verify: threw ") + error.what();
+    }
     if (t.size() > few && options.want.neighbors && t.stats().duplicates == 0)
         return check_shuffled(t, job, device, number);
     return "";
 }
 
 }  // namespace
+
+std::string sort_of(const std::string& failure) {
+    std::istringstream words(failure.substr(0, failure.find(';')));
+    std::string sort;
+    for (std::string word; words >> word;)
+        if (word.find_first_of("0123456789") == std::string::npos) sort += (sort.empty() ? "" : " ") + word;
+    return sort;
+}
 
 Judgement judge(const Case& c, const std::string& device, bool measure) {
     Judgement judgement;

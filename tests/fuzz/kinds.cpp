@@ -44,6 +44,8 @@ double decades(Random& random, double lower, double upper) {
 
 double beside(double x, Random& random, double probability) {
     if (!random.chance(probability)) return x;
+    // The numbers beside 0 are beyond the scales of the rest.
+    if (x == 0 && random.chance(0.999)) return random.chance(0.5) ? 0x1p-58 : -0x1p-58;
     const double towards = random.chance(0.5) ? 1e300 : -1e300;
     for (auto steps = random.chance(0.8) ? 1 : random.below(6); steps > 0; --steps) x = std::nextafter(x, towards);
     return x;

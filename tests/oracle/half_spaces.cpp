@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <tuple>
 
 #include "oracle/integer_domain.hpp"
+#include "support/text.hpp"
 
 namespace test {
 namespace {
@@ -276,24 +276,11 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
 
 std::string check_against_half_spaces(const votess::Tessellation& t, std::span<const double> points,
                                       const votess::Options& options, std::optional<int> reach) {
-    const auto text = [](double x) {
-        char digits[32];
-        std::snprintf(digits, sizeof digits, "%.17g", x);
-        return std::string(digits);
-    };
     const auto line = [](const std::vector<ExactFace>& faces) {
-        std::string text;
-        for (const auto& [id, shift] : faces) {
-            text += ' ';
-            text += std::to_string(id);
-            if (shift == std::array<int, 3>{}) continue;
-            for (std::size_t k = 0; k < 3; ++k) {
-                text += k == 0 ? '(' : ',';
-                text += std::to_string(shift[k]);
-            }
-            text += ')';
-        }
-        return text;
+        std::string all;
+        for (const auto& [id, s] : faces)
+            all += s == std::array<int, 3>{} ? text(' ', id) : text(' ', id, '(', s[0], ',', s[1], ',', s[2], ')');
+        return all;
     };
     for (std::size_t i = 0; i < t.size(); ++i) {
         const ExactDomainCell expected = exact_cell(points, options, i, reach);
@@ -311,8 +298,7 @@ std::string check_against_half_spaces(const votess::Tessellation& t, std::span<c
         const bool empty = t.status()[i] == votess::CellStatus::empty;
         if (empty != expected.faces.empty()) return "cell " + std::to_string(i) + " has the wrong status";
         if (!(std::abs(t.volumes()[i] - expected.volume) <= 1e-10 * expected.volume))
-            return "cell " + std::to_string(i) + " has volume " + text(t.volumes()[i]) + ", exact is " +
-                   text(expected.volume);
+            return text("cell ", i, " has volume ", t.volumes()[i], ", exact is ", expected.volume);
     }
     return "";
 }
@@ -320,7 +306,7 @@ std::string check_against_half_spaces(const votess::Tessellation& t, std::span<c
 std::string check_domain(const votess::Tessellation& t) {
     const auto& stats = t.stats();
     if (!(std::abs(stats.volume_sum - stats.box_volume) <= 1e-9 * stats.box_volume))
-        return "volumes sum to " + std::to_string(stats.volume_sum) + " of " + std::to_string(stats.box_volume);
+        return text("volumes sum to ", stats.volume_sum, " of ", stats.box_volume);
     std::set<std::tuple<std::int32_t, std::int32_t, int, int, int>> faces;
     for (std::size_t i = 0; i < t.size(); ++i) {
         const auto row = t.neighbors(i);

@@ -9,7 +9,7 @@ namespace test::fuzz {
 
 struct Limits {
     std::string device = "cpu";
-    unsigned seconds = 60;  // of processor time for one case, then it hangs; ten times that on the wall
+    unsigned seconds = 20;  // of processor time for one case, then it hangs; ten times that on the wall
 };
 
 // For the process that judges: it ends by a signal beyond these.
@@ -21,7 +21,7 @@ std::string describe_end(int status);
 // What judge() says of the case, or how the process ended.
 std::string judge_apart(const Case& c, const Limits& limits);
 
-// The least case that fails in the same way (first word of the failure), as far as some time allows.
+// The least case that fails in the same way (sort_of the failure), as far as some time allows.
 Case reduce(Case c, const std::string& failure, const Limits& limits);
 
 }  // namespace test::fuzz

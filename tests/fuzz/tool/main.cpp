@@ -32,7 +32,7 @@ using namespace test::fuzz;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t most_kinds = 32;
-constexpr int kept_of_a_sort = 4;
+constexpr int kept_of_a_sort = 3;
 
 struct Arguments {
     double hours = 0;
@@ -213,7 +213,7 @@ private:
 
     void keep(const Finding& finding) {
         const Kind& kind = *arguments_.kinds[finding.kind];
-        const std::string sort = std::string(kind.name) + ' ' + finding.failure.substr(0, finding.failure.find(' '));
+        const std::string sort = std::string(kind.name) + ' ' + sort_of(finding.failure);
         if (++found_[sort] > kept_of_a_sort) return;
         const Case whole = make_case(kind, finding.number);
         const Case least = reduce(whole, finding.failure, arguments_.limits);

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "fuzz/judge.hpp"
 #include "fuzz/tool/isolate.hpp"
 
 namespace test::fuzz {
@@ -10,16 +11,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr auto most_time = std::chrono::seconds(60);
 
-std::string sort_of(const std::string& failure) {
-    return failure.substr(0, failure.find(' '));
-}
-
 class Reducer {
 public:
     Reducer(Case c, const std::string& failure, const Limits& limits)
         : case_(std::move(c)), sort_(sort_of(failure)), limits_(limits) {
         // A hang need not be waited for as long as when it was found.
-        limits_.seconds = std::min(limits_.seconds, 10u);
+        limits_.seconds = std::min(limits_.seconds, 5u);
     }
 
     Case run() {
