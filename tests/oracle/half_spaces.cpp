@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <tuple>
+
+#include "oracle/integer_domain.hpp"
+#include "support/text.hpp"
 
 namespace test {
 namespace {
@@ -160,7 +162,7 @@ Vec wrapped(Vec x, const votess::Options& options, const std::array<Vec, 3>& vec
 }
 
 std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess::Options& options, std::size_t i,
-                                   int reach) {
+                                   std::optional<int> reach) {
     const auto vectors = vectors_of(options);
     const auto at = [&](std::size_t j) {
         return wrapped(exact({points[3 * j], points[3 * j + 1], points[3 * j + 2]}), options, vectors);
@@ -170,22 +172,29 @@ std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess:
     };
     const Vec p = at(i);
     std::vector<HalfSpace> all;
-    std::array<int, 3> range{};
-    for (std::size_t k = 0; k < 3; ++k) range[k] = options.cell || options.periodic[k] ? reach : 0;
-    for (std::size_t j = 0; j < points.size() / 3; ++j) {
-        const Vec q = at(j);
+    const IntegerDomain domain(points, options);
+    const auto shifts_of = [&](std::size_t j) {
+        if (!reach) return domain.near_shifts(i, j);
+        std::array<int, 3> range{};
+        for (std::size_t k = 0; k < 3; ++k) range[k] = options.cell || options.periodic[k] ? *reach : 0;
+        std::vector<std::array<int, 3>> shifts;
         for (int a = -range[0]; a <= range[0]; ++a)
             for (int b = -range[1]; b <= range[1]; ++b)
-                for (int c = -range[2]; c <= range[2]; ++c) {
-                    if (j == i && a == 0 && b == 0 && c == 0) continue;
-                    HalfSpace s;
-                    s.face = {static_cast<std::int32_t>(j), {a, b, c}};
-                    for (std::size_t k = 0; k < 3; ++k)
-                        s.n[k] = q[k] - p[k] + a * vectors[0][k] + b * vectors[1][k] + c * vectors[2][k];
-                    s.h = (dot(s.n, s.n) + weight(i) - weight(j)) / 2;
-                    s.bisector = true;
-                    all.push_back(std::move(s));
-                }
+                for (int c = -range[2]; c <= range[2]; ++c) shifts.push_back({a, b, c});
+        return shifts;
+    };
+    for (std::size_t j = 0; j < points.size() / 3; ++j) {
+        const Vec q = at(j);
+        for (const auto& shift : shifts_of(j)) {
+            if (j == i && shift == std::array<int, 3>{}) continue;
+            HalfSpace s;
+            s.face = {static_cast<std::int32_t>(j), shift};
+            for (std::size_t k = 0; k < 3; ++k)
+                s.n[k] = q[k] - p[k] + shift[0] * vectors[0][k] + shift[1] * vectors[1][k] + shift[2] * vectors[2][k];
+            s.h = (dot(s.n, s.n) + weight(i) - weight(j)) / 2;
+            s.bisector = true;
+            all.push_back(std::move(s));
+        }
     }
     for (std::size_t k = 0; k < 3 && !options.cell; ++k) {
         if (options.periodic[k]) continue;
@@ -209,7 +218,8 @@ std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess:
 
 }  // namespace
 
-ExactDomainCell exact_cell(std::span<const double> points, const votess::Options& options, std::size_t i, int reach) {
+ExactDomainCell exact_cell(std::span<const double> points, const votess::Options& options, std::size_t i,
+                           std::optional<int> reach) {
     std::vector<HalfSpace> all = half_spaces(points, options, i, reach);
     ExactDomainCell cell;
     // A seed at the same place leaves all or nothing.
@@ -265,25 +275,12 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
 }
 
 std::string check_against_half_spaces(const votess::Tessellation& t, std::span<const double> points,
-                                      const votess::Options& options, int reach) {
-    const auto text = [](double x) {
-        char digits[32];
-        std::snprintf(digits, sizeof digits, "%.17g", x);
-        return std::string(digits);
-    };
+                                      const votess::Options& options, std::optional<int> reach) {
     const auto line = [](const std::vector<ExactFace>& faces) {
-        std::string text;
-        for (const auto& [id, shift] : faces) {
-            text += ' ';
-            text += std::to_string(id);
-            if (shift == std::array<int, 3>{}) continue;
-            for (std::size_t k = 0; k < 3; ++k) {
-                text += k == 0 ? '(' : ',';
-                text += std::to_string(shift[k]);
-            }
-            text += ')';
-        }
-        return text;
+        std::string all;
+        for (const auto& [id, s] : faces)
+            all += s == std::array<int, 3>{} ? text(' ', id) : text(' ', id, '(', s[0], ',', s[1], ',', s[2], ')');
+        return all;
     };
     for (std::size_t i = 0; i < t.size(); ++i) {
         const ExactDomainCell expected = exact_cell(points, options, i, reach);
@@ -301,8 +298,7 @@ std::string check_against_half_spaces(const votess::Tessellation& t, std::span<c
         const bool empty = t.status()[i] == votess::CellStatus::empty;
         if (empty != expected.faces.empty()) return "cell " + std::to_string(i) + " has the wrong status";
         if (!(std::abs(t.volumes()[i] - expected.volume) <= 1e-10 * expected.volume))
-            return "cell " + std::to_string(i) + " has volume " + text(t.volumes()[i]) + ", exact is " +
-                   text(expected.volume);
+            return text("cell ", i, " has volume ", t.volumes()[i], ", exact is ", expected.volume);
     }
     return "";
 }
@@ -310,7 +306,7 @@ std::string check_against_half_spaces(const votess::Tessellation& t, std::span<c
 std::string check_domain(const votess::Tessellation& t) {
     const auto& stats = t.stats();
     if (!(std::abs(stats.volume_sum - stats.box_volume) <= 1e-9 * stats.box_volume))
-        return "volumes sum to " + std::to_string(stats.volume_sum) + " of " + std::to_string(stats.box_volume);
+        return text("volumes sum to ", stats.volume_sum, " of ", stats.box_volume);
     std::set<std::tuple<std::int32_t, std::int32_t, int, int, int>> faces;
     for (std::size_t i = 0; i < t.size(); ++i) {
         const auto row = t.neighbors(i);

@@ -5,6 +5,7 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,14 +24,15 @@ struct ExactDomainCell {
     double volume = 0;
 };
 
-// reach: images by -reach .. reach along each periodic axis are looked at, from where the seeds lie inside the box.
-// options: box, periodic, cell, planes and weights.
-ExactDomainCell exact_cell(std::span<const double> points, const votess::Options& options, std::size_t i, int reach);
+// reach: images by -reach .. reach along each periodic axis are looked at, from where the seeds lie inside the box;
+// none: those that can touch the cell. options: box, periodic, cell, planes and weights.
+ExactDomainCell exact_cell(std::span<const double> points, const votess::Options& options, std::size_t i,
+                           std::optional<int> reach = {});
 
 // Rows with shifts, volumes and statuses of all cells against exact_cell(); "" when equal. t: with neighbors, volumes
 // and walls, of distinct seeds.
 std::string check_against_half_spaces(const votess::Tessellation& t, std::span<const double> points,
-                                      const votess::Options& options, int reach);
+                                      const votess::Options& options, std::optional<int> reach = {});
 
 // Volumes fill the domain, rows are symmetric with opposite shifts, empty cells have nothing.
 std::string check_domain(const votess::Tessellation& t);

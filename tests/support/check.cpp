@@ -10,18 +10,11 @@
 
 #include "../oracle/brute_force.hpp"
 #include "cpu/kernels.hpp"
+#include "text.hpp"
 
 namespace test {
 
 namespace {
-
-template <class... Parts>
-std::string text(const Parts&... parts) {
-    std::ostringstream out;
-    out.precision(17);
-    (out << ... << parts);
-    return out.str();
-}
 
 std::string text_row(std::span<const std::int32_t> row) {
     std::ostringstream out;

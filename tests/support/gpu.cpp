@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "gpu/kernel_choice.hpp"
 #include "pipeline.hpp"
+#include "text.hpp"
 
 namespace test {
 
@@ -35,14 +35,6 @@ double size_of(const votess::Tessellation& t, std::span<const double> points, st
 template <class T>
 bool equal(std::span<const T> a, std::span<const T> b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end());
-}
-
-template <class... Parts>
-std::string text(const Parts&... parts) {
-    std::ostringstream out;
-    out.precision(17);
-    (out << ... << parts);
-    return out.str();
 }
 
 std::string text_row(std::span<const std::int32_t> row) {

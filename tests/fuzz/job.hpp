@@ -1,0 +1,52 @@
+// What the fuzz of many kinds hands to the library, as text too: a finding can be kept and run again.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+#include <votess/votess.hpp>
+
+#include "support/generators.hpp"
+
+namespace test::fuzz {
+
+inline constexpr unsigned want_all = 0x3ff;  // the bits are the members of Want in their order
+inline constexpr unsigned want_rows_and_volumes = 3;
+
+struct Job {
+    Coordinates points;
+    std::vector<double> weights;
+    std::optional<votess::Box> box;
+    std::array<bool, 3> periodic{};
+    std::optional<votess::TriclinicBox> cell;
+    std::vector<votess::Wall> planes;
+    bool drop = false;   // seeds outside
+    bool walls = false;  // are listed
+    unsigned want = want_all;
+    unsigned grid_resolution = 0, threads = 1;
+    bool update = false;      // of the job before
+    bool may_refuse = false;  // invalid_argument and unsupported are answers too
+    bool closed = false;      // the planes alone bound the domain, so walls of the box touch no cell
+
+    [[nodiscard]] std::size_t size() const { return points.size() / 3; }
+    // The weights stay the job's.
+    [[nodiscard]] votess::Options options(const std::string& device) const;
+    // Without these seeds.
+    [[nodiscard]] Job without(std::size_t first, std::size_t end) const;
+};
+
+// Jobs that one Tessellator does one after the other.
+struct Case {
+    std::string kind;
+    std::uint64_t number = 0;
+    std::vector<Job> jobs;
+};
+
+void write(const Case& c, std::ostream& out);
+// Throws std::runtime_error that names the line.
+Case read(std::istream& in);
+
+}  // namespace test::fuzz

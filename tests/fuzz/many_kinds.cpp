@@ -1,0 +1,51 @@
+// The kinds of kinds.hpp, each for its share of sets with fixed numbers. VOTESS_FUZZ_SETS: percent of the usual count;
+// VOTESS_FUZZ_SEED: the first number. tools/fuzz.sh runs the same for hours, in processes that may crash or hang.
+#include <doctest/doctest.h>
+
+#include <sstream>
+
+#include "fuzz/judge.hpp"
+#include "fuzz/kinds.hpp"
+#include "oracle/certificate.hpp"
+#include "oracle/half_spaces.hpp"
+#include "support/check.hpp"
+
+namespace {
+
+using namespace test::fuzz;
+
+std::uint64_t sets_of(const Kind& kind) {
+    const std::uint64_t usual = kind.name == "many" ? 4 : kind.name == "jobs" ? 20 : kind.name == "wrapped" ? 200 : 60;
+    return std::max<std::uint64_t>(
+        1, test::by_size(usual, usual / 10) * test::environment("VOTESS_FUZZ_PERCENT", 100) / 100);
+}
+
+}  // namespace
+
+TEST_SUITE("fuzz") {
+    TEST_CASE("sets of many kinds are right cell by cell") {
+        const std::uint64_t first = test::environment("VOTESS_FUZZ_SEED", 1);
+        for (const Kind& kind : all_kinds()) {
+            int failures = 0;
+            for (std::uint64_t number = first; number < first + sets_of(kind) && failures < 3; ++number) {
+                INFO(kind.name << ' ' << number);  // doctest prints it after a crash too
+                const Case c = make_case(kind, number);
+                const std::string failure = judge(c, "cpu", false).failure;
+                if (failure.empty()) continue;
+                ++failures;
+                std::ostringstream source;
+                if (kind.name != "many") write(c, source);
+                FAIL_CHECK(failure << '\n' << source.str());
+            }
+        }
+    }
+
+    TEST_CASE("a case that is written and read again is the same") {
+        for (const Kind& kind : all_kinds()) {
+            std::stringstream first, second;
+            write(make_case(kind, 7), first);
+            write(read(first), second);
+            CHECK(first.str() == second.str());
+        }
+    }
+}

@@ -1,0 +1,518 @@
+#include "oracle/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "oracle/integer_domain.hpp"
+#include "support/text.hpp"
+
+namespace test {
+namespace {
+
+constexpr std::size_t most_planes = 150;  // in one cell: the time grows with their cube
+constexpr std::size_t most_seeds_made_anew = 60;
+constexpr mp_bitcnt_t digits = 512;
+
+using Real = mpf_class;
+using Reals = std::array<Real, 3>;
+using Doubles = std::array<double, 3>;
+
+using test::cross;
+using test::dot;
+Real dot(const Reals& a, const Reals& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+Reals cross(const Reals& a, const Reals& b) {
+    return {Real(a[1] * b[2] - a[2] * b[1]), Real(a[2] * b[0] - a[0] * b[2]), Real(a[0] * b[1] - a[1] * b[0])};
+}
+Reals minus(const Reals& a, const Reals& b) {
+    return {Real(a[0] - b[0]), Real(a[1] - b[1]), Real(a[2] - b[2])};
+}
+
+std::string name(const ExactFace& face) {
+    const auto& s = face.shift;
+    return s == std::array<int, 3>{} ? text(face.id) : text(face.id, '(', s[0], ',', s[1], ',', s[2], ')');
+}
+
+struct Vertex {
+    Integers x;  // over w > 0
+    mpz_class w;
+    std::vector<std::size_t> on;  // the planes through it
+    Doubles rounded{};
+};
+
+int side(const IntegerPlane& plane, const Vertex& v) {
+    return cmp(dot(plane.n, v.x), mpz_class(plane.h * v.w));
+}
+
+Doubles rounded(const Integers& x) {
+    return {x[0].get_d(), x[1].get_d(), x[2].get_d()};
+}
+
+// A plane of unit normal, rounded.
+struct RoundedPlane {
+    Doubles n;
+    double h;
+};
+
+RoundedPlane rounded(const IntegerPlane& plane) {
+    const mpz_class square = dot(plane.n, plane.n);
+    const Real length = sqrt(Real(square, 128));
+    const auto by_length = [&](const mpz_class& x) { return Real(Real(x, 128) / length).get_d(); };
+    return {{by_length(plane.n[0]), by_length(plane.n[1]), by_length(plane.n[2])}, by_length(plane.h)};
+}
+
+// Whether the corner of three planes is beyond some plane for sure. Sums of products of unit normals have errors of
+// some units of 2^-53, those with h of that times h.
+bool surely_outside(const std::vector<RoundedPlane>& planes, const std::vector<std::size_t>& order, std::size_t a,
+                    std::size_t b, std::size_t c) {
+    constexpr double slack = 1e-13;
+    const auto cross = [](const Doubles& u, const Doubles& v) -> Doubles {
+        return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    };
+    const auto dot = [](const Doubles& u, const Doubles& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; };
+    const Doubles ab = cross(planes[a].n, planes[b].n), bc = cross(planes[b].n, planes[c].n),
+                  ca = cross(planes[c].n, planes[a].n);
+    const double w = dot(ab, planes[c].n), sign = w < 0 ? -1 : 1;
+    if (std::abs(w) < slack) return false;
+    Doubles x;
+    for (std::size_t k = 0; k < 3; ++k) x[k] = sign * (planes[a].h * bc[k] + planes[b].h * ca[k] + planes[c].h * ab[k]);
+    const double size = std::abs(planes[a].h) + std::abs(planes[b].h) + std::abs(planes[c].h);
+    return std::ranges::any_of(order, [&](std::size_t o) {
+        return dot(planes[o].n, x) - planes[o].h * std::abs(w) > slack * (size + std::abs(planes[o].h));
+    });
+}
+
+// The polyhedron inside all planes, by its corners: three planes each.
+std::vector<Vertex> find_vertices(const std::vector<IntegerPlane>& planes) {
+    std::map<std::vector<std::size_t>, Vertex> vertices;
+    std::vector<std::size_t> order(planes.size());  // those that cut much come first
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::vector<RoundedPlane> by_doubles;
+    for (const IntegerPlane& plane : planes) by_doubles.push_back(rounded(plane));
+    for (std::size_t a = 0; a < planes.size(); ++a)
+        for (std::size_t b = a + 1; b < planes.size(); ++b) {
+            const Integers along = cross(planes[a].n, planes[b].n);
+            if (along[0] == 0 && along[1] == 0 && along[2] == 0) continue;
+            for (std::size_t c = b + 1; c < planes.size(); ++c) {
+                if (surely_outside(by_doubles, order, a, b, c)) continue;
+                Vertex v;
+                v.w = dot(along, planes[c].n);
+                if (v.w == 0) continue;
+                const Integers bc = cross(planes[b].n, planes[c].n), ca = cross(planes[c].n, planes[a].n);
+                for (std::size_t k = 0; k < 3; ++k)
+                    v.x[k] = planes[a].h * bc[k] + planes[b].h * ca[k] + planes[c].h * along[k];
+                if (v.w < 0) {
+                    v.w = -v.w;
+                    for (mpz_class& x : v.x) x = -x;
+                }
+                bool inside = true;
+                for (std::size_t o = 0; o < order.size() && inside; ++o) {
+                    const int s = side(planes[order[o]], v);
+                    if (s == 0) v.on.push_back(order[o]);
+                    if (s <= 0) continue;
+                    inside = false;
+                    std::rotate(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(o),
+                                order.begin() + static_cast<std::ptrdiff_t>(o) + 1);
+                }
+                if (!inside) continue;
+                std::ranges::sort(v.on);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    mpq_class x(v.x[k], v.w);
+                    x.canonicalize();
+                    v.rounded[k] = x.get_d();
+                }
+                auto key = v.on;
+                vertices.emplace(std::move(key), std::move(v));
+            }
+        }
+    std::vector<Vertex> all;
+    for (auto& [key, v] : vertices) all.push_back(std::move(v));
+    return all;
+}
+
+struct Face {
+    std::size_t plane = 0;
+    std::vector<std::size_t> corners;  // in order around it
+};
+
+// The corners of each face in order; the first face that is none in `wrong`.
+std::vector<Face> find_faces(const std::vector<IntegerPlane>& planes, const std::vector<Vertex>& vertices,
+                             std::string& wrong) {
+    std::vector<std::vector<std::size_t>> on(planes.size());
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+        for (const std::size_t p : vertices[v].on) on[p].push_back(v);
+    std::vector<Face> faces;
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+        if (on[p].size() < 3) {
+            if (planes[p].face.id < 0) continue;  // walls need not be listed
+            wrong = "lists " + name(planes[p].face) + ", which touches it in no polygon";
+            return {};
+        }
+        // Neighbors around the face share another face with it.
+        std::map<std::size_t, std::vector<std::size_t>> next;
+        for (std::size_t q = 0; q < planes.size(); ++q) {
+            if (q == p || on[q].size() < 3) continue;
+            std::vector<std::size_t> shared;
+            std::ranges::set_intersection(on[p], on[q], std::back_inserter(shared));
+            if (shared.size() > 2) {
+                wrong = "lists " + name(planes[p].face) + " and " + name(planes[q].face) + " in one plane";
+                return {};
+            }
+            if (shared.size() < 2) continue;
+            next[shared[0]].push_back(shared[1]);
+            next[shared[1]].push_back(shared[0]);
+        }
+        Face face{p, {on[p][0]}};
+        for (std::size_t from = on[p][0], at = on[p][0]; face.corners.size() <= on[p].size();) {
+            const auto& ends = next[at];
+            if (ends.size() != 2) {
+                wrong = "is not closed by the faces that it lists: " + name(planes[p].face) + " has an open side";
+                return {};
+            }
+            const std::size_t to = ends[0] == from ? ends[1] : ends[0];
+            from = at;
+            at = to;
+            if (at == face.corners[0]) break;
+            face.corners.push_back(at);
+        }
+        if (face.corners.size() != on[p].size()) {
+            wrong = "has a face with " + name(planes[p].face) + " that is no polygon";
+            return {};
+        }
+        faces.push_back(std::move(face));
+    }
+    return faces;
+}
+
+// Whether any corner lies beyond the plane. touching: corners on it.
+bool cuts(const IntegerPlane& plane, const std::vector<Vertex>& vertices, int& touching) {
+    const Doubles n = rounded(plane.n);
+    const double h = plane.h.get_d(), length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    touching = 0;
+    for (const Vertex& v : vertices) {
+        const double s = n[0] * v.rounded[0] + n[1] * v.rounded[1] + n[2] * v.rounded[2] - h;
+        const double size =
+            std::sqrt(v.rounded[0] * v.rounded[0] + v.rounded[1] * v.rounded[1] + v.rounded[2] * v.rounded[2]);
+        const double error = 1e-14 * (length * size + std::abs(h));
+        if (s < -error) continue;
+        const int exact = s > error ? 1 : side(plane, v);
+        if (exact > 0) return true;
+        if (exact == 0) ++touching;
+    }
+    return false;
+}
+
+// Of two equal planes the face is the wall's, of walls the first one's, of seeds that of the farthest behind.
+bool hides(const IntegerPlane& a, const IntegerPlane& b) {
+    if ((a.face.id < 0) != (b.face.id < 0)) return a.face.id < 0;
+    return a.face.id < 0 ? a.face.id > b.face.id : dot(a.n, a.n) > dot(b.n, b.n);
+}
+
+bool coincide(const IntegerPlane& a, const IntegerPlane& b) {
+    const Integers turned = cross(a.n, b.n);
+    if (turned[0] != 0 || turned[1] != 0 || turned[2] != 0 || dot(a.n, b.n) <= 0) return false;
+    return a.h * dot(b.n, b.n) == b.h * dot(a.n, b.n);
+}
+
+class Judge {
+public:
+    Judge(const votess::Tessellation& t, std::span<const double> points, const votess::Options& options)
+        : t_(t), points_(points), options_(options), domain_(points, options) {
+        mpf_set_default_prec(digits);
+        find_duplicates();
+    }
+
+    std::string status(std::size_t i) const {
+        using votess::CellStatus;
+        const auto given = t_.status()[i];
+        if ((given == CellStatus::outside) != domain_.is_outside(i))
+            return domain_.is_outside(i) ? "lies outside and has a cell" : "is called outside";
+        if (given == CellStatus::outside) return "";
+        if (lighter_[i] != 0) return given == CellStatus::empty ? "" : "has a cell, and a heavier seed is at its place";
+        if ((given == CellStatus::duplicate) != (duplicate_of_[i] >= 0))
+            return duplicate_of_[i] >= 0 ? text("is a duplicate of ", duplicate_of_[i], " and has a cell")
+                                         : "is called a duplicate";
+        if (given == CellStatus::duplicate)
+            return t_.duplicate_of()[i] == duplicate_of_[i] ? "" : text("is a duplicate of ", duplicate_of_[i]);
+        if (given != CellStatus::certified && given != CellStatus::empty)
+            return text("has status ", static_cast<int>(given));
+        return "";
+    }
+
+    std::string cell(std::size_t i) {
+        if (const std::string wrong = status(i); !wrong.empty()) return wrong;
+        const auto row = t_.neighbors(i);
+        if (t_.status()[i] != votess::CellStatus::certified) {
+            if (!row.empty()) return "has no cell and a row";
+            return takes_part(i) ? check_empty(i) : "";
+        }
+        std::vector<IntegerPlane> planes;
+        std::vector<ExactFace> listed;
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            ExactFace face{row[k], {}};
+            if (!t_.shifts().empty())
+                std::copy_n(t_.shifts().data() + 3 * (static_cast<std::size_t>(t_.indptr()[i]) + k), 3,
+                            face.shift.begin());
+            if (!listed.empty() && !(listed.back() < face)) return "has a row that does not ascend";
+            listed.push_back(face);
+            if (face.id < 0) continue;
+            if (face.id >= static_cast<std::int32_t>(t_.size()) ||
+                t_.status()[face.id] != votess::CellStatus::certified)
+                return "lists " + name(face) + ", which has no cell";
+            planes.push_back(domain_.bisector(i, static_cast<std::size_t>(face.id), face.shift));
+        }
+        for (IntegerPlane& wall : domain_.walls(i)) planes.push_back(std::move(wall));
+        drop_hidden_walls(planes);
+        if (planes.size() > most_planes) return "";
+        const std::vector<Vertex> vertices = find_vertices(planes);
+        std::string wrong;
+        const std::vector<Face> faces = find_faces(planes, vertices, wrong);
+        if (!wrong.empty()) return wrong;
+        if (faces.size() < 4) return "is not closed by the faces that it lists";
+        if (t_.lists_walls()) {
+            std::vector<ExactFace> exact;
+            for (const Face& face : faces) exact.push_back(planes[face.plane].face);
+            std::ranges::sort(exact);
+            if (exact != listed) return "lists walls that it has not, or lacks some";
+        }
+        if (wrong = check_others(i, planes, vertices, faces, listed); !wrong.empty()) return wrong;
+        return check_numbers(i, planes, vertices, faces, listed);
+    }
+
+    // What is right, as far as that can be made in reasonable time.
+    std::string exact_row(std::size_t i) const {
+        if (t_.size() > most_seeds_made_anew || !takes_part(i)) return "";
+        std::string line = "; exact are";
+        for (const ExactFace& face : make(i).faces) line += ' ' + name(face);
+        return line;
+    }
+
+private:
+    // Of seeds at one place the heaviest has the cell, of those the first; equal ones are its duplicates.
+    void find_duplicates() {
+        std::map<Integers, std::size_t, bool (*)(const Integers&, const Integers&)> best(
+            [](const Integers& a, const Integers& b) {
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (const int order = cmp(a[k], b[k]); order != 0) return order < 0;
+                return false;
+            });
+        const auto weight = [&](std::size_t i) { return options_.weights.empty() ? 0 : options_.weights[i]; };
+        for (std::size_t i = 0; i < domain_.size(); ++i) {
+            if (domain_.is_outside(i)) continue;
+            const auto [it, is_new] = best.emplace(domain_.place(i), i);
+            if (!is_new && weight(i) > weight(it->second)) it->second = i;
+        }
+        duplicate_of_.assign(domain_.size(), -1);
+        lighter_.assign(domain_.size(), 0);
+        for (std::size_t i = 0; i < domain_.size(); ++i) {
+            if (domain_.is_outside(i)) continue;
+            const std::size_t other = best.at(domain_.place(i));
+            if (weight(i) < weight(other)) {
+                lighter_[i] = 1;
+            } else if (i != other) {
+                duplicate_of_[i] = static_cast<std::int32_t>(other);
+            }
+        }
+    }
+    // Whether the seed is one of those that share the space.
+    [[nodiscard]] bool takes_part(std::size_t i) const {
+        return !domain_.is_outside(i) && duplicate_of_[i] < 0 && lighter_[i] == 0;
+    }
+
+    // Two walls in one plane, or a listed face in a wall's: the first wall's is meant.
+    static void drop_hidden_walls(std::vector<IntegerPlane>& planes) {
+        std::erase_if(planes, [&](const IntegerPlane& wall) {
+            return wall.face.id < 0 && std::ranges::any_of(planes, [&](const IntegerPlane& other) {
+                       return other.face.id < 0 && other.face.id > wall.face.id && coincide(other, wall);
+                   });
+        });
+    }
+
+    ExactDomainCell make(std::size_t i) const {
+        // Duplicates and seeds outside are left out, and ids stay those of the input.
+        std::vector<double> points;
+        std::vector<double> weights;
+        std::vector<std::int32_t> id;
+        std::size_t at = 0;
+        for (std::size_t j = 0; j < t_.size(); ++j) {
+            if (!takes_part(j)) continue;
+            if (j == i) at = id.size();
+            id.push_back(static_cast<std::int32_t>(j));
+            points.insert(points.end(), points_.begin() + static_cast<std::ptrdiff_t>(3 * j),
+                          points_.begin() + static_cast<std::ptrdiff_t>(3 * j + 3));
+            if (!options_.weights.empty()) weights.push_back(options_.weights[j]);
+        }
+        votess::Options options = options_;
+        options.weights = weights;
+        ExactDomainCell cell = exact_cell(points, options, at, {});
+        for (ExactFace& face : cell.faces)
+            if (face.id >= 0) face.id = id[static_cast<std::size_t>(face.id)];
+        return cell;
+    }
+
+    std::string check_empty(std::size_t i) const {
+        if (t_.size() > most_seeds_made_anew) return "";
+        return make(i).faces.empty() ? "" : "is called empty";
+    }
+
+    std::string check_others(std::size_t i, const std::vector<IntegerPlane>& planes,
+                             const std::vector<Vertex>& vertices, const std::vector<Face>& faces,
+                             const std::vector<ExactFace>& listed) const {
+        int touching = 0;
+        for (std::size_t j = 0; j < t_.size(); ++j) {
+            if (!takes_part(j)) continue;
+            for (const auto& shift : domain_.near_shifts(i, j)) {
+                if (j == i && shift == std::array<int, 3>{}) continue;
+                const IntegerPlane plane = domain_.bisector(i, j, shift);
+                if (std::ranges::binary_search(listed, plane.face)) continue;
+                if (cuts(plane, vertices, touching)) return "lacks " + name(plane.face);
+                if (touching < 3) continue;
+                for (const Face& face : faces)
+                    if (coincide(plane, planes[face.plane]) && hides(plane, planes[face.plane]))
+                        return "lists " + name(planes[face.plane].face) + " where in the same plane " +
+                               name(plane.face) + " is the neighbor";
+            }
+        }
+        return "";
+    }
+
+    std::string check_numbers(std::size_t i, const std::vector<IntegerPlane>& planes,
+                              const std::vector<Vertex>& vertices, const std::vector<Face>& faces,
+                              const std::vector<ExactFace>& listed) const {
+        std::size_t corners = 0;
+        for (const Face& face : faces) corners += face.corners.size();
+        if (!t_.face_counts().empty() && (t_.face_counts()[i] != faces.size() || t_.edge_counts()[i] != corners / 2 ||
+                                          t_.vertex_counts()[i] != vertices.size()))
+            return text("counts ", t_.face_counts()[i], " faces, ", t_.edge_counts()[i], " edges, ",
+                        t_.vertex_counts()[i], " vertices instead of ", faces.size(), ", ", corners / 2, ", ",
+                        vertices.size());
+        Real unit = 1;
+        if (domain_.quantum() >= 0)
+            unit <<= static_cast<mp_bitcnt_t>(domain_.quantum());
+        else
+            unit >>= static_cast<mp_bitcnt_t>(-domain_.quantum());
+        const auto real = [&](const Integers& x, const Real& by) -> Reals {
+            return {Real(Real(x[0]) * unit / by), Real(Real(x[1]) * unit / by), Real(Real(x[2]) * unit / by)};
+        };
+        std::vector<Reals> at;
+        Real farthest = 0;
+        Reals least, most;
+        for (const Vertex& v : vertices) {
+            at.push_back(real(v.x, Real(v.w)));
+            const Real square = dot(at.back(), at.back());
+            if (square > farthest) farthest = square;
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (at.size() == 1 || at.back()[k] < least[k]) least[k] = at.back()[k];
+                if (at.size() == 1 || at.back()[k] > most[k]) most[k] = at.back()[k];
+            }
+        }
+        Real volume = 0, surface = 0;
+        Reals moment{Real(0), Real(0), Real(0)};
+        std::vector<Real> areas(planes.size());
+        for (const Face& face : faces) {
+            const IntegerPlane& plane = planes[face.plane];
+            Reals turn{Real(0), Real(0), Real(0)};
+            Real part = 0;
+            Reals part_moment{Real(0), Real(0), Real(0)};
+            const Reals& a = at[face.corners[0]];
+            for (std::size_t k = 1; k + 1 < face.corners.size(); ++k) {
+                const Reals &b = at[face.corners[k]], &c = at[face.corners[k + 1]];
+                const Reals piece = cross(minus(b, a), minus(c, a));
+                const Real six = dot(a, piece);
+                part += six;
+                for (std::size_t x = 0; x < 3; ++x) {
+                    turn[x] += piece[x];
+                    part_moment[x] += six * (a[x] + b[x] + c[x]) / 4;
+                }
+            }
+            const Reals n{Real(plane.n[0]), Real(plane.n[1]), Real(plane.n[2])};
+            const int outward = sgn(dot(turn, n));
+            areas[face.plane] = sqrt(dot(turn, turn)) / 2;
+            surface += areas[face.plane];
+            volume += outward * part / 6;
+            for (std::size_t x = 0; x < 3; ++x) moment[x] += outward * part_moment[x] / 6;
+        }
+        const bool single = t_.stats().precision == votess::Precision::single;
+        const double relative = single ? 1e-5 : 1e-10;
+        const auto differs = [](double given, const Real& exact, const Real& tolerance) {
+            return !std::isfinite(given) || abs(Real(given) - exact) > tolerance + 64 * Real(0x1p-1074);
+        };
+        if (!t_.volumes().empty() && differs(t_.volumes()[i], volume, relative * volume))
+            return text("has volume ", t_.volumes()[i], " instead of ", volume.get_d());
+        if (!t_.surface_areas().empty() && differs(t_.surface_areas()[i], surface, relative * surface))
+            return text("has surface ", t_.surface_areas()[i], " instead of ", surface.get_d());
+        if (!t_.security_radii().empty()) {
+            const Real radius = 2 * sqrt(farthest);
+            if (differs(t_.security_radii()[i], radius, relative * radius))
+                return text("has radius ", t_.security_radii()[i], " instead of ", radius.get_d());
+        }
+        const Reals seed = real(domain_.place(i), Real(1));
+        Real extent = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (most[k] - least[k] > extent) extent = most[k] - least[k];
+        for (std::size_t k = 0; k < 3 && !t_.centroids().empty(); ++k) {
+            const Real c = seed[k] + moment[k] / volume;
+            const double given = t_.centroids()[3 * i + k];
+            // The seed may lie far outside of its cell.
+            const Real rounding = 4 * 0x1p-53 * (abs(c) + abs(c - seed[k]));
+            if (volume > 1e-280 && differs(given, c, relative * extent + rounding))
+                return text("has the centroid's coordinate ", k, " at ", given, " instead of ", c.get_d());
+        }
+        for (const Face& face : faces) {
+            const IntegerPlane& plane = planes[face.plane];
+            const auto found = std::ranges::lower_bound(listed, plane.face);
+            if (found == listed.end() || *found != plane.face) continue;
+            const std::size_t e = static_cast<std::size_t>(t_.indptr()[i] + (found - listed.begin()));
+            if (!t_.face_areas().empty() && differs(t_.face_areas()[e], areas[face.plane], relative * surface))
+                return text("has with ", name(plane.face), " the area ", t_.face_areas()[e], " instead of ",
+                            areas[face.plane].get_d());
+            if (t_.face_normals().empty()) continue;
+            const Real length = sqrt(Real(dot(plane.n, plane.n)));
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Real n = Real(plane.n[k]) / length;
+                if (differs(t_.face_normals()[3 * e + k], n, single ? 1e-5 : 1e-14))
+                    return text("has with ", name(plane.face), " the normal's component ", k, " at ",
+                                t_.face_normals()[3 * e + k], " instead of ", n.get_d());
+            }
+        }
+        return "";
+    }
+
+    const votess::Tessellation& t_;
+    std::span<const double> points_;
+    const votess::Options& options_;
+    IntegerDomain domain_;
+    std::vector<std::int32_t> duplicate_of_;
+    std::vector<char> lighter_;
+};
+
+}  // namespace
+
+std::string check_certificate(const votess::Tessellation& t, std::span<const double> points, votess::Options options,
+                              std::vector<std::size_t> cells) {
+    if (t.size() == 0) return "";
+    if (!options.cell) options.box = t.box();
+    Judge judge(t, points, options);
+    if (cells.empty()) {
+        cells.resize(t.size());
+        std::iota(cells.begin(), cells.end(), std::size_t{0});
+    }
+    for (const std::size_t i : cells)
+        if (const std::string wrong = judge.cell(i); !wrong.empty()) {
+            std::string row;
+            for (std::size_t k = 0; k < t.neighbors(i).size(); ++k) {
+                ExactFace face{t.neighbors(i)[k], {}};
+                if (!t.shifts().empty())
+                    std::copy_n(t.shifts().data() + 3 * (static_cast<std::size_t>(t.indptr()[i]) + k), 3,
+                                face.shift.begin());
+                row += ' ' + name(face);
+            }
+            return text("cell ", i, ' ', wrong, "; listed are", row, judge.exact_row(i));
+        }
+    return "";
+}
+
+}  // namespace test
