@@ -23,7 +23,7 @@
 
 #include "fuzz/judge.hpp"
 #include "fuzz/kinds.hpp"
-#include "fuzz/tool/isolate.hpp"
+#include "fuzz/tool/reduce.hpp"
 #include "support/check.hpp"
 
 namespace {

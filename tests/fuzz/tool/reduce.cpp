@@ -1,9 +1,11 @@
+#include "fuzz/tool/reduce.hpp"
+
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 
 #include "fuzz/judge.hpp"
-#include "fuzz/tool/isolate.hpp"
 
 namespace test::fuzz {
 namespace {
@@ -72,7 +74,8 @@ private:
         reset(&Job::want, want_rows_and_volumes);
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (case_.jobs[k].periodic[axis]) changed |= attempt([&](Case& c) { c.jobs[k].periodic[axis] = false; });
-        for (std::size_t w = case_.jobs[k].planes.size(); w-- > 0;)
+        // A domain that is left open is another matter.
+        for (std::size_t w = case_.jobs[k].closed ? 0 : case_.jobs[k].planes.size(); w-- > 0;)
             changed |= attempt([&](Case& c) {
                 auto& planes = c.jobs[k].planes;
                 planes.erase(planes.begin() + static_cast<std::ptrdiff_t>(w));
@@ -93,6 +96,7 @@ private:
                 for (auto* v : {&job.cell->origin, &job.cell->a, &job.cell->b, &job.cell->c})
                     for (double& x : *v) all.push_back(&x);
             for (votess::Wall& wall : job.planes) {
+                if (job.closed) break;
                 for (double& x : wall.normal) all.push_back(&x);
                 all.push_back(&wall.offset);
             }

@@ -21,7 +21,4 @@ std::string describe_end(int status);
 // What judge() says of the case, or how the process ended.
 std::string judge_apart(const Case& c, const Limits& limits);
 
-// The least case that fails in the same way (sort_of the failure), as far as some time allows.
-Case reduce(Case c, const std::string& failure, const Limits& limits);
-
 }  // namespace test::fuzz

@@ -1,4 +1,4 @@
-#include "fuzz/tool/isolate.hpp"
+#include "fuzz/isolate.hpp"
 
 #include <sys/resource.h>
 #include <sys/time.h>
