@@ -60,6 +60,9 @@ void CellBuilder::begin_job(const Domain& domain) {
     plain_ = !domain.is_periodic() && !domain.has_weights();
     rounding_ = seeds_.images == nullptr ? 0 : 8 * 0x1p-53 * seeds_.images->largest_coordinate();
     more_weight_ = 0;
+    heaviest_ = -1;
+    if (domain.is_periodic() && !seeds_.weights.empty())
+        heaviest_ = static_cast<std::int32_t>(std::ranges::max_element(seeds_.weights) - seeds_.weights.begin());
     group_ = ~std::size_t{0};
     reach_ = 0;
 }
@@ -67,9 +70,22 @@ void CellBuilder::begin_job(const Domain& domain) {
 void CellBuilder::start(std::size_t seed) {
     const exact::Point at{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     base_ = seeds_.images == nullptr ? SeedImages::Base{at, {}} : seeds_.images->base(seed);
-    if (!seeds_.weights.empty()) more_weight_ = domain_->largest_weight - seeds_.weights[seed];
+    if (!seeds_.weights.empty()) more_weight_ = domain_->most_more(seeds_.weights[seed]);
     cell_.start(base_.point, *domain_, static_cast<std::int32_t>(seed));
     seed_ = seed;
+    if (heaviest_ >= 0) clip_by_heaviest(at);
+}
+
+// The heaviest seed has an image near any place. It buries what is much lighter, and after it no weight can reach a
+// cell from far away.
+void CellBuilder::clip_by_heaviest(const exact::Point& at) {
+    const auto i = static_cast<std::size_t>(heaviest_);
+    if (i == seed_) return;
+    const auto f = domain_->reduced.fraction({at[0] - seeds_.x[i], at[1] - seeds_.y[i], at[2] - seeds_.z[i]});
+    ShiftRange nearest;
+    for (std::size_t j = 0; j < 3; ++j)
+        if (domain_->periodic[j]) nearest.least[j] = static_cast<std::int32_t>(std::round(f[j]));
+    clip_by_image(heaviest_, only_shift(*domain_, nearest));
 }
 
 void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
@@ -84,7 +100,7 @@ void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
 void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     const auto i = static_cast<std::size_t>(home);
     // The nearest of them are there from the start.
-    if (i == seed_ && cell_.knows(home, shift)) return;
+    if ((i == seed_ || home == heaviest_) && cell_.knows(home, shift)) return;
     exact::Plane plane = seeds_.images == nullptr ? exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]})
                                                   : seeds_.images->bisector(base_, home, shift);
     if (!seeds_.weights.empty()) plane.power = exact::two_sum(seeds_.weights[seed_], -seeds_.weights[i]);
@@ -94,6 +110,7 @@ void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
 // With R the distance to the farthest vertex, a seed of weight w cuts the cell of weight w_p only nearer than
 // R + sqrt(R^2 + w - w_p).
 double CellBuilder::reach_squared() {
+    if (cell_.empty()) return 0;
     const double square = cell_.radius_squared();
     if (plain_) return 4 * square * distance_slack;
     const double reach = (std::sqrt(square) + std::sqrt(square + more_weight_)) * distance_slack + rounding_;

@@ -74,6 +74,7 @@ private:
     // By all seeds, and images among them, from that squared distance on.
     void clip_far(std::size_t seed, double from);
     Cell& again_by_planes(const CellFaces& faces);
+    void clip_by_heaviest(const exact::Point& at);
     // By the images beyond those among the seeds.
     void clip_far_images(std::size_t seed);
     void push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts);
@@ -88,10 +89,11 @@ private:
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
     Cell cell_;
-    bool plain_ = true;        // neither images nor weights
-    double rounding_ = 0;      // of distances to images
-    double more_weight_ = 0;   // by which any weight may exceed that of the seed
-    SeedImages::Base base_{};  // of the seed
+    bool plain_ = true;           // neither images nor weights
+    double rounding_ = 0;         // of distances to images
+    std::int32_t heaviest_ = -1;  // seed of a periodic power diagram
+    double more_weight_ = 0;      // by which any weight may exceed that of the seed
+    SeedImages::Base base_{};     // of the seed
 
     std::size_t group_ = ~std::size_t{0};
     BoundingBox home_{};

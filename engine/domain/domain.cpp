@@ -156,6 +156,14 @@ double Basis::fraction_error(int j, double size) const {
     return 40 * unit * condition * size * (std::abs(dual[j][0]) + std::abs(dual[j][1]) + std::abs(dual[j][2]));
 }
 
+// In a periodic domain a vertex of the cell as it is, if it is not its own, belongs to a seed that is nearer to it than
+// the covering radius: images of a seed weigh the same, so the nearest has it. That seed cuts the vertex off, and with
+// a difference of the radius squared it is looked for, whatever its weight is.
+double Domain::most_more(double weight) const {
+    const double more = largest_weight - weight;
+    return is_periodic() ? std::min(more, covering_radius * covering_radius * (1 + 1e-6)) : more;
+}
+
 exact::Point Domain::translation(const exact::Shift& shift) const {
     const auto d = exact::differences({}, exact::Plane::bisector({}, shift, lattice));
     return {d.x[0].high, d.x[1].high, d.x[2].high};

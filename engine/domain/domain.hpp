@@ -59,6 +59,8 @@ struct Domain {
     [[nodiscard]] bool has_weights() const { return !weights.empty(); }
     // A box with walls and no weights.
     [[nodiscard]] bool is_plain() const { return !is_periodic() && walls.empty() && !has_weights(); }
+    // By how much the weight of a seed that matters to a cell may exceed the cell's.
+    [[nodiscard]] double most_more(double weight) const;
     [[nodiscard]] exact::Point translation(const exact::Shift& shift) const;  // each coordinate to nearest
     // Walls of the box count from 0, xmin to zmax.
     [[nodiscard]] bool has_box_wall(int wall) const { return !periodic[wall / 2]; }
