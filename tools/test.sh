@@ -10,6 +10,9 @@ cd "$(dirname "$0")/.."
 [[ $# -gt 0 ]] || set -- release asan tsan
 tools/setup.sh run test
 jobs=$(nproc)
+# What lavapipe compiles takes most of the time of tests on it: kept here for all builds.
+mkdir -p build
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$PWD/build/mesa}
 passed=0
 failed=0
 broken=()

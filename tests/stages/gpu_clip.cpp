@@ -146,7 +146,7 @@ void check_by_work_groups(std::uint32_t lanes) {
                                                        .push_bytes = pass.push_bytes(),
                                                        .local_size = lanes,
                                                        .constants = {32, 64, 0, 1, unit, lanes, 1, 48}});
-    const std::size_t n = 40;
+    const std::size_t n = test::by_size(70, 40);
     CHECK(fraction(check_cells(gpu, test::uniform(n, 34), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
     CHECK(fraction(check_cells(gpu, test::clustered(n, 35), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);
     check_cells(gpu, test::with_duplicates(n, n / 10, 37));
