@@ -2,6 +2,7 @@
 # Everything that must hold, in three builds: release (all tests), then address and undefined-behaviour sanitizers
 # (tests labelled "sanitize") and the thread sanitizer ("threads").
 #   ./tools/test.sh [release|asan|tsan]...     default: all three
+# VOTESS_TEST_BEST=avx2 (or baseline) tests as on a processor that has no better instructions.
 # Exits 0 when every test of every build passed; the last line counts them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,6 +10,9 @@ cd "$(dirname "$0")/.."
 [[ $# -gt 0 ]] || set -- release asan tsan
 tools/setup.sh run test
 jobs=$(nproc)
+# What lavapipe compiles takes most of the time of tests on it: kept here for all builds.
+mkdir -p build
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$PWD/build/mesa}
 passed=0
 failed=0
 broken=()

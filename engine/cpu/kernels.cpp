@@ -1,5 +1,6 @@
 #include "cpu/kernels.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -150,6 +151,8 @@ bool has_lzcnt() {
 }
 #endif
 
+const Kernels* best = nullptr;  // of set_best_kernels()
+
 }  // namespace
 
 std::vector<const Kernels*> supported_kernels() {
@@ -165,7 +168,12 @@ std::vector<const Kernels*> supported_kernels() {
     if (has_avx2) supported.push_back(&kernels_avx2);
 #endif
     supported.push_back(&kernels_baseline);
+    if (best != nullptr) supported.erase(supported.begin(), std::ranges::find(supported, best));
     return supported;
+}
+
+void set_best_kernels(const Kernels& kernels) {
+    best = &kernels;
 }
 
 const Kernels& best_kernels() {

@@ -56,6 +56,8 @@ inline constexpr std::uint64_t key_distance_bits = 0xffffffff00000000ull;
 
 // Those of "avx512", "avx2", "baseline" that this processor has, best first.
 std::vector<const Kernels*> supported_kernels();
+// For tests, before anything else runs: from now on the processor is taken to have none that are better.
+void set_best_kernels(const Kernels& kernels);
 const Kernels& best_kernels();
 // One of them by name, "" = the best; null when there is none.
 const Kernels* find_kernels(std::string_view name);

@@ -107,8 +107,6 @@ TEST_SUITE("cases") {
             change(variants.emplace_back(std::move(name), test::all_options()).second);
         };
         vary("k_init 1", [](Options& o) { o.k_init = 1; });
-        vary("k_init 8", [](Options& o) { o.k_init = 8; });
-        vary("k_init 200", [](Options& o) { o.k_init = 200; });
         vary("k_init 1024", [](Options& o) { o.k_init = 1024; });
         vary("precision double", [](Options& o) { o.precision = test::double_precision(); });
         vary("chunk_size 7", [](Options& o) { o.chunk_size = 7; });

@@ -64,9 +64,8 @@ TEST_SUITE("cases") {
                 INFO(std::string(kernels->name));
                 compare(baseline, test::run(set, with_instructions(kernels->name)));
             }
-            if (test::forced_instructions().empty())
-                CHECK(test::check_identical(test::run(set, with_instructions("")),
-                                            test::run(set, with_instructions(supported.front()->name))) == "");
+            CHECK(test::check_identical(test::run(set, with_instructions("")),
+                                        test::run(set, with_instructions(supported.front()->name))) == "");
         }
     }
 

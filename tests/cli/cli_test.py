@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -34,6 +35,9 @@ def random_points(count, seed=7):
 
 def text_of(points, separator=" "):
     return "".join(separator.join(repr(float(x)) for x in row) + "\n" for row in points)
+
+# A shell that starts this in the background has it ignore Ctrl-C, and so would every program started here.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class CliTest(unittest.TestCase):

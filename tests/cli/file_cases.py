@@ -114,10 +114,10 @@ class Files(CliTest):
         deadline = time.monotonic() + 60
         while not ready() and process.poll() is None and time.monotonic() < deadline:
             time.sleep(0.01)
+        self.addCleanup(process.kill)
         process.send_signal(signal.SIGINT)
-        error = process.stderr.read().decode()
-        process.stderr.close()
-        self.assertEqual(process.wait(60), 130, error)
+        error = process.communicate(timeout=60)[1].decode()
+        self.assertEqual(process.returncode, 130, error)
         self.assertRegex(error, r"\Aclvotess: [^\n]*\n\Z")
 
     def test_interrupt_while_tessellating(self):

@@ -94,7 +94,7 @@ TEST_SUITE("stages") {
             std::vector<std::vector<votess::exact::Point>> answers;
             std::vector<double> volumes;
             for (int order = 0; order < 4; ++order) {
-                Cell cell(test::kernels());
+                Cell cell;
                 cell.start(center, box);
                 for (const auto i : test::permutation(seeds.size(), random))
                     if (seeds[i] != center) cell.clip(static_cast<std::int32_t>(i), seeds[i]);
@@ -135,7 +135,7 @@ TEST_SUITE("stages") {
         for (int exponent = -40; exponent >= -400; exponent -= 3) {
             for (const double sign : {-1.0, 1.0}) {
                 const double e = sign * std::ldexp(1.0, exponent);
-                Cell cell(test::kernels());
+                Cell cell;
                 cell.start(on_sphere(5, 5, 5), test::cube(-40, 40));
                 std::int32_t id = 0;
                 for (const auto& q : {on_sphere(5, 5, -5), on_sphere(5, -5, 5), on_sphere(-5, 5, 5)})
@@ -154,7 +154,7 @@ TEST_SUITE("stages") {
     TEST_CASE("clip: a cell with more vertices than one mask word") {
         const auto set = test::on_sphere_and_center(test::by_size(3000, 300), 7);
         const std::size_t last = set.size() - 1;
-        Cell cell(test::kernels());
+        Cell cell;
         const votess::Box box = test::cube(-4, 4);
         cell.start({set.points[3 * last], set.points[3 * last + 1], set.points[3 * last + 2]}, box);
         for (std::size_t i = 0; i < last; ++i)

@@ -180,7 +180,7 @@ void check_cells(const test::PointSet& set) {
             box.lower[k] = std::min(box.lower[k], p[k] - 0.5);
             box.upper[k] = std::max(box.upper[k], p[k] + 0.5);
         }
-    CellBuilder search(seeds, hierarchy, test::kernels()), clip(seeds, hierarchy, test::kernels());
+    CellBuilder search(seeds, hierarchy), clip(seeds, hierarchy);
     const votess::Domain domain = votess::box_domain(box, {});
     search.begin_job(domain);
     clip.begin_job(domain);
@@ -306,7 +306,7 @@ TEST_SUITE("stages") {
             SeedSorter().sort(std::span<const double>(set.points), 1, 0, pool, seeds);
             Hierarchy hierarchy;
             hierarchy.build(seeds, pool);
-            CellBuilder search(seeds, hierarchy, test::kernels());
+            CellBuilder search(seeds, hierarchy);
             const votess::Domain domain = votess::box_domain(t.box(), {});
             search.begin_job(domain);
             for (std::size_t i = 0; i<seeds.size(); i += n> 1000 ? 5 : 1) {

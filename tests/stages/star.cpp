@@ -37,7 +37,7 @@ struct Sorted {
     }
 
     [[nodiscard]] std::vector<ExpectedCell> clip() const {
-        CellBuilder builder(seeds, hierarchy, test::kernels());
+        CellBuilder builder(seeds, hierarchy);
         builder.begin_job(domain);
         CellFaces faces;
         std::vector<double> areas;

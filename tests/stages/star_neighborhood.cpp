@@ -310,7 +310,7 @@ TEST_SUITE("stages") {
         Neighborhood cells = fresh(sorted);
         for (std::size_t s = 0; s < 216; ++s)
             if (s != 100) cells.set_done(s);
-        Window window(sorted.seeds, sorted.hierarchy, star_kernels(test::kernels().name));
+        Window window(sorted.seeds, sorted.hierarchy, star_kernels(best_kernels().name));
         check_window(sorted, window, 13, 0.3, cells);  // seeds 208 .. 223, of which half are done
         const auto all = shown(window);
         CHECK(all.contains(208));

@@ -112,18 +112,6 @@ std::uint64_t environment(const char* name, std::uint64_t otherwise) {
     return value != nullptr && *value != '\0' ? std::strtoull(value, nullptr, 0) : otherwise;
 }
 
-const std::string& forced_instructions() {
-    static const std::string name = [] {
-        const char* value = std::getenv("VOTESS_TEST_INSTRUCTIONS");
-        return std::string(value != nullptr ? value : "");
-    }();
-    return name;
-}
-
-const votess::cpu::Kernels& kernels() {
-    return *votess::cpu::find_kernels(forced_instructions());
-}
-
 votess::Options all_options(const std::optional<votess::Box>& box) {
     votess::Options options;
     options.device = "cpu";
@@ -131,7 +119,6 @@ votess::Options all_options(const std::optional<votess::Box>& box) {
     options.walls = true;
     options.want = {true, true, true, true, true};
     options.threads = 1;
-    options.instructions = forced_instructions();
     return options;
 }
 

@@ -13,21 +13,14 @@
 
 #include "generators.hpp"
 
-namespace votess::cpu {
-struct Kernels;
-}
-
 namespace test {
 
 // VOTESS_TEST_REDUCED=1 (sanitizers): ten times smaller.
 bool reduced();
 std::size_t by_size(std::size_t full, std::size_t when_reduced);
-// Names the instructions that all_options() asks for (VOTESS_TEST_INSTRUCTIONS); "" = the best.
-const std::string& forced_instructions();
-const votess::cpu::Kernels& kernels();  // of these
 std::uint64_t environment(const char* name, std::uint64_t otherwise);
 
-// Everything wanted, walls listed, the CPU with the instructions that are forced, one thread.
+// Everything wanted, walls listed, the CPU, one thread.
 votess::Options all_options(const std::optional<votess::Box>& box = std::nullopt);
 votess::Tessellation run(const PointSet& set);
 votess::Tessellation run(const PointSet& set, votess::Options options);
