@@ -25,16 +25,28 @@ struct Inverse {
     std::array<Vector, 3> rows;
     std::array<double, 3> width;  // between opposite faces
     double volume;
+    double share;  // the volume, of that of a box with edges as long
 };
 
+// Each vector is brought to order one meanwhile, so that no product leaves the range.
 Inverse invert(const std::array<Vector, 3>& vectors) {
-    Inverse inverse{};
-    inverse.volume = std::abs(dot(vectors[0], cross(vectors[1], vectors[2])));
+    std::array<int, 3> exponent{};
+    std::array<Vector, 3> v{};
     for (int j = 0; j < 3; ++j) {
-        const Vector across = cross(vectors[(j + 1) % 3], vectors[(j + 2) % 3]);
-        const double along = dot(vectors[j], across);
-        for (int k = 0; k < 3; ++k) inverse.rows[j][k] = across[k] / along;
-        inverse.width[j] = inverse.volume / length(across);
+        const auto [x, y, z] = vectors[j];
+        const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
+        if (largest > 0) exponent[j] = std::ilogb(largest);
+        for (int k = 0; k < 3; ++k) v[j][k] = std::ldexp(vectors[j][k], -exponent[j]);
+    }
+    Inverse inverse{};
+    const double volume = std::abs(dot(v[0], cross(v[1], v[2])));
+    inverse.volume = std::ldexp(volume, exponent[0] + exponent[1] + exponent[2]);
+    inverse.share = volume / (length(v[0]) * length(v[1]) * length(v[2]));
+    for (int j = 0; j < 3; ++j) {
+        const Vector across = cross(v[(j + 1) % 3], v[(j + 2) % 3]);
+        const double along = dot(v[j], across);
+        for (int k = 0; k < 3; ++k) inverse.rows[j][k] = std::ldexp(across[k] / along, -exponent[j]);
+        inverse.width[j] = std::ldexp(volume / length(across), exponent[j]);
     }
     return inverse;
 }
@@ -132,6 +144,12 @@ int fraction_sign(const Domain& domain, const exact::Point& x, const exact::Shif
 
 }  // namespace
 
+double largest_coordinate(const Box& box) {
+    double largest = 0;
+    for (int k = 0; k < 3; ++k) largest = std::max({largest, std::abs(box.lower[k]), std::abs(box.upper[k])});
+    return largest;
+}
+
 std::array<double, 3> Domain::fraction(const exact::Point& x) const {
     const Vector d{x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
     return {dot(to_fraction[0], d), dot(to_fraction[1], d), dot(to_fraction[2], d)};
@@ -204,12 +222,16 @@ Domain triclinic_domain(const TriclinicBox& cell) {
     domain.vector = {cell.a, cell.b, cell.c};
     for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k) domain.lattice.vector[j][k] = {domain.vector[j][k], 0};
-    const double product = length(cell.a) * length(cell.b) * length(cell.c);
-    const double volume = std::abs(dot(cell.a, cross(cell.b, cell.c)));
-    if (!(volume > 1e-9 * product))
+    constexpr double least_share = 1e-9, least_volume = 0x1p-900;
+    const Inverse inverse = invert(domain.vector);
+    if (!(inverse.share > least_share))
         throw Error(ErrorCode::invalid_argument,
                     "cell: the three vectors lie in one plane, or so nearly that the volume is lost: give three "
                     "independent ones");
+    if (!(inverse.volume > least_volume))
+        throw Error(ErrorCode::invalid_argument,
+                    "cell: its vectors are too short beside its largest number: move its origin towards 0, or give "
+                    "vectors of like length");
     for (int k = 0; k < 3; ++k) {
         domain.box.lower[k] = domain.box.upper[k] = cell.origin[k];
         for (const Vector& v : domain.vector) (v[k] < 0 ? domain.box.lower[k] : domain.box.upper[k]) += v[k];

@@ -133,7 +133,9 @@ struct Options {
     std::array<bool, 3> periodic{};
     // Instead of box and periodic.
     std::optional<TriclinicBox> cell;
-    // A convex polyhedron: walls that cut the box, ids -7, -8, ... in this order. Not with a periodic domain.
+    // A convex polyhedron: walls that cut the box, ids -7, -8, ... in this order. Not with a periodic domain. Without a
+    // box the polyhedron bounds itself; on sides where it has no end within a million times the size of the default
+    // box, that one does.
     std::vector<Wall> planes;
     Outside outside = Outside::error;
     // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) and -7, -8, ... in the rows too.
