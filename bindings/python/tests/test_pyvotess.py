@@ -832,7 +832,7 @@ class Forks(unittest.TestCase):
     def test_multiprocessing(self):
         # In a process of its own: a pool that hangs would hang this one.
         program = (
-            "import multiprocessing, numpy as np, pyvotess as vt\n"
+            "import multiprocessing, signal, numpy as np, pyvotess as vt\n"
             "tessellator = vt.Tessellator(device='cpu', threads=2)\n"
             "points = np.random.default_rng(1).random((2000, 3))\n"
             "expected = tessellator.tessellate(points).neighbors.indices\n"
@@ -840,7 +840,7 @@ class Forks(unittest.TestCase):
             "    alone = vt.tessellate(points, device='cpu').neighbors.indices\n"
             "    same = tessellator.tessellate(points).neighbors.indices\n"
             "    return np.array_equal(same, expected) and np.array_equal(alone, expected)\n"
-            "with multiprocessing.get_context('fork').Pool(3) as pool:\n"
+            "with multiprocessing.get_context('fork').Pool(3, signal.alarm, (60,)) as pool:\n"
             "    assert pool.map(work, range(6)) == [True] * 6\n"
             "print('done')\n"
         )
