@@ -1,3 +1,5 @@
+#include <atomic>
+
 #include "engines.hpp"
 #include "result_pool.hpp"
 #include "votess/votess.hpp"
@@ -14,6 +16,7 @@ std::span<const T> view(const Buffer<T>& b) {
 
 namespace detail {
 struct TessellatorState {
+    std::atomic_flag at_work;
     Engines engines;
     std::shared_ptr<ResultPool> results = std::make_shared<ResultPool>();
 };
@@ -117,7 +120,7 @@ const Stats& Tessellation::stats() const noexcept {
     return result_->stats;
 }
 
-Tessellator::Tessellator() : state_(std::make_unique<detail::TessellatorState>()) {}
+Tessellator::Tessellator() : state_(std::make_shared<detail::TessellatorState>()) {}
 Tessellator::~Tessellator() = default;
 Tessellator::Tessellator(Tessellator&&) noexcept = default;
 Tessellator& Tessellator::operator=(Tessellator&&) noexcept = default;
@@ -128,7 +131,30 @@ void log(const Options& options, const std::string& line) {
     if (options.log) options.log(line);
 }
 
-Tessellation run(detail::TessellatorState& state, const Points& points, const Options& options, bool update = false) {
+// One call at a time; a flag and no mutex, for the second call may come from a callback of the first.
+class Turn {
+public:
+    explicit Turn(detail::TessellatorState& state) : at_work_(state.at_work) {
+        if (at_work_.test_and_set(std::memory_order_acquire))
+            throw Error(ErrorCode::invalid_use,
+                        "this Tessellator is in use by another call, or was when fork() made this process: use one "
+                        "for each thread, and none of them in its own callbacks");
+    }
+    ~Turn() { at_work_.clear(std::memory_order_release); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+private:
+    std::atomic_flag& at_work_;
+};
+
+// shared: so that it outlives a Tessellator that is destroyed by a callback, and is never destroyed in a child
+// made by fork() meanwhile.
+Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options,
+                 bool update = false) {
+    if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
+    detail::TessellatorState& state = *shared;
+    const Turn turn(state);
     try {
         auto result = state.results->share(run_on(state.engines, points, options, state.results->take(), update));
         const Stats& s = result->stats;
@@ -147,16 +173,16 @@ Tessellation run(detail::TessellatorState& state, const Points& points, const Op
 }  // namespace
 
 Tessellation Tessellator::tessellate(std::span<const double> points, const Options& options) {
-    return run(*state_, {points, {}}, options);
+    return run(state_, {points, {}}, options);
 }
 Tessellation Tessellator::tessellate(std::span<const float> points, const Options& options) {
-    return run(*state_, {{}, points}, options);
+    return run(state_, {{}, points}, options);
 }
 Tessellation Tessellator::update(std::span<const double> points, const Options& options) {
-    return run(*state_, {points, {}}, options, true);
+    return run(state_, {points, {}}, options, true);
 }
 Tessellation Tessellator::update(std::span<const float> points, const Options& options) {
-    return run(*state_, {{}, points}, options, true);
+    return run(state_, {{}, points}, options, true);
 }
 
 Tessellation tessellate(std::span<const double> points, const Options& options) {

@@ -40,6 +40,7 @@ static_assert(same(VOTESS_ERROR_CANCELLED, votess::ErrorCode::cancelled));
 static_assert(same(VOTESS_ERROR_UNSUPPORTED, votess::ErrorCode::unsupported));
 static_assert(same(VOTESS_ERROR_INTERNAL, votess::ErrorCode::internal));
 static_assert(same(VOTESS_ERROR_DEVICE_LOST, votess::ErrorCode::device_lost));
+static_assert(same(VOTESS_ERROR_INVALID_USE, votess::ErrorCode::invalid_use));
 static_assert(same(VOTESS_CELL_CERTIFIED, votess::CellStatus::certified));
 static_assert(same(VOTESS_CELL_NEEDS_EXACT, votess::CellStatus::needs_exact));
 static_assert(same(VOTESS_CELL_PLANE_OVERFLOW, votess::CellStatus::plane_overflow));
@@ -78,6 +79,7 @@ constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof
 
 // No padding at the end: whatever is added later makes the struct larger, which tells callers with and without it
 // apart.
+static_assert(sizeof(votess_options) <= VOTESS_LARGEST_STRUCT && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
 static_assert(sizeof(votess_options) == offsetof(votess_options, reserved3) + sizeof(votess_options::reserved3));
 static_assert(sizeof(votess_stats) == offsetof(votess_stats, reserved) + sizeof(votess_stats::reserved));
 
@@ -136,9 +138,10 @@ void require_text_buffer(const char* buffer, std::size_t size, const char* name)
 }
 
 void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy) {
-    if (size >= smallest) return;
-    refuse(std::string(name) + " is " + std::to_string(size) + ", but the smallest known is " +
-           std::to_string(smallest) + ": " + remedy);
+    if (size >= smallest && size <= VOTESS_LARGEST_STRUCT) return;
+    const bool small = size < smallest;
+    refuse(std::string(name) + " is " + std::to_string(size) + ", but the " + (small ? "smallest" : "largest") +
+           " known is " + std::to_string(small ? smallest : VOTESS_LARGEST_STRUCT) + ": " + remedy);
 }
 
 votess_options default_options() {

@@ -5,6 +5,7 @@
 
 #include "cpu/cpu_engine.hpp"
 #include "cpu/kernels.hpp"
+#include "home_process.hpp"
 #include "implied_wants.hpp"
 #include "options.hpp"
 #include "pipeline.hpp"
@@ -16,10 +17,17 @@
 namespace votess {
 
 struct Engines::State {
+    ~State() { forget_gpu(); }
+    void forget_gpu() {
+        if (!gpu_home.is_this()) (void)gpu.release();
+        gpu.reset();
+    }
+
     cpu::CpuClipper clipper;  // and its threads, for both engines
     cpu::CpuEngine cpu{clipper};
     std::unique_ptr<Engine> gpu;
     std::string gpu_name;  // the device name that chose it
+    HomeProcess gpu_home;  // where it was opened
 };
 
 Engines::Engines() : state_(std::make_unique<State>()) {}
@@ -30,22 +38,28 @@ Engine& Engines::cpu() {
 }
 
 void Engines::forget_gpu() {
-    state_->gpu.reset();
+    state_->forget_gpu();
 }
 
 void Engines::put(const std::string& device, std::unique_ptr<Engine> engine) {
     state_->gpu = std::move(engine);
     state_->gpu_name = device;
+    state_->gpu_home = {};
 }
 
 #if VOTESS_HAVE_VULKAN
 
 Engine& Engines::choose(const std::string& device) {
     if (device == "cpu") return state_->cpu;
+    if (state_->gpu && !state_->gpu_home.is_this())
+        throw Error(ErrorCode::unsupported,
+                    "device '" + device +
+                        "': this Tessellator has opened one before fork(), and the child process cannot use it: use "
+                        "the CPU there, or start the process anew instead of by fork()");
     if (state_->gpu && state_->gpu_name == device) return *state_->gpu;
     auto chosen = gpu::choose_device(device);
     if (!chosen) return state_->cpu;
-    state_->gpu.reset();  // before another one takes its memory
+    forget_gpu();  // before another one takes its memory
     put(device, std::make_unique<gpu::GpuEngine>(std::move(chosen), state_->clipper));
     return *state_->gpu;
 }

@@ -68,11 +68,9 @@ Box default_box(const Box& bounds, std::size_t count) {
     return box;
 }
 
-// Power of two that brings the largest coordinate of the domain to order one; 1 when it is ordinary already.
-double scale_for(const Box& box) {
-    double largest = 0;
-    for (int k = 0; k < 3; ++k) largest = std::max({largest, std::abs(box.lower[k]), std::abs(box.upper[k])});
-    const int exponent = std::ilogb(largest);
+// Power of two that brings the largest number of the domain to order one; 1 when it is ordinary already.
+double scale_for(double largest) {
+    const int exponent = largest == 0 ? 0 : std::ilogb(largest);
     if (std::abs(exponent) < 64) return 1;
     // 2^1023 is the largest power; a subnormal box of 2^-1074 is brought to 2^-51, which is near enough.
     return std::ldexp(1.0, std::clamp(-exponent, -1021, 1023));
@@ -94,10 +92,48 @@ double volume_of(const Box& box) {
     return volume;
 }
 
-void check_scaled(double value, double scale, const std::string& what) {
+struct NamedVector {
+    const char* name;
+    const std::array<double, 3>& numbers;
+};
+std::array<NamedVector, 4> vectors_of(const TriclinicBox& cell) {
+    return {{{"origin", cell.origin}, {"a", cell.a}, {"b", cell.b}, {"c", cell.c}}};
+}
+
+double largest_number(const TriclinicBox& cell) {
+    double largest = 0;
+    for (const auto& [name, numbers] : vectors_of(cell))
+        for (const double x : numbers) largest = std::max(largest, std::abs(x));
+    return largest;
+}
+
+std::string text(const char* word) {
+    return word;
+}
+std::string text(std::size_t number) {
+    return std::to_string(number);
+}
+// what: names the value, in pieces, so that no string is made for a good one.
+void check_scaled(double value, double scale, const auto&... what) {
     if (value * scale / scale != value)
-        refuse(what + " = " + number(value) +
+        refuse((text(what) + ...) + " = " + number(value) +
                " is too small beside the box to be represented at one scale: move it to 0");
+}
+
+// Weights and the offsets of walls are checked where they are taken.
+void check_scaled(const Job& job) {
+    if (job.scale >= 1) return;  // only scaling down can lose bits
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (job.options.cell) {
+            for (const auto& [name, numbers] : vectors_of(*job.options.cell))
+                check_scaled(numbers[k], job.scale, "cell: ", name, " ", axis_name[k]);
+        } else {
+            check_scaled(job.box.lower[k], job.scale, "box: lower ", axis_name[k]);
+            check_scaled(job.box.upper[k], job.scale, "box: upper ", axis_name[k]);
+        }
+    }
+    for (std::size_t i = 0; i < job.points.coordinates(); ++i)
+        check_scaled(job.points[i], job.scale, "point ", i / 3, ": ", axis_name[i % 3]);
 }
 
 void check_domain(const Options& options) {
@@ -105,8 +141,8 @@ void check_domain(const Options& options) {
     if (options.box) check_box(*options.box);
     if (options.cell) {
         if (options.box) refuse("box and cell are both given: the cell is the periodic box");
-        for (const auto& vector : {options.cell->origin, options.cell->a, options.cell->b, options.cell->c})
-            for (const double x : vector)
+        for (const auto& [name, numbers] : vectors_of(*options.cell))
+            for (const double x : numbers)
                 if (!std::isfinite(x)) refuse("cell: it holds " + number(x) + ", which is not finite");
     }
     if (!options.planes.empty() && (periodic || options.cell))
@@ -176,20 +212,22 @@ void take_walls(Job& job, Domain& domain) {
     for (std::size_t w = 0; w < planes.size(); ++w)
         domain.walls.push_back(domain_wall(planes[w], job.scale, "wall " + std::to_string(w)));
     if (planes.empty()) return;
+    // Seeds are compared as given: of those far outside, scaling might leave nothing finite.
+    std::vector<exact::Plane> as_given;
+    for (const Wall& plane : planes) as_given.push_back(domain_wall(plane, 1, {}));
     std::optional<exact::Point> any_inside;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
-        const exact::Point given{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
-        const exact::Point x = scaled(given, job.scale);
-        const auto wall = std::ranges::find_if_not(domain.walls, [&](const auto& w) { return inside(w, x); });
-        if (wall == domain.walls.end()) {
-            if (!any_inside) any_inside = x;
+        const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
+        const auto wall = std::ranges::find_if_not(as_given, [&](const auto& w) { return inside(w, x); });
+        if (wall == as_given.end()) {
+            if (!any_inside) any_inside = scaled(x, job.scale);
             continue;
         }
         if (job.options.outside == Outside::error)
-            refuse("point " + std::to_string(i) + ": (" + number(job.points[3 * i]) + ", " +
-                   number(job.points[3 * i + 1]) + ", " + number(job.points[3 * i + 2]) + ") is outside wall " +
-                   std::to_string(wall - domain.walls.begin()) + ": move it, or drop seeds that are outside");
+            refuse("point " + std::to_string(i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
+                   ") is outside wall " + std::to_string(wall - as_given.begin()) +
+                   ": move it, or drop seeds that are outside");
         leave_out(i, job.points.count(), job.outside);
     }
     job.box_volume = 0;
@@ -207,6 +245,12 @@ void make_domain(Job& job) {
         const TriclinicBox& cell = *job.options.cell;
         *domain = triclinic_domain({scaled(cell.origin, job.scale), scaled(cell.a, job.scale),
                                     scaled(cell.b, job.scale), scaled(cell.c, job.scale)});
+        for (std::size_t k = 0; k < 3; ++k) {
+            job.box.lower[k] = domain->box.lower[k] / job.scale, job.box.upper[k] = domain->box.upper[k] / job.scale;
+            for (const double x : {job.box.lower[k], job.box.upper[k]})
+                if (!std::isfinite(x))
+                    refuse(std::string("cell: it reaches beyond the largest double along ") + axis_name[k]);
+        }
         job.box_volume = domain->volume / job.scale / job.scale / job.scale;
     } else {
         *domain = box_domain(scaled(job.box, job.scale), job.options.periodic);
@@ -285,22 +329,13 @@ Job validate(const Points& points, const Options& options) {
     job.options = options;
     add_implied(job.options);
     if (options.cell) {
-        job.box = triclinic_domain(*options.cell).box;
-    } else if (options.box) {
-        job.box = *options.box;
+        job.scale = scale_for(largest_number(*options.cell));
     } else {
-        job.box = default_box(bounds, points.count());
-        if (!options.planes.empty()) job.box = bounds_of(options.planes, job.box);
+        job.box = options.box ? *options.box : default_box(bounds, points.count());
+        if (!options.box && !options.planes.empty()) check_box(job.box = bounds_of(options.planes, job.box));
+        job.scale = scale_for(largest_coordinate(job.box));
     }
-    job.scale = scale_for(job.box);
-    if (job.scale < 1) {  // only scaling down can lose bits
-        for (int k = 0; k < 3; ++k) {
-            check_scaled(job.box.lower[k], job.scale, std::string("box: lower ") + axis_name[k]);
-            check_scaled(job.box.upper[k], job.scale, std::string("box: upper ") + axis_name[k]);
-        }
-        for (std::size_t i = 0; i < points.coordinates(); ++i)
-            check_scaled(points[i], job.scale, "point " + std::to_string(i / 3) + ": " + axis_name[i % 3]);
-    }
+    check_scaled(job);
     make_domain(job);
     return job;
 }

@@ -9,13 +9,14 @@
 
 namespace votess::detail {
 
-// Handles may be dropped by any thread, and may outlive the pool.
+// Handles may be dropped by any thread, and may outlive the pool. Nobody waits for the mutex: in a child made by fork()
+// while another thread held it, that would be for ever.
 class ResultPool : public std::enable_shared_from_this<ResultPool> {
 public:
     // Empty, or with the arrays of an earlier run.
     [[nodiscard]] Result take() {
-        const std::lock_guard lock(mutex_);
-        return std::exchange(spare_, {});
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        return lock ? std::exchange(spare_, {}) : Result();
     }
     [[nodiscard]] std::shared_ptr<const Result> share(Result result) {
         auto owned = std::make_unique<Result>(std::move(result));
@@ -29,8 +30,8 @@ public:
 private:
     // One spare is enough for a caller that holds a result while the next one is made.
     void give_back(Result& result) noexcept {
-        const std::lock_guard lock(mutex_);
-        std::swap(spare_, result);
+        const std::unique_lock lock(mutex_, std::try_to_lock);
+        if (lock) std::swap(spare_, result);
     }
 
     std::mutex mutex_;

@@ -1,83 +1,123 @@
 #include "thread_pool.hpp"
 
-#include <chrono>
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
 
 namespace votess {
 
-ThreadPool::ThreadPool(unsigned threads) {
+// The threads and what they share with the calling one.
+struct ThreadPool::Crew {
+    explicit Crew(unsigned threads);
+    ~Crew() { dismiss(); }
+    Crew(const Crew&) = delete;
+    Crew& operator=(const Crew&) = delete;
+
+    bool run(std::size_t count, const Task& task, const Watch& watch);
+    void dismiss();
+    void serve(unsigned worker);
+    void work(unsigned worker);
+
+    std::vector<std::thread> workers;
+    std::mutex mutex;
+    std::condition_variable start, done;
+    std::uint64_t job = 0;
+    unsigned busy = 0;
+    bool quit = false;
+    const Task* task = nullptr;
+    const Watch* watch = nullptr;
+    std::size_t count = 0;
+    std::atomic<std::size_t> next{0};
+    std::atomic<bool> cancelled{false};
+    std::exception_ptr failure;
+};
+
+ThreadPool::Crew::Crew(unsigned threads) {
     try {
-        for (unsigned w = 1; w < threads; ++w) workers_.emplace_back([this, w] { serve(w); });
+        for (unsigned w = 1; w < threads; ++w) workers.emplace_back([this, w] { serve(w); });
     } catch (...) {
-        {
-            std::lock_guard lock(mutex_);
-            quit_ = true;
-        }
-        start_.notify_all();
-        for (auto& t : workers_) t.join();
+        dismiss();
         throw;
     }
 }
 
-ThreadPool::~ThreadPool() {
+void ThreadPool::Crew::dismiss() {
     {
-        std::lock_guard lock(mutex_);
-        quit_ = true;
+        std::lock_guard lock(mutex);
+        quit = true;
     }
-    start_.notify_all();
-    for (auto& t : workers_) t.join();
+    start.notify_all();
+    for (auto& t : workers) t.join();
+    workers.clear();
 }
 
-void ThreadPool::serve(unsigned worker) {
+void ThreadPool::Crew::serve(unsigned worker) {
     std::uint64_t seen = 0;
     for (;;) {
         {
-            std::unique_lock lock(mutex_);
-            start_.wait(lock, [&] { return quit_ || job_ != seen; });
-            if (quit_) return;
-            seen = job_;
+            std::unique_lock lock(mutex);
+            start.wait(lock, [&] { return quit || job != seen; });
+            if (quit) return;
+            seen = job;
         }
         work(worker);
-        std::lock_guard lock(mutex_);
-        if (--busy_ == 0) done_.notify_one();
+        std::lock_guard lock(mutex);
+        if (--busy == 0) done.notify_one();
     }
 }
 
-void ThreadPool::work(unsigned worker) {
+void ThreadPool::Crew::work(unsigned worker) {
     try {
-        while (!cancelled_.load(std::memory_order_relaxed)) {
-            if (worker == 0 && *watch_ && !(*watch_)(std::min(next_.load(std::memory_order_relaxed), count_))) {
-                cancelled_ = true;
+        while (!cancelled.load(std::memory_order_relaxed)) {
+            if (worker == 0 && *watch && !(*watch)(std::min(next.load(std::memory_order_relaxed), count))) {
+                cancelled = true;
                 return;
             }
-            const std::size_t index = next_.fetch_add(1, std::memory_order_relaxed);
-            if (index >= count_) return;
-            (*task_)(index, worker);
+            const std::size_t index = next.fetch_add(1, std::memory_order_relaxed);
+            if (index >= count) return;
+            (*task)(index, worker);
         }
     } catch (...) {
-        std::lock_guard lock(mutex_);
-        if (!failure_) failure_ = std::current_exception();
-        cancelled_ = true;
+        std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+        cancelled = true;
     }
+}
+
+bool ThreadPool::Crew::run(std::size_t tasks, const Task& each, const Watch& watched) {
+    {
+        std::lock_guard lock(mutex);
+        task = &each;
+        watch = &watched;
+        count = tasks;
+        next = 0;
+        cancelled = false;
+        failure = nullptr;
+        busy = static_cast<unsigned>(workers.size());
+        ++job;
+    }
+    start.notify_all();
+    work(0);
+    std::unique_lock lock(mutex);
+    done.wait(lock, [this] { return busy == 0; });
+    if (failure) std::rethrow_exception(failure);
+    return !cancelled;
+}
+
+ThreadPool::ThreadPool(unsigned threads) : size_(std::max(threads, 1u)), crew_(std::make_unique<Crew>(threads)) {}
+
+// A condition variable on which threads of the parent wait can never be destroyed in its child.
+ThreadPool::~ThreadPool() {
+    if (!has_threads()) (void)crew_.release();
 }
 
 bool ThreadPool::run(std::size_t count, const Task& task, const Watch& watch) {
-    {
-        std::lock_guard lock(mutex_);
-        task_ = &task;
-        watch_ = &watch;
-        count_ = count;
-        next_ = 0;
-        cancelled_ = false;
-        failure_ = nullptr;
-        busy_ = static_cast<unsigned>(workers_.size());
-        ++job_;
-    }
-    start_.notify_all();
-    work(0);
-    std::unique_lock lock(mutex_);
-    done_.wait(lock, [this] { return busy_ == 0; });
-    if (failure_) std::rethrow_exception(failure_);
-    return !cancelled_;
+    return crew_->run(count, task, watch);
 }
 
 }  // namespace votess

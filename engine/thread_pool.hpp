@@ -1,14 +1,11 @@
 // Threads that wait between jobs. A job is a range of task numbers taken one by one; the calling thread works too.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
 #include <cstddef>
-#include <exception>
 #include <functional>
-#include <mutex>
-#include <thread>
-#include <vector>
+#include <memory>
+
+#include "home_process.hpp"
 
 namespace votess {
 
@@ -24,27 +21,19 @@ public:
     ThreadPool(const ThreadPool&) = delete;
     ThreadPool& operator=(const ThreadPool&) = delete;
 
-    [[nodiscard]] unsigned size() const { return static_cast<unsigned>(workers_.size()) + 1; }
+    [[nodiscard]] unsigned size() const { return size_; }
+    // False in a child made by fork(), which has none of the threads and may only destroy the pool.
+    [[nodiscard]] bool has_threads() const { return home_.is_this(); }
     // Runs task for 0 .. count-1 and returns when all are done; false when `watch` cancelled. Rethrows the first
     // exception of a task after the others have stopped.
     bool run(std::size_t count, const Task& task, const Watch& watch = {});
 
 private:
-    void serve(unsigned worker);
-    void work(unsigned worker);
+    struct Crew;
 
-    std::vector<std::thread> workers_;
-    std::mutex mutex_;
-    std::condition_variable start_, done_;
-    std::uint64_t job_ = 0;
-    unsigned busy_ = 0;
-    bool quit_ = false;
-    const Task* task_ = nullptr;
-    const Watch* watch_ = nullptr;
-    std::size_t count_ = 0;
-    std::atomic<std::size_t> next_{0};
-    std::atomic<bool> cancelled_{false};
-    std::exception_ptr failure_;
+    unsigned size_;
+    HomeProcess home_;
+    std::unique_ptr<Crew> crew_;
 };
 
 }  // namespace votess

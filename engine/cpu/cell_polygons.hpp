@@ -27,9 +27,10 @@ struct CellPolygons {
     }
 };
 
-// No square leaves the range, however long the vector.
+// No square leaves the range, and a subnormal vector, whose length would be rounded to few bits, is made longer first.
 inline std::array<double, 3> unit_vector(const std::array<double, 3>& n) {
     const double length = std::hypot(n[0], n[1], n[2]);
+    if (length < 0x1p-900) return unit_vector({n[0] * 0x1p500, n[1] * 0x1p500, n[2] * 0x1p500});
     return {n[0] / length, n[1] / length, n[2] / length};
 }
 

@@ -30,7 +30,7 @@ void CpuClipper::begin(const Job& job) {
     progress_ = Progress(job.options.progress);
     const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
     const unsigned threads = job.options.threads == 0 ? hardware : job.options.threads;
-    if (!pool_ || pool_->size() != threads) pool_.emplace(threads);
+    if (!pool_ || pool_->size() != threads || !pool_->has_threads()) pool_.emplace(threads);
     const Kernels* kernels = find_kernels(job.options.instructions);
     if (kernels == nullptr) throw Error(ErrorCode::internal, "the options have not been checked");
     if (kernels != kernels_) workers_.clear();

@@ -23,16 +23,25 @@ double length(const Vector& a) {
 
 constexpr double unit = 0x1p-53;
 
-// Fills all that follows from shift and vector.
+// Fills all that follows from shift and vector. Each vector is brought to order one meanwhile, so that no product
+// leaves the range.
 void invert(Basis& basis) {
-    const auto& v = basis.vector;
-    basis.volume = std::abs(dot(v[0], cross(v[1], v[2])));
-    basis.condition = length(v[0]) * length(v[1]) * length(v[2]) / basis.volume;
+    std::array<int, 3> exponent{};
+    std::array<Vector, 3> v{};
+    for (int j = 0; j < 3; ++j) {
+        const auto [x, y, z] = basis.vector[j];
+        const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
+        if (largest > 0) exponent[j] = std::ilogb(largest);
+        for (int k = 0; k < 3; ++k) v[j][k] = std::ldexp(basis.vector[j][k], -exponent[j]);
+    }
+    const double volume = std::abs(dot(v[0], cross(v[1], v[2])));
+    basis.volume = std::ldexp(volume, exponent[0] + exponent[1] + exponent[2]);
+    basis.condition = length(v[0]) * length(v[1]) * length(v[2]) / volume;
     for (int j = 0; j < 3; ++j) {
         const Vector across = cross(v[(j + 1) % 3], v[(j + 2) % 3]);
         const double along = dot(v[j], across);
-        for (int k = 0; k < 3; ++k) basis.dual[j][k] = across[k] / along;
-        basis.width[j] = basis.volume / length(across);
+        for (int k = 0; k < 3; ++k) basis.dual[j][k] = std::ldexp(across[k] / along, -exponent[j]);
+        basis.width[j] = std::ldexp(volume / length(across), exponent[j]);
     }
 }
 
@@ -146,6 +155,12 @@ int fraction_sign(const Domain& domain, const exact::Point& x, const exact::Shif
 
 }  // namespace
 
+double largest_coordinate(const Box& box) {
+    double largest = 0;
+    for (int k = 0; k < 3; ++k) largest = std::max({largest, std::abs(box.lower[k]), std::abs(box.upper[k])});
+    return largest;
+}
+
 std::array<double, 3> Basis::fraction(const std::array<double, 3>& x) const {
     return {dot(dual[0], x), dot(dual[1], x), dot(dual[2], x)};
 }
@@ -246,12 +261,17 @@ Domain triclinic_domain(const TriclinicBox& cell) {
     domain.vector = {cell.a, cell.b, cell.c};
     for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k) domain.lattice.vector[j][k] = {domain.vector[j][k], 0};
-    const double product = length(cell.a) * length(cell.b) * length(cell.c);
-    const double volume = std::abs(dot(cell.a, cross(cell.b, cell.c)));
-    if (!(volume > 1e-9 * product))
+    constexpr double worst_condition = 1e9, least_volume = 0x1p-900;
+    domain.edges.vector = domain.vector;
+    invert(domain.edges);
+    if (!(domain.edges.condition < worst_condition))
         throw Error(ErrorCode::invalid_argument,
                     "cell: the three vectors lie in one plane, or so nearly that the volume is lost: give three "
                     "independent ones");
+    if (!(domain.edges.volume > least_volume))
+        throw Error(ErrorCode::invalid_argument,
+                    "cell: its vectors are too short beside its largest number: move its origin towards 0, or give "
+                    "vectors of like length");
     for (int k = 0; k < 3; ++k) {
         domain.box.lower[k] = domain.box.upper[k] = cell.origin[k];
         for (const Vector& v : domain.vector) (v[k] < 0 ? domain.box.lower[k] : domain.box.upper[k]) += v[k];

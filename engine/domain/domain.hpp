@@ -80,9 +80,12 @@ Extent longest_extent(const Domain& domain, const ShiftRange& range);
 // The shift of a range that holds one.
 exact::Shift only_shift(const Domain& domain, const ShiftRange& range);
 
+double largest_coordinate(const Box& box);
+
 // Domain of a box; the periods along its periodic axes are upper - lower, exactly.
 Domain box_domain(const Box& box, const std::array<bool, 3>& periodic);
-// Throws Error(invalid_argument) when the vectors span no volume that floating point can tell from 0.
+// Throws Error(invalid_argument) when the vectors span no volume that floating point can tell from 0. Its largest
+// number is of order one.
 Domain triclinic_domain(const TriclinicBox& cell);
 
 // The shift that brings x into a periodic domain: without rounding, so that images of a point are brought to the same.
@@ -97,7 +100,7 @@ exact::Plane domain_wall(const Wall& wall, double scale, const std::string& name
 // Whether x fulfils wall.normal . x <= wall.offset, exactly.
 bool inside(const exact::Plane& wall, const exact::Point& x);
 // Bounds of where all walls leave room, moved out by a little; those of `otherwise` where the walls leave room without
-// bounds, or none at all.
+// bounds, which is what lies beyond a million times the size of `otherwise`, or none at all.
 Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise);
 
 }  // namespace votess

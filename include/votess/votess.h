@@ -3,7 +3,8 @@
 // Rules: handles are opaque and freed by their _free function (NULL is allowed). Functions that can fail return a
 // votess_status; after a failure votess_last_error() tells why, for the calling thread. Structs begin with their own
 // size as the caller compiled it, so that a program built against an older header keeps working: fields are only ever
-// added at the end, those that the caller lacks keep their defaults, those that the library lacks are ignored. Arrays
+// added at the end, those that the caller lacks keep their defaults, those that the library lacks are ignored. No
+// struct will exceed VOTESS_LARGEST_STRUCT bytes: a larger size is memory that was not initialized, and refused. Arrays
 // belong to the result handle and live as long as it. No exception leaves the library.
 #ifndef VOTESS_H
 #define VOTESS_H
@@ -25,7 +26,8 @@ typedef enum votess_status {
     VOTESS_ERROR_CANCELLED = 3,
     VOTESS_ERROR_UNSUPPORTED = 4,
     VOTESS_ERROR_INTERNAL = 5,
-    VOTESS_ERROR_DEVICE_LOST = 6
+    VOTESS_ERROR_DEVICE_LOST = 6,
+    VOTESS_ERROR_INVALID_USE = 7  // the tessellator is at work in another call
 } votess_status;
 
 // Values of the per-cell status bytes; see CellStatus in votess.hpp.
@@ -57,6 +59,8 @@ typedef enum votess_cell_status {
 #define VOTESS_CHECK_SYMMETRY 2u
 #define VOTESS_CHECK_EULER 4u
 #define VOTESS_CHECK_SAMPLE 8u
+
+#define VOTESS_LARGEST_STRUCT 4096u
 
 #define VOTESS_DUPLICATES_MERGE 0
 #define VOTESS_DUPLICATES_ERROR 1
@@ -147,13 +151,15 @@ VOTESS_API const char* votess_last_error(void);
 VOTESS_API votess_status votess_options_init(votess_options* options, size_t size);
 
 // Keeps device, threads and buffers between calls, and the memory of a result that was freed for the next one;
-// votess_tessellator_free gives all of it back. Results that are held stay valid.
+// votess_tessellator_free gives all of it back. Results that are held stay valid. After fork() the child may use and
+// free a tessellator of its parent, see Tessellator in votess.hpp.
 VOTESS_API votess_status votess_tessellator_new(votess_tessellator** out);
 VOTESS_API void votess_tessellator_free(votess_tessellator* tessellator);
 
 // points: 3 * count coordinates, x y z per seed; NULL only when count is 0. options: NULL = defaults.
-// tessellator: NULL = one for this call; else one call at a time, and not freed before the call returns.
-// On success *out is a new result, which does not need the tessellator, else it is NULL.
+// tessellator: NULL = one for this call; else one call at a time, a second one, from another thread or a callback,
+// fails with VOTESS_ERROR_INVALID_USE; not freed by another thread before the call returns. On success *out is a new
+// result, which does not need the tessellator, else it is NULL.
 VOTESS_API votess_status votess_tessellate(votess_tessellator* tessellator, const double* points, size_t count,
                                            const votess_options* options, votess_result** out);
 VOTESS_API votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,

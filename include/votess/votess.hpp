@@ -39,6 +39,7 @@ enum class ErrorCode : std::int32_t {
     unsupported = 4,  // a request that this build or this device cannot serve
     internal = 5,     // a bug in votess: please report it
     device_lost = 6,  // the device stopped answering or its driver failed
+    invalid_use = 7,  // a Tessellator that is at work in another call, or was moved from
 };
 
 class VOTESS_API Error : public std::runtime_error {
@@ -119,7 +120,7 @@ struct Want {
 };
 
 // Called from the thread that runs tessellate(), at most some ten times a second. `fraction` grows from 0 to 1.
-// Return false to stop: tessellate() then throws ErrorCode::cancelled.
+// Return false to stop: tessellate() then throws ErrorCode::cancelled. It may use other Tessellators, not its own.
 using ProgressCallback = std::function<bool(double fraction)>;
 // One line of text for a log, without a line end.
 using LogCallback = std::function<void(std::string_view message)>;
@@ -133,7 +134,9 @@ struct Options {
     std::array<bool, 3> periodic{};
     // Instead of box and periodic.
     std::optional<TriclinicBox> cell;
-    // A convex polyhedron: walls that cut the box, ids -7, -8, ... in this order. Not with a periodic domain.
+    // A convex polyhedron: walls that cut the box, ids -7, -8, ... in this order. Not with a periodic domain. Without a
+    // box the polyhedron bounds itself; on sides where it has no end within a million times the size of the default
+    // box, that one does.
     std::vector<Wall> planes;
     Outside outside = Outside::error;
     // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) and -7, -8, ... in the rows too.
@@ -267,7 +270,10 @@ private:
 
 // Keeps device, threads and buffers between calls, and takes back the arrays of a Tessellation that nobody holds any
 // more: calls of the same size take no new memory. Destroying the Tessellator frees what it keeps; results that are
-// held stay valid. One call at a time per object; different objects are independent.
+// held stay valid. One call at a time per object: a second one, from another thread or from a callback of the first,
+// throws `invalid_use` and changes nothing. Different objects are independent. After fork() the child may use, move and
+// destroy a copy of its own: the CPU gets new threads; a GPU opened before is `unsupported` there, or with "auto"
+// replaced by the CPU; one that was at work during the fork stays so, and throws `invalid_use`.
 class VOTESS_API Tessellator {
 public:
     Tessellator();
@@ -277,8 +283,8 @@ public:
 
     // points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box; read only during the call.
     // float32 input is widened without loss. N = 0 gives an empty result; N from 2^31 on is `unsupported`.
-    // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal, device_lost.
-    // A Tessellator that was moved from may only be assigned or destroyed.
+    // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal, device_lost, invalid_use.
+    // A Tessellator that was moved from may only be assigned or destroyed, else `invalid_use`.
     [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
 
@@ -291,7 +297,7 @@ public:
     [[nodiscard]] Tessellation update(std::span<const float> points, const Options& options = {});
 
 private:
-    std::unique_ptr<detail::TessellatorState> state_;
+    std::shared_ptr<detail::TessellatorState> state_;
 };
 
 // The same with a Tessellator that lives for one call.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "../support/child.hpp"
 #include "../support/gpu.hpp"
 #include "engines.hpp"
 
@@ -158,6 +159,45 @@ TEST_SUITE("cases") {
             gpu.device->table() = gpu.original;
             // On a device that was opened anew, where there is one.
             CHECK(test::check_same(run(), expected, set.points, 1e-5) == "");
+        }
+    }
+
+    TEST_CASE("gpu: a child made by fork() cannot use the device of its parent, and leaves it alone") {
+        const auto& set = usual_set();
+        const auto expected = test::run(set);
+        for (const char* device : {"auto", "gpu"}) {
+            CAPTURE(device);
+            Gpu gpu;
+            votess::cpu::CpuClipper clipper;
+            auto engines = std::make_unique<votess::Engines>();
+            engines->put(device, std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
+            std::vector<std::string> lines;
+            Options options = usual_options();
+            options.box = set.box;
+            options.device = device;
+            options.log = [&](std::string_view line) { lines.emplace_back(line); };
+            const auto run = [&] {
+                return votess::Tessellation(std::make_shared<const votess::detail::Result>(
+                    votess::run_on(*engines, {set.points, {}}, options)));
+            };
+            CHECK(run().stats().device == gpu.adapter.name);
+            CHECK(test::in_child([&]() -> std::string {
+                      // Whatever is asked of the device from here on ends the child.
+                      gpu.device->table() = {};
+                      std::string message;
+                      if (options.device == "gpu") {
+                          if (test::error_of(run, &message) != ErrorCode::unsupported) return "no error";
+                          if (message.find("fork()") == std::string::npos) return message;
+                          options.device = "cpu";
+                          if (auto failure = test::check_identical(run(), expected); !failure.empty()) return failure;
+                      } else {
+                          if (auto failure = test::check_identical(run(), expected); !failure.empty()) return failure;
+                          if (lines.size() != 1 || lines[0].find("fork()") == std::string::npos) return "no reason";
+                      }
+                      engines.reset();
+                      return "";
+                  }) == "");
+            CHECK(run().stats().device == gpu.adapter.name);
         }
     }
 

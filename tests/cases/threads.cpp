@@ -2,7 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <memory>
 #include <thread>
+#include <utility>
 
 #include "../support/check.hpp"
 
@@ -12,6 +14,17 @@ votess::Options with_threads(unsigned threads) {
     votess::Options options = test::all_options();
     options.threads = threads;
     return options;
+}
+
+// 0 when there was none.
+template <class Function>
+votess::ErrorCode error_of(Function function) {
+    try {
+        function();
+        return {};
+    } catch (const votess::Error& error) {
+        return error.code();
+    }
 }
 
 }  // namespace
@@ -65,6 +78,102 @@ TEST_SUITE("threads") {
                 });
         }
         CHECK(wrong == 0);
+    }
+
+    TEST_CASE("threads: a Tessellator at work refuses a second thread") {
+        const test::PointSet set = test::uniform(test::by_size(5000, 800), 71);
+        const auto expected = test::run(set);
+        votess::Tessellator tessellator;
+        auto options = with_threads(2);
+        options.box = set.box;
+        std::atomic<bool> at_work = false, go_on = false;
+        std::string failure = "none";
+        {
+            std::jthread worker([&] {
+                auto waiting = options;
+                waiting.progress = [&](double) {
+                    at_work = true;
+                    at_work.notify_all();
+                    go_on.wait(false);
+                    return true;
+                };
+                failure = test::check_identical(expected, tessellator.tessellate(set.points, waiting));
+            });
+            at_work.wait(false);
+            for (int repeat = 0; repeat < 3; ++repeat)
+                CHECK(error_of([&] { (void)tessellator.tessellate(set.points, options); }) ==
+                      votess::ErrorCode::invalid_use);
+            CHECK(error_of([&] { (void)tessellator.update(set.points, options); }) == votess::ErrorCode::invalid_use);
+            const auto elsewhere = votess::Tessellator().tessellate(set.points, options);
+            CHECK(test::check_identical(expected, elsewhere) == "");
+            go_on = true;
+            go_on.notify_all();
+        }
+        CHECK(failure == "");
+        CHECK(test::check_identical(expected, tessellator.tessellate(set.points, options)) == "");
+    }
+
+    TEST_CASE("threads: many at one Tessellator get the right answer or the error") {
+        const test::PointSet set = test::uniform(500, 72);
+        const auto expected = test::run(set);
+        votess::Tessellator tessellator;
+        auto options = with_threads(2);
+        options.box = set.box;
+        std::atomic<int> right = 0, refused = 0, wrong = 0;
+        {
+            std::vector<std::jthread> running;
+            for (int k = 0; k < 4; ++k)
+                running.emplace_back([&] {
+                    for (int repeat = 0; repeat < 50; ++repeat) try {
+                            const auto t = tessellator.tessellate(set.points, options);
+                            ++(test::check_identical(expected, t) == "" ? right : wrong);
+                        } catch (const votess::Error& error) {
+                            ++(error.code() == votess::ErrorCode::invalid_use ? refused : wrong);
+                        }
+                });
+        }
+        CHECK(wrong == 0);
+        CHECK(right > 0);
+        CHECK(right + refused == 200);
+    }
+
+    TEST_CASE("threads: a callback cannot use its Tessellator, but others, and may destroy it") {
+        const test::PointSet set = test::uniform(test::by_size(5000, 800), 73);
+        const auto expected = test::run(set);
+        auto tessellator = std::make_unique<votess::Tessellator>();
+        auto options = with_threads(2), plain = with_threads(2);
+        options.box = plain.box = set.box;
+        int calls = 0, good = 0;
+        const auto try_all = [&] {
+            ++calls;
+            good +=
+                error_of([&] { (void)tessellator->tessellate(set.points, plain); }) == votess::ErrorCode::invalid_use &&
+                test::check_identical(expected, votess::tessellate(set.points, plain)) == "";
+        };
+        options.progress = [&](double) {
+            try_all();
+            return true;
+        };
+        options.log = [&](std::string_view) { try_all(); };
+        CHECK(test::check_identical(expected, tessellator->tessellate(set.points, options)) == "");
+        CHECK(calls >= 2);
+        CHECK(good == calls);
+        options.progress = [&](double) {
+            tessellator.reset();
+            return true;
+        };
+        options.log = {};
+        CHECK(test::check_identical(expected, tessellator->tessellate(set.points, options)) == "");
+        CHECK_FALSE(tessellator);
+    }
+
+    TEST_CASE("threads: a Tessellator that was moved from refuses") {
+        const test::PointSet set = test::uniform(100, 74);
+        votess::Tessellator tessellator;
+        const votess::Tessellator other = std::move(tessellator);
+        CHECK(error_of([&] { (void)tessellator.tessellate(set.points); }) == votess::ErrorCode::invalid_use);
+        tessellator = votess::Tessellator();
+        CHECK(tessellator.tessellate(set.points).size() == 100);
     }
 
     TEST_CASE("a result is read from many threads") {

@@ -1,11 +1,15 @@
 // Uses the C interface as a C11 program would, error paths included. Returns 0 when all is well, else prints what is
 // not.
+#define _POSIX_C_SOURCE 200809L
 #include <math.h>
+#include <pthread.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <votess/votess.h>
 
 static int failures = 0;
@@ -470,6 +474,17 @@ static void check_struct_sizes(votess_tessellator* tessellator) {
     CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
                 "struct_size is");
 
+    // Memory that was not initialized.
+    CHECK_FAILS(votess_options_init(&options, (size_t)-1), VOTESS_ERROR_INVALID_ARGUMENT, "largest known is 4096");
+    options = options_with_box(2);
+    const uint32_t too_large[] = {0xffffffffu, 0x80000000u, 0xeeeeeeeeu, VOTESS_LARGEST_STRUCT + 1};
+    for (size_t i = 0; i < sizeof too_large / sizeof *too_large; ++i) {
+        options.struct_size = too_large[i];
+        CHECK_FAILS(votess_tessellate(tessellator, cube, 8, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT,
+                    "largest known is 4096");
+    }
+    CHECK(result == NULL);
+
     // A program built against a newer header: the fields that this library lacks are neither read nor written.
     struct newer_options {
         votess_options options;
@@ -494,6 +509,8 @@ static void check_struct_sizes(votess_tessellator* tessellator) {
     for (size_t i = 0; i < sizeof stats.beyond; ++i) CHECK(stats.beyond[i] == 0xee);
     stats.stats.struct_size = 0;
     CHECK_FAILS(votess_result_stats(result, &stats.stats), VOTESS_ERROR_INVALID_ARGUMENT, "struct_size is 0");
+    stats.stats.struct_size = 0xffffffffu;
+    CHECK_FAILS(votess_result_stats(result, &stats.stats), VOTESS_ERROR_INVALID_ARGUMENT, "struct_size is 4294967295");
     stats.stats.struct_size = 40;
     CHECK_FAILS(votess_result_stats(result, &stats.stats), VOTESS_ERROR_INVALID_ARGUMENT, "struct_size is 40");
     votess_result_free(result);
@@ -586,6 +603,143 @@ static void check_update(votess_tessellator* tessellator) {
     free(points);
 }
 
+// One tessellator used by several at once.
+struct shared_use {
+    votess_tessellator* tessellator;
+    const double* points;
+    size_t count;
+    int calls, refused;
+    votess_tessellator* to_free;
+};
+
+static int use_again(double fraction, void* user) {
+    struct shared_use* use = user;
+    (void)fraction;
+    votess_result* result = NULL;
+    ++use->calls;
+    CHECK_FAILS(votess_tessellate(use->tessellator, use->points, use->count, NULL, &result), VOTESS_ERROR_INVALID_USE,
+                "in use by another call");
+    CHECK(result == NULL);
+    return 1;
+}
+
+static int free_once(double fraction, void* user) {
+    struct shared_use* use = user;
+    (void)fraction;
+    ++use->calls;
+    votess_tessellator_free(use->to_free);
+    use->to_free = NULL;
+    return 1;
+}
+
+static void* use_often(void* user) {
+    struct shared_use* use = user;
+    for (int k = 0; k < 100; ++k) {
+        votess_result* result = NULL;
+        const votess_status status = votess_tessellate(use->tessellator, use->points, use->count, NULL, &result);
+        ++use->calls;
+        if (status == VOTESS_ERROR_INVALID_USE && result == NULL) ++use->refused;
+        if (status == VOTESS_OK && votess_result_size(result) != use->count) use->calls = -1000;
+        if (status != VOTESS_OK && status != VOTESS_ERROR_INVALID_USE) use->calls = -1000;
+        votess_result_free(result);
+    }
+    return NULL;
+}
+
+static void check_one_call_at_a_time(votess_tessellator* tessellator) {
+    const size_t count = 300;
+    double* points = random_points(count, 5);
+    struct shared_use use = {tessellator, points, count, 0, 0, NULL};
+    votess_options options = options_with_box(1);
+    options.progress = use_again;
+    options.progress_user = &use;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(tessellator, points, count, &options, &result) == VOTESS_OK);
+    CHECK(use.calls > 0 && votess_result_size(result) == count);
+    votess_result_free(result);
+
+    enum { threads = 4 };
+    pthread_t thread[threads];
+    struct shared_use uses[threads];
+    for (int k = 0; k < threads; ++k) {
+        uses[k] = (struct shared_use){tessellator, points, count, 0, 0, NULL};
+        CHECK(pthread_create(&thread[k], NULL, use_often, &uses[k]) == 0);
+    }
+    int refused = 0;
+    for (int k = 0; k < threads; ++k) {
+        CHECK(pthread_join(thread[k], NULL) == 0);
+        CHECK(uses[k].calls == 100);
+        refused += uses[k].refused;
+    }
+    CHECK(refused < threads * 100);
+
+    // Freed by its own callback.
+    votess_tessellator* freed = NULL;
+    CHECK(votess_tessellator_new(&freed) == VOTESS_OK);
+    use = (struct shared_use){tessellator, points, count, 0, 0, freed};
+    options.progress = free_once;
+    CHECK(votess_tessellate(freed, points, count, &options, &result) == VOTESS_OK);
+    CHECK(use.calls > 0 && votess_result_size(result) == count);
+    votess_result_free(result);
+    free(points);
+}
+
+// The thread sanitizer knows no threads of children.
+#if defined __has_feature
+#if __has_feature(thread_sanitizer)
+#define __SANITIZE_THREAD__ 1
+#endif
+#endif
+#if defined __SANITIZE_THREAD__
+static const uint32_t child_threads = 1;
+#else
+static const uint32_t child_threads = 3;
+#endif
+
+// A child made by fork() uses and frees the tessellator of its parent.
+static void check_fork(void) {
+    const size_t count = 5000;
+    double* points = random_points(count, 6);
+    votess_tessellator* tessellator = NULL;
+    CHECK(votess_tessellator_new(&tessellator) == VOTESS_OK);
+    votess_options options = options_with_box(1);
+    options.device = "cpu";
+    options.threads = 3;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(tessellator, points, count, &options, &result) == VOTESS_OK);
+    for (int uses = 0; uses < 2; ++uses) {
+        fflush(stderr);
+        const pid_t child = fork();
+        CHECK(child >= 0);
+        if (child == 0) {
+            alarm(60);  // ends one that hangs
+            failures = 0;
+            votess_result* again = NULL;
+            options.threads = child_threads;
+            if (uses > 0) {
+                CHECK(votess_tessellate(tessellator, points, count, &options, &again) == VOTESS_OK);
+                size_t length = 0, other_length = 0;
+                const int32_t* ids = votess_result_indices(result, &length);
+                const int32_t* other_ids = votess_result_indices(again, &other_length);
+                CHECK(ids != NULL && other_ids != NULL && length == other_length);
+                if (failures == 0) CHECK(memcmp(ids, other_ids, length * sizeof *ids) == 0);
+            }
+            votess_result_free(again);
+            votess_tessellator_free(tessellator);
+            votess_result_free(result);
+            _exit(failures == 0 ? 0 : 1);
+        }
+        int status = 1;
+        CHECK(waitpid(child, &status, 0) == child);
+        CHECK(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+    votess_result_free(result);
+    CHECK(votess_tessellate(tessellator, points, count, &options, &result) == VOTESS_OK);
+    votess_result_free(result);
+    votess_tessellator_free(tessellator);
+    free(points);
+}
+
 static void check_result_outlives_tessellator(void) {
     votess_tessellator* tessellator = NULL;
     CHECK(votess_tessellator_new(&tessellator) == VOTESS_OK && tessellator != NULL);
@@ -656,7 +810,9 @@ int main(void) {
     check_struct_sizes(tessellator);
     check_callbacks(tessellator);
     check_update(tessellator);
+    check_one_call_at_a_time(tessellator);
     votess_tessellator_free(tessellator);
+    check_fork();
     check_result_outlives_tessellator();
     check_devices();
     if (failures != 0) {

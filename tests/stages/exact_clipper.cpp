@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <thread>
 
 #include "cpu/cpu_clipper.hpp"
 #include "options.hpp"

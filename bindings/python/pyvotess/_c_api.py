@@ -31,6 +31,7 @@ class ErrorCode(IntEnum):
     UNSUPPORTED = 4
     INTERNAL = 5
     DEVICE_LOST = 6  #: the device stopped answering or its driver failed
+    INVALID_USE = 7  #: a Tessellator that is at work in another call
 
 
 class CellStatus(IntEnum):

@@ -296,8 +296,12 @@ class Tessellator:
 
     The options are those of :func:`tessellate`; the limits of their values are checked at each call.
 
-    One call at a time: a second one, from another thread or from a progress callback, raises VotessError. Results
-    do not need the tessellator and outlive it.
+    One call at a time: a second one, from another thread or from a progress callback, raises VotessError with code
+    INVALID_USE. Results do not need the tessellator and outlive it, and may be read by many threads.
+
+    After a fork (``os.fork``, multiprocessing with the start method "fork") the child may use and close its copy: the
+    CPU gets new threads. A GPU that was opened before cannot be used there: VotessError with code UNSUPPORTED, or with
+    device "auto" the CPU takes over.
     """
 
     def __init__(
@@ -321,7 +325,10 @@ class Tessellator:
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
         if not self._lock.acquire(blocking=False):
-            raise VotessError("this Tessellator is in use by another call: use one per thread", ErrorCode.UNSUPPORTED)
+            raise VotessError(
+                "this Tessellator is in use by another call, or was when fork() made this process: use one per thread",
+                ErrorCode.INVALID_USE,
+            )
         try:
             yield
         finally:

@@ -761,6 +761,7 @@ class TessellatorTest(unittest.TestCase):
             for function in (tessellator.close, lambda: tessellator.tessellate(uniform(5))):
                 with self.assertRaisesRegex(vt.VotessError, "in use") as caught:
                     function()
+                self.assertEqual(caught.exception.code, vt.ErrorCode.INVALID_USE)
                 texts.append(str(caught.exception))
             return True
 
@@ -781,6 +782,73 @@ class TessellatorTest(unittest.TestCase):
             vt.Tessellator(precision="half")
         with self.assertRaises(TypeError):
             vt.Tessellator(device=None)
+
+
+class Forks(unittest.TestCase):
+    """What a child made by fork() does with the Tessellator of its parent."""
+
+    def test_fork(self):
+        points = uniform(3000)
+        tessellator = vt.Tessellator(device="cpu", threads=3)
+        expected = tessellator.tessellate(points, box=UNIT_BOX)
+        for use in (False, True):
+            child = os.fork()
+            if child == 0:
+                signal.alarm(60)  # ends one that hangs
+                code = 1
+                try:
+                    if use:
+                        t = tessellator.tessellate(points, box=UNIT_BOX)
+                        np.testing.assert_array_equal(t.neighbors.indices, expected.neighbors.indices)
+                    tessellator.close()
+                    code = 0
+                finally:
+                    os._exit(code)
+            self.assertEqual(os.waitpid(child, 0)[1], 0)
+        np.testing.assert_array_equal(tessellator.tessellate(points, box=UNIT_BOX).volumes, expected.volumes)
+
+    def test_fork_at_work(self):
+        points = uniform(3000)
+        tessellator = vt.Tessellator(device="cpu", threads=2)
+        statuses = []
+
+        def progress(fraction):
+            child = os.fork()
+            if child == 0:
+                signal.alarm(60)
+                code = 1
+                try:
+                    tessellator.tessellate(points)
+                except vt.VotessError as error:
+                    code = 0 if error.code == vt.ErrorCode.INVALID_USE else 2
+                finally:
+                    os._exit(code)
+            statuses.append(os.waitpid(child, 0)[1])
+
+        self.assertTrue(tessellator.tessellate(points, progress=progress).verify())
+        self.assertTrue(statuses)
+        self.assertEqual(set(statuses), {0})
+
+    def test_multiprocessing(self):
+        # In a process of its own: a pool that hangs would hang this one.
+        program = (
+            "import multiprocessing, signal, numpy as np, pyvotess as vt\n"
+            "tessellator = vt.Tessellator(device='cpu', threads=2)\n"
+            "points = np.random.default_rng(1).random((2000, 3))\n"
+            "expected = tessellator.tessellate(points).neighbors.indices\n"
+            "def work(_):\n"
+            "    alone = vt.tessellate(points, device='cpu').neighbors.indices\n"
+            "    same = tessellator.tessellate(points).neighbors.indices\n"
+            "    return np.array_equal(same, expected) and np.array_equal(alone, expected)\n"
+            "with multiprocessing.get_context('fork').Pool(3, signal.alarm, (60,)) as pool:\n"
+            "    assert pool.map(work, range(6)) == [True] * 6\n"
+            "print('done')\n"
+        )
+        environment = dict(os.environ, PYTHONPATH=PACKAGE_PARENT)
+        done = subprocess.run(
+            [sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, timeout=120, env=environment
+        )
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "done\n", ""))
 
 
 class Verify(unittest.TestCase):
@@ -859,6 +927,7 @@ class Facts(unittest.TestCase):
             if kind is vt.VotessError:
                 self.assertEqual(caught.exception.code, code)
         self.assertEqual(vt.ErrorCode.DEVICE_LOST, 6)
+        self.assertEqual(vt.ErrorCode.INVALID_USE, 7)
 
     def test_names(self):
         for name in vt.__all__:
