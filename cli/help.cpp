@@ -10,17 +10,18 @@ usage: clvotess INPUT [options]                     tessellate the points of INP
 Prints a short summary and writes the files that -o names.
 
 input
-  INPUT                  .xyz .txt .csv  text rows `x y z` or `id x y z`, separated by blanks, tabs,
-                                         commas or semicolons; # begins a comment; ids are whole
-                                         numbers. A .csv may begin with a line of names, which says
-                                         where x, y, z and id are; an .xyz may have the classic
+  INPUT                  .xyz .txt .dat .csv  text rows `x y z` or `id x y z`, separated by blanks,
+                                         tabs, commas or semicolons; # begins a comment; ids are
+                                         whole numbers. A .csv may begin with a line of names, which
+                                         says where x, y, z and id are; an .xyz may have the classic
                                          layout (count, comment, `Element x y z`)
                          .npy .npz       NumPy arrays (N, 3), float64 or float32; in .npz the array
                                          `points`, the only one that fits, or x, y and z; ids
                          .h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
                                          in several files by NAME.0.hdf5 or NAME; ParticleIDs, ids
                          .dump .lammpstrj  LAMMPS dump in text, also called dump.NAME
-                         .data .lmp      LAMMPS data file, its section Atoms; also data.NAME
+                         .data .lmp      LAMMPS data file, its section Atoms; also data.NAME. Columns
+                                         by the atom style (`Atoms # full`) or a line of names
                          .ply            element vertex: x y z, id
                          .vtp .vtu       VTK in XML: Points, id out of PointData
                          NAME, -         text without an extension; on stdin

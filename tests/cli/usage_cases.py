@@ -126,8 +126,8 @@ class Usage(CliTest):
             self.assertRegex(text, rf"(?m)^  {option}, --")
         for code in "ixyzqrwpPomgEesFAaftlnvcC%":
             self.assertIn("%" + code, text)
-        for word in ["units", "exit codes", ".xyz", ".txt", ".csv", ".npy", ".npz", ".h5", ".hdf5", ".dump", ".lammpstrj",
-                     ".data", ".lmp", ".ply", ".vtp", ".vtu", ".obj", "stdin", "stdout", "default"]:
+        for word in ["units", "exit codes", ".xyz", ".txt", ".dat ", ".csv", ".npy", ".npz", ".h5", ".hdf5", ".dump",
+                     ".lammpstrj", ".data", ".lmp", ".ply", ".vtp", ".vtu", ".obj", "stdin", "stdout", "default"]:
             self.assertIn(word, text)
         self.assertLessEqual(max(map(len, text.splitlines())), 100)
         # The example runs as it stands, with fewer points.
