@@ -16,7 +16,7 @@ namespace {
 
 // Without a sample of the user's size, cells are tried until they took this much work, counted in distance tests: about
 // a second. Being counted and not measured, it gives the same sample on every machine.
-constexpr double budget = 5e8, work_of_cell = 1e4, work_of_plane = 20, work_of_vertex = 1;
+constexpr double budget = 5e8, work_of_cell = 1e4, work_of_image = 150, work_of_plane = 100, work_of_vertex = 1;
 constexpr std::size_t least_sample = 64;
 
 // splitmix64 (Steele, Lea, Flood 2014): portable, so that a sample is the same everywhere.
@@ -108,6 +108,7 @@ public:
         for_each_image(shifts, [&](const Image& image) {
             if (may_cut(image, reach) && std::ranges::find(done_, image) == done_.end()) images_.push_back(image);
         });
+        work_ += work_of_image * static_cast<double>(images_.size());
         std::ranges::sort(images_, {}, &Image::key);
         for (const Image& image : images_)
             if (may_cut(image, reach) && cut(image, cell)) reach = reach_of(cell, size);
