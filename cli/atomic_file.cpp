@@ -18,10 +18,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// With links followed, also one whose target is still to be made.
 std::string resolved(const std::string& path) {
     std::error_code problem;
-    const fs::path real = fs::weakly_canonical(fs::absolute(path), problem);
-    return problem ? path : real.string();
+    fs::path real = fs::absolute(path, problem);
+    if (problem) {
+        throw bad_input("cannot tell where " + in_quotes(path) +
+                        " lies, for the working directory is gone: " + "go to another, or give the whole path");
+    }
+    constexpr int most_links = 40;  // as Linux follows; beyond it links make a circle
+    for (int k = 0; k < most_links && fs::is_symlink(fs::symlink_status(real, problem)); ++k) {
+        real = real.parent_path() / fs::read_symlink(real, problem);
+    }
+    const fs::path canonical = fs::weakly_canonical(real, problem);
+    return problem ? real.string() : canonical.string();
 }
 
 std::string folder_of(const std::string& path) {
@@ -48,6 +58,7 @@ void check_writable(const std::string& path) {
         throw bad_input("cannot write " + in_quotes(path) + ": " + why);
     };
     const fs::file_status status = fs::status(target, problem);
+    if (status.type() == fs::file_type::none) refuse(problem.message());
     if (fs::is_directory(status)) refuse("it is a folder");
     if (fs::exists(status)) {
         if (access(target.c_str(), W_OK) != 0) refuse(std::strerror(errno));

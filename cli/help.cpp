@@ -10,17 +10,19 @@ usage: clvotess INPUT [options]                     tessellate the points of INP
 Prints a short summary and writes the files that -o names.
 
 input
-  INPUT                  .xyz .txt .csv  text rows `x y z` or `id x y z`, separated by blanks, tabs,
-                                         commas or semicolons; # begins a comment; ids are whole
-                                         numbers. A .csv may begin with a line of names, which says
-                                         where x, y, z and id are; an .xyz may have the classic
+  INPUT                  .xyz .txt .dat .csv  text rows `x y z` or `id x y z`, separated by blanks,
+                                         tabs, commas or semicolons; # begins a comment; ids are
+                                         whole numbers. A .csv may begin with a line of names that
+                                         says where x, y, z and id are; an .xyz may have the classic
                                          layout (count, comment, `Element x y z`)
                          .npy .npz       NumPy arrays (N, 3), float64 or float32; in .npz the array
                                          `points`, the only one that fits, or x, y and z; ids
                          .h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
                                          in several files by NAME.0.hdf5 or NAME; ParticleIDs, ids
                          .dump .lammpstrj  LAMMPS dump in text, also called dump.NAME
-                         .data .lmp      LAMMPS data file, its section Atoms; also data.NAME
+                         .data .lmp      LAMMPS data file, its section Atoms; also data.NAME. The
+                                         atom style (`Atoms # full`) or a line of names says where
+                                         the columns are, or in common styles their number
                          .ply            element vertex: x y z, id
                          .vtp .vtu       VTK in XML: Points, id out of PointData
                          NAME, -         text without an extension; on stdin
@@ -121,8 +123,9 @@ run
                          the default) or 1e-10 (double). The CPU always gives 1e-10; the
                          neighbors are exact either way
   --verify               check the result: volume sum, symmetry of the neighbors, Euler's formula,
-                         and a sample of cells against every point. If it fails, no file is
-                         written and the exit code is 3
+                         and a sample of cells against every point, as many as take about a second
+                         but at least 64 or all; the summary says how many. If it fails, no file
+                         is written and the exit code is 3
 
 tuning: changes speed and memory, never the answer; default 0 = automatic
   -t, --threads N        CPU threads; 0 = all

@@ -5,13 +5,14 @@
 #include <filesystem>
 
 #include "failure.hpp"
+#include "line_reader.hpp"
 #include "mapped_file.hpp"
 
 namespace clvotess {
 namespace {
 
 constexpr const char* known =
-    "known are .xyz .txt .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, text without an "
+    "known are .xyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, text without an "
     "extension, and on stdin as -";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
@@ -27,9 +28,9 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
 std::string kind_of(const std::string& path) {
     if (path == "-") return ".txt";
     const std::string extension = extension_of(path);
-    constexpr std::array<std::string_view, 14> extensions{".xyz", ".txt",  ".csv",  ".npy",       ".npz",
-                                                          ".h5",  ".hdf5", ".dump", ".lammpstrj", ".data",
-                                                          ".lmp", ".ply",  ".vtp",  ".vtu"};
+    constexpr std::array<std::string_view, 15> extensions{".xyz",  ".txt", ".dat",  ".csv",  ".npy",
+                                                          ".npz",  ".h5",  ".hdf5", ".dump", ".lammpstrj",
+                                                          ".data", ".lmp", ".ply",  ".vtp",  ".vtu"};
     if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
     const std::string name = std::filesystem::path(path).filename().string();
     if (name.starts_with("data.")) return ".data";
@@ -47,11 +48,7 @@ bool is_snapshot_base(const std::string& path) {
 }  // namespace
 
 std::string extension_of(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) {
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    }
-    return extension;
+    return lower_case(std::filesystem::path(path).extension().string());
 }
 
 Input read_input(const std::string& path, const ReadRequest& request) {
@@ -68,7 +65,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         const MappedFile file(path);
         return parser(file.bytes(), path == "-" ? "stdin" : path, request);
     };
-    if (extension == ".txt" || extension.empty()) {
+    if (extension == ".txt" || extension == ".dat" || extension.empty()) {
         return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::plain, name, wish); });
     }
     if (extension == ".xyz") {

@@ -28,6 +28,9 @@ inline void split_words(std::string_view line, Words& words) {
     }
 }
 
+[[nodiscard]] std::string lower_case(std::string_view text);  // of ASCII
+[[nodiscard]] std::string columns_text(std::size_t count);    // "1 column", "5 columns"
+
 class LineReader {
 public:
     LineReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {}

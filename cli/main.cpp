@@ -133,6 +133,7 @@ int run(const Arguments& arguments) {
         votess::VerifyReport report = votess::verify(tessellation, input.points);
         summary.verified = report.passed;
         summary.checks_skipped = std::move(report.skipped);
+        summary.cells_verified = report.sampled;
         if (!report.passed) failure = "verification failed, no file was written: " + report.failure;
     }
 

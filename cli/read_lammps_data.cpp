@@ -1,44 +1,27 @@
 // LAMMPS data files: a header with the number of atoms and the box, then sections; of these only Atoms is read.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <optional>
 
 #include "failure.hpp"
 #include "input.hpp"
 #include "lammps_box.hpp"
+#include "lammps_styles.hpp"
 #include "line_reader.hpp"
 
 namespace clvotess {
 namespace {
 
-// Columns of the Atoms section; three whole numbers, the image flags, may follow.
-struct Style {
-    std::string_view name, columns;
-};
+constexpr std::size_t spin_columns = 9;
 
-constexpr std::array<Style, 19> styles{{
-    {"atomic", "id type x y z"},
-    {"charge", "id type q x y z"},
-    {"molecular", "id mol type x y z"},
-    {"bond", "id mol type x y z"},
-    {"angle", "id mol type x y z"},
-    {"full", "id mol type q x y z"},
-    {"sphere", "id type diameter density x y z"},
-    {"dipole", "id type q x y z mux muy muz"},
-    {"dpd", "id type theta x y z"},
-    {"edpd", "id type temp cv x y z"},
-    {"mdpd", "id type rho x y z"},
-    {"electron", "id type q spin eradius x y z"},
-    {"ellipsoid", "id type ellipsoidflag density x y z"},
-    {"body", "id type bodyflag mass x y z"},
-    {"line", "id mol type lineflag density x y z"},
-    {"tri", "id mol type triangleflag density x y z"},
-    {"peri", "id type volume density x y z"},
-    {"spin", "id type x y z spx spy spz sp"},
-    {"sph", "id type rho esph cv x y z"},
-}};
+// Compared as bits, which are in order even where a number is none.
+using Triple = std::array<std::uint64_t, 3>;
 
-constexpr const char* ask_for_style = "name the atom style behind the word Atoms, as in \"Atoms # sphere\"";
+bool has_equal_pair(std::vector<Triple>& triples) {
+    std::ranges::sort(triples);
+    return std::ranges::adjacent_find(triples) != triples.end();
+}
 
 class DataReader {
 public:
@@ -54,8 +37,11 @@ public:
             if (words_.empty()) continue;
             if (words_[0] == "Atoms" && words_.size() == 1) {
                 Words hint;
-                split_words(line.substr(std::min(mark + 1, line.size())), hint);
-                return read_atoms(hint.empty() ? std::string_view{} : hint[0]);
+                const std::string_view comment = line.substr(std::min(mark + 1, line.size()));
+                split_words(comment, hint);
+                take_names(comment, true);
+                if (named_) hint.clear();
+                return read_atoms(hint);
             }
             read_header();
         }
@@ -90,53 +76,46 @@ private:
         }
     }
 
-    // The columns of the first row, by the hint behind `Atoms #` or by their number.
-    [[nodiscard]] Words columns_of(std::string_view hint, const Words& row) const {
-        Words columns;
-        if (hint == "hybrid") {  // what follows depends on the styles that it joins
-            split_words("id type x y z", columns);
-            for (std::size_t k = columns.size(); k < row.size(); ++k) columns.push_back("");
-            if (row.size() < 5) throw lines_.error("atoms of style hybrid have at least 5 columns");
-            return columns;
-        }
-        const auto* const style = std::ranges::find(styles, hint, &Style::name);
-        if (style != styles.end()) {
-            split_words(style->columns, columns);
-            const std::size_t own = columns.size();
-            if (row.size() != own && row.size() != own + 3) {
-                throw lines_.error("this row has " + std::to_string(row.size()) + " columns, but atoms of style " +
-                                   std::string(hint) + " have " + std::to_string(own) + ", or with image flags " +
-                                   std::to_string(own + 3));
-            }
-            return columns;
-        }
-        if (!hint.empty()) {
-            std::string known;
-            for (const Style& other : styles) add_name(known, other.name);
-            throw lines_.error("atom style " + in_quotes(hint) + " is not known: " + known + " hybrid are");
-        }
-        // Without a hint: what lies before the coordinates depends on the style, but in the common ones their place
-        // follows from the number of columns.
-        switch (row.size()) {
-            case 5:
-            case 8:
-                split_words("id type x y z", columns);
-                break;
-            case 6:
-            case 9:
-                split_words("id 2 3 x y z", columns);
-                break;
-            case 7:
-            case 10:
-                split_words("id 2 3 4 x y z", columns);
-                break;
-            default:
-                throw lines_.error("this row has " + std::to_string(row.size()) + " columns: " + ask_for_style);
-        }
-        return columns;
+    // Keeps the words when they name columns, in a line before the rows or behind `Atoms #`.
+    void take_names(std::string_view line, bool commented) {
+        names_text_ = lower_case(line);
+        Words names;
+        split_words(names_text_, names);
+        named_ = columns_by_names(names);
+        names_commented_ = commented;
     }
 
-    // Of style sphere also `radius`, half of the diameter.
+    // The columns of rows of `size` words, by the words behind `Atoms #`, by names, else by the number of columns.
+    // A comment that does not fit the rows was none about columns.
+    [[nodiscard]] AtomColumns columns_of(const Words& hint, std::size_t size) const {
+        const bool fits = named_ && (size == named_->names.size() || size == named_->names.size() + 3);
+        if (named_ && !fits && !names_commented_) {
+            throw lines_.error("this row has " + columns_text(size) + ", but " + std::to_string(named_->names.size()) +
+                               " are named before the rows");
+        }
+        if (hint.empty()) return fits ? *named_ : columns_by_size(size, lines_);
+        AtomColumns columns = columns_of_style(hint, size, lines_);
+        if (!fits) return columns;
+        if (columns.x != named_->x) {
+            throw lines_.error("x is column " + std::to_string(columns.x + 1) + " of atom style " + in_quotes(hint[0]) +
+                               ", but column " + std::to_string(named_->x + 1) +
+                               " of those named before the rows: correct one of them");
+        }
+        return columns.names.back().empty() ? *named_ : columns;
+    }
+
+    // What was taken for image flags may be coordinates at the end of the row, or the values of style spin. But image
+    // flags are equal for some atoms, places for none; and spin's four values follow z.
+    void check_guess(const std::vector<double>& points, std::vector<Triple>& flags) const {
+        std::vector<Triple> places(flags.size());
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) places[i][k] = std::bit_cast<std::uint64_t>(points[3 * i + k]);
+        }
+        if (!four_whole_ && has_equal_pair(flags) && !has_equal_pair(places)) return;
+        throw lines_.error("which columns are the coordinates is not sure: " + std::string(ask_for_style));
+    }
+
+    // A diameter is also there as `radius`, its half.
     void find_value(const Words& columns) {
         if (request_.column.empty()) return;
         const auto diameter = std::find(columns.begin(), columns.end(), "diameter");
@@ -148,7 +127,7 @@ private:
         }
     }
 
-    Input read_atoms(std::string_view hint) {
+    Input read_atoms(const Words& hint) {
         if (!count_) throw lines_.error("the section Atoms comes before the line \"N atoms\"");
         // LAMMPS takes a box as periodic unless its script says otherwise, and a data file cannot say so.
         box_.periodic = {true, true, true};
@@ -163,33 +142,45 @@ private:
         if (!can_hold(lines_.rest().size(), count, shortest_row)) throw short_section(0);
         input.points.reserve(3 * count);
         input.ids.reserve(count);
-        Words columns;
-        std::size_t row_size = 0, first = 0;
+        AtomColumns columns;
+        std::vector<Triple> flags;  // of guessed columns
+        std::size_t row_size = 0;
         while (input.ids.size() < count) {
             std::string_view line;
             if (!lines_.next(line)) throw short_section(input.ids.size());
-            split_words(line.substr(0, std::min(line.find('#'), line.size())), words_);
+            const auto mark = std::min(line.find('#'), line.size());
+            split_words(line.substr(0, mark), words_);
+            if (row_size == 0 && (words_.empty() ? !named_ : !read_double(words_[0]))) {
+                take_names(words_.empty() ? line.substr(std::min(mark + 1, line.size())) : line.substr(0, mark),
+                           words_.empty());
+                if (named_) continue;
+            }
             if (words_.empty()) continue;
-            if (columns.empty()) {
-                columns = columns_of(hint, words_);
+            if (row_size == 0) {
                 row_size = words_.size();
-                first = static_cast<std::size_t>(std::ranges::find(columns, "x") - columns.begin());
-                find_value(columns);
+                columns = columns_of(hint, row_size);
+                four_whole_ = row_size == spin_columns;
+                find_value(columns.names);
             }
             if (words_.size() != row_size) {
-                throw lines_.error("this row has " + std::to_string(words_.size()) +
-                                   (words_.size() == 1 ? " column" : " columns") + ", the rows before it have " +
+                throw lines_.error("this row has " + columns_text(words_.size()) + ", the rows before it have " +
                                    std::to_string(row_size));
             }
             input.ids.push_back(lines_.whole(words_[0], "an id"));
-            for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[first + k]));
-            for (std::size_t k = columns.size(); k < row_size; ++k) {
-                if (read_int64(words_[k])) continue;
-                throw lines_.error(in_quotes(words_[k]) + " is not a whole number, as an image flag must be" +
-                                   (hint.empty() ? std::string("; ") + ask_for_style : ""));
+            for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[columns.x + k]));
+            four_whole_ = four_whole_ && read_int64(words_[columns.x + 2]);
+            if (columns.guessed && columns.names.size() < row_size) flags.emplace_back();
+            for (std::size_t k = columns.names.size(); k < row_size; ++k) {
+                const auto flag = read_int64(words_[k]);
+                if (!flag) {
+                    throw lines_.error(in_quotes(words_[k]) + " is not a whole number, as an image flag must be" +
+                                       (columns.guessed ? std::string("; ") + ask_for_style : ""));
+                }
+                if (columns.guessed) flags.back()[k - columns.names.size()] = static_cast<std::uint64_t>(*flag);
             }
             if (value_column_) input.column.push_back(factor_ * lines_.number(words_[*value_column_]));
         }
+        if (!flags.empty()) check_guess(input.points, flags);
         return input;
     }
 
@@ -204,6 +195,10 @@ private:
     std::optional<std::uint64_t> count_;
     LammpsBox box_;
     std::array<bool, 3> bounds_seen_{};
+    std::string names_text_;
+    std::optional<AtomColumns> named_;  // points into names_text_
+    bool names_commented_ = false;
+    bool four_whole_ = false;  // the last four columns of rows as long as those of style spin
     std::optional<std::size_t> value_column_;
     double factor_ = 1;
 };

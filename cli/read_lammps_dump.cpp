@@ -165,8 +165,7 @@ private:
             if (!lines_.next(line)) throw short_frame(i);
             split_words(line, row);
             if (row.size() != names.size()) {
-                throw lines_.error("this row has " + std::to_string(row.size()) +
-                                   (row.size() == 1 ? " column, " : " columns, ") + std::to_string(names.size()) +
+                throw lines_.error("this row has " + columns_text(row.size()) + ", " + std::to_string(names.size()) +
                                    " are announced");
             }
             std::array<double, 3> position{};

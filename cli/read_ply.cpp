@@ -221,8 +221,7 @@ private:
         }
         each_line(element, [&] {
             if (words_.size() != element.properties.size()) {
-                throw lines_.error("this row has " + std::to_string(words_.size()) +
-                                   (words_.size() == 1 ? " column, " : " columns, ") +
+                throw lines_.error("this row has " + columns_text(words_.size()) + ", " +
                                    std::to_string(element.properties.size()) + " are announced");
             }
             for (const std::size_t k : axes) input.points.push_back(lines_.number(words_[k]));

@@ -2,7 +2,6 @@
 // names; the classic XYZ layout.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstring>
 #include <optional>
 
@@ -53,20 +52,19 @@ public:
         Row row;
         if (!next_row(row)) return {};
         if (kind_ == TextKind::xyz && row.count == 1 && read_uint64(row.fields[0])) return read_classic(row.fields[0]);
-        Row header;
         if (kind_ == TextKind::csv && is_header(row)) {
-            header = row;
+            names_ = names_of(line_);
+            check_names();
             if (!next_row(row)) return {};
         }
-        return read_rows(row, header);
+        return read_rows(row);
     }
 
 private:
     // The next line that holds any field.
     bool next_row(Row& row) {
-        std::string_view line;
-        while (lines_.next(line)) {
-            split(line, row);
+        while (lines_.next(line_)) {
+            split(line_, row);
             if (row.count > 0) return true;
         }
         return false;
@@ -100,39 +98,70 @@ private:
                             [](std::string_view field) { return read_double(field).has_value(); });
     }
 
-    // Lower case, without quotes.
+    // Lower case, without blanks around it and without quotes.
     static std::string plain_name(std::string_view name) {
+        while (!name.empty() && is_blank(name.front())) name.remove_prefix(1);
+        while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
         if (name.size() > 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-        std::string result(name);
-        for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        return result;
+        return lower_case(name);
     }
 
-    // By the line of names where that has x, y and z; else x y z or id x y z, once the column of values is taken out.
-    [[nodiscard]] Layout layout_of(const Row& row, const Row& header) const {
-        const std::size_t columns = row.count;
+    // Names may hold blanks where commas or semicolons stand between them.
+    static std::vector<std::string> names_of(std::string_view line) {
+        line = line.substr(0, line.find('#'));
+        std::vector<std::string> names;
+        if (line.find_first_of(",;") == std::string_view::npos) {
+            Words words;
+            split_words(line, words);
+            for (const std::string_view word : words) names.push_back(plain_name(word));
+            return names;
+        }
+        for (std::size_t end = 0; end != std::string_view::npos; line.remove_prefix(std::min(end + 1, line.size()))) {
+            end = line.find_first_of(",;");
+            names.push_back(plain_name(line.substr(0, end)));
+        }
+        return names;
+    }
+
+    [[nodiscard]] std::optional<std::size_t> named(std::string_view name) const {
+        const auto at = std::ranges::find(names_, name);
+        if (at == names_.end()) return std::nullopt;
+        return static_cast<std::size_t>(at - names_.begin());
+    }
+
+    // A line of names says where the coordinates are. A name that is used stands there once.
+    void check_names() const {
+        for (const char* const axis : {"x", "y", "z"}) {
+            if (named(axis)) continue;
+            throw lines_.error("the line of names lacks " + in_quotes(axis) +
+                               ": name the columns of the coordinates x, y and z, or remove the line");
+        }
+        const std::string wanted = plain_name(request_.column);
+        for (const std::string_view name : {std::string_view("x"), std::string_view("y"), std::string_view("z"),
+                                            std::string_view("id"), std::string_view(wanted)}) {
+            if (std::ranges::count(names_, name) > 1) {
+                throw lines_.error("the line of names has " + in_quotes(name) + " more than once");
+            }
+        }
+    }
+
+    // By the line of names where there is one; else x y z or id x y z, once the column of values is taken out.
+    [[nodiscard]] Layout layout_of(std::size_t columns) const {
         if (columns > kept_fields) {
             throw lines_.error("this row has " + std::to_string(columns) + " columns, more than the " +
                                std::to_string(kept_fields) + " that are read");
         }
-        std::vector<std::string> names;
-        for (std::size_t k = 0; k < columns && header.count == columns; ++k) {
-            names.push_back(plain_name(header.fields[k]));
+        if (!names_.empty() && names_.size() != columns) {
+            throw lines_.error("this row has " + columns_text(columns) + ", the line of names " +
+                               std::to_string(names_.size()));
         }
         Layout layout;
-        if (!request_.column.empty()) layout.value = value_column(names, columns);
-        const auto named = [&](const char* name) -> std::optional<std::size_t> {
-            const auto at = std::find(names.begin(), names.end(), name);
-            if (at == names.end()) return std::nullopt;
-            return static_cast<std::size_t>(at - names.begin());
-        };
-        const auto x = named("x"), y = named("y"), z = named("z");
-        if (x && y && z) {
-            layout.axes = {*x, *y, *z};
+        if (!request_.column.empty()) layout.value = value_column(columns);
+        if (!names_.empty()) {
+            layout.axes = {*named("x"), *named("y"), *named("z")};
             layout.id = named("id");
             return layout;
         }
-        if (x || y || z) throw lines_.error("the line of names has some of x, y, z, but not all three");
         std::vector<std::size_t> places;
         for (std::size_t k = 0; k < columns; ++k) {
             if (k != layout.value) places.push_back(k);
@@ -141,8 +170,7 @@ private:
             throw lines_.error("5 columns are id x y z r: name the last with --radii 5 or --weights 5, or remove it");
         }
         if (places.size() != 3 && places.size() != 4) {
-            throw lines_.error("this row has " + std::to_string(columns) + (columns == 1 ? " column" : " columns") +
-                               ", expected 3 (x y z) or 4 (id x y z)" +
+            throw lines_.error("this row has " + columns_text(columns) + ", expected 3 (x y z) or 4 (id x y z)" +
                                (layout.value ? " and that of the values" : ""));
         }
         if (places.size() == 4) layout.id = places[0];
@@ -150,9 +178,9 @@ private:
         return layout;
     }
 
-    [[nodiscard]] std::size_t value_column(const std::vector<std::string>& names, std::size_t columns) const {
-        std::vector<std::string> own = names;
-        for (std::size_t k = names.size(); k < columns; ++k) own.push_back(std::to_string(k + 1));
+    [[nodiscard]] std::size_t value_column(std::size_t columns) const {
+        std::vector<std::string> own = names_;
+        for (std::size_t k = names_.size(); k < columns; ++k) own.push_back(std::to_string(k + 1));
         return find_column(Words(own.begin(), own.end()), plain_name(request_.column), lines_.place());
     }
 
@@ -167,15 +195,14 @@ private:
         if (with_ids) input.ids.reserve(rows);
     }
 
-    Input read_rows(Row row, const Row& header) {
+    Input read_rows(Row row) {
         const std::size_t columns = row.count;
-        const Layout layout = layout_of(row, header);
+        const Layout layout = layout_of(columns);
         Input input;
         reserve(input, layout.id.has_value());
         do {
             if (row.count != columns) {
-                throw lines_.error("this row has " + std::to_string(row.count) +
-                                   (row.count == 1 ? " column" : " columns") + ", the rows before it have " +
+                throw lines_.error("this row has " + columns_text(row.count) + ", the rows before it have " +
                                    std::to_string(columns));
             }
             if (layout.id) {
@@ -183,7 +210,7 @@ private:
                 const auto id = read_int64(field);
                 if (!id) {
                     throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
-                                       (header.count == columns ? "" : " (columns id x y z)"));
+                                       (names_.empty() ? " (columns id x y z)" : ""));
                 }
                 input.ids.push_back(*id);
             }
@@ -207,10 +234,9 @@ private:
                 throw lines_.error("more rows than the " + std::to_string(count) +
                                    " that the first line announces; this version reads one frame only");
             }
-            if (!request_.column.empty() && !value) value = value_column({}, std::min(row.count, kept_fields));
+            if (!request_.column.empty() && !value) value = value_column(std::min(row.count, kept_fields));
             if (value ? row.count <= std::max<std::size_t>(*value, 3) : row.count != 4) {
-                throw lines_.error("this row has " + std::to_string(row.count) +
-                                   (row.count == 1 ? " column" : " columns") + ", expected " +
+                throw lines_.error("this row has " + columns_text(row.count) + ", expected " +
                                    (value ? "more" : "4 (element x y z)"));
             }
             append_position(row, {1, 2, 3}, input);
@@ -224,6 +250,8 @@ private:
     }
 
     LineReader lines_;
+    std::string_view line_;           // the last one
+    std::vector<std::string> names_;  // of the columns, where a line says them
     TextKind kind_;
     const ReadRequest& request_;
 };

@@ -76,6 +76,8 @@ std::string plain_summary(const Summary& summary) {
     if (summary.verified) {
         std::string result = *summary.verified ? "yes" : "NO";
         for (const std::string& check : summary.checks_skipped) result += ", without " + check;
+        result += ", " + std::to_string(summary.cells_verified) + " of " + std::to_string(stats.points) +
+                  " cells tried against every point";
         line("verified", result);
     }
     line("device",
@@ -113,6 +115,7 @@ std::string json_summary(const Summary& summary) {
     text += "}";
     member("peak_memory_bytes", std::to_string(stats.peak_memory_bytes));
     member("verified", !summary.verified ? "null" : *summary.verified ? "true" : "false");
+    member("verified_cells", summary.verified ? std::to_string(summary.cells_verified) : "null");
     return text + "}\n";
 }
 

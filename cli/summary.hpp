@@ -15,6 +15,7 @@ struct Summary {
     double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the stages between are in stats
     std::optional<bool> verified;                                   // nothing when not asked
     std::vector<std::string> checks_skipped;
+    std::size_t cells_verified = 0;  // by brute force
 };
 
 [[nodiscard]] std::string plain_summary(const Summary& summary);

@@ -562,22 +562,25 @@ const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay,
 }
 
 votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
-                            uint64_t rng_seed, int* passed, uint32_t* skipped, char* failure, size_t failure_size) {
+                            uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled, char* failure,
+                            size_t failure_size) {
     return guarded([&] {
         require(passed, "passed");
         *passed = 0;
         if (skipped != nullptr) *skipped = 0;
+        if (sampled != nullptr) *sampled = 0;
         require_text_buffer(failure, failure_size, "failure");
         copy_text("", failure, failure_size);
         require(result, "result");
 
         votess::VerifyOptions options;
-        options.sample = sample;
+        if (sample != VOTESS_SAMPLE_AUTOMATIC) options.sample = sample;
         options.rng_seed = rng_seed;
         const votess::VerifyReport report = votess::verify(result->tessellation, coordinates(points, count), options);
         if (skipped != nullptr) {
             for (const std::string& check : report.skipped) *skipped |= check_bit(check);
         }
+        if (sampled != nullptr) *sampled = report.sampled;
         copy_text(report.failure, failure, failure_size);
         *passed = report.passed ? 1 : 0;
     });

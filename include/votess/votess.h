@@ -59,6 +59,7 @@ typedef enum votess_cell_status {
 #define VOTESS_CHECK_SYMMETRY 2u
 #define VOTESS_CHECK_EULER 4u
 #define VOTESS_CHECK_SAMPLE 8u
+#define VOTESS_SAMPLE_AUTOMATIC SIZE_MAX
 
 #define VOTESS_LARGEST_STRUCT 4096u
 
@@ -214,10 +215,11 @@ VOTESS_API const int32_t* votess_delaunay_polytope_centers(const votess_delaunay
 // Checks a result against the points it came from (see verify() in votess.hpp). *passed becomes 1 or 0; a failed check
 // is not a failed call: its one-line description, else "", is copied to failure (failure_size bytes, zero-terminated,
 // cut if too long; may be NULL with size 0). *skipped becomes the VOTESS_CHECK_* bits of the checks whose arrays the
-// result lacks; may be NULL.
+// result lacks; may be NULL. sample: VOTESS_SAMPLE_AUTOMATIC for as many cells as take about a second, at least 64 or
+// all. *sampled becomes the number of cells that were tried by brute force, up to the one that failed; may be NULL.
 VOTESS_API votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
-                                       uint64_t rng_seed, int* passed, uint32_t* skipped, char* failure,
-                                       size_t failure_size);
+                                       uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled,
+                                       char* failure, size_t failure_size);
 
 // Devices: index from 0 to votess_device_count() - 1. The strings are copied, zero-terminated, cut if too long; each
 // may be NULL with size 0. Pass id as votess_options.device.

@@ -322,19 +322,22 @@ struct Delaunay {
 [[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
 
 // The checker of --verify. Volumes sum to the domain's (relative 1e-9; 1e-4 when stats().precision is single), neighbor
-// lists are symmetric, Euler's formula V - E + F = 2 holds for each cell, and `sample` cells drawn with `rng_seed`
-// equal cells clipped anew by every seed, without any search structure. Checks whose arrays the result lacks are
-// skipped and named in `skipped`. Where there are polygons, each cell is also watertight: every edge twice, in opposite
-// directions, and both cells of a face have the same polygon. Where there are areas and normals of all faces, it is
-// closed: their sum is 0 to 1e-9 of the surface (1e-4 when single). After min_face neither these nor Euler's formula.
+// rows ascend and are symmetric, Euler's formula V - E + F = 2 holds for each cell, and `sample` cells drawn with
+// `rng_seed` equal cells clipped anew by every seed, without any search structure. Checks whose arrays the result lacks
+// are skipped and named in `skipped`. Where there are polygons, each cell is also watertight: every edge twice, in
+// opposite directions, and both cells of a face have the same polygon. Where there are areas and normals of all faces,
+// it is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single). After min_face neither these nor Euler's
+// formula.
 struct VerifyOptions {
-    std::size_t sample = 64;
+    // Nothing: as many as take about a second, at least 64 or all. How many depends on the input alone, not on a clock.
+    std::optional<std::size_t> sample;
     std::uint64_t rng_seed = 1;
 };
 struct VerifyReport {
     bool passed = false;
     std::string failure;               // one line on the first failed check; empty when passed
     std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
+    std::size_t sampled = 0;           // cells tried by brute force, up to the one that failed
 };
 // points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,

@@ -23,7 +23,7 @@ TEST_SUITE("cases") {
                 CAPTURE(n);
                 const auto t = test::run(set);
                 CHECK(test::check_invariants(t, set.points) == "");
-                const auto report = votess::verify(t, set.points);
+                const auto report = votess::verify(t, set.points, {64, 1});
                 CHECK(report.failure == "");
                 CHECK(report.passed);
                 CHECK(report.skipped.empty());

@@ -15,7 +15,8 @@ ROOT = Path(__file__).resolve().parents[2]
 SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreign code in the process
 
 JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
-             "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified"]
+             "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified",
+             "verified_cells"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--output", "--format", "--want",
            "--walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--outside", "--min-face", "--image",

@@ -36,6 +36,36 @@ class Files(CliTest):
         self.assertTrue((self.folder / "link.txt").is_symlink())
         self.assertEqual(len((self.folder / "out.txt").read_text().splitlines()), 6)
 
+    def test_links_to_files_that_are_still_to_be_made(self):
+        """The link stays one, its target is made; relative to the folder of the link, and through a chain of links."""
+        (self.folder / "there").mkdir()
+        for name, target in [("a.txt", "real.txt"), ("b.npz", "there/b"), ("c.txt", "there/c1.txt"),
+                             ("there/c1.txt", "../c2.txt"), ("d.vtu", str(self.folder / "there" / "d"))]:
+            (self.folder / name).symlink_to(target)
+        for name, target in [("a.txt", "real.txt"), ("b.npz", "there/b"), ("c.txt", "c2.txt"), ("d.vtu", "there/d")]:
+            self.run_cli("--random", "6", "-o", name, "-q")
+            self.assertTrue((self.folder / name).is_symlink(), name)
+            self.assertTrue((self.folder / target).is_file() and not (self.folder / target).is_symlink(), target)
+        self.assertEqual(len((self.folder / "c2.txt").read_text().splitlines()), 6)
+        (self.folder / "e.txt").symlink_to("absent/e.txt")
+        self.refuse("--random", "6", "-o", "e.txt", says=["'e.txt'", "no folder"])
+        (self.folder / "f.txt").symlink_to("g.txt")
+        self.refuse("--random", "6", "-o", "f.txt", "-o", "g.txt", says="twice")
+        (self.folder / "g.txt").symlink_to("f.txt")
+        self.refuse("--random", "6", "-o", "f.txt", says=["'f.txt'", "symbolic links"])
+
+    def test_working_directory_that_is_gone(self):
+        gone = self.folder / "gone"
+        for arguments, code, says in [(["-o", "out.txt"], 2, "'out.txt' lies, for the working directory is gone"),
+                                      (["-o", str(self.folder / "out.txt")], 0, ""), (["-o", "-"], 0, "")]:
+            gone.mkdir()
+            done = subprocess.run(["sh", "-c", 'rmdir "$PWD" && exec "$0" "$@"', CLI, "--random", "5", "-q", *arguments],
+                                  cwd=gone, capture_output=True, text=True, timeout=300, check=False)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(says, done.stderr)
+            self.assertNotIn("filesystem", done.stderr)
+            self.assertLessEqual(done.stderr.count("\n"), code // 2)
+
     def test_bad_input_leaves_old_output_alone(self):
         self.put("out.txt", "old\n")
         self.put("a.txt", "1 2 3\n1 2\n")

@@ -25,7 +25,7 @@ class Source(CliTest):
                         "# x y z\n\n1 , 2 ; 3 # first\n   \n#\n-4, 5.5, +6E-03\n0.1 7. 8\n\n",
                         "1 2 3\r\n-4 5.5 6e-3\r\n\r\n.1 7 8\r\n",
                         "\ufeff1 2 3\n-4 5.5 6e-3\n.1 7 8"]:
-            for name in ["a.txt", "a.xyz", "a.csv", "A.TXT"]:
+            for name in ["a.txt", "a.dat", "a.xyz", "a.csv", "A.TXT"]:
                 with self.subTest(content=content, name=name):
                     self.assert_reads(name, content.encode(), expected)
 
@@ -43,7 +43,6 @@ class Source(CliTest):
         self.assert_reads("a.csv", "x,y,z\n1,2,3\n4,5,6\n", [[1, 2, 3], [4, 5, 6]])
         self.assert_reads("a.csv", '# made by hand\n\n"ID";"X";"Y";"Z"\n9;1;2;3\n8;4;5;6\n', [[1, 2, 3], [4, 5, 6]],
                           [9, 8])
-        self.assert_reads("a.csv", "pos x,pos y,pos z\n1,2,3\n", [[1, 2, 3]])
         self.assert_reads("a.csv", "x,y,z\n", [])
         # Names say where the columns are; others are passed over, or taken as values.
         self.assert_reads("a.csv", "x,y,z,id\n1,2,3,4\n", [[1, 2, 3]], [4])
@@ -52,10 +51,27 @@ class Source(CliTest):
         for column in ["mass", "Mass", "1"]:
             self.assertEqual(self.rows(many, "--radii", column, "--format", "%r"), ["0.5", "0.25"])
         self.refuse(many, "--radii", "r", says=["a.csv:2:", "'r'", "mass z name_is_1 y id x"])
-        self.refuse(self.put("a.csv", "x,y,w\n1,2,3\n"), says=["a.csv:2:", "not all three"])
+        self.refuse(self.put("a.csv", "x,y,w\n1,2,3\n"), says=["a.csv:1:", "lacks 'z'"])
         self.refuse(self.put("a.csv", "1,2,3\nx,y,z\n"), says=["a.csv:2:", "'x'"])
         self.refuse(self.put("a.csv", "1,2,oops\n1,2,3\n"), says=["a.csv:1:", "'oops'"])
         self.refuse(self.put("a.txt", "x y z\n1 2 3\n"), says=["a.txt:1:", "'x'"])
+
+    def test_csv_names_are_all_or_none(self):
+        """No line of names is passed over: it names x, y and z once each and every column of the rows."""
+        for names, says in [("a,b,c", "lacks 'x'"), ("pos x,pos y,pos z", "lacks 'x'"), ("x,b,c", "lacks 'y'"),
+                            ("id,a,b,c", "lacks 'x'"), ("a b c", "lacks 'x'"), ("x,x,y,z", "'x' more than once"),
+                            ("x,y,z,Z", "'z' more than once"), ("id,x,y,z,ID", "'id' more than once")]:
+            for rows in ["", "\n" + ",".join("1234567"[:1 + max(names.count(","), names.count(" "))]) + "\n"]:
+                with self.subTest(names=names, rows=rows):
+                    self.refuse(self.put("a.csv", names + rows), says=["a.csv:1:", says])
+        self.refuse(self.put("a.csv", "m,x,y,z,m\n1,2,3,4,5\n"), "--radii", "m", says=["a.csv:1:", "'m' more than once"])
+        self.assert_reads("a.csv", "m,x,y,z,m\n1,2,3,4,5\n", [[2, 3, 4]])
+        self.refuse(self.put("a.csv", "x,y,z\n1,2,3,4\n"), says=["a.csv:2:", "4 columns, the line of names 3"])
+        self.refuse(self.put("a.csv", "x,y,z,m\n1,2,3\n"), says=["a.csv:2:", "3 columns, the line of names 4"])
+        # Commas part names, so that names may hold blanks.
+        self.assert_reads("a.csv", '"my mass" , X; y ,z # units\n7,1,2,3\n', [[1, 2, 3]])
+        self.assertEqual(self.rows("a.csv", "--radii", "my mass", "--format", "%r"), ["7"])
+        self.assert_reads("a.csv", "x y  z\n1 2 3\n", [[1, 2, 3]])
 
     def test_columns(self):
         for content, column, ids in [("1 2 3 0.1\n4 5 6 0.2\n", "4", None), ("7 1 2 3 0.1\n8 4 5 6 0.2\n", "5", [7, 8]),
@@ -172,9 +188,8 @@ class Source(CliTest):
     def test_unreadable(self):
         self.refuse("absent.txt", says=["absent.txt", "No such file"])
         self.refuse("absent.npy", says=["absent.npy", "No such file"])
-        for name in ["a.log", "a.dat"]:
-            self.put(name, CUBE)
-            self.refuse(name, says=[name, ".npy"])
+        self.put("a.log", CUBE)
+        self.refuse("a.log", says=["a.log", ".npy"])
         for name in ["folder.txt", "folder.npy", "folder.npz", "folder.ply", "folder.vtu", "folder.dump"]:
             (self.folder / name).mkdir()
             self.refuse(name, says=name)

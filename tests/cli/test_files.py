@@ -10,7 +10,8 @@ import unittest
 from cli_test import CLI
 from domain_cases import FileDomains
 from hdf5_cases import Hdf5Files
-from reader_cases import ArrayFiles, LammpsFiles, PlyFiles, TextFiles
+from lammps_cases import LammpsFiles
+from reader_cases import ArrayFiles, PlyFiles, TextFiles
 from vtk_cases import VtkFiles
 
 __all__ = ["ArrayFiles", "FileDomains", "Hdf5Files", "LammpsFiles", "PlyFiles", "TextFiles", "VtkFiles"]

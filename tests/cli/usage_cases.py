@@ -126,8 +126,8 @@ class Usage(CliTest):
             self.assertRegex(text, rf"(?m)^  {option}, --")
         for code in "ixyzqrwpPomgEesFAaftlnvcC%":
             self.assertIn("%" + code, text)
-        for word in ["units", "exit codes", ".xyz", ".txt", ".csv", ".npy", ".npz", ".h5", ".hdf5", ".dump", ".lammpstrj",
-                     ".data", ".lmp", ".ply", ".vtp", ".vtu", ".obj", "stdin", "stdout", "default"]:
+        for word in ["units", "exit codes", ".xyz", ".txt", ".dat ", ".csv", ".npy", ".npz", ".h5", ".hdf5", ".dump",
+                     ".lammpstrj", ".data", ".lmp", ".ply", ".vtp", ".vtu", ".obj", "stdin", "stdout", "default"]:
             self.assertIn(word, text)
         self.assertLessEqual(max(map(len, text.splitlines())), 100)
         # The example runs as it stands, with fewer points.
@@ -214,6 +214,7 @@ class Usage(CliTest):
         self.assertAlmostEqual(summary["mean_faces"], summary["faces"] / 20000)
         self.assertTrue(14 < summary["mean_faces"] < 15.6)
         self.assertIsNone(summary["verified"])
+        self.assertIsNone(summary["verified_cells"])
         self.assertGreater(summary["peak_memory_bytes"], 1e6)
         self.assertGreaterEqual(summary["threads"], 1)
         self.assertIsInstance(summary["device"], str)
@@ -226,9 +227,11 @@ class Usage(CliTest):
 
     def test_verify(self):
         for extra in [[], ["--walls"], ["--want", "neighbors"], ["--want", "volumes", "-o", "out.npz"], ["-t", "1"]]:
-            self.assertIs(self.json("--random", "5000", "--verify", *extra)["verified"], True)
-        for want, told in [("volumes", "yes"), ("volumes,faces", "yes")]:
-            self.assertRegex(self.run_cli("--random", "500", "--verify", "--want", want).stdout, f"(?m)^verified +{told}$")
+            summary = self.json("--random", "5000", "--verify", *extra)
+            self.assertEqual((summary["verified"], summary["verified_cells"]), (True, 5000))
+        for want in ["volumes", "volumes,faces"]:
+            self.assertRegex(self.run_cli("--random", "500", "--verify", "--want", want).stdout,
+                             "(?m)^verified +yes, 500 of 500 cells tried against every point$")
         with np.load(self.folder / "out.npz") as arrays:
             self.assertNotIn("indices", arrays.files)  # computed for the check, not asked for
 
@@ -275,9 +278,10 @@ class Usage(CliTest):
         # What the library would say about a wrong result.
         environment = self.preloading(
             "votess::VerifyReport votess::verify(const Tessellation&, std::span<const double>, const VerifyOptions&)"
-            "{ return {false, \"seed 3 lists 5\\nbut not back\", {}}; }\n")
+            "{ return {false, \"seed 3 lists 5\\nbut not back\", {}, 7}; }\n")
         done = self.run_cli("--random", "50", "--verify", "--json", "-o", "out.txt", "-o", "out.npz", code=3,
                             env=environment)
         self.assertIs(json.loads(done.stdout)["verified"], False)
+        self.assertEqual(json.loads(done.stdout)["verified_cells"], 7)
         self.assertRegex(done.stderr, r"\Aclvotess: verification failed[^\n]*seed 3 lists 5 but not back\n\Z")
         self.assertEqual(self.files(), [])

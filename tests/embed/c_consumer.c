@@ -196,24 +196,32 @@ static void check_cube(votess_tessellator* tessellator) {
     int passed = 0;
     uint32_t skipped = 99;
     char failure[256] = "x";
-    CHECK(votess_verify(result, cube, 8, 8, 1, &passed, &skipped, failure, sizeof failure) == VOTESS_OK);
-    CHECK(passed == 1 && skipped == 0 && strcmp(failure, "") == 0);
+    size_t sampled = 99;
+    CHECK(votess_verify(result, cube, 8, 3, 1, &passed, &skipped, &sampled, failure, sizeof failure) == VOTESS_OK);
+    CHECK(passed == 1 && skipped == 0 && sampled == 3 && strcmp(failure, "") == 0);
+    CHECK(votess_verify(result, cube, 8, VOTESS_SAMPLE_AUTOMATIC, 1, &passed, NULL, &sampled, NULL, 0) == VOTESS_OK);
+    CHECK(passed == 1 && sampled == 8);
     double moved[24];
     memcpy(moved, cube, sizeof moved);
     moved[0] = 0.75;
-    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, failure, sizeof failure) == VOTESS_OK);
+    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, NULL, failure, sizeof failure) == VOTESS_OK);
     CHECK(passed == 0 && strlen(failure) > 0);
     char cut[6] = "xxxxx";
-    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, cut, sizeof cut) == VOTESS_OK);
+    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, NULL, cut, sizeof cut) == VOTESS_OK);
     CHECK(passed == 0 && strlen(cut) == 5 && strncmp(cut, failure, 5) == 0);
-    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, NULL, 0) == VOTESS_OK);
+    CHECK(votess_verify(result, moved, 8, 8, 1, &passed, NULL, NULL, NULL, 0) == VOTESS_OK);
     CHECK(passed == 0);
 
-    CHECK_FAILS(votess_verify(result, cube, 7, 8, 1, &passed, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "8 cells");
-    CHECK_FAILS(votess_verify(result, NULL, 8, 8, 1, &passed, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "points");
-    CHECK_FAILS(votess_verify(result, cube, 8, 8, 1, NULL, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "passed");
-    CHECK_FAILS(votess_verify(result, cube, 8, 8, 1, &passed, NULL, NULL, 4), VOTESS_ERROR_INVALID_ARGUMENT, "failure");
-    CHECK_FAILS(votess_verify(NULL, cube, 8, 8, 1, &passed, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT, "result");
+    CHECK_FAILS(votess_verify(result, cube, 7, 8, 1, &passed, NULL, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT,
+                "8 cells");
+    CHECK_FAILS(votess_verify(result, NULL, 8, 8, 1, &passed, NULL, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT,
+                "points");
+    CHECK_FAILS(votess_verify(result, cube, 8, 8, 1, NULL, NULL, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT,
+                "passed");
+    CHECK_FAILS(votess_verify(result, cube, 8, 8, 1, &passed, NULL, NULL, NULL, 4), VOTESS_ERROR_INVALID_ARGUMENT,
+                "failure");
+    CHECK_FAILS(votess_verify(NULL, cube, 8, 8, 1, &passed, NULL, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT,
+                "result");
     CHECK_FAILS(votess_result_box(result, NULL, upper), VOTESS_ERROR_INVALID_ARGUMENT, "lower");
     CHECK_FAILS(votess_result_box(result, lower, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "upper");
     CHECK_FAILS(votess_result_stats(result, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "stats");
@@ -558,7 +566,7 @@ static void check_callbacks(votess_tessellator* tessellator) {
         for (size_t i = 0; volumes != NULL && i < count; ++i) sum += volumes[i];
         CHECK(fabs(sum - 1) < 1e-9);
         int passed = 0;
-        CHECK(votess_verify(result, points, count, 4, 1, &passed, NULL, NULL, 0) == VOTESS_OK && passed == 1);
+        CHECK(votess_verify(result, points, count, 4, 1, &passed, NULL, NULL, NULL, 0) == VOTESS_OK && passed == 1);
     }
     votess_result_free(result);
 

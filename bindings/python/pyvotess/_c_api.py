@@ -64,6 +64,7 @@ OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 KERNELS: Dict[str, int] = {"automatic": 0, "invocation": 1, "subgroup": 2}
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
+SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 
 ProgressCallback = CFUNCTYPE(c_int, c_double, c_void_p)
 LogCallback = CFUNCTYPE(None, c_char_p, c_void_p)
@@ -192,7 +193,18 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_delaunay_polytope_centers": _ARRAY,  # int32
     "votess_verify": (
         c_int,
-        (_HANDLE, c_void_p, c_size_t, c_size_t, c_uint64, POINTER(c_int), POINTER(c_uint32), c_char_p, c_size_t),
+        (
+            _HANDLE,
+            c_void_p,
+            c_size_t,
+            c_size_t,
+            c_uint64,
+            POINTER(c_int),
+            POINTER(c_uint32),
+            POINTER(c_size_t),
+            c_char_p,
+            c_size_t,
+        ),
     ),
     "votess_device_count": (c_size_t, ()),
     "votess_device_info": (c_int, (c_size_t, c_char_p, c_size_t, c_char_p, c_size_t, c_char_p, c_size_t)),

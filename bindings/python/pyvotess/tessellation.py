@@ -491,6 +491,7 @@ class VerifyReport:
     passed: bool
     failure: str  #: one line on the first failed check; empty when passed
     skipped: Tuple[str, ...]  #: checks whose arrays were not wanted: "volumes", "symmetry", "euler", "sample"
+    sampled: int = 0  #: cells tried by brute force, up to the one that failed
 
     def __bool__(self) -> bool:
         return self.passed
@@ -696,16 +697,18 @@ class Tessellation:
 
         return plot(self, slice, color, ax, **style)
 
-    def verify(self, sample: int = 64, rng_seed: int = 1) -> VerifyReport:
+    def verify(self, sample: Optional[int] = None, rng_seed: int = 1) -> VerifyReport:
         """Checks this result against its points.
 
         Volumes sum to the box (relative 1e-9; 1e-4 when ``stats.precision`` is "single"), neighbor lists are symmetric,
-        Euler's formula holds, and ``sample`` cells drawn with ``rng_seed`` equal cells cut anew by every seed. Checks
-        whose arrays were not wanted are skipped.
+        Euler's formula holds, and ``sample`` cells drawn with ``rng_seed`` equal cells cut anew by every seed; None takes
+        as many as take about a second, at least 64 or all, a number that depends on the input alone. Checks whose
+        arrays were not wanted are skipped.
         """
         points = np.ascontiguousarray(self._points, dtype=np.float64)
-        count = as_count(sample, "sample", 8 * ctypes.sizeof(ctypes.c_size_t))
-        passed, skipped = ctypes.c_int(), ctypes.c_uint32()
+        bits = 8 * ctypes.sizeof(ctypes.c_size_t)
+        count = _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits)
+        passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
         failure = ctypes.create_string_buffer(1024)
         _raise_on_failure(
             lib.votess_verify(
@@ -716,12 +719,13 @@ class Tessellation:
                 as_count(rng_seed, "rng_seed", 64),
                 ctypes.byref(passed),
                 ctypes.byref(skipped),
+                ctypes.byref(sampled),
                 failure,
                 len(failure),
             )
         )
         names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
-        return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names)
+        return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value)
 
 
 # ---- devices ----

@@ -1,0 +1,228 @@
+"""Dumps and data files of LAMMPS."""
+
+import random
+
+import numpy as np
+
+from cli_test import random_points, text_of
+from reader_cases import ReaderTest
+
+
+class LammpsFiles(ReaderTest):
+    DUMP = ("ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n0 2\n0 1\n-1 1\n"
+            "ITEM: ATOMS {names}\n")
+
+    def dump(self, names, rows, step=0, head=DUMP):
+        return head.format(step=step, count=len(rows), names=names) + "".join(row + "\n" for row in rows)
+
+    def test_dump(self):
+        points = random_points(40) * [2, 1, 2] - [0, 0, 1]
+        lines = text_of(points).splitlines()
+        ids = list(range(100, 140))
+        random.Random(1).shuffle(ids)
+        for names, rows in [("id type x y z", [f"{i} 1 {line}" for i, line in zip(ids, lines)]),
+                            ("type z y vx x id", [f"1 {p[2]!r} {p[1]!r} 9 {p[0]!r} {i}" for i, p in
+                                                  zip(ids, points.tolist())]),
+                            ("id element xu yu zu c_1[2]", [f"{i} He {line} 3" for i, line in zip(ids, lines)])]:
+            self.put("a.dump", self.dump(names, rows))
+            self.assert_points("a.dump", points, ids=ids)
+            self.assertEqual(self.json("a.dump")["box_volume"], 4)
+            self.assertEqual(self.json("a.dump", "--box=-3,-3,-3,3,3,3")["box_volume"], 216)
+        for name in ["dump.melt", "dump.0.lammpstrj", "a.lammpstrj"]:
+            self.put(name, self.dump("x y z", lines))
+            self.assert_points(name, points)
+        self.assertRegex(self.run_cli("a.lammpstrj").stdout, "(?m)^input +frame 0, timestep 0, box of the file$")
+
+    def test_dump_scaled(self):
+        scaled = random_points(30)
+        rows = text_of(scaled).splitlines()
+        for names in ["xs ys zs", "xsu ysu zsu"]:
+            self.put("a.dump", self.dump(names, rows))
+            got, _ = self.read("a.dump")
+            np.testing.assert_allclose(got, scaled * [2, 1, 2] - [0, 0, 1], rtol=1e-15, atol=1e-15)
+
+    def test_dump_frames(self):
+        frames = [random_points(10 + k, k) * [2, 1, 1] for k in range(3)]
+        self.put("a.dump", "".join(self.dump("x y z radius", [f"{row} {0.01 * j}" for j, row in
+                                                              enumerate(text_of(frame).splitlines())], 100 * k)
+                                   for k, frame in enumerate(frames)))
+        self.assert_points("a.dump", frames[0])
+        for k in range(3):
+            self.assert_points("a.dump", frames[k], "--frame", k)
+            self.assertIn(f"frame {k}, timestep {100 * k}", self.run_cli("a.dump", "--frame", k).stdout)
+        self.refuse("a.dump", "--frame", 3, says=["no frame 3", "has 3"])
+        self.refuse("a.dump", "--frame", "-1", says="'-1'")
+        self.assert_column("a.dump", [0.01 * j for j in range(12)], "radius", "--frame", 2)
+        self.assert_column("a.dump", [0.01 * j for j in range(10)], "4")
+        self.refuse("a.dump", "--radii", "r", says=["'r'", "x y z radius"])
+        self.refuse("a.dump", "--radii", "5", says="'5'")
+
+    def test_dump_refused(self):
+        row = ["0.5 0.5 0.5"]
+        whole = self.dump("x y z", row)
+        for content, says in [("", "ends"), ("1 2 3\n", [":1:", "ITEM: TIMESTEP"]),
+                              (whole[:-13], [":9:", "0 of the 1"]),
+                              (whole + "1 2 3\n", [":11:", "more rows"]), (self.dump("x y q", row), [":9:", "x y z"]),
+                              (self.dump("x y z id", row), [":10:", "3 columns", "4"]),
+                              (self.dump("x y z", ["a 1 2"]), [":10:", "'a'"]),
+                              (self.dump("x y z id", ["0 0 0 1.5"]), [":10:", "'1.5'"]),
+                              (whole.replace("0 2\n", "2 0\n"), [":8:", "along x"]),
+                              (whole.replace("0 2\n", "0 nan\n"), "along x"),
+                              (whole.replace("OF ATOMS\n1\n", "OF ATOMS\n99999999999999\n"), [":4:", "99999999999999"]),
+                              (whole.replace("OF ATOMS\n1\n", "OF ATOMS\n-1\n"), [":4:", "whole number"]),
+                              (whole.replace("ff ff ff", "xy xz yz pp pp ff").replace("0 2\n", "0 2 1\n")
+                               .replace("0 1\n", "0 1 0\n").replace("-1 1\n", "-1 1 0\n"), ["tilted", "periodic"]),
+                              (whole.replace("ITEM: NUMBER OF ATOMS\n1\n", ""), [":7:", "NUMBER OF ATOMS"])]:
+            self.refuse(self.put("a.dump", content), "-o", "out.npz",
+                        says=["a.dump"] + ([says] if isinstance(says, str) else says))
+        self.put("a.dump", self.dump("x y z", row + ["3 0 0"]))
+        self.refuse("a.dump", says=["point 1", "outside"])
+
+    def test_dump_damaged(self):
+        rows = [f"{i} {row}" for i, row in enumerate(text_of(random_points(20)).splitlines())]
+        self.put("a.dump", self.dump("id x y z", rows))
+        self.damage("a.dump", "y")
+        tilted = "ff ff ff", "xy xz yz pp pp pp"
+        self.put("a.dump",
+                 self.dump("id xs ys zs", rows).replace(*tilted).replace("0 2\n0 1\n-1 1", "0 2 0.1\n0 1 0\n-1 1 0"))
+        self.damage("a.dump")
+
+    DATA = ("LAMMPS data file\n\n{count} atoms\n2 atom types\n\n0 2 xlo xhi\n0 1 ylo yhi\n-1 1 zlo zhi\n\nMasses\n\n"
+            "1 12.0\n2 1.0\n\nAtoms{hint}\n\n{rows}\nVelocities\n\n1 0 0 0\n")
+
+    def data(self, rows, hint="", head=DATA):
+        return head.format(count=len(rows), hint=hint, rows="".join(row + "\n" for row in rows))
+
+    def test_data(self):
+        points = random_points(25) * [2, 1, 2] - [0, 0, 1]
+        lines = text_of(points).splitlines()
+        for style, before in [("atomic", "1"), ("charge", "1 -0.5"), ("molecular", "3 1"), ("bond", "3 1"),
+                              ("angle", "3 2"), ("full", "3 1 0.25"), ("sphere", "1 0.5 1.0")]:
+            for flags in ["", " 0 -1 2"]:
+                rows = [f"{i + 1} {before} {line}{flags}" for i, line in enumerate(lines)]
+                for hint in ["", f" # {style}"]:
+                    with self.subTest(style=style, flags=flags, hint=hint):
+                        self.put("a.data", self.data(rows, hint))
+                        self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+        for style, before, after in [("dipole", "1 0.5", " 0.1 0.2 0.3"), ("electron", "1 3.0 0 0.5", ""),
+                                     ("spin", "1", " 0.0 0.5 1.0 2.2"), ("line", "1 1 1 0.5", ""),
+                                     ("sph", "1 1.0 0 0.5", ""),
+                                     ("ellipsoid", "1 1 2.0", ""), ("hybrid", "1", " 0.5 7 8.0 9"),
+                                     ("hybrid", "1", " 3")]:
+            self.put("a.data",
+                     self.data([f"{i} {before} {line}{after}" for i, line in enumerate(lines, 1)], " # " + style))
+            self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+            self.put("a.data", self.data([f"{i} {before} {line}{after}" for i, line in enumerate(lines, 1)]))
+            if style in ["electron", "spin", "line", "sph"]:
+                self.refuse("a.data", says=["a.data:17:", "is not a whole number", "Atoms # sphere"])
+        self.put("data.melt", self.data([f"{i} 1 {line}" for i, line in enumerate(lines, 1)]))
+        self.assert_points("data.melt", points, ids=range(1, 26))
+        self.put("a.lmp", self.data([f"{i} 1 {0.1 * i} 1.0 {line}" for i, line in enumerate(lines, 1)], " # sphere"))
+        self.assert_column("a.lmp", [0.1 * i / 2 for i in range(1, 26)], "radius")
+        self.assert_column("a.lmp", [0.1 * i for i in range(1, 26)], "diameter")
+        self.assert_column("a.lmp", [0.1 * i for i in range(1, 26)], "3")
+
+    # What stands between the id and the coordinates, and behind these, as the manual and the sources of LAMMPS say.
+    STYLES = [("eff", "1 2.0 0 0.5", ""), ("electron", "1 3.0 0 0.5", ""), ("line", "1 1 1 0.5", ""),
+              ("tri", "2 1 1 0.5", ""), ("sph", "1 1000.0 0 0.5", ""), ("meso", "1 1000.0 0 0.5", ""),
+              ("smd", "1 1 0.5 1.5 0.25 0.125 9 8 7", ""), ("mesont", "1 1 2 1.5 6.785 20.0 0", ""),
+              ("mesont", "1 1 -1 2 1.5 6.785 20.0 0", ""), ("dielectric", "1 0.5", " 0 0 1 0.5 10 5.5 1 -2"),
+              ("dielectric", "1 2 0.5", " 0 0 1 0.5 10 5.5 1 -2"), ("template", "1 1 0 2", ""),
+              ("wavepacket", "1 0.5 1 0.5 7 0.25 0.5", ""), ("bpm/sphere", "1 1 0.5 1.0", ""),
+              ("full/kk", "1 1 0.5", ""), ("spin", "1", " 0 0 1 2"), ("dipole", "1 0.5", " 0 1 0")]
+
+    def test_data_styles(self):
+        """Coordinates that are whole numbers too, which no check of image flags would notice."""
+        for points in [random_points(25) * [2, 1, 2] - [0, 0, 1], np.indices((3, 3, 3)).reshape(3, -1).T * 1.0]:
+            lines = [" ".join(f"{x:g}" if x == int(x) else repr(x) for x in map(float, row)) for row in points]
+            for style, before, after in self.STYLES:
+                for flags in ["", " 0 -1 2"]:
+                    rows = [f"{i} {before} {line}{after}{flags}" for i, line in enumerate(lines, 1)]
+                    with self.subTest(style=style, before=before, flags=flags):
+                        self.put("a.data", self.data(rows, f"  # {style}"))
+                        self.assert_points("a.data", points, "--box=-9,-9,-9,9,9,9", ids=range(1, len(points) + 1))
+                        # Without the style these are refused, but for those where the coordinates have a common place
+                        # (in style dipole whole numbers may be those of style spin).
+                        self.put("a.data", self.data(rows))
+                        if style == "full/kk" or (style == "dipole" and not flags and "." in lines[0]):
+                            self.assert_points("a.data", points, "--box=-9,-9,-9,9,9,9", ids=range(1, len(points) + 1))
+                        else:
+                            self.refuse("a.data", says=["a.data:", "Atoms # sphere"])
+        self.put("a.data", self.data(["1 1 0.5 0.25 0.5 0.5 0.5"], " # smd"))
+        self.refuse("a.data", says=["a.data:17:", "7 columns", "style smd have 13, and 3 more"])
+        self.put("a.data", self.data(["1 1 0.5 0.25 0.5 0.5 0.5"], " # mesont"))
+        self.refuse("a.data", says=["style mesont have 11 or 12, and 3 more"])
+
+    def test_data_hybrid(self):
+        points = random_points(25) * [2, 1, 2] - [0, 0, 1]
+        radii = [0.1 * i / 2 for i in range(1, 26)]
+        for hint, after in [("hybrid sphere bond", "{d} 1.0 3"), ("hybrid charge sphere/kk", "0.5 {d} 1.0"),
+                            ("hybrid sphere bond", "{d} 1.0 3 0 0 -1"), ("hybrid dipole sphere", "0.5 1 0 0 {d} 1.0")]:
+            self.put("a.data", self.data([f"{i} 1 {line} {after.format(d=0.1 * i)}"
+                                          for i, line in enumerate(text_of(points).splitlines(), 1)], " # " + hint))
+            self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+            self.assert_column("a.data", radii, "radius")
+        for hint in ["hybrid", "hybrid body nparticle 2 10", "tdpd"]:
+            self.put("a.data", self.data([f"{i} 1 {line} 0.5 0.25 0.125"
+                                          for i, line in enumerate(text_of(points).splitlines(), 1)], " # " + hint))
+            self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+        self.put("a.data", self.data(["1 1 0.5 0.5"], " # tdpd"))
+        self.refuse("a.data", says="at least 5 columns")
+
+    def test_data_line_of_names(self):
+        points = random_points(25) * [2, 1, 2] - [0, 0, 1]
+        lines = text_of(points).splitlines()
+        for names, before, after in [("id type x y z", "1", ""), ("atom-ID atom-type rho esph cv x y z", "1 1 0 1", ""),
+                                     ("ID mol type lineflag density X Y Z", "1 1 1 0.5", ""),
+                                     ("id type x y z ix iy iz", "1", " 0 0 1"), ("id x y z spin", "", " 7"),
+                                     ("id type q diameter x y z", "1 0.5 0.25", "")]:
+            for flags in ["", " 0 -1 2"]:
+                rows = [f"{i} {before} {line}{after}{flags}" for i, line in enumerate(lines, 1)]
+                for hint, head in [("", names), ("", "# " + names), ("", "#" + names), (" # " + names, "# by hand"),
+                                   (" # " + names, names)]:
+                    with self.subTest(names=names, flags=flags, hint=hint, head=head):
+                        self.put("a.data", self.data(rows, hint).replace(f"Atoms{hint}\n\n", f"Atoms{hint}\n\n{head}\n"))
+                        self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+        self.assert_column("a.data", [0.125] * 25, "radius")
+
+        def put(rows, hint, head):
+            self.put("a.data", self.data(rows, hint).replace(f"Atoms{hint}\n\n", f"Atoms{hint}\n\n{head}\n"))
+
+        sphere = [f"{i} 1 0.25 1.0 {line}" for i, line in enumerate(lines, 1)]
+        # The style and the names agree; or a comment is none about columns.
+        for hint, head in [(" # sphere", "id type diameter density x y z"), (" # sphere", "# id type x y z"),
+                           (" # sphere", "# the spheres, x y z last"), ("", "# seven words: where x y z are"),
+                           (" # sphere", "# id type d rho x y z"), (" # sphere", "id type d rho x y z")]:
+            put(sphere, hint, head)
+            self.assert_points("a.data", points, "--box=0,0,-1,2,1,1", ids=range(1, 26))
+            if hint:
+                self.assert_column("a.data", [0.125] * 25, "radius")
+        for hint, head, says in [(" # sphere", "id type x y z a b", [":18:", "column 5", "'sphere'", "column 3"]),
+                                 (" # sphere", "# id type x y z a b", [":18:", "column 5", "column 3"]),
+                                 ("", "id type x y z", [":18:", "7 columns", "5 are named"]),
+                                 ("", "id type d rho x y x", [":17:", "'id' is not a whole number"]),
+                                 ("", "id type d rho x z y", [":17:", "'id' is not a whole number"])]:
+            put(sphere, hint, head)
+            self.refuse("a.data", says=["a.data" + says[0], *says[1:]])
+
+    def test_data_refused(self):
+        whole = self.data(["1 1 0.5 0.5 0.5", "2 1 1.5 0.5 0.5"])
+        for content, says in [("", "ends before its section Atoms"), (whole.replace("Atoms", "Bonds"), "ends before"),
+                              (whole.replace("2 atoms", "3 atoms"), ["1 column,"]),
+                              (whole.replace("2 atoms", "9999999999999 atoms"), "0 of the 9999999999999"),
+                              (whole.replace("2 atoms", "x atoms"), [":3:", "'x'"]),
+                              (whole.replace("2 atoms\n", ""), "N atoms"),
+                              (whole.replace("0 1 ylo yhi", ""), "ylo yhi"),
+                              (whole.replace("0 1 ylo", "1 1 ylo"), "along y"),
+                              (whole.replace("1.5 0.5", "1.5 q"), "'q'"),
+                              (whole.replace("Atoms", "Atoms # oxdna"), "'oxdna'"),
+                              (whole.replace(" 1 0.5", " 1 1 1 1 1 1 1 0.5"), ["11 columns", "Atoms # sphere"]),
+                              (whole.replace("Atoms", "Atoms # full"), ["full", "5 columns"]),
+                              (whole.replace("2 1 1.5", "2.5 1 1.5"), "'2.5'")]:
+            self.refuse(self.put("a.data", content), "-o", "out.npz",
+                        says=["a.data"] + ([says] if isinstance(says, str) else says))
+
+    def test_data_damaged(self):
+        rows = [f"{i} 1 {row}" for i, row in enumerate(text_of(random_points(20)).splitlines(), 1)]
+        self.put("a.data", self.data(rows))
+        self.damage("a.data", "type")
