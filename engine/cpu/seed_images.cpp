@@ -90,7 +90,7 @@ void SeedImages::wrap_points(ThreadPool& pool) {
                 moves_[i] = shift_into_reduced(*domain_, {at.x[0].high, at.x[1].high, at.x[2].high});
                 for (int j = 0; j < 3; ++j) wraps_[i][j] += moves_[i][j];
             }
-            any[task] |= wraps_[i] != exact::Shift{};
+            any[task] |= wraps_[i] != exact::Shift{} || (domain_->skewed && moves_[i] != exact::Shift{});
         }
     });
     if (const auto first = std::ranges::min_element(too_far); first != too_far.end() && *first < count)
