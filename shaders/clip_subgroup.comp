@@ -147,7 +147,7 @@ uint make_cell() {
         if (known >= UNBOUNDED) return exponent;
         float needed = UNBOUNDED;
         if (started) {
-            if (security <= real(known * scale * scale) * real(0.99999)) return exponent;
+            if (is_secure(real(known * scale * scale), security)) return exponent;
             needed = min(float(security) / (scale * scale) * 1.001, UNBOUNDED);
             vec3 down, up;
             measure_reach(down, up);
