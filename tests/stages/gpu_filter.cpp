@@ -121,7 +121,10 @@ Case random_case(test::Random& random, const Family& family) {
         const Wide sixteenths = static_cast<Wide>(x * 16);  // differences of 2^62 units lose some, which is no matter
         return c.lossy ? sixteenths + static_cast<Wide>(random.below(16)) : sixteenths / fractions * fractions;
     };
-    c.distance = log_uniform(random, 1e-19, 1e-2);
+    // Mostly about as far as what is not certain.
+    const double unsure = std::max(family.float64 ? 0x1p-53 : 0x1p-24, c.lossy ? 1 / length : 0) / narrow;
+    c.distance =
+        random.chance(0.3) ? log_uniform(random, 1e-19, 1e-2) : std::min(unsure * log_uniform(random, 0.1, 1000), 0.1);
     for (std::size_t i = 0; i < 4; ++i) {
         const Vector u = place(i == 3);
         const double at = i < 3 ? radius : radius * (1 + (random.chance(0.5) ? c.distance : -c.distance));
