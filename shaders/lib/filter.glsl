@@ -1,12 +1,12 @@
 // What the cells of both kernels are decided by, relative to the seed and in units of about the distance to its nearest
 // neighbor.
 //
-// Filter. A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to 5u.
-// With P = |na||nb||nc|, d = h/|n| and condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
+// Filter. A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to
+// 5u. With P = |na||nb||nc|, d = h/|n| and condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
 //     |x - X| <= u (condition (13.9 (da + db + dc) + 9.3 |x|) + 6 |x|):
 // a numerator's terms are right to 12u (5 of h, 4 of a cross product, 3 of the sum), its products of absolute values at
-// most 1.155 h_a |nb||nc|; the determinant is right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division may
-// err by 2.5 units in the last place, 5u. The test of a plane is right to
+// most 1.155 h_a |nb||nc|; the determinant is right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division
+// may err by 2.5 units in the last place, 5u. The test of a plane is right to
 //     |n| (|x - X| + 6u |x|) + 10 u h :
 // 1u of n and 4u of roundings, each of at most |n||x|; 5u of h and 3u of roundings.
 //
@@ -14,8 +14,8 @@
 // h by that times |n|, over |n|. The vertex moves by at most 3 condition times as much, to first order.
 //
 // Both bounds are of first order in u condition and in quantum condition. With these at most 5e-4 and 1e-3 what is left
-// out is less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01 times as much, for which there are factors of 1.05 and of 4 for 3; and the
-// determinant has the right sign. A test inside its bound makes the cell uncertain: nothing is decided by rounding.
+// out is less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01 times as much, for which there are factors of 1.05 and of 4 for 3; and
+// the determinant has the right sign. A test inside its bound makes the cell uncertain: nothing is decided by rounding.
 //
 // Needs real and unit.
 
@@ -55,8 +55,8 @@ real side_bound(Plane p, real error) {
     return bound;
 }
 
-// At least the squared security radius: a seed cuts a vertex X off when it is nearer to it than the cell's own, which is
-// within 2|X| <= 2 (|x| + error) of that one. The rest is more than the roundings of a square, a root and a product.
+// At least the squared security radius: a seed cuts a vertex X off when it is nearer to it than the cell's own, which
+// is within 2|X| <= 2 (|x| + error) of that one. The rest is more than the roundings of a square, a root and a product.
 real security_radius_squared(real radius_squared, real largest_error) {
     const real radius = real(2.00002) * (sqrt(radius_squared) + largest_error);
     return radius * radius;
@@ -67,8 +67,8 @@ bool is_secure(real squared_distance, real security) {
     return squared_distance * real(0.99999) >= security;
 }
 
-// At least the radius of the ball around the vertex as computed that holds all places of seeds that cut it off: |X|, and
-// |x - X| once more for the center. The rest is more than the roundings of what it is compared with, some 3u of the
+// At least the radius of the ball around the vertex as computed that holds all places of seeds that cut it off: |X|,
+// and |x - X| once more for the center. The rest is more than the roundings of what it is compared with, some 3u of the
 // radius an axis, and of coordinates that were rounded to units, for which 2 error has 4 quantum to spare.
 real reach_of_vertex(real x, real y, real z, real error) {
     return (sqrt(fma(x, x, fma(y, y, z * z))) + real(2) * error) * real(1.00001);
