@@ -165,8 +165,7 @@ void run_sets(std::uint64_t sets, bool clusters, const auto& size) {
         const std::string also = votess::verify(cpu, c.points).failure;
         if (++failures <= 5) FAIL_CHECK("seed " << seed << ": " << wrong << "; the CPU: " << also << "\n" << print(c));
     }
-    MESSAGE(failures << " of " << tally.sets << " sets, " << tally.on_device << " of " << tally.cells
-                     << " cells on device");
+    INFO(failures << " of " << tally.sets << " sets, " << tally.on_device << " of " << tally.cells << " on device");
     CHECK(failures == 0);
     CHECK(tally.on_device > tally.cells / 50);
 }
