@@ -240,7 +240,7 @@ Counts judge(test::Gpu& gpu, const Family& family, std::uint64_t seed) {
                 counts.first = "verdict " + std::to_string(verdict) + ", orientation " +
                                std::to_string(exact.orientation) + ", side " + std::to_string(exact.side) +
                                ", distance " + std::to_string(std::log10(cases[i].distance)) + ", units";
-                for (const std::uint64_t word : words(cases[i])) counts.first += " " + std::to_string(word);
+                for (const std::uint64_t word : words(cases[i])) counts.first.append(" ").append(std::to_string(word));
             }
         }
     }
