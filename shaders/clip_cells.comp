@@ -89,7 +89,7 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
     }
     if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return true;
     measure_radius_and_error();
-    return security() <= real(reach * scale * scale) * real(0.99999);
+    return is_secure(real(reach * scale * scale), security());
 }
 
 real gap(uvec2 p, uvec2 lower, uvec2 upper) {
@@ -103,7 +103,7 @@ bool in_reach(uint level, uint node, real security) {
     if (box.lower[0].y == NO_COORDINATE) return false;
     const real gx = gap(px, box.lower[0], box.upper[0]), gy = gap(py, box.lower[1], box.upper[1]),
                gz = gap(pz, box.lower[2], box.upper[2]);
-    if ((gx * gx + gy * gy + gz * gz) * real(0.99999) >= security) return false;
+    if (is_secure(gx * gx + gy * gy + gz * gz, security)) return false;
     const real lower_x = difference(box.lower[0], px), upper_x = difference(box.upper[0], px);
     const real lower_y = difference(box.lower[1], py), upper_y = difference(box.upper[1], py);
     const real lower_z = difference(box.lower[2], pz), upper_z = difference(box.upper[2], pz);
@@ -111,12 +111,9 @@ bool in_reach(uint level, uint node, real security) {
         bool reached = false;
         for (int i = 0; i < side_by_side; ++i) {
             const int v = first + i;
-            const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
-            const real dx = max(max(lower_x - x, x - upper_x), real(0)), dy = max(max(lower_y - y, y - upper_y), real(0)),
-                       dz = max(max(lower_z - z, z - upper_z), real(0));
-            // The radius of the ball, with all that the vertex and the box may be off.
-            const real radius = (sqrt(fma(x, x, fma(y, y, z * z))) + real(2) * vertex_error[v]) * real(1.00001);
-            reached = reached || (v < vertex_count && dx * dx + dy * dy + dz * dz <= radius * radius);
+            const bool near = is_in_reach(vertex_x[v], vertex_y[v], vertex_z[v], vertex_error[v], lower_x, upper_x,
+                                          lower_y, upper_y, lower_z, upper_z);
+            reached = reached || (v < vertex_count && near);
         }
         if (reached) return true;
     }
@@ -151,7 +148,7 @@ void clip_by_group(uint group, uint self, real listed) {
 
 // Goes on where the list ended: through all boxes that can hold a seed that cuts the cell, near ones first.
 void clip_by_walk(uint self, float reach, float bound) {
-    const real listed = real(reach * scale * scale) * real(0.9999);
+    const real listed = real(reach * scale * scale) * real(0.9999);  // distances in lists are right to 1.4e-5
     uint visits = 0u, node = self / GROUP_SEEDS;
     clip_by_group(node, self, listed);
     for (uint level = 0u; level + 1u < push.level_count; ++level) {
@@ -178,7 +175,7 @@ void clip_by_walk(uint self, float reach, float bound) {
         node >>= FAN_BITS;
     }
     measure_radius_and_error();
-    if (bound < UNBOUNDED && !(security() <= real(bound * scale * scale) * real(0.99999)))
+    if (bound < UNBOUNDED && !is_secure(real(bound * scale * scale), security()))
         status = STATUS_CANDIDATES_EXHAUSTED;
 }
 

@@ -48,10 +48,15 @@ int counts[buckets];
 int places[buckets];  // apart from counts: llvmpipe (Mesa 22.3) mixed up reads and writes of one element in one step
 uint lowest_bucket;
 
-// Neighbors by bucket, up to the farthest.
-void count_by_bucket() {
+float farthest_in_store() {
     float farthest = 0.0;
     for (int i = 0; i < size; ++i) farthest = max(farthest, distances[i]);
+    return farthest;
+}
+
+// Neighbors by bucket, up to the farthest.
+void count_by_bucket() {
+    const float farthest = farthest_in_store();
     lowest_bucket = (max(floatBitsToUint(farthest), 64u << BUCKET_SHIFT) >> BUCKET_SHIFT) - uint(buckets - 1);
     for (int b = 0; b < buckets; ++b) counts[b] = 0;
     for (int i = 0; i < size; ++i) ++counts[BUCKET_OF(distances[i])];
@@ -178,10 +183,12 @@ void main() {
         coarse = !fine && worst >= coarse_from;
         size = 0;
         search();
-        if (coarse && worst < coarse_from) {  // the radius shrank to where high words are too rough
+        // High words were too rough: the radius shrank, or all there is lies nearer than it. The sorted buckets and the
+        // list's end are beyond a quarter of the farthest neighbor, where the order is certain again: see coarse_from.
+        if (coarse && min(worst, farthest_in_store()) < coarse_from) {
             fine = true;
             truncated = false;
-            worst = coarse_from;
+            worst = max(worst, coarse_from);
             attempt = 0;
             continue;
         }

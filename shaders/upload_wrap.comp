@@ -15,11 +15,12 @@ layout(std430, binding = BINDING_SCAN_DATA) writeonly buffer Counts { uint count
 #include "lib/linear.glsl"
 #include "lib/images.glsl"
 
-// Upload has refused what is farther away than a side.
+// Upload has refused what is farther away than a side, both rounded as doubles: so it may be two sides, nearly.
 uvec2 wrapped(uvec2 x, int axis) {
     if (!is_periodic(axis)) return x;
     uvec2 from = subtract64(x, push.lower[axis]);
-    if ((from.y & 0x80000000u) != 0u) from = add64(from, push.side[axis]);
+    for (int i = 0; i < 2; ++i)
+        if ((from.y & 0x80000000u) != 0u) from = add64(from, push.side[axis]);
     for (int i = 0; i < 2; ++i)
         if (!less64(from, push.side[axis])) from = subtract64(from, push.side[axis]);
     return add64(from, push.lower[axis]);

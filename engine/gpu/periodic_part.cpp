@@ -8,8 +8,10 @@ namespace votess::gpu {
 namespace {
 
 constexpr double margin_spacings = 4;  // of the mean distance between seeds
-constexpr double slack = 1e-6;         // of a side: more than all rounding
-constexpr double most_tries = 400;     // shifts tried for each image that is wanted, in skewed boxes
+// Of a period: more than fractions err by. They are 3 terms of at most most_tries for each period that a seed is away,
+// below 5e8 a vector (wrap), in float64: 3 * 3 * 400 * 5e8 * 2^-53 = 2e-4, and as much for the rounded inverse.
+constexpr double slack = 0.01;
+constexpr double most_tries = 400;  // shifts tried for each image that is wanted, in skewed boxes
 
 using Vector = std::array<double, 3>;
 
@@ -68,44 +70,69 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
         if (domain.periodic[j]) tries *= upper[j] - lower[j] + 1;
     if (tries > most_tries) return std::nullopt;
 
+    // The box in units, modulo 2^64.
+    std::array<std::uint64_t, 3> origin{}, extent{};
+    bool rounded = false;
+    for (int k = 0; k < 3; ++k) {
+        origin[k] = units.of(result.box.lower[k], rounded);
+        extent[k] = units.of(result.box.upper[k], rounded) - origin[k];
+    }
     Part& part = result.part;
     part.own_count = static_cast<std::uint32_t>(count);
-    const auto add = [&](std::size_t i, const exact::Shift& wrap, const std::array<int, 3>& shift) {
+    using Units3 = std::array<std::uint64_t, 3>;
+    const auto moved = [&](Units3 x, const auto& shift) {
+        for (int j = 0; j < 3; ++j)
+            for (int k = 0; k < 3; ++k)
+                x[k] += static_cast<std::uint64_t>(static_cast<std::int64_t>(shift[j])) * vector[j][k];
+        return x;
+    };
+    const auto add = [&](std::size_t i, const Units3& x, const std::array<int, 3>& shift) {
         part.members.push_back(static_cast<std::int32_t>(i));
         result.shifts.push_back({static_cast<std::int8_t>(shift[0]), static_cast<std::int8_t>(shift[1]),
                                  static_cast<std::int8_t>(shift[2])});
-        for (int k = 0; k < 3; ++k) {
-            std::uint64_t x = units.of(job.points[3 * i + k], result.lossy);
-            for (int j = 0; j < 3; ++j)
-                x += static_cast<std::uint64_t>(static_cast<std::int64_t>(wrap[j]) + shift[j]) * vector[j][k];
-            result.coordinates.push_back(x);
-        }
+        result.coordinates.insert(result.coordinates.end(), x.begin(), x.end());
     };
     const auto scaled = [&](std::size_t i) {
         return exact::Point{job.points[3 * i] * job.scale, job.points[3 * i + 1] * job.scale,
                             job.points[3 * i + 2] * job.scale};
     };
     std::vector<exact::Shift> wraps(count);
-    bool moved = false;
+    bool any_moved = false;
     for (std::size_t i = 0; i < count; ++i) {
         const auto shift = wrap(domain, scaled(i));
         if (!shift) return std::nullopt;  // the exact clipper tells of it
         wraps[i] = *shift;
-        moved = moved || wraps[i] != exact::Shift{};
-        add(i, wraps[i], {});
+        any_moved = any_moved || wraps[i] != exact::Shift{};
+        Units3 x;
+        for (int k = 0; k < 3; ++k) x[k] = units.of(job.points[3 * i + k], result.lossy);
+        add(i, moved(x, wraps[i]), {});
     }
-    for (std::size_t i = 0; moved && i < count; ++i) {
+    for (std::size_t i = 0; any_moved && i < count; ++i) {
         const exact::Point by = domain.translation(wraps[i]);
         result.wraps.push_back({by[0] / job.scale, by[1] / job.scale, by[2] / job.scale});
     }
+    // Whether an image lies in the box, by its units; these tell places 2^64 apart not from each other, which are at
+    // least four of the box's sides, but its fractions do.
+    const auto is_inside = [&](const Units3& x, const Vector& fraction) {
+        for (int k = 0; k < 3; ++k) {
+            if (x[k] - origin[k] > extent[k]) return false;
+            if (!domain.periodic[k]) continue;
+            double at = 0;
+            for (int j = 0; j < 3; ++j) at += fraction[j] * domain.vector[j][k];
+            const double begin = result.box.lower[k] * job.scale - domain.origin[k];
+            const double side = (result.box.upper[k] - result.box.lower[k]) * job.scale;
+            if (at < begin - side || at > begin + 2 * side) return false;
+        }
+        return true;
+    };
     for (std::size_t i = 0; i < count; ++i) {
-        exact::Point x = scaled(i);
-        const exact::Point by = domain.translation(wraps[i]);
-        for (int k = 0; k < 3; ++k) x[k] += by[k];
-        const Vector f = fraction(x);
+        Units3 x;
+        std::copy_n(result.coordinates.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, x.begin());
+        Vector f = fraction(scaled(i));
         std::array<int, 3> least{}, most{};
         for (int j = 0; j < 3; ++j) {
             if (!domain.periodic[j]) continue;
+            f[j] += wraps[i][j];
             least[j] = static_cast<int>(std::ceil(lower[j] - f[j] - slack));
             most[j] = static_cast<int>(std::floor(upper[j] - f[j] + slack));
             if (least[j] < std::numeric_limits<std::int8_t>::min() || most[j] > std::numeric_limits<std::int8_t>::max())
@@ -115,25 +142,17 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
             for (int b = least[1]; b <= most[1]; ++b)
                 for (int c = least[2]; c <= most[2]; ++c) {
                     if (a == 0 && b == 0 && c == 0) continue;
-                    const exact::Point step = domain.translation({a, b, c});
-                    bool inside = true;
-                    for (int k = 0; k < 3; ++k) {
-                        const double at = (x[k] + step[k]) / job.scale;
-                        inside = inside && at >= result.box.lower[k] && at <= result.box.upper[k];
-                    }
-                    if (inside) add(i, wraps[i], {a, b, c});
+                    const std::array<int, 3> shift{a, b, c};
+                    const Units3 image = moved(x, shift);
+                    if (is_inside(image, {f[0] + a, f[1] + b, f[2] + c})) add(i, image, shift);
                 }
         if (part.members.size() > most_seeds) return std::nullopt;
     }
-    // A little inside of the box, for members were chosen by rounded coordinates.
+    // All images in the box are members. What lies beyond its upper end may, rounded down, lie a unit nearer.
     for (int k = 0; k < 3; ++k) {
         if (!domain.periodic[k]) continue;
-        bool rounded = false;
-        const std::uint64_t extent = units.of(result.box.upper[k], rounded) - units.of(result.box.lower[k], rounded);
-        const auto inward = static_cast<std::uint64_t>(slack * static_cast<double>(extent));
         part.bounded |= 9u << k;
-        part.lower[k] = inward;
-        part.upper[k] = extent - inward;
+        part.upper[k] = extent[k] - 1;
     }
     return result;
 }

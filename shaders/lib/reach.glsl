@@ -1,11 +1,14 @@
-// Distances of searches: squared, in units, right to 8 roundings of float32 of 2^-23 each at most.
+// Distances of searches: squared, in units, right to 8 roundings of float32 of 2^-23 each at most, to 1e-6.
 // Needs lib/int64.glsl, lib/node.glsl, push.lower, push.upper and push.bounded.
 
+// A box and a seed in it are both right to 1e-6, and a seed nearer than `worst` is never in a box left out.
 const float box_slack = 1.0 - 1e-5;
+// A seed left out at a squared distance of d lies at d (1 - 1e-6 - 1.4e-5) or beyond, the latter for high words alone.
 const float reach_slack = 1.0 - 3e-5;
 
-// High words alone err by 2^32 units an axis, by 2e-6 of a radius from 2^52 units on. Seeds nearer than a quarter of
-// it, where that is more, are in no certain order.
+// High words alone err by less than 2^32 units an axis: by 1.7e-6 of a distance from 2^52 units on, 6.7e-6 from a
+// quarter of it on, twice that of its square. Seeds nearer than that are in no certain order, and a list whose farthest
+// seed is nearer than 2^52 units has no certain order at all.
 const float coarse_from = 2.03e31;  // squared, 2^104
 const float coarse_order_from = 1.27e30;
 

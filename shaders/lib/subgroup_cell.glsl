@@ -82,10 +82,7 @@ void measure_reach(out vec3 down, out vec3 up) {
     down = vec3(0.0);
     up = vec3(0.0);
     [[unroll]] for (int s = 0; s < slots; ++s) {
-        const vec3 at = vec3(vertex_x[s], vertex_y[s], vertex_z[s]);
-        const vec3 radius = vec3((length(at) + 2.0 * float(vertex_error[s])) * 1.00001);
-        down = max(down, radius - at);
-        up = max(up, radius + at);
+        extend_reach(vec3(vertex_x[s], vertex_y[s], vertex_z[s]), float(vertex_error[s]), down, up);
     }
     down = vec3(largest(down.x), largest(down.y), largest(down.z));
     up = vec3(largest(up.x), largest(up.y), largest(up.z));

@@ -1,7 +1,7 @@
 // The seeds around one, by a subgroup: all whose squared distance is at least `done` and below `next` and that can cut
-// the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the seed's
-// group and of all that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups of seeds
-// before boxes.
+// the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the
+// seed's group and of all that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups
+// of seeds before boxes.
 //
 // The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
 // buckets taken by atomics would.
@@ -70,9 +70,10 @@ void search_again_finely() {
     done = 0.0;
 }
 
-// Bounds of the balls around vertices that go through the seed: lengths in units, along each axis, down and up.
+// Bounds of the balls around vertices that go through the seed: lengths in units, along each axis, down and up. An
+// offset that is compared with them is right to 3 roundings of itself, 4e-7; by high words alone to 2^32 units more.
 void set_reach(vec3 down, vec3 up) {
-    const float slack = coarse ? 3.5e10 : 0.0;  // 2^35, of the high words
+    const float slack = coarse ? 3.5e10 : 0.0;  // 2^35
     reach_lower = -(down * 1.0001 + slack);
     reach_upper = up * 1.0001 + slack;
 }

@@ -353,6 +353,37 @@ TEST_SUITE("cases") {
             }
     }
 
+    TEST_CASE("gpu frame: a seed just a side outside of a periodic box, as doubles have it") {
+        Host host;
+        PointSet set = test::uniform(60, 15);
+        set.box.reset();
+        test::Random random(16);
+        for (int tries = 0; tries < 6; ++tries) {
+            PlanOptions options = options_for(set);
+            options.periodic = {true, true, true};
+            for (std::size_t k = 0; k < 3; ++k) {
+                double side = 0;
+                do {  // until the rounded place is farther away than a side
+                    options.box.lower[k] = random.uniform(-1, 1);
+                    options.box.upper[k] = options.box.lower[k] + random.uniform(0.7, 1.5);
+                    side = options.box.upper[k] - options.box.lower[k];
+                } while (!(static_cast<long double>(options.box.lower[k] - side) <
+                           static_cast<long double>(options.box.lower[k]) * 2 - options.box.upper[k]));
+                for (std::size_t i = k; i < set.points.size(); i += 3)
+                    set.points[i] = options.box.lower[k] + random.uniform(0.01, 0.99) * side;
+                set.points[k] = options.box.lower[k] - side;
+            }
+            const Plan plan(host.device(), options);
+            Target target(host, plan);
+            target.write<double>(set.points, 3);
+            run(host, target, options.most_seeds);
+            check_header(target.head(), target.cell(set.size()));
+            const auto rows = collect<double>(plan, target, set.size()).rows;
+            const auto t = on_cpu(set, options);
+            for (std::size_t i = 0; i < t.size(); ++i) CHECK(std::ranges::equal(rows[i], t.neighbors(i)));
+        }
+    }
+
     TEST_CASE("gpu frame: periodic lattices, too few places for images, short margins, far seeds") {
         Host host;
         PointSet set = test::uniform(300, 14);

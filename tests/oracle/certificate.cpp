@@ -453,11 +453,12 @@ private:
         Real extent = 0;
         for (std::size_t k = 0; k < 3; ++k)
             if (most[k] - least[k] > extent) extent = most[k] - least[k];
+        const Real length = sqrt(farthest);
         for (std::size_t k = 0; k < 3 && !t_.centroids().empty(); ++k) {
             const Real c = seed[k] + moment[k] / volume;
             const double given = t_.centroids()[3 * i + k];
-            // The seed may lie far outside of its cell.
-            const Real rounding = 4 * 0x1p-53 * (abs(c) + abs(c - seed[k]));
+            // The seed of a power diagram may lie far outside of its cell, whose vertices are rounded as seen from it.
+            const Real rounding = 64 * 0x1p-53 * (abs(c) + length);
             if (volume > 1e-280 && differs(given, c, relative * extent + rounding))
                 return text("has the centroid's coordinate ", k, " at ", given, " instead of ", c.get_d());
         }

@@ -241,6 +241,21 @@ TEST_SUITE("stages") {
         }
     }
 
+    TEST_CASE("gpu knn: few seeds in a small part of the box, where high words alone do not tell their order") {
+        for (const std::uint32_t k : {64u, 20u}) {
+            GpuStages gpu(test::pass_settings(k));
+            for (const std::size_t n : {12, 30, 60, 100, 200})
+                for (const double room : {1e2, 1e4, 1e6, 1e7, 1e9}) {
+                    PointSet set = test::uniform(n, 17);
+                    set.box = test::cube(-room, room);
+                    check_lists(gpu, set, k, n);
+                    // One far away: the search reaches there and still has to tell the near ones apart.
+                    for (int a = 0; a < 3; ++a) set.points.push_back(0.7 * room);
+                    check_lists(gpu, set, k, n);
+                }
+        }
+    }
+
     TEST_CASE("gpu knn: chunks of the seeds give the same lists") {
         GpuStages gpu(test::pass_settings(64));
         gpu.upload_and_sort(test::clustered(1000, 14));
