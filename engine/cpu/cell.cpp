@@ -151,7 +151,7 @@ void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id
     slots_ = 8;
     refined_plane_.id = no_plane;
     used_exact_ = met_tie_ = radius_known_ = empty_ = false;
-    for (int v = 0; v < 8; ++v) refined_[v].tests = 0;
+    std::fill_n(refined_.begin(), 8, Refined{});
     for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
         const int px = v & 1, py = 2 + ((v >> 1) & 1), pz = 4 + ((v >> 2) & 1);
         const int nx = v ^ 1, ny = v ^ 2, nz = v ^ 4;  // neighbors along x, y, z
@@ -204,7 +204,8 @@ int Cell::refined_side(int slot, const CellPlane& plane) {
     using exact::DoubleDouble;
     Refined& vertex = refined_[slot];
     if (++vertex.tests < tests_before_refining || !plane.reliable || !plane.source.is_bisector()) return 0;
-    if (vertex.tests == tests_before_refining) {
+    if (!vertex.solved) {
+        vertex.solved = true;
         const auto& [a, b, c] = corners_[slot].plane;
         const auto solved =
             exact::vertex_position<exact::Quad>(seed_, planes_[a].source, planes_[b].source, planes_[c].source);
@@ -277,7 +278,7 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
         x = position[0], y = position[1], z = position[2];
         factor = rounded_factor;
     }
-    refined_[slot].tests = 0;
+    refined_[slot].tests = 0, refined_[slot].solved = false;
     x_[slot] = x, y_[slot] = y, z_[slot] = z;
     tolerance_[slot] = factor * (std::abs(x) + std::abs(y) + std::abs(z));
     radius_[slot] = (x * x + y * y + z * z) * reach_of_error(factor);

@@ -107,7 +107,8 @@ private:
     };
     struct Refined {  // grows more precise with the number of uncertain tests
         int tests = 0;
-        std::array<exact::DoubleDouble, 3> position;
+        bool solved = false;  // whether the position is known
+        std::array<exact::DoubleDouble, 3> position{};
     };
     struct RefinedPlane {
         std::int32_t id;
