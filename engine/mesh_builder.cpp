@@ -36,6 +36,7 @@ void MeshBuilder::begin(const Job& job) {
     wanted_ = job.options.want.vertices;
     want_faces_ = job.options.want.faces;
     unscale_ = 1 / job.scale;
+    job_ = wanted_ ? job : Job{};
     const std::size_t count = wanted_ ? job.points.count() : 0;
     if (!wanted_) memory_ = {};
     memory_.reset(std::clamp(256 * count, least_segment, most_segment));
@@ -123,7 +124,7 @@ void MeshBuilder::count_vertices(detail::Result& result, ThreadPool& pool) const
 void MeshBuilder::unite_vertices(VertexSets& sets, ThreadPool& pool) const {
     for_blocks(pool,
                [&](std::size_t, std::size_t i) { sets.init(cell(i).first(), cell(i).first() + cell(i).vertices()); });
-    for_blocks(pool, [&](std::size_t, std::size_t i) { FaceMatcher(records_, sets).unite_faces(i); });
+    for_blocks(pool, [&](std::size_t, std::size_t i) { FaceMatcher(job_, records_, sets).unite_faces(i); });
 }
 
 // A vertex of the mesh is a set and a translation: it is numbered, and placed, by the first cell that has it.

@@ -3,7 +3,7 @@
 // Two cells of a face have the same polygon, one clockwise where the other is counterclockwise, so matching the
 // polygons of all faces by a turn tells which vertices are one: those around a vertex are joined by faces that end
 // there. An edge that both name by the same third cell tells the turn; where more than three cells meet along all edges
-// of a face, it is the turn that brings the polygons together.
+// of a face, it is the turn that brings the polygons together, or exact arithmetic tells which edges are one.
 #pragma once
 
 #include <mutex>
@@ -39,6 +39,7 @@ private:
     void place_polygons(detail::Result& result, ThreadPool& pool) const;
 
     bool wanted_ = false, want_faces_ = false;
+    Job job_;
     double unscale_ = 1;
     std::mutex mutex_;  // of what follows
     Arena memory_;
@@ -51,22 +52,28 @@ private:
 // cell or, of two faces that i has with itself, for one.
 class FaceMatcher {
 public:
-    FaceMatcher(std::span<const std::byte* const> records, VertexSets& sets) : records_(records), sets_(sets) {}
+    FaceMatcher(const Job& job, std::span<const std::byte* const> records, VertexSets& sets)
+        : job_(job), records_(records), sets_(sets) {}
 
     void unite_faces(std::size_t i);
 
 private:
     struct Side {
         const MeshCellView& cell;
+        std::size_t seed;
         std::size_t face;
         [[nodiscard]] std::uint32_t begin() const { return cell.begin(face); }
         [[nodiscard]] std::uint32_t count() const { return cell.end(face) - cell.begin(face); }
     };
     void unite_sides(const Side& a, const Side& b, const Shift& shift);
     static std::uint32_t turn_by_distance(const Side& a, const Side& b, bool& clear);
-    static std::optional<std::uint32_t> turn_by_labels(const Side& a, const Side& b, const Shift& shift);
+    [[nodiscard]] std::optional<std::uint32_t> turn_by_edges(const Side& a, const Side& b, const Shift& shift) const;
+    [[nodiscard]] exact::Point point(std::size_t i) const;
+    [[nodiscard]] exact::Shift wrapped(std::size_t i) const;
+    [[nodiscard]] exact::Plane plane(std::size_t i, const FaceLabel& label, const Shift& shift) const;
     static const FaceLabel* label_across(const Side& side, std::uint32_t place);
 
+    const Job& job_;
     std::span<const std::byte* const> records_;
     VertexSets& sets_;
 };
