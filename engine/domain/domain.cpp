@@ -45,6 +45,14 @@ void invert(Basis& basis) {
     }
 }
 
+// A whole number of box vectors; a quarter of the range leaves room for sums. Numbers that are not exact are too large.
+std::int32_t checked_shift(double number) {
+    if (!(std::abs(number) <= exact::most_shift / 4))
+        throw Error(ErrorCode::unsupported,
+                    "the periodic box is so thin or skewed that cells reach over more than 268 million box vectors");
+    return static_cast<std::int32_t>(number);
+}
+
 // Makes the vectors of a lattice short: takes from each the multiples of the others that bring it nearest to 0
 // (pairwise reduction), until none becomes shorter. Only speed depends on how short they are.
 Basis reduced_basis(const Domain& domain) {
@@ -59,16 +67,9 @@ Basis reduced_basis(const Domain& domain) {
             for (int j = 0; j < 3; ++j) {
                 if (i == j) continue;
                 const double multiple = std::round(dot(v[i], v[j]) / dot(v[j], v[j]));
-                if (!(std::abs(multiple) >= 1 && std::abs(multiple) < exact::most_shift)) continue;
-                std::array<std::int64_t, 3> wide;
-                bool fits = true;
-                for (int k = 0; k < 3; ++k) {
-                    wide[k] = shifts[i][k] - static_cast<std::int64_t>(multiple) * shifts[j][k];
-                    fits = fits && std::abs(wide[k]) < exact::most_shift / 4;
-                }
-                if (!fits) continue;
+                if (!(std::abs(multiple) >= 1)) continue;
                 exact::Shift shift;
-                for (int k = 0; k < 3; ++k) shift[k] = static_cast<std::int32_t>(wide[k]);
+                for (int k = 0; k < 3; ++k) shift[k] = checked_shift(shifts[i][k] - multiple * shifts[j][k]);
                 const Vector reduced = domain.translation(shift);
                 if (!(dot(reduced, reduced) < dot(v[i], v[i]) * (1 - 1e-9))) continue;
                 v[i] = reduced;
@@ -97,15 +98,11 @@ void set_edges(Domain& domain, const std::array<Vector, 3>& edges) {
 }
 
 exact::Shift in_lattice(const Basis& basis, const std::array<std::int32_t, 3>& multiples) {
-    exact::Shift shift{};
+    exact::Shift shift;
     for (int k = 0; k < 3; ++k) {
-        std::int64_t sum = 0;
-        for (int j = 0; j < 3; ++j) sum += std::int64_t{multiples[j]} * basis.shift[j][k];
-        if (std::abs(sum) > exact::most_shift / 4)
-            throw Error(
-                ErrorCode::unsupported,
-                "the periodic box is so thin or skewed that cells reach over more than 268 million box vectors");
-        shift[k] = static_cast<std::int32_t>(sum);
+        double sum = 0;
+        for (int j = 0; j < 3; ++j) sum += static_cast<double>(multiples[j]) * basis.shift[j][k];
+        shift[k] = checked_shift(sum);
     }
     return shift;
 }
