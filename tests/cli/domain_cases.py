@@ -1,10 +1,21 @@
 """Domains that files state: boxes of LAMMPS, periodic and tilted."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 
 from cli_test import CliTest, random_points, text_of
+
+
+class Regressions(CliTest):
+    """Files of data/ whose lists were once asymmetric."""
+
+    def test_verify(self):
+        for name, options in [("spacing_1e-8_periodic.xyz", ["--box", "0,0,0,1,1,1", "--periodic"]),
+                              ("weights_above_spacing.csv", ["--box=-2,-2,-2,2,2,2", "--weights", "w"])]:
+            done = self.run_cli(str(Path(__file__).parent / "data" / name), *options, "--verify")
+            self.assertRegex(done.stdout, "(?m)^verified +yes")
 
 
 class FileDomains(CliTest):

@@ -136,7 +136,7 @@ std::vector<Job> walls_through(Random& random) {
     if (random.chance(0.3))
         for (std::size_t i = 0; i < n; ++i) job.weights.push_back(random.uniform(-0.1, 0.2));
     job.drop = true;
-    job.may_refuse = !job.box;  // the walls may leave no room
+    job.may_refuse = true;  // the walls may leave no room, or be too far away
     return {job};
 }
 

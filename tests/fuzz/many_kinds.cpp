@@ -1,7 +1,9 @@
 // The kinds of kinds.hpp, with fixed numbers; each set in a process of its own, which may crash or hang.
-// VOTESS_FUZZ_PERCENT: of the usual count; VOTESS_FUZZ_SEED: the first number. tools/fuzz.sh runs the same for hours.
+// Findings of the long mode are kept in tests/fuzz/found, by what was wrong. VOTESS_FUZZ_PERCENT: of the usual count; VOTESS_FUZZ_SEED: the first number. tools/fuzz.sh runs the same for hours.
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "fuzz/isolate.hpp"
@@ -36,6 +38,17 @@ TEST_SUITE("fuzz") {
                 FAIL_CHECK(failure << '\n' << source.str());
             }
         }
+    }
+
+    TEST_CASE("what was once found stays right") {
+        std::size_t found = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(VOTESS_FUZZ_FOUND)) {
+            ++found;
+            CAPTURE(entry.path().filename().string());
+            std::ifstream in(entry.path());
+            CHECK(judge_apart(read(in), {}) == "");
+        }
+        CHECK(found >= 12);
     }
 
     TEST_CASE("a case that is written and read again is the same") {
