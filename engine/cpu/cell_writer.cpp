@@ -61,9 +61,8 @@ bool CellWriter::write(std::size_t seed, Star& star) {
     if (want_.neighbors) {
         face_shifts_.clear();
         for (std::size_t f = 0; f < faces.size() && periodic_; ++f)
-            face_shifts_.push_back(
-                faces[f] < 0 ? exact::Shift{}
-                             : row_shift(seed, seeds_.images->home(faces[f]), seeds_.images->shift(faces[f])));
+            face_shifts_.push_back(faces[f] < 0 ? exact::Shift{} : seeds_.images->shift(faces[f]));
+        if (periodic_ && seeds_.images->has_moves()) count_from_domain(seed, faces);
         write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
     }
     if (want_.vertices) {
@@ -101,12 +100,11 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
         face_normals_.clear();
         face_shifts_.clear();
         for (const std::int32_t p : planes) {
-            const CellPlane& plane = cell.planes()[p];
-            ids_.push_back(plane.id);
-            if (periodic_)
-                face_shifts_.push_back(plane.id < 0 ? exact::Shift{} : row_shift(seed, plane.id, plane.shift));
+            ids_.push_back(cell.planes()[p].id);
+            if (periodic_) face_shifts_.push_back(cell.planes()[p].shift);
             if (want_.normals) face_normals_.push_back(unit_vector(cell.planes()[p].n));
         }
+        if (periodic_ && seeds_.images->has_moves()) count_from_domain(seed, ids_);
         write_row({ids_, face_shifts_, face_areas_.data(), face_normals_.data()});
     }
     if (want_.vertices) {
@@ -151,10 +149,12 @@ std::int32_t CellWriter::input_of(std::int32_t id) const {
     return seeds_.input[static_cast<std::size_t>(home)];
 }
 
-exact::Shift CellWriter::row_shift(std::size_t seed, std::int32_t home, const exact::Shift& shift) const {
-    exact::Shift row = seeds_.images->shift_in_domain(home, seed);
-    for (std::size_t j = 0; j < 3; ++j) row[j] += shift[j];
-    return row;
+void CellWriter::count_from_domain(std::size_t seed, std::span<const std::int32_t> ids) {
+    for (std::size_t f = 0; f < ids.size(); ++f) {
+        if (ids[f] < 0) continue;
+        const exact::Shift more = seeds_.images->shift_in_domain(seeds_.images->home(ids[f]), seed);
+        for (std::size_t j = 0; j < 3; ++j) face_shifts_[f][j] += more[j];
+    }
 }
 
 exact::Point CellWriter::place(std::size_t seed) const {

@@ -45,8 +45,8 @@ private:
 
     void write_empty(std::size_t seed);
     [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
-    // The shift of an image of `home` as rows give it, and where a seed lies: in the domain, not in its reduced cell.
-    [[nodiscard]] exact::Shift row_shift(std::size_t seed, std::int32_t home, const exact::Shift& shift) const;
+    // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
+    void count_from_domain(std::size_t seed, std::span<const std::int32_t> ids);
     [[nodiscard]] exact::Point place(std::size_t seed) const;
     void write_geometry(std::size_t seed, double volume, const double* centroid);
     void write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared);

@@ -349,6 +349,21 @@ void CellBuilder::split_far(const exact::Point& p, const FarEntry& entry) {
     }
 }
 
+void CellBuilder::clip_far_group(const exact::Point& p, const FarEntry& entry, double from) {
+    const exact::Shift shift = only_shift(*domain_, entry.shifts);
+    const exact::Point by = domain_->translation(shift), moved{p[0] - by[0], p[1] - by[1], p[2] - by[2]};
+    const std::size_t begin = entry.node * group_size, end = std::min(seeds_.group_end(begin), seeds_.size());
+    double distance[group_size];
+    kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
+                               moved.data(), distance);
+    for (std::size_t i = begin; i < end; ++i) {
+        const auto id = static_cast<std::int32_t>(i);
+        if (distance[i - begin] < from || cell_.knows(id, shift)) continue;
+        clip_by_image(id, shift);
+        ++tests_;
+    }
+}
+
 void CellBuilder::clip_far_images(std::size_t seed) {
     const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     const double known = std::max(0.0, seeds_.images->reach(p) - rounding_);
@@ -369,6 +384,10 @@ void CellBuilder::clip_far_images(std::size_t seed) {
         if (!cell_.in_reach(far_images_of(entry), p, rounding_, more_weight_)) continue;
         const bool single = entry.shifts.is_single();
         if (single && entry.shifts == ShiftRange{}) continue;  // the seeds themselves
+        if (single && entry.level == 0) {
+            clip_far_group(p, entry, tried * tried);
+            continue;
+        }
         if (entry.level >= 0 || !single) {
             split_far(p, entry);
             continue;

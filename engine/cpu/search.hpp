@@ -79,6 +79,7 @@ private:
     void clip_far_images(std::size_t seed);
     void push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts);
     void split_far(const exact::Point& p, const FarEntry& entry);
+    void clip_far_group(const exact::Point& p, const FarEntry& entry, double from);
     [[nodiscard]] Box far_box(std::int32_t level, std::uint32_t node) const;
     [[nodiscard]] BoundingBox far_images_of(const FarEntry& entry) const;
     // No seed has a bisector with itself.

@@ -36,7 +36,10 @@ public:
     // Whether the coordinates of a seed are exact doubles.
     [[nodiscard]] bool is_exact(std::size_t seed) const { return low_[seed] == std::array<double, 3>{}; }
     // Whether not even x + low is exact.
-    [[nodiscard]] bool is_rough(std::int32_t id) const { return any_rough_ && rough_[static_cast<std::size_t>(id)]; }
+    [[nodiscard]] bool is_rough(std::int32_t id) const { return rough_[static_cast<std::size_t>(id)]; }
+    [[nodiscard]] bool any_rough() const { return any_rough_; }
+    // Whether some seeds have been moved from the domain into its reduced cell.
+    [[nodiscard]] bool has_moves() const { return !moves_.empty(); }
     // To be added to the shift of an image of `home`, as a cell of `seed` sees it, when both are counted from their
     // places in the domain.
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t home, std::size_t seed) const;

@@ -45,7 +45,7 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h) const {
         Wide difference = q - p;
         if (seeds_.images != nullptr) {
             // Near p the two may cancel, and what a third double holds would be missing.
-            if (seeds_.images->is_rough(id)) {
+            if (any_rough_ && seeds_.images->is_rough(id)) {
                 const auto [x, y, z] = exact::differences(p_, exact_plane(id)).x;
                 difference = Wide{x.high, y.high, z.high, 0};
             } else {
@@ -123,6 +123,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
             planes_ = 0;
             return false;
         }
+        any_rough_ = seeds_.images->any_rough();
         const double reach = seeds_.images->reach(p_);
         known_reach2_ = reach * reach;
     }

@@ -28,9 +28,9 @@ public:
 private:
     static constexpr double unit = 0x1p-53;
     static constexpr double float_unit = 0x1p-24;
-    static constexpr double quantum = 2;              // of window integers: more than q in star.hpp
-    static constexpr double worst_condition2 = 1e12;  // (|na||nb||nc| / det)^2
-    static constexpr double margin = 2e-8;            // more than the relative error of a vertex that is accepted
+    static constexpr double quantum = 2;                // of window integers: more than q in star.hpp
+    static constexpr double worst_condition2 = 1e12;    // (|na||nb||nc| / det)^2
+    static constexpr double margin = 2e-8;              // more than the relative error of a vertex that is accepted
     static constexpr double solved_factor = 80 * unit;  // Cell's 62 u, and 13 u for normals that are rounded twice
     static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
     static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
@@ -163,6 +163,7 @@ private:
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
     Box box_;
+    bool any_rough_ = false;   // images, see SeedImages
     double known_reach2_ = 0;  // squared distance within which all images of seeds are there
     const StarKernels& kernels_;
     Neighborhood cells_;

@@ -21,12 +21,15 @@ public:
         if (x != 0) terms_[size_++] = x;
     }
     void add(DoubleDouble x) {
-        add(x.low);
+        if (x.low != 0) add(x.low);
         add(x.high);
     }
     // The sum as two doubles: the nearest one, and the one nearest to the rest. Equal sums give equal doubles, however
     // they were added up. `exact` becomes false when it takes more than two.
     [[nodiscard]] DoubleDouble rounded(bool& exact) const {
+        if (size_ == 0) return {};
+        if (size_ == 1) return {terms_[0], 0};
+        if (size_ == 2) return two_sum(terms_[1], terms_[0]);
         DoubleDouble sum{nearest(), 0};
         Expansion rest = *this;
         rest.add(-sum.high);
@@ -67,8 +70,8 @@ Differences image_differences(const Point& p, const Plane& bisector) {
             if (bisector.shift[j] == 0) continue;
             const DoubleDouble& length = bisector.lattice->vector[j][k];
             const auto times = static_cast<double>(bisector.shift[j]);
-            sum.add(two_product(length.low, times));
-            sum.add(two_product(length.high, times));
+            if (length.low != 0) sum.add(two_product(length.low, times));
+            if (length.high != 0) sum.add(two_product(length.high, times));
         }
         d.x[k] = sum.rounded(d.exact);
     }
