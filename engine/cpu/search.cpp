@@ -230,9 +230,7 @@ Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
     });
     start(seed_);
     for (const CellPlane& plane : planes_) {
-        const bool there = std::ranges::any_of(
-            cell_.planes().first(6), [&](const CellPlane& p) { return p.id == plane.id && p.shift == plane.shift; });
-        if (!there) cell_.clip(plane.id, plane.source, plane.shift);
+        if (!cell_.knows(plane.id, plane.shift)) cell_.clip(plane.id, plane.source, plane.shift);
     }
     return cell_;
 }
