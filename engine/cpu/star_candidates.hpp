@@ -95,6 +95,7 @@ bool StarWalk<Isa>::begin_anywhere() {
     if (!gather_candidates()) return false;
     if (candidates_.count == extras_ && !add_walls()) return false;
     const CandidatePlanes& c = candidates_;
+    if (c.count == 0) return false;  // a periodic domain has no walls
     const auto nearest = static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h);
     const int a = new_slot(c.id[nearest]);
     need_plane(a);
