@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "cpu/kernels.hpp"
 #include "support/check.hpp"
 
 namespace test::fuzz {
@@ -70,6 +71,8 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
         in >> job.grid_resolution;
     } else if (word == "threads") {
         in >> job.threads;
+    } else if (word == "instructions") {
+        in >> job.instructions;
     } else if (word == "drop") {
         job.drop = true;
     } else if (word == "walls") {
@@ -103,6 +106,7 @@ votess::Options Job::options(const std::string& device) const {
     options.weights = weights;
     options.grid_resolution = grid_resolution;
     options.threads = threads;
+    if (votess::cpu::find_kernels(instructions) != nullptr) options.instructions = instructions;
     return options;
 }
 
@@ -138,6 +142,7 @@ void write(const Case& c, std::ostream& out) {
             out << '\n';
         }
         out << "want " << job.want << "\ngrid " << job.grid_resolution << "\nthreads " << job.threads << '\n';
+        if (!job.instructions.empty()) out << "instructions " << job.instructions << '\n';
         for (const auto& [name, on] :
              {std::pair{"drop", job.drop}, std::pair{"walls", job.walls}, std::pair{"update", job.update},
               std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed}})

@@ -27,9 +27,10 @@ struct Job {
     bool walls = false;  // are listed
     unsigned want = want_all;
     unsigned grid_resolution = 0, threads = 1;
-    bool update = false;      // of the job before
-    bool may_refuse = false;  // invalid_argument and unsupported are answers too
-    bool closed = false;      // the planes alone bound the domain, so walls of the box touch no cell
+    std::string instructions;  // where the processor has them; "" = the best
+    bool update = false;       // of the job before
+    bool may_refuse = false;   // invalid_argument and unsupported are answers too
+    bool closed = false;       // the planes alone bound the domain, so walls of the box touch no cell
 
     [[nodiscard]] std::size_t size() const { return points.size() / 3; }
     // The weights stay the job's.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace test::fuzz {
 namespace {
@@ -31,7 +32,10 @@ Case make_case(const Kind& kind, std::uint64_t number) {
     std::uint64_t of_kind = 0;
     for (const char letter : kind.name) of_kind = 31 * of_kind + static_cast<unsigned char>(letter);
     Random random(number ^ of_kind << 40);
-    return {std::string(kind.name), number, kind.make(random)};
+    Case c{std::string(kind.name), number, kind.make(random)};
+    constexpr const char* instructions[] = {"", "avx2", "baseline"};
+    for (Job& job : c.jobs) job.instructions = instructions[number % std::size(instructions)];
+    return c;
 }
 
 double decades(Random& random, double lower, double upper) {

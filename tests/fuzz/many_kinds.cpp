@@ -1,5 +1,6 @@
 // The kinds of kinds.hpp, with fixed numbers; each set in a process of its own, which may crash or hang.
-// Findings of the long mode are kept in tests/fuzz/found, by what was wrong. VOTESS_FUZZ_PERCENT: of the usual count; VOTESS_FUZZ_SEED: the first number. tools/fuzz.sh runs the same for hours.
+// Findings of the long mode are kept in tests/fuzz/found, by what was wrong. VOTESS_FUZZ_PERCENT: of the usual count;
+// VOTESS_FUZZ_SEED: the first number. tools/fuzz.sh runs the same for hours.
 #include <doctest/doctest.h>
 
 #include <filesystem>
