@@ -27,7 +27,6 @@ struct Job {
     bool walls = false;  // are listed
     unsigned want = want_all;
     unsigned grid_resolution = 0, threads = 1;
-    bool update = false;      // of the job before
     bool may_refuse = false;  // invalid_argument and unsupported are answers too
     bool closed = false;      // the planes alone bound the domain, so walls of the box touch no cell
 
