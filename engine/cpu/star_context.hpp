@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "cpu/hierarchy.hpp"
-#include "cpu/kept_order.hpp"
 #include "cpu/neighborhood.hpp"
 #include "cpu/seed_images.hpp"
 #include "cpu/star.hpp"
