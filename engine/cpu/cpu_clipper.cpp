@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <thread>
-#include <utility>
 
 #include "cpu/sort_inside.hpp"
 #include "implied_wants.hpp"
