@@ -150,13 +150,12 @@ private:
 
 // shared: so that it outlives a Tessellator that is destroyed by a callback, and is never destroyed in a child
 // made by fork() meanwhile.
-Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options,
-                 bool update = false) {
+Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options) {
     if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
     detail::TessellatorState& state = *shared;
     const Turn turn(state);
     try {
-        auto result = state.results->share(run_on(state.engines, points, options, state.results->take(), update));
+        auto result = state.results->share(run_on(state.engines, points, options, state.results->take()));
         const Stats& s = result->stats;
         log(options, "tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
                          std::to_string(s.seconds.total) + " s");
@@ -177,12 +176,6 @@ Tessellation Tessellator::tessellate(std::span<const double> points, const Optio
 }
 Tessellation Tessellator::tessellate(std::span<const float> points, const Options& options) {
     return run(state_, {{}, points}, options);
-}
-Tessellation Tessellator::update(std::span<const double> points, const Options& options) {
-    return run(state_, {points, {}}, options, true);
-}
-Tessellation Tessellator::update(std::span<const float> points, const Options& options) {
-    return run(state_, {{}, points}, options, true);
 }
 
 Tessellation tessellate(std::span<const double> points, const Options& options) {

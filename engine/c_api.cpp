@@ -264,18 +264,14 @@ std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t co
 
 template <typename Coordinate>
 votess_status tessellate(votess_tessellator* tessellator, const Coordinate* points, std::size_t count,
-                         const votess_options* options, votess_result** out, bool update = false) noexcept {
+                         const votess_options* options, votess_result** out) noexcept {
     return guarded([&] {
         require(out, "out");
         *out = nullptr;
         const std::span<const Coordinate> input = coordinates(points, count);
         const votess::Options converted = convert_options(options, count);
-        const auto run = [&] {
-            if (tessellator == nullptr) return votess::tessellate(input, converted);
-            votess::Tessellator& t = tessellator->tessellator;
-            return update ? t.update(input, converted) : t.tessellate(input, converted);
-        };
-        *out = new votess_result{run()};
+        *out = new votess_result{tessellator == nullptr ? votess::tessellate(input, converted)
+                                                        : tessellator->tessellator.tessellate(input, converted)};
     });
 }
 
@@ -365,16 +361,6 @@ votess_status votess_tessellate(votess_tessellator* tessellator, const double* p
 votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
                                     const votess_options* options, votess_result** out) {
     return tessellate(tessellator, points, count, options, out);
-}
-
-votess_status votess_update(votess_tessellator* tessellator, const double* points, size_t count,
-                            const votess_options* options, votess_result** out) {
-    return tessellate(tessellator, points, count, options, out, true);
-}
-
-votess_status votess_update_f32(votess_tessellator* tessellator, const float* points, size_t count,
-                                const votess_options* options, votess_result** out) {
-    return tessellate(tessellator, points, count, options, out, true);
 }
 
 void votess_result_free(votess_result* result) {

@@ -33,7 +33,6 @@ struct Job {
     std::vector<CellStatus> outside;       // N when some seeds lie outside of a wall: `outside` for them
     // Of an earlier run, to be used again; may be null. ResultBuilder::begin() takes them.
     detail::Result* arrays = nullptr;
-    bool update = false;  // a hint: the seeds are those of the last job, moved a little
 };
 
 class Engine {

@@ -86,8 +86,7 @@ std::vector<DeviceInfo> Engines::devices() {
     return all;
 }
 
-detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays,
-                      bool update) {
+detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
     check_options(options);
     // Of other domains a GPU would hand every cell to the CPU.
     const bool on_cpu_anyway = options.device == "auto" && !has_plain_domain(options);
@@ -95,7 +94,7 @@ detail::Result run_on(Engines& engines, const Points& points, const Options& opt
     try {
         Engine& engine = on_cpu_anyway ? engines.cpu() : engines.choose(options.device);
         on_cpu = &engine == &engines.cpu();
-        return run_pipeline(points, options, engine, std::move(arrays), update);
+        return run_pipeline(points, options, engine, std::move(arrays));
     } catch (const Error& error) {
         const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
         // After a failure the engine's device may be unusable.

@@ -32,8 +32,7 @@ private:
 };
 
 // The pipeline on the engine that the options name; with "auto" the CPU takes over when that one fails. arrays: memory
-// of an earlier result to use again. update: as Job::update.
-detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {},
-                      bool update = false);
+// of an earlier result to use again.
+detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {});
 
 }  // namespace votess

@@ -17,15 +17,13 @@ void timed(double& seconds, Stage stage) {
 
 }  // namespace
 
-detail::Result run_pipeline(const Points& points, const Options& options, Engine& engine, detail::Result arrays,
-                            bool update) {
+detail::Result run_pipeline(const Points& points, const Options& options, Engine& engine, detail::Result arrays) {
     detail::Result result;
     StageSeconds& seconds = result.stats.seconds;
     timed(seconds.total, [&] {
         timed(seconds.upload, [&] {
             Job job = validate(points, options);
             job.arrays = &arrays;
-            job.update = update;
             engine.upload(job);
         });
         timed(seconds.sort, [&] { engine.sort(); });

@@ -5,8 +5,6 @@
 namespace votess {
 
 // Runs the six stages on a validated job and times them. arrays: memory of an earlier result to use again.
-// update: as Job::update.
-detail::Result run_pipeline(const Points& points, const Options& options, Engine& engine, detail::Result arrays = {},
-                            bool update = false);
+detail::Result run_pipeline(const Points& points, const Options& options, Engine& engine, detail::Result arrays = {});
 
 }  // namespace votess

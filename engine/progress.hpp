@@ -30,13 +30,13 @@ public:
         const auto now = std::chrono::steady_clock::now();
         if (now - last_ < interval) return true;
         last_ = now;
-        return callback_(grown(fraction));
+        return callback_(fraction);
     }
     // Calls in any case: for the beginning, the end and between stages.
     void report(double fraction) {
         if (!callback_) return;
         last_ = std::chrono::steady_clock::now();
-        require(callback_(grown(fraction)));
+        require(callback_(fraction));
     }
     static void require(bool going_on) {
         if (!going_on) throw Error(ErrorCode::cancelled, "cancelled by the progress callback");
@@ -44,11 +44,7 @@ public:
 
 private:
     static constexpr std::chrono::milliseconds interval{100};
-    // What is done again is not told of again.
-    double grown(double fraction) { return fraction_ = std::max(fraction_, fraction); }
-
     ProgressCallback callback_;
-    double fraction_ = 0;
     std::chrono::steady_clock::time_point last_{};  // long ago: the first call goes through, however short the run
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <thread>
-#include <utility>
 
 #include "cpu/sort_inside.hpp"
 #include "implied_wants.hpp"
@@ -25,7 +24,6 @@ std::size_t blocks_for(std::size_t count, std::size_t per_block) {
 
 void CpuClipper::begin(const Job& job) {
     end();
-    last_finished_ = std::exchange(finished_, false);
     job_ = job;
     progress_ = Progress(job.options.progress);
     const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
@@ -40,7 +38,7 @@ void CpuClipper::begin(const Job& job) {
 void CpuClipper::end() {
     positions_known_ = false;
     delaunay_.reset();
-    sorted_ = searchable_ = order_kept_ = false;
+    sorted_ = searchable_ = false;
     progress_ = {};
     job_ = {};
 }
@@ -61,7 +59,6 @@ void CpuClipper::sort() {
                         number(job_.points[3 * index + 1]) + ", " + number(job_.points[3 * index + 2]) +
                         ") is a duplicate of point " + std::to_string(*first));
     }
-    if (job_.domain->is_plain()) kept_order_.keep(seeds_, job_.scale);
     sorted_ = true;
 }
 
@@ -116,21 +113,6 @@ void CpuClipper::set_empty(ResultBuilder& out) {
     out.count({.empty_cells = buried_.size() + outside});
 }
 
-void CpuClipper::sort_or_keep() {
-    if (sorted_) return;
-    const bool keep = job_.update && job_.domain->is_plain() && last_finished_ && seeds_.duplicates == 0 &&
-                      seeds_.size() == job_.points.count() && kept_order_.fits(job_.points, seeds_);
-    if (!keep) return sort();
-    KeptOrder::gather(job_.points, job_.scale, *pool_, seeds_);
-    sorted_ = order_kept_ = true;
-}
-
-void CpuClipper::sort_anew() {
-    sorted_ = searchable_ = order_kept_ = positions_known_ = false;
-    sort();
-    build_search();
-}
-
 void CpuClipper::build_search() {
     if (searchable_) return;
     hierarchy_.build(seeds_, *pool_);
@@ -148,14 +130,8 @@ std::span<const std::int32_t> CpuClipper::duplicate_of() {
 }
 
 void CpuClipper::clip_all(ResultBuilder& out, const Stretch& stretch) {
-    const bool hints = job_.update && job_.domain->is_plain();
-    if (hints) hints_.resize(blocks_for(seeds_.size(), block_seeds));
-    if (!std::exchange(hints_known_, false) || !order_kept_)
-        for (StarHints& h : hints_) h.drop();
     clip_blocks(
-        seeds_.input, block_seeds, [](std::size_t k) { return k; }, false, hints, out, stretch);
-    finished_ = !delaunay_;
-    hints_known_ = hints;
+        seeds_.input, block_seeds, [](std::size_t k) { return k; }, false, out, stretch);
 }
 
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) {
@@ -167,7 +143,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     const std::size_t per_block =
         std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, block_seeds);
     clip_blocks(
-        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, false, out, stretch);
+        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, stretch);
     for (const std::int32_t cell : kept) {
         CellStatus& status = out.status()[static_cast<std::size_t>(cell)];
         if (status != CellStatus::empty) status = CellStatus::certified;
@@ -223,7 +199,7 @@ void CpuClipper::begin_workers(ResultBuilder& out) {
 
 template <class SeedAt>
 void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
-                             bool fallback, bool hints, ResultBuilder& out, const Stretch& stretch) {
+                             bool fallback, ResultBuilder& out, const Stretch& stretch) {
     begin_workers(out);
     const std::size_t blocks = blocks_for(cells.size(), block_cells);
     const bool measure = needs_geometry(job_.options.want);
@@ -242,8 +218,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             if (walks && seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
                 stretch_end = std::min(last, first + Star::most_seeds);
-                worker.star->begin(first, stretch_end, measure, hints ? &hints_[block] : nullptr,
-                                   hints ? &worker.found : nullptr);
+                worker.star->begin(first, stretch_end, measure);
             }
             worker.writer.prefetch(seed);
             if (walks && worker.budget.worth_a_star() && worker.star->build(seed) &&
@@ -252,7 +227,6 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
             else
                 search(seed, worker);
         }
-        if (hints) std::swap(hints_[block], worker.found);
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
     Progress::require(pool_->run(blocks, std::cref(task), watch));  // by reference: no allocation

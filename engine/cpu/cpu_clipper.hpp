@@ -10,7 +10,6 @@
 #include "cpu/cell_writer.hpp"
 #include "cpu/delaunay.hpp"
 #include "cpu/hard_cells.hpp"
-#include "cpu/kept_order.hpp"
 #include "cpu/search.hpp"
 #include "cpu/seed_images.hpp"
 #include "cpu/sort.hpp"
@@ -34,10 +33,6 @@ public:
     void sort();
     void build_search();
     void clip_all(ResultBuilder& out, const Stretch& stretch);
-    // Instead of sort(): keeps the order of the last full run if this job is an update of it. clip_all() may then throw
-    // NeedsSort, which asks for sort_anew() and another clip_all().
-    void sort_or_keep();
-    void sort_anew();
 
 private:
     struct Worker {  // scratch of one thread
@@ -46,7 +41,6 @@ private:
         CellBuilder builder;
         std::unique_ptr<Star> star;
         CellWriter writer;
-        StarHints found;
         SearchBudget budget;
         std::vector<std::int32_t> hard;  // sorted seeds whose search was given up
         std::vector<std::int32_t> candidates;
@@ -59,11 +53,10 @@ private:
     void find_positions();
     // Fills order_.
     void put_in_sorted_order(std::span<const std::int32_t> cells);
-    // cells[k] is the input index of the sorted seed seed_at(k). hints: use and keep hints_, only for blocks of
-    // block_seeds.
+    // cells[k] is the input index of the sorted seed seed_at(k).
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
-                     bool hints, ResultBuilder& out, const Stretch& stretch);
+                     ResultBuilder& out, const Stretch& stretch);
     void search(std::size_t seed, Worker& worker) const;
     // Writes the cell, or notes that its search was given up.
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;
@@ -79,17 +72,12 @@ private:
     Job job_;
     Progress progress_;
     bool sorted_ = false, searchable_ = false;
-    bool order_kept_ = false;                        // sorted_ by an earlier job
-    bool finished_ = false, last_finished_ = false;  // this job, the last one: clip_all() without hard cells
     // Their memory is kept for the next job.
     SeedSorter sorter_;
     SortedSeeds seeds_;
     SeedImages images_;
     std::vector<std::int32_t> buried_;  // input indices of seeds lighter than another at the same place
     Hierarchy hierarchy_;
-    KeptOrder kept_order_;
-    std::vector<StarHints> hints_;  // by block of clip_all(), of the last job that was an update
-    bool hints_known_ = false;
     // Scratch memory, which stays from job to job.
     Buffer<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
     bool positions_known_ = false;

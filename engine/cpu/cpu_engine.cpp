@@ -10,7 +10,7 @@ void CpuEngine::upload(const Job& job) {
 
 void CpuEngine::sort() {
     progress_.report(0);
-    clipper_.sort_or_keep();
+    clipper_.sort();
 }
 
 void CpuEngine::knn() {
@@ -18,15 +18,6 @@ void CpuEngine::knn() {
 }
 
 void CpuEngine::clip() {
-    try {
-        clip_all();
-    } catch (const NeedsSort&) {
-        clipper_.sort_anew();
-        clip_all();
-    }
-}
-
-void CpuEngine::clip_all() {
     result_.begin(job_, clipper_.pool());
     clipper_.clip_all(result_, {0.05, 0.95});
 }

@@ -20,8 +20,6 @@ public:
     void download(detail::Result& result) override;
 
 private:
-    void clip_all();
-
     CpuClipper& clipper_;
     Job job_;
     Progress progress_;

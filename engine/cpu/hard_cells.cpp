@@ -50,7 +50,6 @@ void CpuClipper::clip_hard(ResultBuilder& out, const Stretch& stretch) {
 
 bool CpuClipper::triangulate(const Stretch& stretch) {
     if (!delaunay_) {
-        if (order_kept_) throw NeedsSort();
         bool going_on = true;
         delaunay_.emplace(seeds_, [&](double) { return going_on = progress_.going_on(stretch.end); });
         Progress::require(going_on);

@@ -256,14 +256,9 @@ bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
         if (at_least >= reach_squared()) return true;
         if (++tests_ > most_tests_) return true;
         const auto i = static_cast<std::uint32_t>(key);
-        if (at_least == 0) refuse_equal(x_[i], y_[i], z_[i]);
         clip_by(index_[i], x_[i], y_[i], z_[i]);
     }
     return to >= reach_squared();
-}
-
-void CellBuilder::refuse_equal(double x, double y, double z) const {
-    if (plain_ && cell_.seed() == exact::Point{x, y, z}) throw NeedsSort();
 }
 
 void CellBuilder::clip_far(std::size_t seed, double from) {
@@ -290,7 +285,6 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
                                    p.data(), distance);
         for (std::size_t i = begin; i < end; ++i) {
             if (distance[i - begin] < from || i == seed) continue;
-            if (distance[i - begin] == 0) refuse_equal(seeds_.x[i], seeds_.y[i], seeds_.z[i]);
             clip_by(static_cast<std::int32_t>(i), seeds_.x[i], seeds_.y[i], seeds_.z[i]);
             ++tests_;
         }

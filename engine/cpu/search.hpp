@@ -13,7 +13,6 @@
 
 #include "cpu/cell.hpp"
 #include "cpu/hierarchy.hpp"
-#include "cpu/kept_order.hpp"
 #include "cpu/seed_images.hpp"
 #include "cpu/sort.hpp"
 
@@ -34,8 +33,7 @@ struct FarEntry {
     ShiftRange shifts;
 };
 
-// Builds cells; throws NeedsSort when it meets a seed that equals that of the cell. One per thread; holds all scratch
-// memory.
+// Builds cells. One per thread; holds all scratch memory.
 class CellBuilder {
 public:
     CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
@@ -82,8 +80,6 @@ private:
     void clip_far_group(const exact::Point& p, const FarEntry& entry, double from);
     [[nodiscard]] Box far_box(std::int32_t level, std::uint32_t node) const;
     [[nodiscard]] BoundingBox far_images_of(const FarEntry& entry) const;
-    // No seed has a bisector with itself.
-    void refuse_equal(double x, double y, double z) const;
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;

@@ -31,55 +31,6 @@
 
 namespace votess::cpu {
 
-// Vertices that the cells of a stretch have found by walking, each as three neighbors in positive orientation (sorted
-// seeds, or walls -1..-6), for a job whose seeds lie nearly the same. 110 bytes a seed.
-class StarHints {
-public:
-    // Begins anew after `last` of the same stretch. False when hints were of no use lately: then there is nothing to
-    // take from it, and nothing to record for now.
-    bool begin(const StarHints& last);
-    // Before the vertices of a seed are added; s: its place in the stretch.
-    void begin_seed(std::size_t s) {
-        while (seeds_.size() <= s) seeds_.push_back({used_, 0});
-        if (ids_.size() < used_ + 3 * most_vertices) ids_.resize(ids_.size() * 3 / 2 + 6 * most_vertices);
-    }
-    void add(std::int32_t a, std::int32_t b, std::int32_t c) {
-        std::int32_t* at = ids_.data() + used_;
-        at[0] = a, at[1] = b, at[2] = c;
-        used_ += 3;
-    }
-    // Of the seed begun last: the largest squared security radius of its vertices.
-    void set_reach(double reach2) { seeds_.back().reach2 = static_cast<float>(reach2); }
-    // Hints of the last job have failed, so these will.
-    void give_up();
-    // The seeds have another order now.
-    void drop() {
-        if (used_ > 0) give_up();
-    }
-
-    [[nodiscard]] std::span<const std::int32_t> of(std::size_t s) const {
-        if (s >= seeds_.size()) return {};
-        const std::uint32_t end = s + 1 < seeds_.size() ? seeds_[s + 1].first : used_;
-        return {ids_.data() + seeds_[s].first, end - seeds_[s].first};
-    }
-    // 0 when not known.
-    [[nodiscard]] double reach(std::size_t s) const { return s < seeds_.size() ? seeds_[s].reach2 : 0; }
-
-private:
-    static constexpr std::uint32_t most_vertices = 128;  // that a cell adds
-    static constexpr int longest_wait = 16;              // jobs
-
-    struct Seed {
-        std::uint32_t first;  // place in ids_
-        float reach2;
-    };
-    std::vector<std::int32_t> ids_;
-    std::uint32_t used_ = 0;
-    std::vector<Seed> seeds_;       // of the stretch; the last ones may be missing
-    bool useful_ = false;           // hints of the last job were, so far
-    int wait_ = 0, next_wait_ = 0;  // jobs until the next try; grows with each failure
-};
-
 class Star {
 public:
     static constexpr std::size_t most_seeds = 8192;  // of a stretch
@@ -93,12 +44,8 @@ public:
     // Once a job and before begin(). The domain stays with the caller; it has no weights and no walls but the box's.
     virtual void begin_job(const Domain& domain) = 0;
     // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
-    // hints: of the same seeds in the last job; they change how fast vertices are found. found: becomes those for the
-    // next job. Both or none are null.
-    virtual void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints = nullptr,
-                       StarHints* found = nullptr) = 0;
-    // False when the cell is beyond what this class handles: the caller clips it. Throws NeedsSort when it meets equal
-    // seeds.
+    virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
+    // False when the cell is beyond what this class handles: the caller clips it.
     virtual bool build(std::size_t seed) = 0;
 
     // Of the last cell built. Faces in no particular order: sorted seeds, or walls -1..-6.

@@ -18,7 +18,6 @@ bool StarWalk<Isa>::gather_candidates() {
     }
     if (!window_open_) return false;
     reach2 = std::min(reach2, window_.reach() * window_.reach());
-    if (hints_ != nullptr) reach2 = std::min(reach2, hinted_reach());
     const double scale = window_.scale();
     const auto p = window_.position(seed_);
     window_.hide(seed_);

@@ -9,11 +9,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "cpu/hierarchy.hpp"
-#include "cpu/kept_order.hpp"
 #include "cpu/neighborhood.hpp"
 #include "cpu/seed_images.hpp"
 #include "cpu/star.hpp"

@@ -87,13 +87,7 @@ exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
 }
 
 template <class Isa>
-void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints, StarHints* found) {
-    first_ = first;
-    hints_ = hints;
-    found_ = found;
-    if (found != nullptr && !found->begin(*hints)) hints_ = nullptr, found_ = nullptr;
-    hints_tried_ = hints_proven_ = 0;
-    hint_growth_ = 1.1;
+void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
     for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;
     planes_ = 0;
     cells_.begin(seeds_, first, last, measure);
@@ -133,7 +127,6 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     in_.fill(0);
     scale_ = unscale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
-    if (found_ != nullptr) found_->begin_seed(seed - first_);
     const bool done = complete();
     if (done) cells_.set_done(seed);
     if (have_candidates_ && !done) window_.show(seed, own_x_);
@@ -147,7 +140,6 @@ bool StarWalk<Isa>::complete() {
     if (vertices_ == 0 && !begin_anywhere()) return false;
     if (active_ != 0 && !have_candidates_ && !gather_candidates()) return false;
     reached_ = 0;
-    if (active_ != 0 && hints_ != nullptr && !take_hints()) return false;
     while (active_ != 0) {
         // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
         // been closed by the vertex of the first.
@@ -163,7 +155,6 @@ bool StarWalk<Isa>::complete() {
         if (!close(edges[1], rays[1], hits[1]) || ((open(c) >> d) & 1) != 0) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
-    if (found_ != nullptr) found_->set_reach(needed);
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
     return collect_faces();
 }
@@ -224,7 +215,7 @@ bool StarWalk<Isa>::collect_faces() {
 }
 
 template <class Isa>
-bool StarWalk<Isa>::span(int a, int b, OpenEdge& edge) {
+bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
     need_plane(a);
     need_plane(b);
     const Wide &na = wide(n_[a]), &nb = wide(n_[b]);
@@ -236,16 +227,10 @@ bool StarWalk<Isa>::span(int a, int b, OpenEdge& edge) {
     edge.norms2 = 4 * ha * hb;
     wide(edge.ab) = ab;
     wide(edge.e) = ha * nb - hb * na;
-    // Planes that are too near to parallel, or too large or small to square.
-    return ha > smallest_h && hb > smallest_h && edge.norms2 < largest_h &&
-           dot(ab, ab) * worst_condition2 > edge.norms2;
-}
-
-template <class Isa>
-bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
-    if (!span(a, b, edge)) return false;
-    const Wide& ab = wide(edge.ab);
     const double square = dot(ab, ab);
+    // Planes that are too near to parallel, or too large or small to square.
+    if (!(ha > smallest_h && hb > smallest_h && edge.norms2 < largest_h && square * worst_condition2 > edge.norms2))
+        return false;
     Wide across;
     // e x ab / square is the point of the line that is nearest to the seed. Not divided, but in the range of floats.
     cross(wide(edge.e), ab, across);
@@ -363,7 +348,6 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
         const double bound = std::sqrt(2 * h * length2) * (solved_factor * condition + 8 * unit) + 12 * unit * h;
         if (excess > bound) return lane;
         if (!(excess < -bound)) {
-            refuse_equal(id, three);
             used_exact_ = true;
             if (!vertex) vertex.emplace(p_, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
             const int side = vertex->side(exact_plane(id));
@@ -373,21 +357,6 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
         lane = kernels_.touching(candidates_, v, three, lane + 1);
     }
     return -1;
-}
-
-// Of two equal seeds, the first that gets a vertex has the other one touch it: neither is done before. So none of them
-// gets a wrong one.
-template <class Isa>
-void StarWalk<Isa>::refuse_equal(std::int32_t id, const std::int32_t* three) const {
-    // Images that only rounding makes equal are none; an order of seeds that have images is never a kept one.
-    if (id < 0 || seeds_.images != nullptr) return;
-    const auto i = static_cast<std::size_t>(id);
-    auto equals = [&](std::int32_t other) {
-        const auto o = static_cast<std::size_t>(other);
-        return other >= 0 && seeds_.x[i] == seeds_.x[o] && seeds_.y[i] == seeds_.y[o] && seeds_.z[i] == seeds_.z[o];
-    };
-    if (equals(static_cast<std::int32_t>(seed_)) || equals(three[0]) || equals(three[1]) || equals(three[2]))
-        throw NeedsSort();
 }
 
 template <class Isa>
@@ -405,21 +374,14 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
     id_[c] = id;
     wide(n_[c]) = wide(third.n);
     h_[c] = third.h;
-    add_corner(edge.b, edge.a, c, third, x);
-    return true;
-}
-
-// c: the plane that `third` is.
-template <class Isa>
-void StarWalk<Isa>::add_corner(int a, int b, int c, const Third& third, const Four& x) {
     if (measure_) keep_position(third, x);
-    note_found(id_[a], id_[b], id_[c]);
-    cells_.add({own_local_, local_[a], local_[b], local_[c]}, position_[vertices_]);
-    link_corner(a, b, c, vertices_++);
+    cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
+    link_corner(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
-    update_active(a);
-    update_active(b);
+    update_active(edge.b);
+    update_active(edge.a);
     update_active(c);
+    return true;
 }
 
 // A vertex of more than three planes: each of its cells sorts out by itself which of the others it has an edge with.
@@ -427,7 +389,6 @@ template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > most_vertices - 4) return false;
     if (measure_) keep_position(third, x);
-    note_found(id_[edge.b], id_[edge.a], id);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
     cells_.add_tie(tied_cells_, position_[vertices_]);

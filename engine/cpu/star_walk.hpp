@@ -18,7 +18,7 @@ public:
         domain_ = &domain;
         box_ = domain.box;
     }
-    void begin(std::size_t first, std::size_t last, bool measure, const StarHints* hints, StarHints* found) override;
+    void begin(std::size_t first, std::size_t last, bool measure) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
     void polygons(CellPolygons& out) const override;
@@ -42,7 +42,6 @@ private:
     static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
     static constexpr int most_new = 24;                            // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
-    static constexpr int most_hints = 32;  // of a cell
     static constexpr std::uint16_t no_slot = 255;
 
     // Attributes stand behind the name: elsewhere Clang does not see a lesser alignment.
@@ -94,17 +93,14 @@ private:
     bool take_known();
     bool take_tie(const KnownVertex& known);
     bool collect_faces();
-    bool span(int a, int b, OpenEdge& edge);
     bool aim(int a, int b, OpenEdge& edge, Ray& ray);
     [[nodiscard]] int first_hit(const Ray& ray) const;
     [[nodiscard]] bool solve(const OpenEdge& edge, Third& third, Four& x) const;
     // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
     bool close(const OpenEdge& edge, const Ray& ray, int lane);
     int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane);
-    void refuse_equal(std::int32_t id, const std::int32_t* three) const;
     void keep_position(const Third& third, const Four& x);
     bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
-    void add_corner(int a, int b, int c, const Third& third, const Four& x);
     bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex);
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
@@ -126,26 +122,6 @@ private:
         const std::int32_t local = cells_.local(id);
         make_room(local);
         return slot_of(local, planes_);
-    }
-
-    // star_hints.hpp
-    [[nodiscard]] double hinted_reach() const;
-    struct Hint {
-        std::array<int, 3> slot;  // of its planes
-        bool solved;
-        int touching;   // the first candidate that touches it
-        double needed;  // squared security radius
-        Third third;    // the last of the planes
-        Four x;
-        float v[4];
-    };
-    bool take_hints();
-    [[nodiscard]] int open_side(const Hint& hint) const;
-    bool add_hinted(std::uint64_t proven);
-    bool try_near(std::uint64_t touched);
-    bool try_vertex(const OpenEdge& edge, std::int32_t id);
-    void note_found(std::int32_t a, std::int32_t b, std::int32_t c) {
-        if (found_ != nullptr) found_->add(a, b, c);
     }
 
     // star_candidates.hpp
@@ -171,13 +147,6 @@ private:
     std::size_t window_home_ = ~std::size_t{0};
     bool window_open_ = false, measure_ = false;
     double typical_reach_ = 0;  // squared security radius that vertices of late needed
-
-    std::size_t first_ = 0;  // of the stretch
-    const StarHints* hints_ = nullptr;
-    StarHints* found_ = nullptr;
-    double hints_tried_ = 0, hints_proven_ = 0;
-    double hint_growth_ = 0;  // of the squared security radius since the last job, about
-    std::array<Hint, most_hints> hint_;
 
     std::size_t seed_ = 0;
     std::int32_t own_local_ = 0;
@@ -224,4 +193,3 @@ private:
 #include "cpu/star_candidates.hpp"
 #include "cpu/star_edges.hpp"
 #include "cpu/star_geometry.hpp"
-#include "cpu/star_hints.hpp"

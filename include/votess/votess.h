@@ -151,9 +151,9 @@ VOTESS_API const char* votess_last_error(void);
 // the library writes no byte beyond it.
 VOTESS_API votess_status votess_options_init(votess_options* options, size_t size);
 
-// Keeps device, threads and buffers between calls, and the memory of a result that was freed for the next one;
-// votess_tessellator_free gives all of it back. Results that are held stay valid. After fork() the child may use and
-// free a tessellator of its parent, see Tessellator in votess.hpp.
+// Keeps device, threads and buffers between calls, and the memory of a result that was freed for the next one:
+// keep one for seeds that move from call to call. votess_tessellator_free gives all of it back. Results that are held
+// stay valid. After fork() the child may use and free a tessellator of its parent, see Tessellator in votess.hpp.
 VOTESS_API votess_status votess_tessellator_new(votess_tessellator** out);
 VOTESS_API void votess_tessellator_free(votess_tessellator* tessellator);
 
@@ -165,12 +165,6 @@ VOTESS_API votess_status votess_tessellate(votess_tessellator* tessellator, cons
                                            const votess_options* options, votess_result** out);
 VOTESS_API votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
                                                const votess_options* options, votess_result** out);
-// The same for seeds that are those of the tessellator's last call, in the same order, each moved a little: a hint that
-// changes speed only, and the last digits of volumes, centroids and areas. See Tessellator::update() in votess.hpp.
-VOTESS_API votess_status votess_update(votess_tessellator* tessellator, const double* points, size_t count,
-                                       const votess_options* options, votess_result** out);
-VOTESS_API votess_status votess_update_f32(votess_tessellator* tessellator, const float* points, size_t count,
-                                           const votess_options* options, votess_result** out);
 VOTESS_API void votess_result_free(votess_result* result);
 
 // Arrays of a result: pointer to the first element, *length its number of elements. NULL and 0 when the array was not

@@ -269,11 +269,12 @@ private:
 };
 
 // Keeps device, threads and buffers between calls, and takes back the arrays of a Tessellation that nobody holds any
-// more: calls of the same size take no new memory. Destroying the Tessellator frees what it keeps; results that are
-// held stay valid. One call at a time per object: a second one, from another thread or from a callback of the first,
-// throws `invalid_use` and changes nothing. Different objects are independent. After fork() the child may use, move and
-// destroy a copy of its own: the CPU gets new threads; a GPU opened before is `unsupported` there, or with "auto"
-// replaced by the CPU; one that was at work during the fork stays so, and throws `invalid_use`.
+// more: calls of the same size take no new memory, so seeds that move from call to call are tessellated by one object
+// that is kept. Destroying the Tessellator frees what it keeps; results that are held stay valid. One call at a time
+// per object: a second one, from another thread or from a callback of the first, throws `invalid_use` and changes
+// nothing. Different objects are independent. After fork() the child may use, move and destroy a copy of its own: the
+// CPU gets new threads; a GPU opened before is `unsupported` there, or with "auto" replaced by the CPU; one that was at
+// work during the fork stays so, and throws `invalid_use`.
 class VOTESS_API Tessellator {
 public:
     Tessellator();
@@ -287,14 +288,6 @@ public:
     // A Tessellator that was moved from may only be assigned or destroyed, else `invalid_use`.
     [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
-
-    // The same for seeds that move: a hint that these are the seeds of the last call, in the same order, each moved by
-    // a little (it pays up to some hundredths of the distance to neighbors). The lists are those of tessellate();
-    // volumes, centroids and areas may differ from its in the last digits, within their precision. The CPU starts from
-    // the order and the vertices of the last call, for which it keeps some 110 bytes a seed from the first update() on.
-    // Where the hint does not hold, and on other devices, this is tessellate().
-    [[nodiscard]] Tessellation update(std::span<const double> points, const Options& options = {});
-    [[nodiscard]] Tessellation update(std::span<const float> points, const Options& options = {});
 
 private:
     std::shared_ptr<detail::TessellatorState> state_;

@@ -22,8 +22,6 @@ status=0
 [[ $status -eq 1 ]]
 grep -q 'Voro++ / votess .* not measured' strict.txt
 
-"$bench" --updates --n 1000,3000 --repeats 2 | tee updates.txt
-[[ $(grep -c "^ *[13]000 \|^ *[13]e3 " updates.txt) -eq 6 ]]
 "$bench" --memory --n 1000 --json memory.json
 "$bench" --file points.txt --want full --repeats 2 --at-least 0.01 --check --json file.json
 

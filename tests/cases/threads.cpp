@@ -103,7 +103,6 @@ TEST_SUITE("threads") {
             for (int repeat = 0; repeat < 3; ++repeat)
                 CHECK(error_of([&] { (void)tessellator.tessellate(set.points, options); }) ==
                       votess::ErrorCode::invalid_use);
-            CHECK(error_of([&] { (void)tessellator.update(set.points, options); }) == votess::ErrorCode::invalid_use);
             const auto elsewhere = votess::Tessellator().tessellate(set.points, options);
             CHECK(test::check_identical(expected, elsewhere) == "");
             go_on = true;

@@ -77,8 +77,6 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
         job.drop = true;
     } else if (word == "walls") {
         job.walls = true;
-    } else if (word == "update") {
-        job.update = true;
     } else if (word == "may_refuse") {
         job.may_refuse = true;
     } else if (word == "closed") {
@@ -143,9 +141,8 @@ void write(const Case& c, std::ostream& out) {
         }
         out << "want " << job.want << "\ngrid " << job.grid_resolution << "\nthreads " << job.threads << '\n';
         if (!job.instructions.empty()) out << "instructions " << job.instructions << '\n';
-        for (const auto& [name, on] :
-             {std::pair{"drop", job.drop}, std::pair{"walls", job.walls}, std::pair{"update", job.update},
-              std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed}})
+        for (const auto& [name, on] : {std::pair{"drop", job.drop}, std::pair{"walls", job.walls},
+                                       std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed}})
             if (on) out << name << '\n';
         for (std::size_t i = 0; i < job.size(); ++i) {
             out << "seed";

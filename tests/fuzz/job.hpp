@@ -28,7 +28,6 @@ struct Job {
     unsigned want = want_all;
     unsigned grid_resolution = 0, threads = 1;
     std::string instructions;  // where the processor has them; "" = the best
-    bool update = false;       // of the job before
     bool may_refuse = false;   // invalid_argument and unsupported are answers too
     bool closed = false;       // the planes alone bound the domain, so walls of the box touch no cell
 

@@ -40,8 +40,7 @@ struct Answer {
 Answer ask(votess::Tessellator& tessellator, const Job& job, const std::string& device) {
     Answer answer;
     try {
-        answer.t = job.update ? tessellator.update(job.points, job.options(device))
-                              : tessellator.tessellate(job.points, job.options(device));
+        answer.t = tessellator.tessellate(job.points, job.options(device));
     } catch (const votess::Error& error) {
         answer.refusal = error.what();
         answer.proper =
@@ -149,13 +148,11 @@ Judgement judge(const Case& c, const std::string& device, bool measure) {
         }
         if (wrong.empty() && c.jobs.size() > 1) {
             votess::Tessellator fresh;
-            Job alone = job;
-            alone.update = false;
-            const Answer other = ask(fresh, alone, device);
+            const Answer other = ask(fresh, job, device);
             if (other.refusal != answer.refusal)
                 wrong = "reuse: refused with '" + answer.refusal + "', and with '" + other.refusal + "' afresh";
             else if (answer.refusal.empty())
-                wrong = job.update ? check_same_cells(answer.t, other.t) : check_identical(answer.t, other.t);
+                wrong = check_identical(answer.t, other.t);
             if (!wrong.empty() && !wrong.starts_with("reuse")) wrong = "reuse: " + wrong;
         }
         if (!wrong.empty() && c.jobs.size() > 1) wrong += text(" (job ", k, ')');

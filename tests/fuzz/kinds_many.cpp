@@ -64,7 +64,6 @@ std::vector<Job> changing_jobs(Random& random) {
                 job.points[c] += by * random.uniform(-1, 1);
                 if (job.box) job.points[c] = std::clamp(job.points[c], job.box->lower[c % 3], job.box->upper[c % 3]);
             }
-            job.update = job.box.has_value();
             job.drop = true;
         } else if (how == 1) {
             job = any_weights(random)[0];

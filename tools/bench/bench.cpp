@@ -1,5 +1,5 @@
 // votess_bench: votess and its peers on the same points in the same run, taking turns; medians over the repeats.
-// --goals, --memory, --updates and --gpu-table measure other things.
+// --goals, --memory and --gpu-table measure other things.
 #include "bench.hpp"
 
 #include <CLI/CLI.hpp>
@@ -13,7 +13,6 @@
 #include "machine.hpp"
 #include "measure.hpp"
 #include "memory.hpp"
-#include "updates.hpp"
 
 namespace bench {
 
@@ -38,7 +37,7 @@ Rows rows_from_pairs(std::size_t n, const std::vector<std::pair<std::int32_t, st
 
 namespace {
 
-enum class Mode { comparison, quick, sweep, goals, memory, updates, gpu_table };
+enum class Mode { comparison, quick, sweep, goals, memory, gpu_table };
 
 struct Settings {
     Mode mode = Mode::comparison;
@@ -191,22 +190,9 @@ int run_goals(const Settings& s, const Peers& peers, const std::vector<PeerVersi
     return run_goals(goals, peers, versions);
 }
 
-int run_updates(const Settings& s) {
-    UpdateTable table;
-    table.sizes = s.sizes.empty() ? std::vector<std::size_t>{100'000, 1'000'000} : s.sizes;
-    table.threads = s.threads.front();
-    table.repeats = s.repeat_count > 0 ? s.repeat_count : table.repeats;
-    table.rng_seed = s.rng_seed;
-    print_machine();
-    return run_update_table(table);
-}
-
 int run(Settings s) {
     if (s.mode == Mode::gpu_table) {
         return run_gpu_table(s);
-    }
-    if (s.mode == Mode::updates) {
-        return run_updates(s);
     }
     const Peers peers = chosen_peers(s);
     print_machine();
@@ -282,12 +268,10 @@ int main(int argc, char** argv) try {
         mode("--goals", Mode::goals,
              "the speeds that votess sets out to reach, a line each; --n A,B tries it out with other numbers of seeds"),
         mode("--memory", Mode::memory, "peak of resident memory a point, each program in a process of its own"),
-        mode("--updates", Mode::updates,
-             "update() beside tessellate() for seeds that move: processor time on the CPU, 1e5 and 1e6 seeds"),
         mode("--gpu-table", Mode::gpu_table,
              "votess alone on one device, default gpu: 1e4 to 1e7 seeds, uniform, clustered and lattice; without "
              "--json into gpu-DEVICE-DATE.json in the current folder; exit 1 when a result is wrong")};
-    CLI::Option *goals = modes[2], *memory = modes[3], *updates = modes[4], *gpu_table = modes[5];
+    CLI::Option *goals = modes[2], *memory = modes[3], *gpu_table = modes[4];
     for (CLI::Option* one : modes) {
         for (CLI::Option* other : modes) {
             one != other ? one->excludes(other) : nullptr;
@@ -298,7 +282,6 @@ int main(int argc, char** argv) try {
     local_sizes->needs(gpu_table);
     goals->excludes(devices)->excludes(check);
     memory->excludes(devices)->excludes(check);
-    updates->excludes(devices)->excludes(check)->excludes(peers);
     app.add_flag("--strict", s.strict, "--goals: exit 1 unless all are met")->needs(goals);
     app.add_option("--check-limit", s.check_limit, "--gpu-table: compare with the CPU up to so many seeds; default 1e5")
         ->needs(gpu_table);

@@ -155,8 +155,6 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_tessellator_free": (None, (_HANDLE,)),
     "votess_tessellate": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
     "votess_tessellate_f32": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
-    "votess_update": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
-    "votess_update_f32": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
     "votess_result_free": (None, (_HANDLE,)),
     "votess_result_size": (c_size_t, (_HANDLE,)),
     "votess_result_indptr": _ARRAY,  # int64

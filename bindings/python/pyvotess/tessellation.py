@@ -189,7 +189,6 @@ def _tessellate(
     duplicates: str,
     progress: Optional[Progress],
     min_face: float = 0.0,
-    function_name: str = "votess_tessellate",
 ) -> Tessellation:
     array = as_points(points)
     wanted = as_want(want)
@@ -205,7 +204,7 @@ def _tessellate(
     if progress is not None and not callable(progress):
         raise TypeError(f"progress must be callable, not {type(progress).__name__}")
 
-    function = getattr(lib, function_name + ("_f32" if array.dtype == np.float32 else ""))
+    function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
     result = _Handle(lib.votess_result_free)
     arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
     _run(function, arguments, options, ctypes.byref(result.pointer), progress)
@@ -293,6 +292,7 @@ class Tessellator:
     """Keeps device, threads and buffers between calls. A context manager; otherwise freed with the object.
 
     The memory of a result that is gone, its arrays too, serves the next one: calls of the same size take no new memory.
+    Points that move from call to call are tessellated by one Tessellator that is kept.
 
     The options are those of :func:`tessellate`; the limits of their values are checked at each call.
 
@@ -353,52 +353,11 @@ class Tessellator:
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         domain = Domain(box, periodic, weights, radii, cell, origin, planes, outside)
-        return self._call("votess_tessellate", points, domain, want, walls, duplicates, progress, min_face)
-
-    def update(
-        self,
-        points: npt.ArrayLike,
-        box: Optional[npt.ArrayLike] = None,
-        periodic: Union[bool, str, Iterable[bool]] = False,
-        weights: Optional[npt.ArrayLike] = None,
-        radii: Optional[npt.ArrayLike] = None,
-        want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
-        walls: bool = False,
-        duplicates: str = "merge",
-        progress: Optional[Progress] = None,
-        min_face: float = 0.0,
-        cell: Optional[npt.ArrayLike] = None,
-        origin: Optional[npt.ArrayLike] = None,
-        planes: Optional[npt.ArrayLike] = None,
-        outside: str = "error",
-    ) -> Tessellation:
-        """As :meth:`tessellate`, with the hint that these are the points of the last call, each moved a little.
-
-        The neighbor lists are the same, only found faster when the hint holds; volumes, centroids and areas may differ
-        in the last digits. On the CPU it keeps some 110 bytes a point more from the first call on; other devices ignore
-        the hint.
-        """
-        domain = Domain(box, periodic, weights, radii, cell, origin, planes, outside)
-        return self._call("votess_update", points, domain, want, walls, duplicates, progress, min_face)
-
-    def _call(
-        self,
-        function_name: str,
-        points: Any,
-        domain: Domain,
-        want: Union[str, Iterable[str]],
-        walls: bool,
-        duplicates: str,
-        progress: Optional[Progress],
-        min_face: float,
-    ) -> Tessellation:
         with self._alone():
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
-            return _tessellate(
-                self._handle, options, points, domain, want, walls, duplicates, progress, min_face, function_name
-            )
+            return _tessellate(self._handle, options, points, domain, want, walls, duplicates, progress, min_face)
 
     def close(self) -> None:
         """Frees device and buffers. Harmless when repeated."""

@@ -714,26 +714,6 @@ class TessellatorTest(unittest.TestCase):
         for t, volumes in results:  # later calls and the end of the tessellator leave results alone
             np.testing.assert_array_equal(t.volumes, volumes)
 
-    def test_update(self):
-        points = uniform(2000)
-        with vt.Tessellator(device="cpu", threads=2) as tessellator:
-            for step in range(4):
-                t = tessellator.update(points, box=UNIT_BOX, walls=True)
-                alone = vt.tessellate(points, box=UNIT_BOX, walls=True, device="cpu")
-                np.testing.assert_array_equal(t.neighbors.indptr, alone.neighbors.indptr)
-                np.testing.assert_array_equal(t.neighbors.indices, alone.neighbors.indices)
-                np.testing.assert_allclose(t.volumes, alone.volumes, rtol=2e-10)
-                self.assertTrue(t.verify())
-                points = np.clip(points + 1e-3 * (uniform(2000) - 0.5)[::-1], 0, 1)
-            narrow = points.astype(np.float32)
-            self.assertEqual(len(tessellator.update(narrow)), 2000)
-            points[7] = points[1900]
-            self.assertEqual(tessellator.update(points).stats.duplicates, 1)
-            with self.assertRaises(ValueError):
-                tessellator.update(points, duplicates="error")
-        with self.assertRaisesRegex(ValueError, "closed"):
-            tessellator.update(points)
-
     def test_works_on_after_failures(self):
         tessellator = vt.Tessellator()
         with self.assertRaises(ValueError):

@@ -65,7 +65,6 @@ private:
         const auto reset = [&](auto Job::*member, const auto& to) {
             if (!(case_.jobs[k].*member == to)) changed |= attempt([&](Case& c) { c.jobs[k].*member = to; });
         };
-        reset(&Job::update, false);
         reset(&Job::weights, std::vector<double>{});
         reset(&Job::grid_resolution, 0u);
         reset(&Job::threads, 1u);
