@@ -43,7 +43,7 @@ bool takes_part(const Tessellation& t, std::size_t j) {
 class BruteForce {
 public:
     BruteForce(const Tessellation& t, const Job& job) : job_(job), domain_(*job.domain), slot_(t.size()) {
-        double largest = 0;
+        exact::Point largest{};
         for (std::size_t j = 0; j < t.size(); ++j) {
             if (!takes_part(t, j)) continue;
             exact::Point at = scaled_seed(job, j);
@@ -52,15 +52,19 @@ public:
                 shift = wrap(domain_, at).value_or(shift);
                 const auto exact = exact::differences({}, exact::Plane::bisector(at, shift, domain_.lattice)).x;
                 at = {exact[0].high, exact[1].high, exact[2].high};
-                for (const double x : at) largest = std::max(largest, std::abs(x));
+                for (std::size_t k = 0; k < 3; ++k) largest[k] = std::max(largest[k], std::abs(at[k]));
             }
             slot_[j] = id_.size();
             id_.push_back(static_cast<std::int32_t>(j));
             shift_.push_back(shift);
             at_.push_back(at);
         }
-        // The places of two seeds, and the bounds of an image, are each rounded once.
-        rounding_ = 16 * 0x1p-53 * largest;
+        // The places of two seeds are each rounded once, along axes that box vectors have a component of.
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (std::ranges::none_of(domain_.lattice.vector, [&](const auto& v) { return v[k].high != 0; })) continue;
+            place_rounding_[k] = 8 * 0x1p-53 * largest[k];
+            rounding_ = std::max(rounding_, 2 * place_rounding_[k]);
+        }
     }
 
     // Clips a cell by every seed, in a periodic domain by every image that can reach it: ranges of shifts are halved
@@ -83,7 +87,10 @@ public:
             const Images next = images_.back();
             images_.pop_back();
             work_ += work_of_image;
-            if (!cell.in_reach(bounds_of(next.slot, next.shifts), at_[own_], rounding_, more())) continue;
+            const cpu::BoundingBox bounds = bounds_of(next.slot, next.shifts);
+            if (!cell.in_reach(bounds, at_[own_], place_rounding_, more()) ||
+                !cell.may_cut(bounds, at_[own_], place_rounding_, more()))
+                continue;
             if (next.shifts.is_single())
                 cut(next.slot, next.shifts, cell);
             else
@@ -184,7 +191,8 @@ private:
     std::vector<std::int32_t> id_;
     std::vector<exact::Shift> shift_;  // that wrapped the seed
     std::vector<exact::Point> at_;     // where to, rounded
-    double rounding_ = 0;
+    exact::Point place_rounding_{};
+    double rounding_ = 0;  // of distances
     std::size_t own_ = 0;
     std::vector<Images> images_;
     double work_ = 0;

@@ -181,19 +181,49 @@ double Cell::radius_squared() {
     return radius_squared_;
 }
 
-// Rounding of the subtraction and of coordinates moves the box outward.
-bool Cell::in_reach(const BoundingBox& box, const exact::Point& at, double rounding, double more) const {
+namespace {
+
+// The box as seen from `at`, moved outward by the rounding of the subtraction and of both coordinates.
+BoundingBox seen_from(const exact::Point& at, const BoundingBox& box, const exact::Point& rounding) {
     BoundingBox relative;
     for (int k = 0; k < 3; ++k) {
         relative.lower[k] = box.lower[k] - at[k];
-        relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]) + 2 * rounding;
+        relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]) + 2 * rounding[k];
         relative.upper[k] = box.upper[k] - at[k];
-        relative.upper[k] += 2 * unit * std::abs(relative.upper[k]) + 2 * rounding;
+        relative.upper[k] += 2 * unit * std::abs(relative.upper[k]) + 2 * rounding[k];
     }
+    return relative;
+}
+
+}  // namespace
+
+bool Cell::in_reach(const BoundingBox& box, const exact::Point& at, const exact::Point& rounding, double more) const {
+    const BoundingBox relative = seen_from(at, box, rounding);
     const double floor = smallest_radius + more * reach_of_error(worst_error) * radius_slack;
     for (int w = 0; w * word_slots < slots_; ++w)
         if (kernels_.box_in_reach(block(w), relative, radius_slack, floor)) return true;
     return false;
+}
+
+// A seed q cuts off v when |q|^2 - 2 q.v < more, axis by axis least where q is v itself or the end of the box. The
+// terms are rounded by 4 u of their size. An error t of v moves the least q by t at most, and so the sum by 2 (|q| + 3
+// t) t.
+bool Cell::may_cut(const BoundingBox& box, const exact::Point& at, const exact::Point& rounding, double more) const {
+    const BoundingBox relative = seen_from(at, box, rounding);
+    bool found = false;
+    for_each_alive([&](int slot) {
+        const double v[3] = {x_[slot], y_[slot], z_[slot]}, t = tolerance_[slot];
+        double sum = 0, size = 0, length = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double q = std::clamp(v[k], relative.lower[k], relative.upper[k]), term = q * (q - 2 * v[k]);
+            sum += term;
+            size += std::abs(term);
+            length += std::abs(q);
+        }
+        const double slack = 8 * unit * (size + more) + 2 * (length + 3 * t) * t * (1 + 8 * unit) + smallest_radius;
+        found = found || !(sum > more + slack);
+    });
+    return found;
 }
 
 bool Cell::knows(std::int32_t id, const exact::Shift& shift) const {

@@ -70,10 +70,14 @@ public:
     // beyond cuts the cell.
     [[nodiscard]] double radius_squared();
     // False only when no seed inside the box can cut the cell. The box holds rounded coordinates, and `at` is the
-    // rounded place of the cell's own seed: each may be off by `rounding`. more: how much the weight of the seed may
-    // exceed that of the cell's, 0 or more.
-    [[nodiscard]] bool in_reach(const BoundingBox& box, const exact::Point& at, double rounding = 0,
+    // rounded place of the cell's own seed: each may be off by `rounding` along an axis. more: how much the weight of
+    // the seed may exceed that of the cell's, 0 or more.
+    [[nodiscard]] bool in_reach(const BoundingBox& box, const exact::Point& at, const exact::Point& rounding = {},
                                 double more = 0) const;
+    // The same, slower, and sharp where the box is much nearer than the vertices: the row of images along the short
+    // edge of a thin box.
+    [[nodiscard]] bool may_cut(const BoundingBox& box, const exact::Point& at, const exact::Point& rounding,
+                               double more) const;
     // Whether it has been cut, or begun, by that bisector.
     [[nodiscard]] bool knows(std::int32_t id, const exact::Shift& shift) const;
     // Nothing is left: in a power diagram another seed is nearer everywhere.

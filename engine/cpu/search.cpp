@@ -58,7 +58,11 @@ CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, c
 void CellBuilder::begin_job(const Domain& domain) {
     domain_ = &domain;
     plain_ = !domain.is_periodic() && !domain.has_weights();
-    rounding_ = seeds_.images == nullptr ? 0 : 8 * 0x1p-53 * seeds_.images->largest_coordinate();
+    rounding_ = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        place_rounding_[k] = seeds_.images == nullptr ? 0 : 8 * 0x1p-53 * seeds_.images->largest_rounded()[k];
+        rounding_ = std::max(rounding_, place_rounding_[k]);
+    }
     more_weight_ = 0;
     heaviest_ = -1;
     if (domain.is_periodic() && !seeds_.weights.empty())
@@ -271,7 +275,7 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > most_tests_) return;
-        if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node), p, rounding_, more_weight_)) continue;
+        if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node), p, place_rounding_, more_weight_)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
@@ -373,7 +377,10 @@ void CellBuilder::clip_far_images(std::size_t seed) {
         const double reach = reach_squared();
         if (entry.distance_squared >= reach || reach <= known * known) return;
         if (++tests_ > most_tests_) return;
-        if (!cell_.in_reach(far_images_of(entry), p, rounding_, more_weight_)) continue;
+        const BoundingBox images = far_images_of(entry);
+        if (!cell_.in_reach(images, p, place_rounding_, more_weight_) ||
+            !cell_.may_cut(images, p, place_rounding_, more_weight_))
+            continue;
         const bool single = entry.shifts.is_single();
         if (single && entry.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.level == 0) {

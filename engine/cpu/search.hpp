@@ -86,11 +86,12 @@ private:
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
     Cell cell_;
-    bool plain_ = true;           // neither images nor weights
-    double rounding_ = 0;         // of distances to images
-    std::int32_t heaviest_ = -1;  // seed of a periodic power diagram
-    double more_weight_ = 0;      // by which any weight may exceed that of the seed
-    SeedImages::Base base_{};     // of the seed
+    bool plain_ = true;              // neither images nor weights
+    double rounding_ = 0;            // of distances to images
+    exact::Point place_rounding_{};  // of their coordinates
+    std::int32_t heaviest_ = -1;     // seed of a periodic power diagram
+    double more_weight_ = 0;         // by which any weight may exceed that of the seed
+    SeedImages::Base base_{};        // of the seed
 
     std::size_t group_ = ~std::size_t{0};
     BoundingBox home_{};

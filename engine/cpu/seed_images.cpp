@@ -301,9 +301,12 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
         for (std::size_t i = 0; i < images; ++i)
             all[first_ + i] = coordinates[3 * static_cast<std::size_t>(order[i]) + k];
         std::fill(all.begin() + first_ + images, all.end(), std::numeric_limits<double>::infinity());
-        for (std::size_t i = 0; i < seeds; ++i) largest_coordinate_ = std::max(largest_coordinate_, std::abs(all[i]));
-        for (std::size_t i = first_; i < first_ + images; ++i)
-            largest_coordinate_ = std::max(largest_coordinate_, std::abs(all[i]));
+        double largest = 0;
+        for (std::size_t i = 0; i < seeds; ++i) largest = std::max(largest, std::abs(all[i]));
+        for (std::size_t i = first_; i < first_ + images; ++i) largest = std::max(largest, std::abs(all[i]));
+        largest_coordinate_ = std::max(largest_coordinate_, largest);
+        const bool rounds = std::ranges::any_of(domain_->lattice.vector, [&](const auto& v) { return v[k].high != 0; });
+        largest_rounded_[static_cast<std::size_t>(k)] = rounds ? largest : 0;
         *axes[k] = std::move(all);
     }
     for (std::size_t i = 0; i < images; ++i) {

@@ -46,6 +46,8 @@ public:
     // Where a seed lies in the domain, rounded.
     [[nodiscard]] exact::Point place_in_domain(std::size_t seed) const;
     [[nodiscard]] double largest_coordinate() const { return largest_coordinate_; }
+    // Along each axis; 0 where box vectors have no component, and no place is rounded.
+    [[nodiscard]] const exact::Point& largest_rounded() const { return largest_rounded_; }
     // All seeds and images nearer to a seed than this are there; 0 when that is not known of any.
     [[nodiscard]] double reach(const exact::Point& seed) const;
 
@@ -87,6 +89,7 @@ private:
     bool any_rough_ = false;
     SortedSeeds sorted_images_;
     double largest_coordinate_ = 0;
+    exact::Point largest_rounded_{};
 };
 
 }  // namespace votess::cpu

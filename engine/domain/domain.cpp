@@ -205,17 +205,19 @@ ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Poin
 Box images_of(const Domain& domain, const Box& box, const ShiftRange& range) {
     Box images = box;
     for (int k = 0; k < 3; ++k) {
-        double size = std::max(std::abs(box.lower[k]), std::abs(box.upper[k]));
+        double steps = 0;
         for (int j = 0; j < 3; ++j) {
             const double a = range.least[j] * domain.reduced.vector[j][k],
                          b = range.most[j] * domain.reduced.vector[j][k];
             images.lower[k] += std::min(a, b);
             images.upper[k] += std::max(a, b);
-            size += std::max(std::abs(a), std::abs(b));
+            steps += std::max(std::abs(a), std::abs(b));
         }
-        // The vectors and products are rounded once, each of three sums by at most u size.
-        images.lower[k] -= 6 * unit * size;
-        images.upper[k] += 6 * unit * size;
+        if (steps == 0) continue;
+        // The vectors and products are rounded once, each of three sums by at most u of what has been added up.
+        const double rounding = 6 * unit * (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) + steps);
+        images.lower[k] -= rounding;
+        images.upper[k] += rounding;
     }
     return images;
 }

@@ -143,12 +143,16 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
                 const bool images = domain.is_periodic();
                 const double largest = std::max(size_of(at), size_of(image));
                 const double rounding = images ? 8 * unit * largest : 0;  // as CellBuilder's
-                if (!cell.in_reach(point_box(image), at, rounding, more)) {
+                Point of_axis{};
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (setting.periodic[k]) of_axis[k] = 8 * unit * std::max(std::abs(at[k]), std::abs(image[k]));
+                if (!cell.in_reach(point_box(image), at, of_axis, more) ||
+                    !cell.may_cut(point_box(image), at, of_axis, more)) {
                     CAPTURE(setting.name);
                     CAPTURE(c);
                     FAIL_CHECK("a seed that cuts the cell is out of reach");
                 }
-                counts.missed += cell.in_reach(point_box(image), at, 0, more * (1 - 1e-9)) ? 0 : 1;
+                counts.missed += cell.in_reach(point_box(image), at, {}, more * (1 - 1e-9)) ? 0 : 1;
                 // The bounds of an image by its shift hold the exact place.
                 if (!images) continue;
                 const auto by = votess::shifts_around(domain, {image, image}, at,
