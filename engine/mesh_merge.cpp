@@ -11,7 +11,7 @@ namespace {
 
 // The best turn is that of equal polygons when every other one is so much farther off, in squares.
 constexpr double clearly_worse = 100;
-// Of positions, relative to the largest: more than vertices of cells that share a face differ by.
+// Relative to the largest, positions of a vertex in the cells that share it differ by less than this.
 constexpr double position_error = 1e-9;
 
 Shift wide(const std::array<std::int8_t, 3>& s) {
@@ -132,7 +132,7 @@ exact::Shift FaceMatcher::wrapped(std::size_t i) const {
     return job_.domain->is_periodic() ? wrap(*job_.domain, point(i)).value_or(exact::Shift{}) : exact::Shift{};
 }
 
-// Of a cell and a face that it has, or that the cell has which lies `shift` away from it: on the plane between those
+// The plane of a face that cell i has, or that the cell has which lies `shift` away from it: on the plane between those
 // two, the bisectors of both with a third seed are one line.
 exact::Plane FaceMatcher::plane(std::size_t i, const FaceLabel& label, const Shift& shift) const {
     const Domain& domain = *job_.domain;

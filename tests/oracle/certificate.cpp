@@ -205,7 +205,7 @@ bool cuts(const IntegerPlane& plane, const std::vector<Vertex>& vertices, int& t
     return false;
 }
 
-// Of two equal planes the face is the wall's, of walls the first one's, of seeds that of the farthest behind.
+// When planes are equal, the face belongs to a wall before a seed, to the first wall, to the seed farthest behind.
 bool hides(const IntegerPlane& a, const IntegerPlane& b) {
     if ((a.face.id < 0) != (b.face.id < 0)) return a.face.id < 0;
     return a.face.id < 0 ? a.face.id > b.face.id : dot(a.n, a.n) > dot(b.n, b.n);
@@ -291,7 +291,7 @@ public:
     }
 
 private:
-    // Of seeds at one place the heaviest has the cell, of those the first; equal ones are its duplicates.
+    // The heaviest seed at a place has the cell, the first when there are several; those are its duplicates.
     void find_duplicates() {
         std::map<Integers, std::size_t, bool (*)(const Integers&, const Integers&)> best(
             [](const Integers& a, const Integers& b) {

@@ -41,7 +41,7 @@ public:
     [[nodiscard]] bool is_outside(std::size_t i) const { return outside_[i] != 0; }
 
     [[nodiscard]] IntegerPlane bisector(std::size_t i, std::size_t j, const std::array<int, 3>& shift) const;
-    // Of the box and of the planes.
+    // Returns the walls of the box, then the planes.
     [[nodiscard]] std::vector<IntegerPlane> walls(std::size_t i) const;
     // Shifts of seed j, some too many, that may touch the cell of seed i. A cell lies within the Voronoi cell V of the
     // lattice around its seed, so seeds that touch are at most 2 V apart.

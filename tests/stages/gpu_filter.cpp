@@ -55,7 +55,7 @@ double log_uniform(test::Random& random, double lower, double upper) {
     return std::exp2(random.uniform(std::log2(lower), std::log2(upper)));
 }
 
-// Of the planes of the vertex as the device has them.
+// Returns the determinant of the vertex's planes as the device has them.
 double orientation(const Case& c) {
     std::array<Vector, 3> n;
     for (std::size_t i = 0; i < 3; ++i)
