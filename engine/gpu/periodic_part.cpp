@@ -8,8 +8,9 @@ namespace votess::gpu {
 namespace {
 
 constexpr double margin_spacings = 4;  // of the mean distance between seeds
-// This share of a period is more than fractions err by. They are 3 terms of at most most_tries for each period that a seed is away,
-// below 5e8 a vector (wrap), in float64: 3 * 3 * 400 * 5e8 * 2^-53 = 2e-4, and as much for the rounded inverse.
+// This share of a period is more than fractions err by. They are 3 terms of at most most_tries for each period that a
+// seed is away, below 5e8 a vector (wrap), in float64: 3 * 3 * 400 * 5e8 * 2^-53 = 2e-4, and as much for the rounded
+// inverse.
 constexpr double slack = 0.01;
 constexpr double most_tries = 400;  // shifts tried for each image that is wanted, in skewed boxes
 
