@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "failure.hpp"
-#include "numbers.hpp"
-#include "output.hpp"
+#include "files/numbers.hpp"
+#include "write/output.hpp"
 
 namespace clvotess {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 #include <votess/votess.hpp>
 
-#include "input.hpp"
 #include "picture.hpp"
-#include "text_format.hpp"
+#include "read/input.hpp"
+#include "write/text_format.hpp"
 
 namespace clvotess {
 

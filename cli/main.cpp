@@ -15,13 +15,13 @@
 #include <votess/votess.hpp>
 
 #include "arguments.hpp"
-#include "atomic_file.hpp"
 #include "failure.hpp"
-#include "input.hpp"
+#include "files/atomic_file.hpp"
 #include "interrupt.hpp"
-#include "output.hpp"
 #include "progress.hpp"
+#include "read/input.hpp"
 #include "summary.hpp"
+#include "write/output.hpp"
 
 namespace clvotess {
 namespace {

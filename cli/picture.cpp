@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <string_view>
 
-#include "atomic_file.hpp"
 #include "failure.hpp"
-#include "numbers.hpp"
-#include "png.hpp"
+#include "files/atomic_file.hpp"
+#include "files/formats/png.hpp"
+#include "files/numbers.hpp"
 
 namespace clvotess {
 namespace {

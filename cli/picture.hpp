@@ -6,7 +6,7 @@
 #include <vector>
 #include <votess/picture.hpp>
 
-#include "input.hpp"
+#include "read/input.hpp"
 
 namespace CLI {
 class App;

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "numbers.hpp"
+#include "files/numbers.hpp"
 
 namespace clvotess {
 namespace {

@@ -1,7 +1,7 @@
 #include <atomic>
 
 #include "engines.hpp"
-#include "result_pool.hpp"
+#include "result/result_pool.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {

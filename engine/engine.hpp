@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "domain/domain.hpp"
-#include "result.hpp"
+#include "result/result.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <thread>
 
+#include "core/home_process.hpp"
+#include "cpu/clip/cell_kernels.hpp"
 #include "cpu/cpu_engine.hpp"
-#include "cpu/kernels.hpp"
-#include "home_process.hpp"
-#include "implied_wants.hpp"
-#include "options.hpp"
+#include "input/implied_wants.hpp"
+#include "input/options.hpp"
 #include "pipeline.hpp"
 #if VOTESS_HAVE_VULKAN
 #include "gpu/device_choice.hpp"

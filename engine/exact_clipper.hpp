@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <span>
 
+#include "core/progress.hpp"
+#include "core/thread_pool.hpp"
 #include "engine.hpp"
-#include "progress.hpp"
-#include "result_builder.hpp"
-#include "thread_pool.hpp"
+#include "result/result_builder.hpp"
 
 namespace votess {
 

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "options.hpp"
+#include "input/options.hpp"
 
 namespace votess {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "cpu/kernels.hpp"
+#include "cpu/clip/cell_kernels.hpp"
 
 namespace {
 

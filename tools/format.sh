@@ -14,7 +14,7 @@ for candidate in "${CLANG_FORMAT:-}" "clang-format-$version" clang-format; do
 done
 [[ -n $formatter ]] || { echo "format: needs clang-format $version" >&2; exit 2; }
 
-tracked=$(git ls-files '*.cpp' '*.hpp' '*.c' '*.h')
+tracked=$(git ls-files '*.cpp' '*.hpp' '*.inl' '*.c' '*.h')
 [[ -n $tracked ]] || exit 0
 mapfile -t files <<<"$tracked"
 if [[ ${1:-} == --check ]]; then

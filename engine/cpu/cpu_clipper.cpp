@@ -4,9 +4,9 @@
 #include <functional>
 #include <thread>
 
-#include "cpu/sort_inside.hpp"
-#include "implied_wants.hpp"
-#include "options.hpp"
+#include "cpu/sort/sort_inside.hpp"
+#include "input/implied_wants.hpp"
+#include "input/options.hpp"
 
 namespace votess::cpu {
 namespace {

@@ -6,14 +6,14 @@
 #include <memory>
 #include <optional>
 
-#include "buffer.hpp"
-#include "cpu/cell_writer.hpp"
-#include "cpu/delaunay.hpp"
+#include "core/buffer.hpp"
+#include "cpu/clip/cell_builder.hpp"
+#include "cpu/clip/cell_writer.hpp"
 #include "cpu/hard_cells.hpp"
-#include "cpu/search.hpp"
-#include "cpu/seed_images.hpp"
-#include "cpu/sort.hpp"
-#include "cpu/star.hpp"
+#include "cpu/sort/seed_images.hpp"
+#include "cpu/sort/sort.hpp"
+#include "cpu/triangulate/delaunay.hpp"
+#include "cpu/walk/star.hpp"
 #include "exact_clipper.hpp"
 
 namespace votess::cpu {

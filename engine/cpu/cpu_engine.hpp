@@ -3,7 +3,7 @@
 
 #include "cpu/cpu_clipper.hpp"
 #include "engine.hpp"
-#include "result_builder.hpp"
+#include "result/result_builder.hpp"
 
 namespace votess::cpu {
 

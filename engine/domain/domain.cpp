@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact/integer_rows.hpp"
+#include "exact/integer/rows.hpp"
 
 namespace votess {
 namespace {

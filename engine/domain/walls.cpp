@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "cpu/cell.hpp"
+#include "cpu/clip/cell.hpp"
 #include "domain/domain.hpp"
-#include "exact/integer_rows.hpp"
-#include "options.hpp"
+#include "exact/integer/rows.hpp"
+#include "input/options.hpp"
 
 namespace votess {
 

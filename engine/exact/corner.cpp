@@ -1,6 +1,6 @@
 #include "exact/corner.hpp"
 
-#include "exact/integer_normals.hpp"
+#include "exact/integer/normals.hpp"
 
 namespace votess::exact {
 namespace {

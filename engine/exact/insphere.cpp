@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "exact/double_double.hpp"
-#include "exact/integer_rows.hpp"
-#include "exact/wide_int.hpp"
+#include "exact/integer/rows.hpp"
+#include "exact/integer/wide_int.hpp"
 
 namespace votess::exact {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact/integer_normals.hpp"
+#include "exact/integer/normals.hpp"
 #include "exact/predicate.hpp"
 
 namespace votess::exact {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <type_traits>
 
-#include "exact/integer_rows.hpp"
-#include "exact/integer_vertex.hpp"
+#include "exact/integer/rows.hpp"
+#include "exact/integer/vertex.hpp"
+#include "exact/integer/wide_int.hpp"
 #include "exact/wide_float.hpp"
-#include "exact/wide_int.hpp"
 
 namespace votess::exact {
 namespace {

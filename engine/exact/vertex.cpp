@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "exact/double_double.hpp"
-#include "exact/integer_rows.hpp"
+#include "exact/integer/rows.hpp"
 
 namespace votess::exact {
 namespace {

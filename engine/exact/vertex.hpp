@@ -11,7 +11,7 @@
 // integers, made when first needed.
 #pragma once
 
-#include "exact/integer_vertex.hpp"
+#include "exact/integer/vertex.hpp"
 #include "exact/predicate.hpp"
 
 namespace votess::exact {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "gpu/device_cells.hpp"
-#include "gpu/seed_store.hpp"
+#include "gpu/seeds/seed_store.hpp"
 
 namespace votess::gpu {
 
@@ -45,7 +45,7 @@ public:
     [[nodiscard]] const DeviceCells& on_device() const { return cells_; }
 
 private:
-    // Element i of an array of Number, see shaders/lib/number.glsl.
+    // Element i of an array of Number, see shaders/numbers/number.glsl.
     [[nodiscard]] double number(const Buffer& buffer, std::size_t i) const;
 
     bool float64_;

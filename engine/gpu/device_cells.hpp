@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "gpu/device_seeds.hpp"
+#include "gpu/seeds/device_seeds.hpp"
 
 namespace votess::gpu {
 
@@ -26,7 +26,7 @@ struct ChunkJob {
 class DeviceCells {
 public:
     static constexpr std::uint32_t geometry_components = 4;  // volume and centroid
-    static constexpr std::uint32_t number_bytes = 8;  // of each, and of an area: Number in shaders/lib/number.glsl
+    static constexpr std::uint32_t number_bytes = 8;  // of each, and of an area: Number in shaders/numbers/number.glsl
 
     // Bytes per cell of a chunk on the device; the largest of its arrays.
     static VkDeviceSize bytes_per_cell(const PassSettings& settings);

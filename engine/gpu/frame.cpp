@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "options.hpp"
+#include "input/options.hpp"
 
 namespace votess::vulkan {
 namespace {

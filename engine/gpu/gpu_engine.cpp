@@ -8,8 +8,8 @@
 #include <numeric>
 #include <string>
 
-#include "gpu/kernel_choice.hpp"
-#include "implied_wants.hpp"
+#include "gpu/passes/kernel_choice.hpp"
+#include "input/implied_wants.hpp"
 
 namespace votess::gpu {
 namespace {

@@ -11,10 +11,10 @@
 #include "engine.hpp"
 #include "exact_clipper.hpp"
 #include "gpu/chunk.hpp"
-#include "gpu/parts.hpp"
-#include "gpu/passes.hpp"
-#include "gpu/seed_store.hpp"
-#include "result_builder.hpp"
+#include "gpu/passes/passes.hpp"
+#include "gpu/seeds/parts.hpp"
+#include "gpu/seeds/seed_store.hpp"
+#include "result/result_builder.hpp"
 
 namespace votess::gpu {
 

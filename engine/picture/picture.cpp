@@ -4,14 +4,14 @@
 #include <string>
 #include <thread>
 
-#include "options.hpp"
+#include "input/options.hpp"
 #include "picture/colors.hpp"
-#include "picture/layout.hpp"
+#include "picture/legend/layout.hpp"
 #include "picture/shown.hpp"
 #include "picture/slice.hpp"
 #include "picture/solid.hpp"
 #if VOTESS_HAVE_VULKAN
-#include "gpu/picture/renderer.hpp"
+#include "picture/vulkan/renderer.hpp"
 #endif
 
 namespace votess {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/thread_pool.hpp"
 #include "picture/mesh.hpp"
-#include "thread_pool.hpp"
 
 namespace votess::picture {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "picture/layout.hpp"
+#include "picture/legend/layout.hpp"
 #include "picture/mesh.hpp"
 #include "picture/shown.hpp"
 

@@ -39,7 +39,7 @@
 #define EXPECTED_REACH 0.002  // cubed radius of the first search over volume of 64 seeds' box and k
 #define BUCKET_SHIFT 19       // of a float's bits: lists are sorted by squared distance to 16 buckets an octave
 // Neighbors in a bucket differ by at most the factor 16/17 in squared distance; a smaller one by 8e-5, for distances
-// right to 1e-6, or from coarse_from on to 1.4e-5 (lib/reach.glsl).
+// right to 1e-6, or from coarse_from on to 1.4e-5 (search/reach.glsl).
 #define BUCKET_SLACK 0.9411
 
 // clip: a cell's unit of length is 2^k units, its nearest neighbor 0.9 to 4 of them away. Beside a box of 2^25 such

@@ -1,9 +1,9 @@
 // Structures that shaders and engine share: push constants and small state buffers, laid out alike by std430 and by
-// C++ (no member needs padding; tests/stages/gpu_layout.cpp proves it). Included by GLSL and by C++.
+// C++ (no member needs padding; tests/stages/gpu/gpu_layout.cpp proves it). Included by GLSL and by C++.
 #ifndef VOTESS_SHADERS_LAYOUT_H
 #define VOTESS_SHADERS_LAYOUT_H
 
-#include "config.h"
+#include "shared/config.h"
 
 #ifdef __cplusplus
 #include <cstdint>

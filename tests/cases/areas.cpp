@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "../support/check.hpp"
+#include "support/check.hpp"
 
 namespace {
 

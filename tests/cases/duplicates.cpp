@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "../support/check.hpp"
+#include "support/check.hpp"
 
 TEST_SUITE("cases") {
     TEST_CASE("10,000 seeds with 100 duplicates: the others as if these were absent") {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../support/check.hpp"
+#include "support/check.hpp"
 
 namespace {
 

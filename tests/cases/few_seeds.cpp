@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../support/check.hpp"
+#include "support/check.hpp"
 
 using Row = std::vector<std::int32_t>;
 

@@ -10,7 +10,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
-#include "fuzz/kinds.hpp"
+#include "fuzz/kinds/kinds.hpp"
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"

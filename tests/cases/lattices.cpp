@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "../support/check.hpp"
+#include "support/check.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // The mesh: globally shared vertices, polygons, normals.
-#include "../support/mesh.hpp"
+#include "support/mesh.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "../support/check.hpp"
-#include "../support/random.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../support/gpu.hpp"
-#include "../support/random.hpp"
+#include "support/gpu/gpu.hpp"
+#include "support/random.hpp"
 
 namespace {
 

@@ -10,7 +10,7 @@
 
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
-#include "support/gpu.hpp"
+#include "support/gpu/gpu.hpp"
 #include "support/random.hpp"
 
 namespace {

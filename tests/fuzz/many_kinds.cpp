@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "fuzz/isolate.hpp"
-#include "fuzz/kinds.hpp"
+#include "fuzz/kinds/kinds.hpp"
 #include "support/check.hpp"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../support/check.hpp"
-#include "../support/random.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
 
 namespace {
 

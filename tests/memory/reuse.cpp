@@ -13,8 +13,8 @@
 #include <vector>
 #include <votess/votess.hpp>
 
-#include "cpu/search.hpp"
-#include "cpu/sort.hpp"
+#include "cpu/clip/cell_builder.hpp"
+#include "cpu/sort/sort.hpp"
 
 namespace {
 

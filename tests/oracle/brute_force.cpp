@@ -1,4 +1,4 @@
-#include "brute_force.hpp"
+#include "oracle/brute_force.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "../support/check.hpp"
-#include "brute_force.hpp"
+#include "oracle/brute_force.hpp"
+#include "support/check.hpp"
 
 namespace {
 

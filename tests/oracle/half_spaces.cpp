@@ -1,4 +1,4 @@
-#include "half_spaces.hpp"
+#include "oracle/half_spaces.hpp"
 
 #include <gmpxx.h>
 

@@ -10,7 +10,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
-#include "half_spaces.hpp"
+#include "oracle/half_spaces.hpp"
 
 namespace test {
 

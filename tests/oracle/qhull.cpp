@@ -9,8 +9,8 @@ extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
 
-#include "../support/check.hpp"
-#include "brute_force.hpp"
+#include "oracle/brute_force.hpp"
+#include "support/check.hpp"
 
 namespace {
 

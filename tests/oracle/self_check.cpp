@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../support/generators.hpp"
-#include "brute_force.hpp"
+#include "oracle/brute_force.hpp"
+#include "support/generators.hpp"
 
 namespace {
 

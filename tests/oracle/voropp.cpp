@@ -7,8 +7,8 @@
 #include <numeric>
 #include <voro++/voro++.hh>
 
-#include "../support/check.hpp"
-#include "brute_force.hpp"
+#include "oracle/brute_force.hpp"
+#include "support/check.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <voro++/voro++.hh>
 #include <votess/votess.hpp>
 
-#include "half_spaces.hpp"
+#include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"

@@ -9,12 +9,12 @@
 #include <stdexcept>
 #include <thread>
 
-#include "cpu/cell.hpp"
-#include "cpu/kernels.hpp"
+#include "core/thread_pool.hpp"
+#include "cpu/clip/cell.hpp"
+#include "cpu/clip/cell_kernels.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
-#include "thread_pool.hpp"
 
 using namespace votess::cpu;
 using test::Random;

@@ -1,5 +1,5 @@
 // delaunay: predicates and triangulations against rational arithmetic; the cells that come from them.
-#include "cpu/delaunay.hpp"
+#include "cpu/triangulate/delaunay.hpp"
 
 #include <doctest/doctest.h>
 #include <gmpxx.h>
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <set>
 
-#include "cpu/cell.hpp"
-#include "cpu/search.hpp"
-#include "cpu/triangulation.hpp"
+#include "cpu/clip/cell.hpp"
+#include "cpu/clip/cell_builder.hpp"
+#include "cpu/triangulate/triangulation.hpp"
 #include "exact/insphere.hpp"
 #include "oracle/brute_force.hpp"
 #include "support/check.hpp"

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "exact/double_double.hpp"
+#include "exact/integer/wide_int.hpp"
 #include "exact/predicate.hpp"
-#include "exact/wide_int.hpp"
 #include "support/random.hpp"
 #include "support/rational_planes.hpp"
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "cpu/cpu_clipper.hpp"
-#include "options.hpp"
+#include "input/options.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"

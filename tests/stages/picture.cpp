@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "../support/check.hpp"
-#include "../support/random.hpp"
 #include "picture/colors.hpp"
+#include "picture/legend/text.hpp"
 #include "picture/mesh.hpp"
 #include "picture/shown.hpp"
 #include "picture/solid.hpp"
-#include "picture/text.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
 
 namespace {
 

@@ -8,13 +8,13 @@
 #include <optional>
 #include <vector>
 
-#include "cpu/cell.hpp"
-#include "cpu/hierarchy.hpp"
-#include "cpu/seed_images.hpp"
-#include "cpu/star_kernels.hpp"
+#include "cpu/clip/cell.hpp"
+#include "cpu/sort/hierarchy.hpp"
+#include "cpu/sort/seed_images.hpp"
+#include "cpu/walk/kernels/star_kernels.hpp"
 #include "domain/domain.hpp"
 #include "exact/vertex.hpp"
-#include "options.hpp"
+#include "input/options.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 

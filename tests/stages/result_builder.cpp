@@ -1,5 +1,5 @@
 // The result builder beside the engines: how rows wait, and sums that do not depend on threads.
-#include "result_builder.hpp"
+#include "result/result_builder.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <memory>
 
-#include "packed_ids.hpp"
+#include "result/packed_ids.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 

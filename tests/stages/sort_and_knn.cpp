@@ -7,9 +7,9 @@
 #include <limits>
 #include <map>
 
-#include "cpu/hilbert.hpp"
-#include "cpu/search.hpp"
-#include "cpu/sort.hpp"
+#include "cpu/clip/cell_builder.hpp"
+#include "cpu/sort/hilbert.hpp"
+#include "cpu/sort/sort.hpp"
 #include "support/allocations.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"

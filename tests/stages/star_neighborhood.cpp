@@ -8,9 +8,9 @@
 #include <numeric>
 #include <set>
 
-#include "cpu/kernels.hpp"
-#include "cpu/neighborhood.hpp"
-#include "cpu/window.hpp"
+#include "cpu/clip/cell_kernels.hpp"
+#include "cpu/walk/neighborhood.hpp"
+#include "cpu/walk/window.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 

@@ -1,4 +1,4 @@
-#include "check.hpp"
+#include "support/check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 #include <set>
 #include <sstream>
 
-#include "../oracle/brute_force.hpp"
-#include "cpu/kernels.hpp"
-#include "text.hpp"
+#include "cpu/clip/cell_kernels.hpp"
+#include "oracle/brute_force.hpp"
+#include "support/text.hpp"
 
 namespace test {
 

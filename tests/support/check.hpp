@@ -11,7 +11,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
-#include "generators.hpp"
+#include "support/generators.hpp"
 
 namespace test {
 

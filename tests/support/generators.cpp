@@ -1,10 +1,10 @@
-#include "generators.hpp"
+#include "support/generators.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "random.hpp"
+#include "support/random.hpp"
 
 namespace test {
 

@@ -1,4 +1,4 @@
-#include "mesh.hpp"
+#include "support/mesh.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,12 +4,12 @@
 #include <memory>
 #include <numeric>
 
-#include "check.hpp"
-#include "cpu/cell.hpp"
-#include "cpu/polygon_writer.hpp"
-#include "mesh.hpp"
-#include "mesh_builder.hpp"
-#include "options.hpp"
+#include "cpu/clip/cell.hpp"
+#include "cpu/clip/polygon_writer.hpp"
+#include "input/options.hpp"
+#include "mesh/mesh_builder.hpp"
+#include "support/check.hpp"
+#include "support/mesh.hpp"
 
 namespace test {
 

@@ -1,4 +1,4 @@
-#include "random.hpp"
+#include "support/random.hpp"
 
 #include <numeric>
 

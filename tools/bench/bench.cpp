@@ -9,10 +9,10 @@
 #include <thread>
 
 #include "goals.hpp"
-#include "gpu_table.hpp"
-#include "machine.hpp"
+#include "gpu/gpu_table.hpp"
 #include "measure.hpp"
-#include "memory.hpp"
+#include "system/machine.hpp"
+#include "system/memory.hpp"
 
 namespace bench {
 

@@ -5,7 +5,7 @@
 #include <list>
 #include <thread>
 
-#include "machine.hpp"
+#include "system/machine.hpp"
 
 namespace bench {
 namespace {

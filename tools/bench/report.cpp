@@ -6,8 +6,8 @@
 #include <limits>
 #include <sstream>
 
-#include "machine.hpp"
 #include "measure.hpp"
+#include "system/machine.hpp"
 
 namespace bench {
 namespace {

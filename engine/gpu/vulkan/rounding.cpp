@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "gpu/vulkan/commands.hpp"
+#include "gpu/passes/commands.hpp"
 #include "shaders.hpp"
 #include "shared/bindings.h"
 #include "shared/layout.h"

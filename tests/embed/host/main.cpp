@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "arguments.hpp"
-#include "check.hpp"
+#include "check/check.hpp"
 #include "frames.hpp"
 #include "png.hpp"
 

@@ -22,7 +22,7 @@
 #include <thread>
 
 #include "fuzz/judge.hpp"
-#include "fuzz/kinds.hpp"
+#include "fuzz/kinds/kinds.hpp"
 #include "fuzz/tool/reduce.hpp"
 #include "support/check.hpp"
 

@@ -1,4 +1,4 @@
-// What tests/stages/gpu_filter.cpp runs: the filter of shaders/lib/filter.glsl on one vertex and one more seed. A case
+// What tests/stages/gpu/gpu_filter.cpp runs: the filter of shaders/clip/filter.glsl on one vertex and one more seed. A case
 // has 16 numbers of 64 bits: the seed, three more and the last one in units, the exponent of the unit of length in the
 // low word, and in the high word 1 when coordinates have been rounded to units. Variant: CLIP_FLOAT64.
 #version 450
@@ -11,12 +11,12 @@ layout(push_constant) uniform Push { uint count; };
 layout(std430, set = 0, binding = 2) readonly buffer Cases { uvec2 cases[]; };
 layout(std430, set = 0, binding = 5) writeonly buffer Verdicts { uint verdicts[]; };
 
-#include "lib/real.glsl"
-#include "lib/number.glsl"
-#include "lib/int64.glsl"
-#include "lib/linear.glsl"
-#include "lib/relative.glsl"
-#include "lib/filter.glsl"
+#include "numbers/real.glsl"
+#include "numbers/number.glsl"
+#include "numbers/int64.glsl"
+#include "shared/linear.glsl"
+#include "clip/relative.glsl"
+#include "clip/filter.glsl"
 
 Plane plane_of(uint seed) {
     return bisector(difference(cases[seed], px), difference(cases[seed + 1u], py), difference(cases[seed + 2u], pz));

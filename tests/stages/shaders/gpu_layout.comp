@@ -1,9 +1,9 @@
-// What tests/stages/gpu_layout.cpp runs: writes each field of a struct of shaders/shared/layout.h, by name, into a word
+// What tests/stages/gpu/gpu_layout.cpp runs: writes each field of a struct of shaders/shared/layout.h, by name, into a word
 // each. The variants are named like the structs.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/layout.h"
-#include "lib/node.glsl"
+#include "search/node.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(std430, binding = 1) writeonly buffer Words { uint words[]; };

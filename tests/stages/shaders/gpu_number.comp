@@ -1,7 +1,7 @@
-// What tests/stages/gpu_number.cpp runs: the arithmetic of shaders/lib/number.glsl on given numbers.
+// What tests/stages/gpu/gpu_number.cpp runs: the arithmetic of shaders/numbers/number.glsl on given numbers.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "lib/number.glsl"
+#include "numbers/number.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant) uniform Push { uint count; };

@@ -1,4 +1,4 @@
-// What tests/stages/vulkan_layer.cpp runs. Variants: SCALE scales and adds; ARGUMENTS writes the group counts of an
+// What tests/stages/gpu/vulkan_layer.cpp runs. Variants: SCALE scales and adds; ARGUMENTS writes the group counts of an
 // indirect dispatch; DOUBLES scales in double precision.
 #version 450
 

@@ -1,0 +1,89 @@
+// Lines of a text and their words, with the line number for messages.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "failure.hpp"
+#include "files/numbers.hpp"
+
+namespace clvotess {
+
+using Words = std::vector<std::string_view>;
+
+inline void split_words(std::string_view line, Words& words) {
+    constexpr std::string_view blanks = " \t\r\v\f";
+    words.clear();
+    for (;;) {
+        const auto begin = line.find_first_not_of(blanks);
+        if (begin == std::string_view::npos) return;
+        line.remove_prefix(begin);
+        const auto length = std::min(line.find_first_of(blanks), line.size());
+        words.push_back(line.substr(0, length));
+        line.remove_prefix(length);
+    }
+}
+
+[[nodiscard]] std::string lower_case(std::string_view text);  // of ASCII
+[[nodiscard]] std::string columns_text(std::size_t count);    // "1 column", "5 columns"
+
+class LineReader {
+public:
+    LineReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {}
+
+    [[nodiscard]] bool next(std::string_view& line) {
+        if (rest_.empty()) return false;
+        const auto end = std::min(rest_.find('\n'), rest_.size());
+        line = rest_.substr(0, end);
+        rest_.remove_prefix(std::min(end + 1, rest_.size()));
+        ++line_;
+        return true;
+    }
+
+    // The next line, which must be there.
+    [[nodiscard]] std::string_view need(const std::string& what) {
+        std::string_view line;
+        if (!next(line)) throw error("the file ends where " + what + " should follow");
+        return line;
+    }
+
+    [[nodiscard]] Failure error(const std::string& message) const { return bad_input(place() + ": " + message); }
+    [[nodiscard]] std::string place() const { return name_ + ":" + std::to_string(line_); }
+
+    [[nodiscard]] double number(std::string_view word) const {
+        if (const auto value = read_double(word)) return *value;
+        throw error(in_quotes(word) + " is not a number");
+    }
+    [[nodiscard]] std::int64_t whole(std::string_view word, const char* what) const {
+        if (const auto value = read_int64(word)) return *value;
+        throw error(in_quotes(word) + " is not a whole number, as " + what + " must be");
+    }
+
+    [[nodiscard]] std::string_view rest() const noexcept { return rest_; }
+    // Goes on behind `count` bytes of the rest, which hold `lines` line ends.
+    void skip(std::size_t count, std::size_t lines) {
+        rest_.remove_prefix(count);
+        line_ += lines;
+    }
+    [[nodiscard]] const std::string& name() const noexcept { return name_; }
+
+private:
+    std::string_view rest_;
+    std::string name_;
+    std::size_t line_ = 0;
+};
+
+// Which column of a row `wish` means: a name, or a number from 1. Throws Failure when there is none.
+[[nodiscard]] std::size_t find_column(const Words& names, const std::string& wish, const std::string& where);
+
+// A number of rows that a file announces cannot be true when each takes at least `bytes_each` of the bytes that are
+// left: so a broken count takes no memory.
+inline bool can_hold(std::size_t bytes, std::uint64_t rows, std::size_t bytes_each) {
+    return rows <= bytes / std::max<std::size_t>(bytes_each, 1) + 1;
+}
+
+}  // namespace clvotess

@@ -1,0 +1,77 @@
+#include "files/numbers.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "failure.hpp"
+
+namespace clvotess {
+namespace {
+
+std::string_view without_plus(std::string_view text) {
+    const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+';
+    return plus ? text.substr(1) : text;
+}
+
+template <typename Integer>
+std::optional<Integer> read_integer(std::string_view text) {
+    text = without_plus(text);
+    Integer value{};
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+// Only for text that from_chars found to be a number beyond the range of float64: does it lie beyond or below it?
+bool is_huge(std::string_view text) {
+    const auto exponent = text.find_first_of("eE");
+    return exponent == std::string_view::npos || exponent + 1 >= text.size() || text[exponent + 1] != '-';
+}
+
+}  // namespace
+
+std::optional<double> read_double(std::string_view text) {
+    text = without_plus(text);
+    double value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (stop != text.data() + text.size()) return std::nullopt;
+    if (error == std::errc::result_out_of_range) {
+        value = is_huge(text) ? std::numeric_limits<double>::infinity() : 0.0;
+        return text.starts_with('-') ? -value : value;
+    }
+    if (error != std::errc{}) return std::nullopt;
+    return value;
+}
+
+std::optional<std::int64_t> read_int64(std::string_view text) {
+    return read_integer<std::int64_t>(text);
+}
+std::optional<std::uint64_t> read_uint64(std::string_view text) {
+    return read_integer<std::uint64_t>(text);
+}
+
+std::string to_text(double value) {
+    if (std::isnan(value)) return "nan";
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+    return {digits, end};
+}
+
+std::string in_quotes(std::string_view text) {
+    constexpr std::size_t longest = 60;
+    constexpr char hex[] = "0123456789abcdef";
+    std::string result = "'";
+    for (const char c : text.substr(0, longest)) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 0x20 || byte == 0x7f) {
+            result += {'\\', 'x', hex[byte >> 4], hex[byte & 15]};
+        } else {
+            result += c;
+        }
+    }
+    if (text.size() > longest) result += "...";
+    return result + "'";
+}
+
+}  // namespace clvotess

@@ -1,0 +1,85 @@
+#include "read/input.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include "failure.hpp"
+#include "files/line_reader.hpp"
+#include "files/mapped_file.hpp"
+
+namespace clvotess {
+namespace {
+
+constexpr const char* known =
+    "known are .xyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, text without an "
+    "extension, and on stdin as -";
+
+void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
+    if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
+        throw bad_input("--dataset goes with .h5, .hdf5 and .npz only, not with " + in_quotes(path));
+    }
+    if (request.frame && extension != ".dump" && extension != ".lammpstrj") {
+        throw bad_input("--frame goes with LAMMPS dumps (.dump, .lammpstrj) only, not with " + in_quotes(path));
+    }
+}
+
+// The extension that says what the file is. LAMMPS's own examples are called data.NAME and dump.NAME.
+std::string kind_of(const std::string& path) {
+    if (path == "-") return ".txt";
+    const std::string extension = extension_of(path);
+    constexpr std::array<std::string_view, 15> extensions{".xyz",  ".txt", ".dat",  ".csv",  ".npy",
+                                                          ".npz",  ".h5",  ".hdf5", ".dump", ".lammpstrj",
+                                                          ".data", ".lmp", ".ply",  ".vtp",  ".vtu"};
+    if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
+    const std::string name = std::filesystem::path(path).filename().string();
+    if (name.starts_with("data.")) return ".data";
+    if (name.starts_with("dump.")) return ".dump";
+    return extension;
+}
+
+// The base of a snapshot in several files may lack the extension.
+bool is_snapshot_base(const std::string& path) {
+    std::error_code problem;
+    if (std::filesystem::exists(path, problem)) return false;
+    return std::filesystem::exists(path + ".0.hdf5", problem) || std::filesystem::exists(path + ".0.h5", problem);
+}
+
+}  // namespace
+
+std::string extension_of(const std::string& path) {
+    return lower_case(std::filesystem::path(path).extension().string());
+}
+
+Input read_input(const std::string& path, const ReadRequest& request) {
+    const std::string extension = kind_of(path);
+    const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
+    refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
+    if (hdf5) return read_hdf5(path, request);
+    if (extension == ".npy") {
+        if (!request.column.empty()) throw bad_input(path + ": one array has no column " + in_quotes(request.column));
+        return read_npy(path);
+    }
+    using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
+    const auto parse = [&](Parser parser) {
+        const MappedFile file(path);
+        return parser(file.bytes(), path == "-" ? "stdin" : path, request);
+    };
+    if (extension == ".txt" || extension == ".dat" || extension.empty()) {
+        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::plain, name, wish); });
+    }
+    if (extension == ".xyz") {
+        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::xyz, name, wish); });
+    }
+    if (extension == ".csv") {
+        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::csv, name, wish); });
+    }
+    if (extension == ".npz") return parse(parse_npz);
+    if (extension == ".dump" || extension == ".lammpstrj") return parse(parse_lammps_dump);
+    if (extension == ".data" || extension == ".lmp") return parse(parse_lammps_data);
+    if (extension == ".ply") return parse(parse_ply);
+    if (extension == ".vtp" || extension == ".vtu") return parse(parse_vtk);
+    throw bad_input("cannot read " + in_quotes(path) + ": " + known);
+}
+
+}  // namespace clvotess

@@ -1,0 +1,62 @@
+// The box of a LAMMPS file: bounds and the tilts xy, xz, yz of its edge vectors.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "read/input.hpp"
+
+namespace clvotess {
+
+struct LammpsBox {
+    std::array<double, 3> lower{}, upper{};
+    double xy = 0, xz = 0, yz = 0;
+    std::array<bool, 3> periodic{};
+
+    [[nodiscard]] bool tilted() const noexcept { return xy != 0 || xz != 0 || yz != 0; }
+
+    // Dumps write the bounds of the tilted box; its edges begin and end where the tilts have been taken off.
+    void take_off_bounds() noexcept {
+        lower[0] -= std::min({0.0, xy, xz, xy + xz});
+        upper[0] -= std::max({0.0, xy, xz, xy + xz});
+        lower[1] -= std::min(0.0, yz);
+        upper[1] -= std::max(0.0, yz);
+    }
+
+    // One line, empty when the box can be a domain.
+    [[nodiscard]] std::string problem() const {
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!std::isfinite(lower[k]) || !std::isfinite(upper[k]) || !(lower[k] < upper[k])) {
+                return std::string("the box has no extent along ") + "xyz"[k];
+            }
+        }
+        if (!std::isfinite(xy) || !std::isfinite(xz) || !std::isfinite(yz)) return "the tilt of the box is not finite";
+        if (tilted() && !(periodic[0] && periodic[1] && periodic[2])) {
+            return "a tilted box must be periodic along all three axes";
+        }
+        return {};
+    }
+
+    [[nodiscard]] std::array<double, 3> unscaled(const std::array<double, 3>& s) const {
+        const double x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
+        return {lower[0] + x * s[0] + xy * s[1] + xz * s[2], lower[1] + y * s[1] + yz * s[2], lower[2] + z * s[2]};
+    }
+
+    [[nodiscard]] FileDomain domain() const {
+        FileDomain domain;
+        if (!tilted()) {
+            domain.box = votess::Box{lower, upper};
+            domain.periodic = periodic;
+            return domain;
+        }
+        domain.cell = votess::TriclinicBox{.origin = lower,
+                                           .a = {upper[0] - lower[0], 0, 0},
+                                           .b = {xy, upper[1] - lower[1], 0},
+                                           .c = {xz, yz, upper[2] - lower[2]}};
+        return domain;
+    }
+};
+
+}  // namespace clvotess

@@ -1,0 +1,212 @@
+// LAMMPS data files: a header with the number of atoms and the box, then sections; of these only Atoms is read.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <optional>
+
+#include "failure.hpp"
+#include "files/line_reader.hpp"
+#include "read/input.hpp"
+#include "read/lammps/lammps_box.hpp"
+#include "read/lammps/lammps_styles.hpp"
+
+namespace clvotess {
+namespace {
+
+constexpr std::size_t spin_columns = 9;
+
+// Compared as bits, which are in order even where a number is none.
+using Triple = std::array<std::uint64_t, 3>;
+
+bool has_equal_pair(std::vector<Triple>& triples) {
+    std::ranges::sort(triples);
+    return std::ranges::adjacent_find(triples) != triples.end();
+}
+
+class DataReader {
+public:
+    DataReader(std::string_view text, const std::string& name, const ReadRequest& request)
+        : lines_(text, name), request_(request) {}
+
+    Input read() {
+        std::string_view line;
+        (void)lines_.next(line);  // the first line is a comment, whatever it holds
+        while (lines_.next(line)) {
+            const auto mark = std::min(line.find('#'), line.size());
+            split_words(line.substr(0, mark), words_);
+            if (words_.empty()) continue;
+            if (words_[0] == "Atoms" && words_.size() == 1) {
+                Words hint;
+                const std::string_view comment = line.substr(std::min(mark + 1, line.size()));
+                split_words(comment, hint);
+                take_names(comment, true);
+                if (named_) hint.clear();
+                return read_atoms(hint);
+            }
+            read_header();
+        }
+        throw lines_.error("the file ends before its section Atoms");
+    }
+
+private:
+    // `N atoms`, `lo hi xlo xhi`, `xy xz yz xy xz yz`. Other lines and sections are passed over.
+    void read_header() {
+        const std::size_t n = words_.size();
+        if (n == 2 && words_[1] == "atoms") {
+            count_ = read_uint64(words_[0]);
+            if (!count_) throw lines_.error(in_quotes(words_[0]) + " is not a number of atoms");
+            return;
+        }
+        constexpr std::array<std::array<std::string_view, 2>, 3> bounds{
+            {{"xlo", "xhi"}, {"ylo", "yhi"}, {"zlo", "zhi"}}};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (n == 4 && words_[2] == bounds[k][0] && words_[3] == bounds[k][1]) {
+                box_.lower[k] = lines_.number(words_[0]);
+                box_.upper[k] = lines_.number(words_[1]);
+                bounds_seen_[k] = true;
+            }
+        }
+        if (n == 6 && words_[3] == "xy" && words_[4] == "xz" && words_[5] == "yz") {
+            box_.xy = lines_.number(words_[0]);
+            box_.xz = lines_.number(words_[1]);
+            box_.yz = lines_.number(words_[2]);
+        }
+        if (n >= 2 && (words_[n - 1] == "avec" || words_[n - 1] == "bvec" || words_[n - 1] == "cvec")) {
+            throw lines_.error("boxes written as avec, bvec, cvec are not supported");
+        }
+    }
+
+    // Keeps the words when they name columns, in a line before the rows or behind `Atoms #`.
+    void take_names(std::string_view line, bool commented) {
+        names_text_ = lower_case(line);
+        Words names;
+        split_words(names_text_, names);
+        named_ = columns_by_names(names);
+        names_commented_ = commented;
+    }
+
+    // The columns of rows of `size` words, by the words behind `Atoms #`, by names, else by the number of columns.
+    // A comment that does not fit the rows was none about columns.
+    [[nodiscard]] AtomColumns columns_of(const Words& hint, std::size_t size) const {
+        const bool fits = named_ && (size == named_->names.size() || size == named_->names.size() + 3);
+        if (named_ && !fits && !names_commented_) {
+            throw lines_.error("this row has " + columns_text(size) + ", but " + std::to_string(named_->names.size()) +
+                               " are named before the rows");
+        }
+        if (hint.empty()) return fits ? *named_ : columns_by_size(size, lines_);
+        AtomColumns columns = columns_of_style(hint, size, lines_);
+        if (!fits) return columns;
+        if (columns.x != named_->x) {
+            throw lines_.error("x is column " + std::to_string(columns.x + 1) + " of atom style " + in_quotes(hint[0]) +
+                               ", but column " + std::to_string(named_->x + 1) +
+                               " of those named before the rows: correct one of them");
+        }
+        return columns.names.back().empty() ? *named_ : columns;
+    }
+
+    // What was taken for image flags may be coordinates at the end of the row, or the values of style spin. But image
+    // flags are equal for some atoms, places for none; and spin's four values follow z.
+    void check_guess(const std::vector<double>& points, std::vector<Triple>& flags) const {
+        std::vector<Triple> places(flags.size());
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) places[i][k] = std::bit_cast<std::uint64_t>(points[3 * i + k]);
+        }
+        if (!four_whole_ && has_equal_pair(flags) && !has_equal_pair(places)) return;
+        throw lines_.error("which columns are the coordinates is not sure: " + std::string(ask_for_style));
+    }
+
+    // A diameter is also there as `radius`, its half.
+    void find_value(const Words& columns) {
+        if (request_.column.empty()) return;
+        const auto diameter = std::find(columns.begin(), columns.end(), "diameter");
+        if (request_.column == "radius" && diameter != columns.end()) {
+            value_column_ = static_cast<std::size_t>(diameter - columns.begin());
+            factor_ = 0.5;
+        } else {
+            value_column_ = find_column(columns, request_.column, lines_.name());
+        }
+    }
+
+    Input read_atoms(const Words& hint) {
+        if (!count_) throw lines_.error("the section Atoms comes before the line \"N atoms\"");
+        // LAMMPS takes a box as periodic unless its script says otherwise, and a data file cannot say so.
+        box_.periodic = {true, true, true};
+        const bool has_box = bounds_seen_[0] && bounds_seen_[1] && bounds_seen_[2];
+        if (!has_box) throw lines_.error("the header lacks the box: lines with xlo xhi, ylo yhi and zlo zhi");
+        if (const std::string problem = box_.problem(); !problem.empty()) throw lines_.error(problem);
+
+        Input input;
+        input.domain = box_.domain();
+        const auto count = static_cast<std::size_t>(*count_);
+        constexpr std::size_t shortest_row = 10;
+        if (!can_hold(lines_.rest().size(), count, shortest_row)) throw short_section(0);
+        input.points.reserve(3 * count);
+        input.ids.reserve(count);
+        AtomColumns columns;
+        std::vector<Triple> flags;  // of guessed columns
+        std::size_t row_size = 0;
+        while (input.ids.size() < count) {
+            std::string_view line;
+            if (!lines_.next(line)) throw short_section(input.ids.size());
+            const auto mark = std::min(line.find('#'), line.size());
+            split_words(line.substr(0, mark), words_);
+            if (row_size == 0 && (words_.empty() ? !named_ : !read_double(words_[0]))) {
+                take_names(words_.empty() ? line.substr(std::min(mark + 1, line.size())) : line.substr(0, mark),
+                           words_.empty());
+                if (named_) continue;
+            }
+            if (words_.empty()) continue;
+            if (row_size == 0) {
+                row_size = words_.size();
+                columns = columns_of(hint, row_size);
+                four_whole_ = row_size == spin_columns;
+                find_value(columns.names);
+            }
+            if (words_.size() != row_size) {
+                throw lines_.error("this row has " + columns_text(words_.size()) + ", the rows before it have " +
+                                   std::to_string(row_size));
+            }
+            input.ids.push_back(lines_.whole(words_[0], "an id"));
+            for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[columns.x + k]));
+            four_whole_ = four_whole_ && read_int64(words_[columns.x + 2]);
+            if (columns.guessed && columns.names.size() < row_size) flags.emplace_back();
+            for (std::size_t k = columns.names.size(); k < row_size; ++k) {
+                const auto flag = read_int64(words_[k]);
+                if (!flag) {
+                    throw lines_.error(in_quotes(words_[k]) + " is not a whole number, as an image flag must be" +
+                                       (columns.guessed ? std::string("; ") + ask_for_style : ""));
+                }
+                if (columns.guessed) flags.back()[k - columns.names.size()] = static_cast<std::uint64_t>(*flag);
+            }
+            if (value_column_) input.column.push_back(factor_ * lines_.number(words_[*value_column_]));
+        }
+        if (!flags.empty()) check_guess(input.points, flags);
+        return input;
+    }
+
+    [[nodiscard]] Failure short_section(std::size_t rows) const {
+        return lines_.error("the file ends after " + std::to_string(rows) + " of the " + std::to_string(*count_) +
+                            " atoms that its header announces");
+    }
+
+    LineReader lines_;
+    const ReadRequest& request_;
+    Words words_;
+    std::optional<std::uint64_t> count_;
+    LammpsBox box_;
+    std::array<bool, 3> bounds_seen_{};
+    std::string names_text_;
+    std::optional<AtomColumns> named_;  // points into names_text_
+    bool names_commented_ = false;
+    bool four_whole_ = false;  // the last four columns of rows as long as those of style spin
+    std::optional<std::size_t> value_column_;
+    double factor_ = 1;
+};
+
+}  // namespace
+
+Input parse_lammps_data(std::string_view text, const std::string& name, const ReadRequest& request) {
+    return DataReader(text, name, request).read();
+}
+
+}  // namespace clvotess

@@ -1,0 +1,200 @@
+// LAMMPS dumps in text: frames of `ITEM:` blocks. The box of the frame, with its tilt and its periodic axes, becomes
+// the domain.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "failure.hpp"
+#include "files/line_reader.hpp"
+#include "read/input.hpp"
+#include "read/lammps/lammps_box.hpp"
+
+namespace clvotess {
+namespace {
+
+// Where the coordinates are: columns of x, y, z, and how they are written.
+struct Place {
+    std::array<std::size_t, 3> columns{};
+    bool scaled = false;
+};
+
+class DumpReader {
+public:
+    DumpReader(std::string_view text, const std::string& name, const ReadRequest& request)
+        : lines_(text, name), request_(request) {}
+
+    Input read() {
+        std::uint64_t frames = 0;
+        std::string_view timestep;
+        std::string_view line;
+        const std::uint64_t wanted = request_.frame.value_or(0);
+        bool begun = false;
+        while (lines_.next(line)) {
+            split_words(line, words_);
+            if (words_.empty()) continue;
+            if (words_[0] != "ITEM:") {
+                if (begun) throw more_rows();
+                throw lines_.error("no LAMMPS dump in text: it must begin with ITEM: TIMESTEP");
+            }
+            begun = true;
+            const std::string_view item = line.substr(line.find("ITEM:") + 5);
+            const std::string_view head = item.substr(std::min(item.find_first_not_of(' '), item.size()));
+            if (head.starts_with("TIMESTEP")) {
+                split_words(lines_.need("the timestep"), words_);
+                if (words_.size() != 1) throw lines_.error("expected one number, the timestep");
+                timestep = words_[0];
+                count_.reset();
+                has_box_ = false;
+            } else if (head.starts_with("NUMBER OF ATOMS")) {
+                read_count();
+            } else if (head.starts_with("BOX BOUNDS")) {
+                read_box();
+            } else if (head.starts_with("ATOMS")) {
+                if (!count_ || !has_box_) {
+                    throw lines_.error("ITEM: ATOMS before ITEM: NUMBER OF ATOMS and ITEM: BOX BOUNDS");
+                }
+                if (frames++ == wanted) return read_atoms(wanted, timestep);
+                skip_atoms();
+            } else if (head.starts_with("UNITS") || head.starts_with("TIME")) {
+                (void)lines_.need("its value");
+            } else {
+                throw lines_.error("unknown block " + in_quotes(line));
+            }
+        }
+        if (frames == 0) throw lines_.error("the file ends before the atoms of a frame");
+        throw bad_input(lines_.name() + ": there is no frame " + std::to_string(wanted) + ", the file has " +
+                        std::to_string(frames) + ", counted from 0");
+    }
+
+private:
+    void read_count() {
+        split_words(lines_.need("the number of atoms"), words_);
+        const auto count = words_.size() == 1 ? read_uint64(words_[0]) : std::nullopt;
+        if (!count) throw lines_.error("expected one whole number, the number of atoms");
+        if (!can_hold(lines_.rest().size(), *count, 2)) {
+            throw lines_.error(std::to_string(*count) + " atoms are announced, but only " +
+                               std::to_string(lines_.rest().size()) + " bytes follow");
+        }
+        count_ = *count;
+    }
+
+    void read_box() {
+        // words_: ITEM: BOX BOUNDS [xy xz yz | abc origin] bx by bz, or without the boundaries in old files.
+        const bool tilted = words_.size() >= 6 && words_[3] == "xy";
+        if (words_.size() >= 4 && words_[3] == "abc") {
+            throw lines_.error(
+                "boxes written as \"abc origin\" are not supported: use dump_modify triclinic/general no");
+        }
+        const std::size_t first = tilted ? 6 : 3;
+        box_ = {};
+        if (words_.size() == first + 3) {
+            for (std::size_t k = 0; k < 3; ++k) box_.periodic[k] = words_[first + k] == "pp";
+        } else if (words_.size() != first) {
+            throw lines_.error("expected three boundaries such as pp pp ff");
+        }
+        std::array<double, 3> tilt{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            split_words(lines_.need("the bounds of the box"), words_);
+            if (words_.size() != (tilted ? 3u : 2u)) {
+                throw lines_.error(tilted ? "expected lo hi tilt, the bounds of a tilted box"
+                                          : "expected lo hi, the bounds of the box");
+            }
+            box_.lower[k] = lines_.number(words_[0]);
+            box_.upper[k] = lines_.number(words_[1]);
+            if (tilted) tilt[k] = lines_.number(words_[2]);
+        }
+        box_.xy = tilt[0];
+        box_.xz = tilt[1];
+        box_.yz = tilt[2];
+        box_.take_off_bounds();
+        if (const std::string problem = box_.problem(); !problem.empty()) throw lines_.error(problem);
+        has_box_ = true;
+    }
+
+    void skip_atoms() {
+        for (std::uint64_t i = 0; i < *count_; ++i) {
+            std::string_view line;
+            if (!lines_.next(line)) throw short_frame(i);
+        }
+    }
+
+    [[nodiscard]] Failure more_rows() const {
+        return lines_.error("more rows than the ITEM: NUMBER OF ATOMS of the frame before");
+    }
+
+    [[nodiscard]] Failure short_frame(std::uint64_t rows) const {
+        return lines_.error("the file ends after " + std::to_string(rows) + " of the " + std::to_string(*count_) +
+                            " atoms of its frame");
+    }
+
+    [[nodiscard]] Place find_place(const Words& names) const {
+        const auto at = [&](std::string_view name) -> std::optional<std::size_t> {
+            const auto found = std::find(names.begin(), names.end(), name);
+            if (found == names.end()) return std::nullopt;
+            return static_cast<std::size_t>(found - names.begin());
+        };
+        for (const auto& [suffix, scaled] : {std::pair{"", false}, {"u", false}, {"s", true}, {"su", true}}) {
+            const auto x = at(std::string("x") + suffix);
+            const auto y = at(std::string("y") + suffix);
+            const auto z = at(std::string("z") + suffix);
+            if (x && y && z) return {{*x, *y, *z}, scaled};
+        }
+        throw lines_.error("no columns x y z, xu yu zu, xs ys zs or xsu ysu zsu");
+    }
+
+    Input read_atoms(std::uint64_t frame, std::string_view timestep) {
+        Words names(words_.begin() + 2, words_.end());
+        const Place place = find_place(names);
+        const auto id = std::find(names.begin(), names.end(), "id");
+        const auto id_column = static_cast<std::size_t>(id - names.begin());
+        const bool has_column = !request_.column.empty();
+        const std::size_t column = has_column ? find_column(names, request_.column, lines_.name()) : 0;
+
+        Input input;
+        input.domain = box_.domain();
+        input.note = "frame " + std::to_string(frame) + ", timestep " + std::string(timestep);
+        const auto count = static_cast<std::size_t>(*count_);
+        if (!can_hold(lines_.rest().size(), count, 2 * names.size())) throw short_frame(0);
+        input.points.reserve(3 * count);
+        if (id != names.end()) input.ids.reserve(count);
+        if (has_column) input.column.reserve(count);
+        Words row;
+        for (std::size_t i = 0; i < count; ++i) {
+            std::string_view line;
+            if (!lines_.next(line)) throw short_frame(i);
+            split_words(line, row);
+            if (row.size() != names.size()) {
+                throw lines_.error("this row has " + columns_text(row.size()) + ", " + std::to_string(names.size()) +
+                                   " are announced");
+            }
+            std::array<double, 3> position{};
+            for (std::size_t k = 0; k < 3; ++k) position[k] = lines_.number(row[place.columns[k]]);
+            if (place.scaled) position = box_.unscaled(position);
+            input.points.insert(input.points.end(), position.begin(), position.end());
+            if (id != names.end()) input.ids.push_back(lines_.whole(row[id_column], "an id"));
+            if (has_column) input.column.push_back(lines_.number(row[column]));
+        }
+        std::string_view next;
+        if (lines_.next(next) && next.find_first_not_of(" \t\r") != std::string_view::npos &&
+            !next.starts_with("ITEM:")) {
+            throw more_rows();
+        }
+        return input;
+    }
+
+    LineReader lines_;
+    const ReadRequest& request_;
+    Words words_;
+    std::optional<std::uint64_t> count_;
+    bool has_box_ = false;
+    LammpsBox box_;
+};
+
+}  // namespace
+
+Input parse_lammps_dump(std::string_view text, const std::string& name, const ReadRequest& request) {
+    return DumpReader(text, name, request).read();
+}
+
+}  // namespace clvotess

@@ -1,0 +1,324 @@
+// HDF5: a dataset (N, 3) of floats, and the snapshots of cosmological codes, whose datasets are spread over files.
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "failure.hpp"
+#include "files/formats/hdf5_handles.hpp"
+#include "files/numbers.hpp"
+#include "interrupt.hpp"
+#include "read/input.hpp"
+#include "read/snapshot_files.hpp"
+
+namespace clvotess {
+namespace {
+
+// Group of a dataset, with the slash at its end; "" for the root.
+std::string group_of(const std::string& path) {
+    const auto slash = path.rfind('/');
+    return slash == std::string::npos ? "" : path.substr(0, slash + 1);
+}
+
+class Hdf5Dataset {
+public:
+    Hdf5Dataset(hid_t file, const std::string& path, std::string where)
+        : where_(std::move(where)), set_(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose) {
+        if (!set_.valid()) throw error("cannot be opened as a dataset");
+        const Hdf5Handle space(H5Dget_space(set_.id()), H5Sclose);
+        const int rank = space.valid() ? H5Sget_simple_extent_ndims(space.id()) : -1;
+        if (rank < 0) throw error("has no readable shape");
+        extent_.resize(static_cast<std::size_t>(rank));
+        if (rank > 0 && H5Sget_simple_extent_dims(space.id(), extent_.data(), nullptr) != rank) {
+            throw error("has no readable shape");
+        }
+        const Hdf5Handle type(H5Dget_type(set_.id()), H5Tclose);
+        if (!type.valid()) throw error("has no readable type");
+        type_class_ = H5Tget_class(type.id());
+        type_size_ = H5Tget_size(type.id());
+    }
+
+    [[nodiscard]] bool is_points() const { return extent_.size() == 2 && extent_[1] == 3 && is_float(); }
+    [[nodiscard]] bool is_column() const { return extent_.size() == 1 && (is_float() || is_whole()); }
+    [[nodiscard]] bool is_float() const { return type_class_ == H5T_FLOAT && type_size_ <= sizeof(double); }
+    [[nodiscard]] bool is_whole() const { return type_class_ == H5T_INTEGER && type_size_ <= sizeof(std::int64_t); }
+    [[nodiscard]] std::uint64_t rows() const { return extent_.empty() ? 0 : extent_[0]; }
+
+    // Behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a small buffer.
+    template <typename Number>
+    void append_to(std::vector<Number>& to) const {
+        check_storage();
+        const hid_t memory_type = std::is_same_v<Number, double> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+        const std::uint64_t columns = extent_.size() == 2 ? extent_[1] : 1;
+        const std::size_t begin = to.size();
+        to.resize(begin + rows() * columns);
+        const Hdf5Handle file_space(H5Dget_space(set_.id()), H5Sclose);
+        constexpr hsize_t piece = hsize_t{1} << 20;
+        for (hsize_t row = 0; row < rows(); row += piece) {
+            throw_if_interrupted();
+            const std::array<hsize_t, 2> start{row, 0};
+            const std::array<hsize_t, 2> count{std::min(piece, rows() - row), columns};
+            const auto rank = static_cast<int>(extent_.size());
+            const Hdf5Handle memory_space(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
+            if (H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
+                    0 ||
+                H5Dread(set_.id(), memory_type, memory_space.id(), file_space.id(), H5P_DEFAULT,
+                        to.data() + begin + row * columns) < 0) {
+                throw error("cannot be read: the file is damaged, or packed by a filter that is not there");
+            }
+        }
+    }
+
+    [[nodiscard]] std::string description() const {
+        std::string text = "shape (";
+        for (std::size_t k = 0; k < extent_.size(); ++k) text += (k > 0 ? ", " : "") + std::to_string(extent_[k]);
+        text += extent_.size() == 1 ? ",)" : ")";
+        const std::string bits = std::to_string(8 * type_size_);
+        return text + (type_class_ == H5T_FLOAT     ? " of float" + bits
+                       : type_class_ == H5T_INTEGER ? " of int" + bits
+                                                    : " of no numbers");
+    }
+    [[nodiscard]] Failure error(const std::string& message) const { return bad_input(where_ + " " + message); }
+
+private:
+    // A broken extent must not take memory, nor may parts that were never written read as zeros.
+    void check_storage() const {
+        const Hdf5Handle plist(H5Dget_create_plist(set_.id()), H5Pclose);
+        if (!plist.valid()) throw error("has no readable layout");
+        if (H5Pget_layout(plist.id()) == H5D_VIRTUAL) {
+            throw error("is virtual, only names what other files hold: give the first of those files");
+        }
+        if (H5Pget_external_count(plist.id()) > 0) throw error("lies in external files, which is not supported");
+        constexpr std::uint64_t best_ratio = 1032;  // of deflate, the packer in use
+        const bool packed = H5Pget_nfilters(plist.id()) > 0;
+        const std::uint64_t stored = H5Dget_storage_size(set_.id());
+        double bytes = static_cast<double>(type_size_);
+        for (const hsize_t extent : extent_) bytes *= static_cast<double>(extent);
+        if (bytes > static_cast<double>(stored) * (packed ? best_ratio : 1)) {
+            throw error("announces more numbers (" + description() + ") than the file holds");
+        }
+    }
+
+    std::string where_;
+    Hdf5Handle set_;
+    std::vector<hsize_t> extent_;
+    H5T_class_t type_class_ = H5T_NO_CLASS;
+    std::size_t type_size_ = 0;
+};
+
+class Hdf5File {
+public:
+    explicit Hdf5File(const std::string& path) : path_(path) {
+        if (!std::ifstream(path)) throw bad_input("cannot open " + in_quotes(path) + ": " + std::strerror(errno));
+        file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+        if (!file_.valid()) throw bad_input(path + ": not an HDF5 file, or a damaged one");
+        std::ifstream stream(path, std::ios::ate | std::ios::binary);
+        hsize_t size = 0;
+        if (H5Fget_filesize(file_.id(), &size) < 0 || size > static_cast<std::uint64_t>(stream.tellg())) {
+            throw bad_input(path + ": the file ends too early");
+        }
+    }
+
+    [[nodiscard]] bool has(const std::string& dataset) const {
+        std::string part;  // each link on the way must exist, or HDF5 calls it an error
+        for (std::size_t at = 0; at <= dataset.size(); ++at) {
+            if (at < dataset.size() && dataset[at] != '/') continue;
+            part = dataset.substr(0, at);
+            if (part.empty()) continue;
+            if (H5Lexists(file_.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
+        }
+        return !part.empty() && H5Oexists_by_name(file_.id(), dataset.c_str(), H5P_DEFAULT) > 0;
+    }
+
+    [[nodiscard]] Hdf5Dataset open(const std::string& dataset) const {
+        return {file_.id(), dataset, path_ + ": dataset " + in_quotes(dataset)};
+    }
+
+    [[nodiscard]] std::vector<std::string> datasets() const {
+        std::vector<std::string> names;
+        const auto visit = [](hid_t, const char* name, const H5O_info_t* info, void* to) -> herr_t {
+            if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+            return 0;
+        };
+        if (H5Ovisit2(file_.id(), H5_INDEX_NAME, H5_ITER_INC, visit, &names, H5O_INFO_BASIC) < 0) {
+            throw bad_input(path_ + ": the file is damaged: its datasets cannot be listed");
+        }
+        return names;
+    }
+
+    // Numbers of an attribute of the group Header; empty when it is not there.
+    [[nodiscard]] std::vector<double> header(const char* name) const {
+        if (!has("Header") || H5Aexists_by_name(file_.id(), "Header", name, H5P_DEFAULT) <= 0) return {};
+        const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), "Header", name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+        const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
+        const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
+        const hssize_t count = space.valid() ? H5Sget_simple_extent_npoints(space.id()) : -1;
+        const H5T_class_t kind = type.valid() ? H5Tget_class(type.id()) : H5T_NO_CLASS;
+        constexpr hssize_t most = 64;
+        if (count < 1 || count > most || (kind != H5T_FLOAT && kind != H5T_INTEGER)) return {};
+        std::vector<double> values(static_cast<std::size_t>(count));
+        if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0) return {};
+        return values;
+    }
+
+    [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+private:
+    std::string path_;
+    Hdf5Handle file_;
+};
+
+class Hdf5Reader {
+public:
+    explicit Hdf5Reader(const ReadRequest& request) : request_(request) {}
+
+    Input read(const std::string& path) {
+        const Hdf5File first(first_snapshot_file(path));
+        name_ = request_.dataset.empty() ? find_points(first) : without_slash(request_.dataset);
+        const std::vector<double> announced = first.header("NumFilesPerSnapshot");
+        const double files = announced.empty() ? 1 : announced[0];
+        if (!(files > 1)) {
+            append(first, false);
+            return std::move(input_);
+        }
+        const auto name = split_snapshot_name(first.path());
+        constexpr double most = 1e6;
+        if (!name || !(files <= most)) {
+            throw bad_input(first.path() + ": one of " + to_text(files) +
+                            " files of a snapshot, but it is not named like NAME.0.hdf5");
+        }
+        if (name->part != 0) {
+            throw bad_input(first.path() + ": one of " + to_text(files) + " files of a snapshot: give the first, " +
+                            in_quotes(name->file(0)) + ", and all are read");
+        }
+        append(first, true);
+        for (std::uint64_t part = 1; static_cast<double>(part) < files; ++part)
+            append(Hdf5File(name->file(part)), true);
+        if (!found_) throw no_dataset(first);
+        check_total(first);
+        input_.note = to_text(files) + " files of a snapshot";
+        return std::move(input_);
+    }
+
+private:
+    static std::string without_slash(const std::string& path) {
+        return path.substr(std::min(path.find_first_not_of('/'), path.size()));
+    }
+
+    // A snapshot states the side of its box; whether it is periodic it does not say.
+    static std::string box_hint(const Hdf5File& file) {
+        const std::vector<double> size = file.header("BoxSize");
+        if (size.empty()) return "";
+        const std::string side = to_text(size[0]);
+        return "; its BoxSize is " + side + ", which --box 0,0,0," + side + "," + side + "," + side + " would use";
+    }
+
+    [[nodiscard]] static std::string find_points(const Hdf5File& file) {
+        std::vector<std::string> candidates;
+        for (const std::string& name : file.datasets()) {
+            if (file.open(name).is_points()) candidates.push_back(name);
+        }
+        if (candidates.size() == 1) return candidates[0];
+        if (candidates.empty()) {
+            throw bad_input(file.path() + ": no dataset of floats with shape (N, 3)" + box_hint(file));
+        }
+        constexpr std::size_t shown = 8;
+        std::string list;
+        for (std::size_t i = 0; i < candidates.size() && i < shown; ++i) list += " " + candidates[i];
+        if (candidates.size() > shown) list += " ...";
+        throw bad_input(file.path() + ": several datasets could be the points, name one with --dataset:" + list +
+                        box_hint(file));
+    }
+
+    [[nodiscard]] Failure no_dataset(const Hdf5File& file) const {
+        std::string list;
+        for (const std::string& other : file.datasets()) {
+            if (file.open(other).is_points()) list += " " + other;
+        }
+        return bad_input(file.path() + ": no dataset " + in_quotes(name_) +
+                         (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list) +
+                         box_hint(file));
+    }
+
+    // Of a snapshot a file may lack particles of the type asked for.
+    void append(const Hdf5File& file, bool may_lack) {
+        if (!file.has(name_)) {
+            if (may_lack && !has_particles(file)) return;
+            throw no_dataset(file);
+        }
+        found_ = true;
+        const Hdf5Dataset points = file.open(name_);
+        if (!points.is_points()) throw points.error("has " + points.description() + ", expected (N, 3) of floats");
+        points.append_to(input_.points);
+        append_ids(file, points.rows());
+        if (request_.column.empty()) return;
+        const std::string beside = group_of(name_) + request_.column;
+        const std::string column = file.has(beside) ? beside : without_slash(request_.column);
+        if (!file.has(column)) {
+            throw bad_input(file.path() + ": no dataset " + in_quotes(request_.column) +
+                            ", neither beside the points nor at the root");
+        }
+        const Hdf5Dataset values = file.open(column);
+        if (!values.is_column() || values.rows() != points.rows()) {
+            throw values.error("has " + values.description() + ", expected a number for each of the " +
+                               std::to_string(points.rows()) + " points");
+        }
+        values.append_to(input_.column);
+    }
+
+    // ParticleIDs beside the points of a snapshot, ids beside those of others.
+    void append_ids(const Hdf5File& file, std::uint64_t rows) {
+        for (const char* const name : {"ParticleIDs", "ids"}) {
+            const std::string path = group_of(name_) + name;
+            if (path == name_ || !file.has(path)) continue;
+            const Hdf5Dataset ids = file.open(path);
+            if (!ids.is_column() || !ids.is_whole() || ids.rows() != rows) continue;
+            ids.append_to(input_.ids);
+            break;
+        }
+        if (!input_.ids.empty() && input_.ids.size() != input_.size()) {
+            throw bad_input(file.path() + ": some files of the snapshot have ids, others have not");
+        }
+    }
+
+    // Index of the type in PartType<index>/...; nothing for other names.
+    [[nodiscard]] std::optional<std::size_t> particle_type() const {
+        constexpr std::string_view start = "PartType";
+        if (!name_.starts_with(start) || name_.size() <= start.size() + 1 || name_[start.size() + 1] != '/') return {};
+        const char digit = name_[start.size()];
+        if (digit < '0' || digit > '9') return std::nullopt;
+        return static_cast<std::size_t>(digit - '0');
+    }
+
+    [[nodiscard]] bool has_particles(const Hdf5File& file) const {
+        const auto type = particle_type();
+        const std::vector<double> counts = file.header("NumPart_ThisFile");
+        return !type || *type >= counts.size() || counts[*type] != 0;
+    }
+
+    void check_total(const Hdf5File& first) const {
+        const auto type = particle_type();
+        const std::vector<double> low = first.header("NumPart_Total"), high = first.header("NumPart_Total_HighWord");
+        if (!type || *type >= low.size()) return;
+        const double total = low[*type] + (*type < high.size() ? std::ldexp(high[*type], 32) : 0);
+        if (total == static_cast<double>(input_.size())) return;
+        throw bad_input(first.path() + ": the files of the snapshot hold " + std::to_string(input_.size()) +
+                        " points, but its header announces " + to_text(total));
+    }
+
+    const ReadRequest& request_;
+    std::string name_;
+    bool found_ = false;  // in any file
+    Input input_;
+};
+
+}  // namespace
+
+Input read_hdf5(const std::string& path, const ReadRequest& request) {
+    begin_hdf5();
+    return Hdf5Reader(request).read(path);
+}
+
+}  // namespace clvotess

@@ -1,0 +1,128 @@
+// NumPy's .npz: a zip archive of .npy members.
+#include <algorithm>
+#include <array>
+
+#include "failure.hpp"
+#include "files/formats/npy_array.hpp"
+#include "files/formats/zip_reader.hpp"
+#include "read/input.hpp"
+
+namespace clvotess {
+namespace {
+
+class NpzReader {
+public:
+    NpzReader(std::string_view bytes, const std::string& name, const ReadRequest& request)
+        : name_(name), request_(request), members_(list_members(bytes, name)) {}
+
+    Input read() {
+        Input input;
+        const ZipMember* points = find_points();
+        if (points) {
+            NpyArray array = open(*points);
+            array.check_points();
+            array.read_floats(input.points);
+        } else {
+            read_axes(input);
+        }
+        for (const char* const name : {"ids", "id"}) {
+            const ZipMember* const member = find(name);
+            if (!member || !input.ids.empty()) continue;
+            NpyArray array = open(*member);
+            if (array.is_column() && array.is_whole() && array.shape()[0] == input.size())
+                input.ids = array.read_whole();
+        }
+        if (!request_.column.empty()) read_column(input);
+        return input;
+    }
+
+private:
+    [[nodiscard]] const ZipMember* find(const std::string& name) const {
+        for (const ZipMember& member : members_) {
+            if (member.name == name + ".npy" || member.name == name) return &member;
+        }
+        return nullptr;
+    }
+
+    [[nodiscard]] NpyArray open(const ZipMember& member) const {
+        return {open_member(member, name_ + ": " + member.name), name_ + ": " + member.name};
+    }
+
+    [[nodiscard]] static std::string plain_name(const ZipMember& member) {
+        return member.name.ends_with(".npy") ? member.name.substr(0, member.name.size() - 4) : member.name;
+    }
+
+    [[nodiscard]] std::string list(const std::vector<const ZipMember*>& members) const {
+        std::string text;
+        for (const ZipMember* member : members) add_name(text, plain_name(*member));
+        return text;
+    }
+
+    // The member named by --dataset, or `points`, or the only (N, 3) array; nothing when there are x, y, z instead.
+    [[nodiscard]] const ZipMember* find_points() const {
+        if (!request_.dataset.empty()) {
+            if (const ZipMember* const member = find(request_.dataset)) return member;
+            std::vector<const ZipMember*> all;
+            for (const ZipMember& member : members_) all.push_back(&member);
+            throw bad_input(name_ + ": no array " + in_quotes(request_.dataset) + "; there are " + list(all));
+        }
+        if (const ZipMember* const member = find("points")) return member;
+        if (find("x") && find("y") && find("z")) return nullptr;
+        std::vector<const ZipMember*> candidates;
+        for (const ZipMember& member : members_) {
+            if (!member.name.ends_with(".npy")) continue;
+            const NpyArray array = open(member);
+            if (array.is_points() && array.is_float()) candidates.push_back(&member);
+        }
+        if (candidates.size() == 1) return candidates[0];
+        if (candidates.empty()) {
+            throw bad_input(name_ + ": no array of floats with shape (N, 3), nor arrays x, y and z");
+        }
+        throw bad_input(name_ + ": several arrays could be the points, name one with --dataset: " + list(candidates));
+    }
+
+    void read_axes(Input& input) const {
+        constexpr std::array<const char*, 3> axes{"x", "y", "z"};
+        std::size_t count = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            NpyArray array = open(*find(axes[k]));
+            if (!array.is_column() || !array.is_float()) {
+                throw bad_input(name_ + ": " + axes[k] + " is no array of floats with shape (N,)");
+            }
+            if (k == 0) count = array.shape()[0];
+            check_length(axes[k], array, count, "x");
+            array.read_floats(input.points, k, 3);
+        }
+    }
+
+    void check_length(const std::string& what, const NpyArray& array, std::size_t count, const char* other) const {
+        if (array.shape()[0] == count) return;
+        throw bad_input(name_ + ": " + what + " has " + std::to_string(array.shape()[0]) + " numbers, " + other +
+                        " has " + std::to_string(count));
+    }
+
+    void read_column(Input& input) const {
+        const ZipMember* const member = find(request_.column);
+        if (!member) throw bad_input(name_ + ": no array " + in_quotes(request_.column));
+        NpyArray array = open(*member);
+        if (!array.is_column() || !(array.is_float() || array.is_whole())) {
+            throw bad_input(name_ + ": " + request_.column + " is no array of numbers with shape (N,)");
+        }
+        check_length(request_.column, array, input.size(), "the array of points");
+        if (array.is_float()) return array.read_floats(input.column);
+        const std::vector<std::int64_t> whole = array.read_whole();
+        input.column.assign(whole.begin(), whole.end());
+    }
+
+    const std::string& name_;
+    const ReadRequest& request_;
+    std::vector<ZipMember> members_;
+};
+
+}  // namespace
+
+Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request) {
+    return NpzReader(bytes, name, request).read();
+}
+
+}  // namespace clvotess

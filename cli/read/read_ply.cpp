@@ -1,0 +1,246 @@
+// PLY: a header in text that announces elements and their properties, then the elements as text or in binary. The
+// points are x, y, z of the element `vertex`; what other elements hold is skipped.
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "failure.hpp"
+#include "files/binary_numbers.hpp"
+#include "files/line_reader.hpp"
+#include "read/input.hpp"
+
+namespace clvotess {
+namespace {
+
+struct Property {
+    std::string_view name;
+    NumberType type{};
+    std::optional<NumberType> count_type;  // of a list
+};
+
+struct Element {
+    std::string_view name;
+    std::uint64_t count = 0;
+    std::vector<Property> properties;
+};
+
+std::optional<NumberType> type_of(std::string_view name) {
+    using enum NumberType;
+    constexpr std::array<std::pair<std::string_view, NumberType>, 16> names{{{"char", int8},
+                                                                             {"int8", int8},
+                                                                             {"uchar", uint8},
+                                                                             {"uint8", uint8},
+                                                                             {"short", int16},
+                                                                             {"int16", int16},
+                                                                             {"ushort", uint16},
+                                                                             {"uint16", uint16},
+                                                                             {"int", int32},
+                                                                             {"int32", int32},
+                                                                             {"uint", uint32},
+                                                                             {"uint32", uint32},
+                                                                             {"float", float32},
+                                                                             {"float32", float32},
+                                                                             {"double", float64},
+                                                                             {"float64", float64}}};
+    for (const auto& [known, type] : names) {
+        if (known == name) return type;
+    }
+    return std::nullopt;
+}
+
+class PlyReader {
+public:
+    PlyReader(std::string_view bytes, const std::string& name, const ReadRequest& request)
+        : lines_(bytes, name), request_(request) {}
+
+    Input read() {
+        read_header();
+        for (const Element& element : elements_) {
+            if (element.name == "vertex") return read_vertices(element);
+            skip(element);
+        }
+        throw bad_input(lines_.name() + ": there is no element vertex");
+    }
+
+private:
+    void read_header() {
+        if (!lines_.rest().starts_with("ply\n") && !lines_.rest().starts_with("ply\r\n")) {
+            throw bad_input(lines_.name() + ": not a PLY file: it must begin with a line \"ply\"");
+        }
+        (void)lines_.need("the header");
+        for (;;) {
+            split_words(lines_.need("end_header"), words_);
+            if (words_.empty()) throw lines_.error("an empty line in the header");
+            if (words_[0] == "comment" || words_[0] == "obj_info") continue;
+            if (words_[0] == "end_header") break;
+            if (words_[0] == "format") {
+                read_format();
+            } else if (words_[0] == "element") {
+                const auto count = words_.size() == 3 ? read_uint64(words_[2]) : std::nullopt;
+                if (!count) throw lines_.error("expected: element NAME COUNT");
+                elements_.push_back({words_[1], *count, {}});
+            } else if (words_[0] == "property") {
+                read_property();
+            } else {
+                throw lines_.error("unknown word " + in_quotes(words_[0]) + " in the header");
+            }
+        }
+        if (!has_format_) throw lines_.error("the header has no line \"format\"");
+    }
+
+    void read_format() {
+        const std::string_view word = words_.size() == 3 ? words_[1] : std::string_view{};
+        ascii_ = word == "ascii";
+        swapped_ = word == "binary_big_endian";
+        if (!ascii_ && !swapped_ && word != "binary_little_endian") {
+            throw lines_.error("unknown format, expected ascii, binary_little_endian or binary_big_endian");
+        }
+        has_format_ = true;
+    }
+
+    void read_property() {
+        if (elements_.empty()) throw lines_.error("a property before any element");
+        const bool list = words_.size() == 5 && words_[1] == "list";
+        if (!list && words_.size() != 3) throw lines_.error("expected: property TYPE NAME");
+        const auto type = type_of(words_[list ? 3 : 1]);
+        const auto count_type = list ? type_of(words_[2]) : std::nullopt;
+        if (!type || (list && !count_type)) throw lines_.error("unknown type of a property");
+        elements_.back().properties.push_back({words_.back(), *type, count_type});
+    }
+
+    [[nodiscard]] Failure too_short(const Element& element, std::uint64_t done) const {
+        return bad_input(lines_.name() + ": the file ends after " + std::to_string(done) + " of the " +
+                         std::to_string(element.count) + " elements " + std::string(element.name) +
+                         " that its header announces");
+    }
+
+    // Of a row without its lists; in text, a digit and a blank for each number.
+    [[nodiscard]] std::size_t shortest_row(const Element& element) const {
+        std::size_t bytes = 0;
+        for (const Property& property : element.properties) {
+            bytes += ascii_ ? 2 : size_of(property.count_type.value_or(property.type));
+        }
+        return bytes;
+    }
+
+    void check_count(const Element& element) const {
+        if (!can_hold(lines_.rest().size(), element.count, shortest_row(element))) throw too_short(element, 0);
+    }
+
+    // In text an element is a line; calls use(row) with its words.
+    template <typename Use>
+    void each_line(const Element& element, Use use) {
+        std::string_view line;
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            do {
+                if (!lines_.next(line)) throw too_short(element, i);
+                split_words(line, words_);
+            } while (words_.empty() && !element.properties.empty());
+            use();
+        }
+    }
+
+    // Moves past one row; notes where each property that is no list begins.
+    void pass_row(const Element& element, std::uint64_t row, std::vector<const char*>& fields) {
+        std::string_view rest = lines_.rest();
+        fields.clear();
+        for (const Property& property : element.properties) {
+            fields.push_back(rest.data());
+            std::uint64_t bytes = size_of(property.type);
+            if (property.count_type) {
+                const std::size_t head = size_of(*property.count_type);
+                if (rest.size() < head) throw too_short(element, row);
+                const auto count = load_whole(*property.count_type, rest.data(), swapped_);
+                if (!count || *count < 0) throw bad_input(lines_.name() + ": a list has no valid length");
+                if (static_cast<std::uint64_t>(*count) > rest.size()) throw too_short(element, row);
+                bytes = head + bytes * static_cast<std::uint64_t>(*count);
+            }
+            if (bytes > rest.size()) throw too_short(element, row);
+            rest.remove_prefix(bytes);
+        }
+        lines_.skip(lines_.rest().size() - rest.size(), 0);
+    }
+
+    void skip(const Element& element) {
+        if (element.properties.empty()) return;
+        check_count(element);
+        if (ascii_) return each_line(element, [] {});
+        std::vector<const char*> fields;
+        for (std::uint64_t i = 0; i < element.count; ++i) pass_row(element, i, fields);
+    }
+
+    Input read_vertices(const Element& element) {
+        Words names;
+        for (const Property& property : element.properties) names.push_back(property.name);
+        const auto at = [&](std::string_view name) -> std::optional<std::size_t> {
+            const auto found = std::find(names.begin(), names.end(), name);
+            if (found == names.end()) return std::nullopt;
+            const auto index = static_cast<std::size_t>(found - names.begin());
+            if (element.properties[index].count_type) return std::nullopt;
+            return index;
+        };
+        const auto x = at("x"), y = at("y"), z = at("z");
+        auto id = at("id");
+        if (id && is_float(element.properties[*id].type)) id.reset();
+        if (!x || !y || !z) throw bad_input(lines_.name() + ": the element vertex has no properties x, y, z");
+        std::optional<std::size_t> column;
+        if (!request_.column.empty()) {
+            column = find_column(names, request_.column, lines_.name());
+            if (element.properties[*column].count_type) {
+                throw bad_input(lines_.name() + ": the column " + in_quotes(request_.column) + " is a list");
+            }
+        }
+        check_count(element);
+        const auto count = static_cast<std::size_t>(element.count);
+        Input input;
+        input.points.reserve(3 * count);
+        if (id) input.ids.reserve(count);
+        if (column) input.column.reserve(count);
+        if (ascii_) {
+            read_text_rows(element, {*x, *y, *z}, id, column, input);
+        } else {
+            std::vector<const char*> fields;
+            const auto value = [&](std::size_t k) {
+                return load_double(element.properties[k].type, fields[k], swapped_);
+            };
+            for (std::size_t i = 0; i < count; ++i) {
+                pass_row(element, i, fields);
+                for (const std::size_t k : {*x, *y, *z}) input.points.push_back(value(k));
+                if (id) input.ids.push_back(*load_whole(element.properties[*id].type, fields[*id], swapped_));
+                if (column) input.column.push_back(value(*column));
+            }
+        }
+        return input;
+    }
+
+    void read_text_rows(const Element& element, const std::array<std::size_t, 3>& axes, std::optional<std::size_t> id,
+                        std::optional<std::size_t> column, Input& input) {
+        const auto is_list = [](const Property& property) { return property.count_type.has_value(); };
+        if (std::any_of(element.properties.begin(), element.properties.end(), is_list)) {
+            throw bad_input(lines_.name() + ": lists in the element vertex are not supported in text");
+        }
+        each_line(element, [&] {
+            if (words_.size() != element.properties.size()) {
+                throw lines_.error("this row has " + columns_text(words_.size()) + ", " +
+                                   std::to_string(element.properties.size()) + " are announced");
+            }
+            for (const std::size_t k : axes) input.points.push_back(lines_.number(words_[k]));
+            if (id) input.ids.push_back(lines_.whole(words_[*id], "an id"));
+            if (column) input.column.push_back(lines_.number(words_[*column]));
+        });
+    }
+
+    LineReader lines_;
+    const ReadRequest& request_;
+    Words words_;
+    std::vector<Element> elements_;
+    bool has_format_ = false, ascii_ = false, swapped_ = false;
+};
+
+}  // namespace
+
+Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request) {
+    return PlyReader(bytes, name, request).read();
+}
+
+}  // namespace clvotess

@@ -1,0 +1,265 @@
+// Text rows `x y z` or `id x y z`, with one column more when the run wants it as weights or radii; rows under a line of
+// names; the classic XYZ layout.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+
+#include "failure.hpp"
+#include "files/line_reader.hpp"
+#include "files/numbers.hpp"
+#include "read/input.hpp"
+
+namespace clvotess {
+namespace {
+
+constexpr std::size_t kept_fields = 64;
+
+// The fields of one line. `count` may exceed the number of fields kept.
+struct Row {
+    std::array<std::string_view, kept_fields> fields;
+    std::size_t count = 0;
+};
+
+// Which columns of a row hold what.
+struct Layout {
+    std::array<std::size_t, 3> axes{};
+    std::optional<std::size_t> id, value;
+};
+
+bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+bool is_mark(char c) {
+    return c == ',' || c == ';';
+}
+bool ends_field(char c) {
+    return is_blank(c) || is_mark(c) || c == '#';
+}
+
+// Without the byte order mark of UTF-8.
+std::string_view without_mark(std::string_view text) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    return text;
+}
+
+class TextReader {
+public:
+    TextReader(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request)
+        : lines_(without_mark(text), name), kind_(kind), request_(request) {}
+
+    Input read() {
+        Row row;
+        if (!next_row(row)) return {};
+        if (kind_ == TextKind::xyz && row.count == 1 && read_uint64(row.fields[0])) return read_classic(row.fields[0]);
+        if (kind_ == TextKind::csv && is_header(row)) {
+            names_ = names_of(line_);
+            check_names();
+            if (!next_row(row)) return {};
+        }
+        return read_rows(row);
+    }
+
+private:
+    // The next line that holds any field.
+    bool next_row(Row& row) {
+        while (lines_.next(line_)) {
+            split(line_, row);
+            if (row.count > 0) return true;
+        }
+        return false;
+    }
+
+    // Between two fields: blanks, with at most one comma or semicolon among them.
+    void split(std::string_view line, Row& row) const {
+        row.count = 0;
+        const char* at = line.data();
+        const char* const end = at + line.size();
+        const auto skip_blanks = [&] {
+            while (at != end && is_blank(*at)) ++at;
+            return at == end || *at == '#';
+        };
+        while (!skip_blanks()) {
+            if (is_mark(*at)) {
+                if (row.count > 0) ++at;
+                if (skip_blanks() || is_mark(*at))
+                    throw lines_.error("column " + std::to_string(row.count + 1) + " is empty");
+            }
+            const char* const begin = at;
+            while (at != end && !ends_field(*at)) ++at;
+            if (row.count < kept_fields) row.fields[row.count] = {begin, static_cast<std::size_t>(at - begin)};
+            ++row.count;
+        }
+    }
+
+    static bool is_header(const Row& row) {
+        const auto kept = std::min(row.count, kept_fields);
+        return std::none_of(row.fields.begin(), row.fields.begin() + static_cast<std::ptrdiff_t>(kept),
+                            [](std::string_view field) { return read_double(field).has_value(); });
+    }
+
+    // Lower case, without blanks around it and without quotes.
+    static std::string plain_name(std::string_view name) {
+        while (!name.empty() && is_blank(name.front())) name.remove_prefix(1);
+        while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
+        if (name.size() > 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+        return lower_case(name);
+    }
+
+    // Names may hold blanks where commas or semicolons stand between them.
+    static std::vector<std::string> names_of(std::string_view line) {
+        line = line.substr(0, line.find('#'));
+        std::vector<std::string> names;
+        if (line.find_first_of(",;") == std::string_view::npos) {
+            Words words;
+            split_words(line, words);
+            for (const std::string_view word : words) names.push_back(plain_name(word));
+            return names;
+        }
+        for (std::size_t end = 0; end != std::string_view::npos; line.remove_prefix(std::min(end + 1, line.size()))) {
+            end = line.find_first_of(",;");
+            names.push_back(plain_name(line.substr(0, end)));
+        }
+        return names;
+    }
+
+    [[nodiscard]] std::optional<std::size_t> named(std::string_view name) const {
+        const auto at = std::ranges::find(names_, name);
+        if (at == names_.end()) return std::nullopt;
+        return static_cast<std::size_t>(at - names_.begin());
+    }
+
+    // A line of names says where the coordinates are. A name that is used stands there once.
+    void check_names() const {
+        for (const char* const axis : {"x", "y", "z"}) {
+            if (named(axis)) continue;
+            throw lines_.error("the line of names lacks " + in_quotes(axis) +
+                               ": name the columns of the coordinates x, y and z, or remove the line");
+        }
+        const std::string wanted = plain_name(request_.column);
+        for (const std::string_view name : {std::string_view("x"), std::string_view("y"), std::string_view("z"),
+                                            std::string_view("id"), std::string_view(wanted)}) {
+            if (std::ranges::count(names_, name) > 1) {
+                throw lines_.error("the line of names has " + in_quotes(name) + " more than once");
+            }
+        }
+    }
+
+    // By the line of names where there is one; else x y z or id x y z, once the column of values is taken out.
+    [[nodiscard]] Layout layout_of(std::size_t columns) const {
+        if (columns > kept_fields) {
+            throw lines_.error("this row has " + std::to_string(columns) + " columns, more than the " +
+                               std::to_string(kept_fields) + " that are read");
+        }
+        if (!names_.empty() && names_.size() != columns) {
+            throw lines_.error("this row has " + columns_text(columns) + ", the line of names " +
+                               std::to_string(names_.size()));
+        }
+        Layout layout;
+        if (!request_.column.empty()) layout.value = value_column(columns);
+        if (!names_.empty()) {
+            layout.axes = {*named("x"), *named("y"), *named("z")};
+            layout.id = named("id");
+            return layout;
+        }
+        std::vector<std::size_t> places;
+        for (std::size_t k = 0; k < columns; ++k) {
+            if (k != layout.value) places.push_back(k);
+        }
+        if (columns == 5 && !layout.value) {
+            throw lines_.error("5 columns are id x y z r: name the last with --radii 5 or --weights 5, or remove it");
+        }
+        if (places.size() != 3 && places.size() != 4) {
+            throw lines_.error("this row has " + columns_text(columns) + ", expected 3 (x y z) or 4 (id x y z)" +
+                               (layout.value ? " and that of the values" : ""));
+        }
+        if (places.size() == 4) layout.id = places[0];
+        std::copy(places.end() - 3, places.end(), layout.axes.begin());
+        return layout;
+    }
+
+    [[nodiscard]] std::size_t value_column(std::size_t columns) const {
+        std::vector<std::string> own = names_;
+        for (std::size_t k = names_.size(); k < columns; ++k) own.push_back(std::to_string(k + 1));
+        return find_column(Words(own.begin(), own.end()), plain_name(request_.column), lines_.place());
+    }
+
+    void append_position(const Row& row, const std::array<std::size_t, 3>& axes, Input& input) const {
+        for (const std::size_t k : axes) input.points.push_back(lines_.number(row.fields[k]));
+    }
+
+    void reserve(Input& input, bool with_ids) const {
+        const auto rows =
+            1 + static_cast<std::size_t>(std::count(lines_.rest().begin(), lines_.rest().end(), '\n')) + 1;
+        input.points.reserve(3 * rows);
+        if (with_ids) input.ids.reserve(rows);
+    }
+
+    Input read_rows(Row row) {
+        const std::size_t columns = row.count;
+        const Layout layout = layout_of(columns);
+        Input input;
+        reserve(input, layout.id.has_value());
+        do {
+            if (row.count != columns) {
+                throw lines_.error("this row has " + columns_text(row.count) + ", the rows before it have " +
+                                   std::to_string(columns));
+            }
+            if (layout.id) {
+                const std::string_view field = row.fields[*layout.id];
+                const auto id = read_int64(field);
+                if (!id) {
+                    throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
+                                       (names_.empty() ? " (columns id x y z)" : ""));
+                }
+                input.ids.push_back(*id);
+            }
+            append_position(row, layout.axes, input);
+            if (layout.value) input.column.push_back(lines_.number(row.fields[*layout.value]));
+        } while (next_row(row));
+        return input;
+    }
+
+    // Count, one line of comment, then `Element x y z` that many times.
+    Input read_classic(std::string_view count_field) {
+        const std::uint64_t count = *read_uint64(count_field);
+        std::string_view comment;
+        static_cast<void>(lines_.next(comment));  // a file of no rows may lack it
+        Input input;
+        reserve(input, false);
+        std::optional<std::size_t> value;
+        Row row;
+        while (next_row(row)) {
+            if (input.size() == count) {
+                throw lines_.error("more rows than the " + std::to_string(count) +
+                                   " that the first line announces; this version reads one frame only");
+            }
+            if (!request_.column.empty() && !value) value = value_column(std::min(row.count, kept_fields));
+            if (value ? row.count <= std::max<std::size_t>(*value, 3) : row.count != 4) {
+                throw lines_.error("this row has " + columns_text(row.count) + ", expected " +
+                                   (value ? "more" : "4 (element x y z)"));
+            }
+            append_position(row, {1, 2, 3}, input);
+            if (value) input.column.push_back(lines_.number(row.fields[*value]));
+        }
+        if (input.size() != count) {
+            throw lines_.error("the file ends after " + std::to_string(input.size()) + " of the " +
+                               std::to_string(count) + " rows that its first line announces");
+        }
+        return input;
+    }
+
+    LineReader lines_;
+    std::string_view line_;           // the last one
+    std::vector<std::string> names_;  // of the columns, where a line says them
+    TextKind kind_;
+    const ReadRequest& request_;
+};
+
+}  // namespace
+
+Input parse_text(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request) {
+    return TextReader(text, kind, name, request).read();
+}
+
+}  // namespace clvotess

@@ -1,0 +1,86 @@
+#include "write/output.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "failure.hpp"
+#include "files/atomic_file.hpp"
+
+namespace clvotess {
+namespace {
+
+struct Kind {
+    std::string_view extension;
+    void (*write)(OutputFile&, const OutputData&);
+    bool mesh;  // holds the polygons of the faces
+};
+
+constexpr std::array<Kind, 7> kinds{{{".txt", write_text, false},
+                                     {".npz", write_npz, false},
+                                     {".h5", write_hdf5, false},
+                                     {".hdf5", write_hdf5, false},
+                                     {".vtu", write_vtu, true},
+                                     {".ply", write_ply, true},
+                                     {".obj", write_obj, true}}};
+
+// Text also goes to stdout, and to a device or a pipe without a known extension. Null when there is no such kind.
+const Kind* kind_of(const std::string& path) {
+    const std::string extension = extension_of(path);
+    const auto* const kind = std::ranges::find(kinds, std::string_view(extension), &Kind::extension);
+    if (path != "-" && kind != kinds.end()) return kind;
+    return path == "-" || is_special_file(path) ? kinds.data() : nullptr;
+}
+
+}  // namespace
+
+bool is_text_output(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && kind->write == write_text;
+}
+
+void add_output_needs(const std::string& path, votess::Want& want) {
+    const Kind* const kind = kind_of(path);
+    if (!kind || !kind->mesh) return;
+    want.faces = want.vertices = want.neighbors = true;
+    if (kind->write == write_vtu) want.volumes = want.centroids = true;
+}
+
+void check_outputs(const std::vector<std::string>& paths, const std::string& input) {
+    std::set<std::string> seen;
+    for (const std::string& path : paths) {
+        const Kind* const kind = kind_of(path);
+        if (!kind) {
+            throw bad_input("cannot write " + in_quotes(path) +
+                            ": known are .txt .npz .h5 .hdf5 .vtu .ply .obj, and text on stdout as -");
+        }
+        if (kind->write == write_hdf5) {
+            if (!has_hdf5()) {
+                throw bad_input("cannot write " + in_quotes(path) +
+                                ": this build of clvotess has no HDF5 (build it where libhdf5-dev is installed)");
+            }
+            if (is_special_file(path)) {
+                throw bad_input("cannot write " + in_quotes(path) + ": HDF5 needs a regular file, no device or pipe");
+            }
+        }
+        if (path != "-") check_writable(path);
+        if (!seen.insert(identity_of(path)).second) throw bad_input("output " + in_quotes(path) + " is named twice");
+        if (path != "-" && input != "-" && !input.empty() && !is_special_file(path) &&
+            identity_of(path) == identity_of(input)) {
+            throw bad_input("output " + in_quotes(path) + " is the input: give it another name");
+        }
+    }
+}
+
+void write_outputs(const std::vector<std::string>& paths, const OutputData& data) {
+    std::vector<OutputFile> files;
+    files.reserve(paths.size());
+    for (const std::string& path : paths) {
+        OutputFile& file = files.emplace_back(path);
+        kind_of(path)->write(file, data);
+        file.finish();
+    }
+    for (OutputFile& file : files) file.publish();
+}
+
+}  // namespace clvotess

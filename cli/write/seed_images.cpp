@@ -1,0 +1,68 @@
+#include "write/seed_images.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace clvotess {
+namespace {
+
+Point cross(const Point& a, const Point& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double dot(const Point& a, const Point& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+}  // namespace
+
+SeedImages::SeedImages(std::span<const double> points, const votess::Tessellation& cells) : points_(points) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (cells.periodic()[k]) side_[k] = cells.box().upper[k] - cells.box().lower[k];
+    }
+    if (!cells.cell()) return;
+    triclinic_ = true;
+    edges_ = {cells.cell()->a, cells.cell()->b, cells.cell()->c};
+    for (std::size_t k = 0; k < 3; ++k) {  // rows that give the coordinates along the edges
+        inverse_[k] = cross(edges_[(k + 1) % 3], edges_[(k + 2) % 3]);
+        const double volume = dot(inverse_[k], edges_[k]);
+        for (double& x : inverse_[k]) x /= volume;
+    }
+}
+
+Point SeedImages::image(std::size_t i, const Point& inside) const {
+    Point seed{points_[3 * i], points_[3 * i + 1], points_[3 * i + 2]};
+    if (std::isnan(inside[0])) return seed;  // no cell
+    if (triclinic_) return nearest_in_lattice(seed, inside);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (side_[k] > 0) seed[k] += std::round((inside[k] - seed[k]) / side_[k]) * side_[k];
+    }
+    return seed;
+}
+
+// The nearest image is near the rounded coordinates along the edges, but in a skew box not always just there.
+Point SeedImages::nearest_in_lattice(Point seed, const Point& inside) const {
+    const Point apart{inside[0] - seed[0], inside[1] - seed[1], inside[2] - seed[2]};
+    Point rounded{};
+    for (std::size_t k = 0; k < 3; ++k) rounded[k] = std::round(dot(inverse_[k], apart));
+    constexpr int reach = 2;
+    double least = std::numeric_limits<double>::infinity();
+    Point best = seed;
+    for (int i = -reach; i <= reach; ++i) {
+        for (int j = -reach; j <= reach; ++j) {
+            for (int l = -reach; l <= reach; ++l) {
+                const Point steps{rounded[0] + i, rounded[1] + j, rounded[2] + l};
+                Point image = seed, rest{};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    for (std::size_t e = 0; e < 3; ++e) image[k] += steps[e] * edges_[e][k];
+                    rest[k] = inside[k] - image[k];
+                }
+                if (dot(rest, rest) >= least) continue;
+                least = dot(rest, rest);
+                best = image;
+            }
+        }
+    }
+    return best;
+}
+
+}  // namespace clvotess

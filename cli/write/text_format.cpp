@@ -1,0 +1,83 @@
+#include "write/text_format.hpp"
+
+#include "failure.hpp"
+
+namespace clvotess {
+
+TextFormat::TextFormat(std::string_view format) {
+    if (format.empty()) throw bad_input("--format is empty: give codes such as \"%i %n\"");
+    if (format.find('\n') != std::string_view::npos) throw bad_input("--format holds a line end: one cell is one line");
+    std::string literal;
+    const auto end_literal = [&] {
+        if (!literal.empty()) pieces_.push_back({0, literal});
+        literal.clear();
+    };
+    for (std::size_t at = 0; at < format.size(); ++at) {
+        if (format[at] != '%') {
+            literal += format[at];
+            continue;
+        }
+        if (++at == format.size()) throw bad_input("--format ends with a single %: write %% for a percent sign");
+        if (format[at] == '%') {
+            literal += '%';
+        } else if (codes.find(format[at]) != std::string_view::npos) {
+            end_literal();
+            pieces_.push_back({format[at], {}});
+        } else {
+            throw bad_input("--format has the code " + in_quotes(format.substr(at - 1, 2)) +
+                            ", known are %i %x %y %z %q %r %w %p %P %o %m %g %E %s %e %F %A %a %f %t %l %n %v %c %C "
+                            "and %%");
+        }
+    }
+    end_literal();
+}
+
+void TextFormat::add_needs(votess::Want& want) const {
+    for (const FormatPiece& piece : pieces_) {
+        switch (piece.code) {
+            case 'n':
+                want.neighbors = true;
+                break;
+            case 'v':
+                want.volumes = true;
+                break;
+            case 'c':
+            case 'C':
+                want.centroids = true;
+                break;
+            case 'f':
+                want.areas = want.neighbors = true;
+                break;
+            case 'F':
+                want.surfaces = true;
+                break;
+            case 'l':
+                want.normals = want.neighbors = true;
+                break;
+            case 'm':
+                want.radii = true;
+                break;
+            case 'w':
+            case 's':
+            case 'g':
+                want.counts = true;
+                break;
+            case 'p':
+            case 'P':
+                want.vertices = true;
+                break;
+            case 'o':
+            case 'E':
+            case 'e':
+            case 'A':
+            case 'a':
+            case 't':
+                want.faces = want.vertices = want.neighbors = true;
+                break;
+            default:
+                break;
+        }
+    }
+}
+
+}  // namespace clvotess

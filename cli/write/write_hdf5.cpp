@@ -1,0 +1,103 @@
+// HDF5: the arrays of .npz as datasets at the root. The library writes to the temporary file by its name.
+#include <algorithm>
+#include <array>
+#include <cerrno>
+
+#include "failure.hpp"
+#include "files/atomic_file.hpp"
+#include "files/formats/hdf5_handles.hpp"
+#include "interrupt.hpp"
+#include "write/output.hpp"
+#include "write/result_arrays.hpp"
+
+namespace clvotess {
+namespace {
+
+hid_t hdf5_type(NumberType type) {
+    switch (type) {
+        case NumberType::int8:
+            return H5T_STD_I8LE;
+        case NumberType::uint8:
+            return H5T_STD_U8LE;
+        case NumberType::int16:
+            return H5T_STD_I16LE;
+        case NumberType::uint16:
+            return H5T_STD_U16LE;
+        case NumberType::int32:
+            return H5T_STD_I32LE;
+        case NumberType::uint32:
+            return H5T_STD_U32LE;
+        case NumberType::int64:
+            return H5T_STD_I64LE;
+        case NumberType::uint64:
+            return H5T_STD_U64LE;
+        case NumberType::float32:
+            return H5T_IEEE_F32LE;
+        default:
+            return H5T_IEEE_F64LE;
+    }
+}
+
+class Hdf5Writer {
+public:
+    explicit Hdf5Writer(OutputFile& output) : output_(output) {
+        // Equal results give equal files: no times of creation.
+        const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
+        file_ = {H5Fcreate(output.path_for_library().c_str(), H5F_ACC_TRUNC, creation.id(), H5P_DEFAULT), H5Fclose};
+        require(file_.valid());
+    }
+
+    void add(const ResultArray& array) {
+        const int rank = array.columns == 1 ? 1 : 2;
+        const std::array<hsize_t, 2> extent{array.rows(), array.columns};
+        const Hdf5Handle space(H5Screate_simple(rank, extent.data(), nullptr), H5Sclose);
+        const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
+        Hdf5Handle set(H5Dcreate2(file_.id(), std::string(array.name).c_str(), hdf5_type(array.type), space.id(),
+                                  H5P_DEFAULT, creation.id(), H5P_DEFAULT),
+                       H5Dclose);
+        require(set.valid());
+        constexpr std::size_t piece_bytes = std::size_t{64} << 20;  // Ctrl-C is heard between pieces
+        const std::size_t row_bytes = size_of(array.type) * array.columns;
+        const hsize_t piece = piece_bytes / row_bytes;
+        for (hsize_t row = 0; row < array.rows(); row += piece) {
+            throw_if_interrupted();
+            const std::array<hsize_t, 2> start{row, 0};
+            const std::array<hsize_t, 2> count{std::min(piece, array.rows() - row), array.columns};
+            const Hdf5Handle memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
+            require(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0);
+            require(H5Dwrite(set.id(), hdf5_type(array.type), memory.id(), space.id(), H5P_DEFAULT,
+                             array.bytes.data() + row * row_bytes) >= 0);
+        }
+        require(set.close());
+    }
+
+    void finish() {
+        errno = 0;
+        require(file_.close());
+    }
+
+private:
+    void require(bool done) {
+        if (!done) throw output_.write_failure(errno);
+    }
+
+    OutputFile& output_;
+    Hdf5Handle file_;
+};
+
+}  // namespace
+
+bool has_hdf5() {
+    return true;
+}
+
+void write_hdf5(OutputFile& file, const OutputData& data) {
+    begin_hdf5();
+    Hdf5Writer writer(file);
+    for (const ResultArray& array : result_arrays(data.tessellation, data.wanted)) writer.add(array);
+    writer.finish();
+}
+
+}  // namespace clvotess

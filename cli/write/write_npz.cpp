@@ -1,0 +1,45 @@
+// NumPy's .npz: a zip archive of .npy members, uncompressed, so that it can be read and written at the speed of memory.
+#include <array>
+#include <string>
+
+#include "files/atomic_file.hpp"
+#include "files/formats/zip_writer.hpp"
+#include "write/output.hpp"
+#include "write/result_arrays.hpp"
+
+namespace clvotess {
+namespace {
+
+std::string_view numpy_type(NumberType type) {
+    constexpr std::array<std::string_view, 10> names{"|i1", "|u1", "<i2", "<u2", "<i4",
+                                                     "<u4", "<i8", "<u8", "<f4", "<f8"};
+    return names[static_cast<std::size_t>(type)];
+}
+
+std::string npy_header(std::string_view type, const std::string& shape) {
+    std::string dict = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': " + shape + ", }";
+    constexpr std::size_t start_size = 10, alignment = 64;
+    const std::size_t unpadded = start_size + dict.size() + 1;
+    dict.append((alignment - unpadded % alignment) % alignment, ' ');
+    dict += '\n';
+    std::string header("\x93NUMPY\x01\x00", 8);
+    header += static_cast<char>(dict.size() & 0xff);
+    header += static_cast<char>(dict.size() >> 8);
+    return header + dict;
+}
+
+}  // namespace
+
+void write_npz(OutputFile& file, const OutputData& data) {
+    ZipWriter zip(file);
+    for (const ResultArray& array : result_arrays(data.tessellation, data.wanted)) {
+        const std::string rows = std::to_string(array.rows());
+        const std::string shape =
+            array.columns == 1 ? "(" + rows + ",)" : "(" + rows + ", " + std::to_string(array.columns) + ")";
+        const std::string header = npy_header(numpy_type(array.type), shape);
+        zip.add(std::string(array.name) + ".npy", std::array{std::string_view(header), array.bytes});
+    }
+    zip.finish();
+}
+
+}  // namespace clvotess

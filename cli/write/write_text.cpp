@@ -1,0 +1,253 @@
+// Text rows, streamed through a buffer of fixed size.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "files/output_buffer.hpp"
+#include "write/output.hpp"
+#include "write/seed_images.hpp"
+
+namespace clvotess {
+namespace {
+
+constexpr double radius_of_voropp = 0.5;  // what Voro++ prints for %r when there are no radii
+
+using Polygon = std::span<const std::int32_t>;
+
+class TextWriter {
+public:
+    TextWriter(OutputFile& file, const OutputData& data)
+        : data_(data),
+          cells_(data.tessellation),
+          buffer_(file),
+          seeds_(data.input.points, cells_),
+          areas_(cells_.face_areas()) {}
+
+    void write() {
+        for (std::size_t i = 0; i < cells_.size(); ++i) {
+            ordered_ = false;
+            for (const FormatPiece& piece : data_.format.pieces()) {
+                if (piece.code == 0) {
+                    buffer_.put(piece.literal);
+                } else {
+                    put(piece.code, i);
+                }
+            }
+            buffer_.put('\n');
+        }
+        buffer_.flush();
+    }
+
+private:
+    void put(char code, std::size_t i) {
+        const double* const seed = data_.input.points.data() + 3 * i;
+        switch (code) {
+            case 'i':
+                return buffer_.put_number(id_of(i));
+            case 'x':
+                return buffer_.put_number(seed[0]);
+            case 'y':
+                return buffer_.put_number(seed[1]);
+            case 'z':
+                return buffer_.put_number(seed[2]);
+            case 'q':
+                return buffer_.put_three(seed[0], seed[1], seed[2]);
+            case 'r':
+                return buffer_.put_number(data_.radii ? data_.input.column[i] : radius_of_voropp);
+            case 'w':
+                return buffer_.put_number(cells_.vertex_counts()[i]);
+            case 'g':
+                return buffer_.put_number(cells_.edge_counts()[i]);
+            case 's':
+                return buffer_.put_number(cells_.face_counts()[i]);
+            case 'm': {
+                const double radius = cells_.security_radii()[i] / 2;
+                return buffer_.put_number(radius * radius);
+            }
+            case 'F':
+                return buffer_.put_number(cells_.surface_areas()[i]);
+            case 'v':
+                return buffer_.put_number(cells_.volumes()[i]);
+            case 'c': {
+                const double* const centroid = cells_.centroids().data() + 3 * i;
+                const Point origin = seeds_.image(i, {centroid[0], centroid[1], centroid[2]});
+                return buffer_.put_three(centroid[0] - origin[0], centroid[1] - origin[1], centroid[2] - origin[2]);
+            }
+            case 'C': {
+                const double* const centroid = cells_.centroids().data() + 3 * i;
+                return buffer_.put_three(centroid[0], centroid[1], centroid[2]);
+            }
+            case 'p':
+                return put_vertices(i, seeds_.image(i, mean_vertex(i)));
+            case 'P':
+                return put_vertices(i, {});
+            default:
+                return put_of_faces(code, i);
+        }
+    }
+
+    // Lists with an entry for each face stand in the order of %n.
+    void put_of_faces(char code, std::size_t i) {
+        order_row(i);
+        switch (code) {
+            case 'n':
+                return put_list(order_, [&](std::size_t entry) { buffer_.put_number(name_of(entry)); });
+            case 'f':
+                return put_list(order_, [&](std::size_t entry) { buffer_.put_number(areas_[entry]); });
+            case 'l':
+                return put_list(order_, [&](std::size_t entry) {
+                    const double* const normal = cells_.face_normals().data() + 3 * entry;
+                    put_bracketed(normal[0], normal[1], normal[2]);
+                });
+            case 'a':
+                return put_list(order_, [&](std::size_t entry) { buffer_.put_number(polygon(entry).size()); });
+            case 'e':
+                return put_list(order_, [&](std::size_t entry) { buffer_.put_number(perimeter(polygon(entry))); });
+            case 't':
+                return put_list(order_, [&](std::size_t entry) { put_polygon(i, polygon(entry)); });
+            case 'E': {
+                double twice = 0;  // each edge belongs to two faces
+                for (const std::size_t entry : order_) twice += perimeter(polygon(entry));
+                return buffer_.put_number(twice / 2);
+            }
+            case 'o':
+                return put_vertex_orders(i);
+            default:
+                return put_size_table();
+        }
+    }
+
+    template <typename List, typename Put>
+    void put_list(const List& list, Put put_one) {
+        bool first = true;
+        for (const auto& item : list) {
+            if (!first) buffer_.put(' ');
+            put_one(item);
+            first = false;
+        }
+    }
+
+    void put_bracketed(double x, double y, double z) {
+        buffer_.put('(');
+        buffer_.put_three(x, y, z, ',');
+        buffer_.put(')');
+    }
+
+    [[nodiscard]] std::int64_t id_of(std::size_t i) const {
+        return data_.input.ids.empty() ? static_cast<std::int64_t>(i) : data_.input.ids[i];
+    }
+
+    // Id of the neighbor, or number of the wall, behind an entry of indices.
+    [[nodiscard]] std::int64_t name_of(std::size_t entry) const {
+        const std::int32_t j = cells_.indices()[entry];
+        return j < 0 ? j : id_of(static_cast<std::size_t>(j));
+    }
+
+    // order_: the entries of row i, walls first, then by id; indices alone are in that order already.
+    void order_row(std::size_t i) {
+        if (ordered_) return;
+        ordered_ = true;
+        order_.resize(cells_.neighbors(i).size());
+        std::iota(order_.begin(), order_.end(), static_cast<std::size_t>(cells_.indptr()[i]));
+        if (data_.input.ids.empty()) return;
+        std::ranges::stable_sort(
+            order_, {}, [&](std::size_t entry) { return std::pair(cells_.indices()[entry] >= 0, name_of(entry)); });
+    }
+
+    [[nodiscard]] Polygon polygon(std::size_t entry) const {
+        const auto begin = static_cast<std::size_t>(cells_.face_offsets()[entry]);
+        const auto end = static_cast<std::size_t>(cells_.face_offsets()[entry + 1]);
+        return cells_.face_vertices().subspan(begin, end - begin);
+    }
+
+    [[nodiscard]] Polygon vertices_of(std::size_t i) const {
+        const auto begin = static_cast<std::size_t>(cells_.cell_vertex_indptr()[i]);
+        const auto end = static_cast<std::size_t>(cells_.cell_vertex_indptr()[i + 1]);
+        return cells_.cell_vertex_indices().subspan(begin, end - begin);
+    }
+
+    [[nodiscard]] const double* vertex(std::int32_t index) const {
+        return cells_.vertices().data() + 3 * static_cast<std::size_t>(index);
+    }
+
+    // Number of a mesh vertex among those of the cell, which ascend.
+    [[nodiscard]] std::size_t local_number(Polygon vertices, std::int32_t index) const {
+        return static_cast<std::size_t>(std::ranges::lower_bound(vertices, index) - vertices.begin());
+    }
+
+    [[nodiscard]] double perimeter(Polygon corners) const {
+        double length = 0;
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+            const double* const a = vertex(corners[k]);
+            const double* const b = vertex(corners[k + 1 < corners.size() ? k + 1 : 0]);
+            length += std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+        }
+        return length;
+    }
+
+    // Inside the cell; of none if there is no cell.
+    [[nodiscard]] Point mean_vertex(std::size_t i) const {
+        Point sum{};
+        const Polygon vertices = vertices_of(i);
+        for (const std::int32_t index : vertices) {
+            for (std::size_t k = 0; k < 3; ++k) sum[k] += vertex(index)[k];
+        }
+        for (double& x : sum) x /= static_cast<double>(vertices.size());
+        return sum;
+    }
+
+    void put_vertices(std::size_t i, const Point& origin) {
+        put_list(vertices_of(i), [&](std::int32_t index) {
+            const double* const at = vertex(index);
+            put_bracketed(at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]);
+        });
+    }
+
+    // The numbers are those of the cell's vertices in %p and %P, clockwise seen from outside as Voro++ has them.
+    void put_polygon(std::size_t i, Polygon corners) {
+        const Polygon vertices = vertices_of(i);
+        buffer_.put('(');
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+            if (k > 0) buffer_.put(',');
+            buffer_.put_number(local_number(vertices, corners[corners.size() - 1 - k]));
+        }
+        buffer_.put(')');
+    }
+
+    // As many edges meet in a vertex of a polyhedron as faces.
+    void put_vertex_orders(std::size_t i) {
+        const Polygon vertices = vertices_of(i);
+        counts_.assign(vertices.size(), 0);
+        for (const std::size_t entry : order_) {
+            for (const std::int32_t index : polygon(entry)) ++counts_[local_number(vertices, index)];
+        }
+        put_list(counts_, [&](std::size_t count) { buffer_.put_number(count); });
+    }
+
+    // How many faces have 0, 1, 2, ... edges.
+    void put_size_table() {
+        counts_.clear();
+        for (const std::size_t entry : order_) {
+            const std::size_t size = polygon(entry).size();
+            if (size >= counts_.size()) counts_.resize(size + 1);
+            ++counts_[size];
+        }
+        put_list(counts_, [&](std::size_t count) { buffer_.put_number(count); });
+    }
+
+    const OutputData& data_;
+    const votess::Tessellation& cells_;
+    OutputBuffer buffer_;
+    SeedImages seeds_;
+    std::span<const double> areas_;
+    std::vector<std::size_t> order_, counts_;
+    bool ordered_ = false;  // whether order_ is that of the row at hand
+};
+
+}  // namespace
+
+void write_text(OutputFile& file, const OutputData& data) {
+    TextWriter(file, data).write();
+}
+
+}  // namespace clvotess

@@ -1,0 +1,44 @@
+// Memory handed out piece by piece from large segments, and taken back all at once to be handed out again.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <vector>
+
+#include "core/buffer.hpp"
+
+namespace votess {
+
+class Arena {
+public:
+    // Takes everything back. Segments made from now on have at least this size.
+    void reset(std::size_t segment_bytes) {
+        segment_bytes_ = segment_bytes;
+        current_ = used_ = 0;
+    }
+    // Uninitialized, aligned for any number; stays until reset().
+    [[nodiscard]] std::byte* take(std::size_t bytes) {
+        while (current_ < segments_.size() && segments_[current_].size() - used_ < bytes) {
+            ++current_;
+            used_ = 0;
+        }
+        if (current_ == segments_.size()) {
+            Buffer<std::byte> segment;
+            // Some more, for a piece that is a little larger when all this is used again.
+            segment.resize_uninitialized(std::max(segment_bytes_, std::bit_ceil(bytes + bytes / 8)));
+            segments_.push_back(std::move(segment));
+        }
+        std::byte* const place = segments_[current_].data() + used_;
+        constexpr std::size_t alignment = 8;
+        used_ = std::min(segments_[current_].size(), (used_ + bytes + alignment - 1) / alignment * alignment);
+        return place;
+    }
+
+private:
+    std::vector<Buffer<std::byte>> segments_;
+    std::size_t segment_bytes_ = 0;
+    std::size_t current_ = 0, used_ = 0;  // where the next piece is taken
+};
+
+}  // namespace votess

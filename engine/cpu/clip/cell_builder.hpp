@@ -1,0 +1,113 @@
+// Candidates near a seed, nearest first. A hierarchy of bounding boxes over groups of consecutive sorted seeds serves
+// two searches: a window of candidates around a group, shared by its seeds, and for cells that reach farther than a
+// window (voids, hulls of clusters) a walk that skips boxes which no vertex of the cell reaches. In a periodic domain
+// the walk goes on through the images that are not among the seeds: through pairs of a box and a range of shifts, of
+// which it halves whichever extends farther, so that a thin or long box costs little more than a cube.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "cpu/clip/cell.hpp"
+#include "cpu/sort/hierarchy.hpp"
+#include "cpu/sort/seed_images.hpp"
+#include "cpu/sort/sort.hpp"
+
+namespace votess::cpu {
+
+// Entry of the best-first queues.
+struct QueueEntry {
+    double distance_squared;  // at most the distance from the home to any seed below the node
+    std::int32_t level;
+    std::uint32_t node;
+};
+
+// The same for images by a range of shifts; level -1 is a single seed.
+struct FarEntry {
+    double distance_squared;
+    std::int32_t level;
+    std::uint32_t node;
+    ShiftRange shifts;
+};
+
+// Builds cells. One per thread; holds all scratch memory.
+class CellBuilder {
+public:
+    CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
+
+    // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory. The domain stays
+    // with the caller.
+    void begin_job(const Domain& domain);
+    // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
+    Cell& build(std::size_t seed) { return *build(seed, std::numeric_limits<std::size_t>::max()); }
+    // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.
+    Cell* build(std::size_t seed, std::size_t most_tests);
+    [[nodiscard]] std::size_t tests() const { return tests_; }
+    // Clips the cell by these seeds, which include its neighbors.
+    Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates);
+    // The same by images of seeds in a periodic domain.
+    Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates, std::span<const exact::Shift> shifts);
+    // Clips the last cell once more, by its neighbors only: its vertices then have the same rounding however it was
+    // found. faces: scratch.
+    Cell& again(CellFaces& faces);
+
+private:
+    void start(std::size_t seed);
+    // A seed or image, by its id.
+    void clip_by(std::int32_t id, double x, double y, double z);
+    void clip_by_image(std::int32_t home, const exact::Shift& shift);
+    // No seed at this squared distance or beyond it can cut the cell as it is.
+    [[nodiscard]] double reach_squared();
+    void open_window(std::size_t group);
+    // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
+    void extend_window(double distance_squared, std::size_t least_count);
+    void pop_into_window();
+    [[nodiscard]] bool exhausted() const { return tests_ > most_tests_; }
+    // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
+    // tests are exhausted.
+    bool clip_band(std::size_t seed, double from, double to);
+    // By all seeds, and images among them, from that squared distance on.
+    void clip_far(std::size_t seed, double from);
+    Cell& again_by_planes(const CellFaces& faces);
+    void clip_by_heaviest(const exact::Point& at);
+    // By the images beyond those among the seeds.
+    void clip_far_images(std::size_t seed);
+    void push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts);
+    void split_far(const exact::Point& p, const FarEntry& entry);
+    void clip_far_group(const exact::Point& p, const FarEntry& entry, double from);
+    [[nodiscard]] Box far_box(std::int32_t level, std::uint32_t node) const;
+    [[nodiscard]] BoundingBox far_images_of(const FarEntry& entry) const;
+
+    const Kernels& kernels_;
+    const SortedSeeds& seeds_;
+    const Hierarchy& hierarchy_;
+    const Domain* domain_ = nullptr;
+    Cell cell_;
+    bool plain_ = true;              // neither images nor weights
+    double rounding_ = 0;            // of distances to images
+    exact::Point place_rounding_{};  // of their coordinates
+    std::int32_t heaviest_ = -1;     // seed of a periodic power diagram
+    double more_weight_ = 0;         // by which any weight may exceed that of the seed
+    SeedImages::Base base_{};        // of the seed
+
+    std::size_t group_ = ~std::size_t{0};
+    BoundingBox home_{};
+    std::vector<QueueEntry> queue_, far_queue_;
+    std::vector<FarEntry> far_images_;
+    double covered_ = 0;  // squared distance from home within which the window is complete
+    std::vector<double> x_, y_, z_, distance_;
+    std::vector<std::int32_t> index_;
+    std::size_t measured_ = 0;  // distances known for the current seed
+    std::vector<std::uint64_t> band_;
+    std::vector<std::pair<double, std::int32_t>> candidates_;
+    std::vector<std::int32_t> neighbors_;
+    std::vector<CellPlane> planes_;
+    std::size_t seed_ = 0;                    // of the last cell
+    std::size_t tests_ = 0, most_tests_ = 0;  // of the current seed
+    double reach_ = 0;                        // 4 R^2 expected of the next cell
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,223 @@
+// Volume and centroid of a cell as a sum of pyramids from the seed over its faces, areas of the faces. Done in double
+// with a running error bound; needles and slabs, where vertices cancel, are done again from exactly solved vertices, in
+// double or in quad, and what is thinner than quad can tell in 2304 bits.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "cpu/clip/cell.hpp"
+#include "exact/wide_float.hpp"
+
+namespace votess::cpu {
+namespace {
+
+// The promise is 1e-10; the bound counts vertices at their worst, the rest is rounding of the sums.
+constexpr double accepted_error = 5e-11;
+constexpr double smallest_volume = 1e-140;  // below this volume times position might underflow
+
+template <class Real>
+using Vector = std::array<Real, 3>;
+
+template <class Real>
+Vector<Real> cross(const Vector<Real>& a, const Vector<Real>& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+template <class Real>
+Real dot(const Vector<Real>& a, const Vector<Real>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class Real>
+Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+template <class Real>
+double length_bound(const Vector<Real>& a) {
+    return std::abs(static_cast<double>(a[0])) + std::abs(static_cast<double>(a[1])) +
+           std::abs(static_cast<double>(a[2]));
+}
+
+// A pyramid over the triangle of doubled area vector A on the plane n.x = h has volume A.n h / (6 |n|^2): for a
+// bisector, h = |n|^2 / 2.
+template <class Real>
+struct Sums {
+    Real volume = 0;
+    Vector<Real> moment{};  // integral of x over the cell
+
+    void add_pyramid(const Real& volume_of_it, const Vector<Real>& a, const Vector<Real>& b, const Vector<Real>& c) {
+        volume += volume_of_it;
+        for (int k = 0; k < 3; ++k) moment[k] += volume_of_it * (a[k] + b[k] + c[k]) * static_cast<Real>(0.25);
+    }
+    [[nodiscard]] CellGeometry geometry() const {
+        CellGeometry g;
+        g.volume = static_cast<double>(volume);
+        for (int k = 0; k < 3; ++k) g.centroid[k] = static_cast<double>(moment[k] / volume);
+        return g;
+    }
+};
+
+// Unit roundoff of the working precision.
+template <class Real>
+constexpr double roundoff = 0x1p-53;
+template <>
+constexpr double roundoff<exact::Quad> = 0x1p-112;
+template <>
+constexpr double roundoff<exact::WideFloat> = 0;  // beyond any doubt
+
+template <class Real>
+struct Pyramids {  // over the faces on one plane: volume = factor * doubled area . n
+    Vector<Real> n;
+    Real factor;
+};
+
+// h / |n|^2 of a plane whose h is a sum that may cancel.
+template <class Real>
+Real height_ratio(const exact::Plane& plane, const Vector<Real>& n, const exact::Point& seed) {
+    const Real square = dot(n, n);
+    if (plane.is_bisector()) {
+        const Real power = static_cast<Real>(plane.power.high) + static_cast<Real>(plane.power.low);
+        return (square + power) / (2 * square);
+    }
+    Real h = static_cast<Real>(plane.wall);
+    for (int k = 0; k < 3; ++k) h -= n[k] * static_cast<Real>(seed[k]);
+    return h / square;
+}
+
+template <class Real>
+Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed) {
+    const exact::Plane& source = plane.source;
+    Vector<Real> n;
+    if (source.is_bisector()) {
+        n = exact::difference<Real>(seed, source);
+        if (!source.has_power()) return {n, static_cast<Real>(1) / 12};
+    } else if (source.kind == exact::Plane::Kind::wall) {
+        for (int k = 0; k < 3; ++k) n[k] = static_cast<Real>(source.seed[k]);
+    } else {
+        const int axis = source.axis;
+        const Real offset = static_cast<Real>(source.wall) - static_cast<Real>(seed[axis]);
+        return {{static_cast<Real>(plane.n[0]), static_cast<Real>(plane.n[1]), static_cast<Real>(plane.n[2])},
+                static_cast<Real>(offset * plane.n[axis] / 6)};
+    }
+    if constexpr (std::is_same_v<Real, double>) {
+        Vector<exact::Quad> exact_n{n[0], n[1], n[2]};
+        if (source.is_bisector()) exact_n = exact::difference<exact::Quad>(seed, source);
+        return {n, static_cast<double>(height_ratio(source, exact_n, seed)) / 6};
+    } else {
+        return {n, height_ratio(source, n, seed) / 6};
+    }
+}
+
+// Turns doubled area vectors on a plane into areas.
+template <class Real>
+struct AreaScale {
+    Vector<Real> n;       // normal, brought to a length of order one, so that no product underflows
+    double factor;        // area = factor * doubled area . n
+    double error_factor;  // of a bound on the error of the doubled area
+
+    explicit AreaScale(const Vector<Real>& normal) {
+        const double largest =
+            std::max({std::abs(static_cast<double>(normal[0])), std::abs(static_cast<double>(normal[1])),
+                      std::abs(static_cast<double>(normal[2]))});
+        const auto scale = static_cast<Real>(std::ldexp(1.0, -std::max(std::ilogb(largest), -1000)));
+        for (int k = 0; k < 3; ++k) n[k] = normal[k] * scale;
+        factor = 0.5 / std::hypot(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+        error_factor = factor * length_bound(n);
+    }
+    [[nodiscard]] double area(const Vector<Real>& doubled) const {
+        return std::max(0.0, static_cast<double>(dot(doubled, n)) * factor);
+    }
+};
+
+// corner(slot) gives {position, bound on its error}. Nothing when the error bound is not met.
+template <class Real, class Corners>
+std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& faces, Corners&& corner,
+                                         std::vector<double>* areas) {
+    Sums<Real> sums;
+    double error = 0, surface = 0, area_error = 0;
+    if (areas != nullptr) areas->clear();
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const CellPlane& plane = cell.planes()[faces.planes[f]];
+        const auto [n, factor] = pyramids<Real>(plane, cell.seed());
+        const double reach = std::abs(static_cast<double>(factor)) * length_bound(n);
+        const auto* slots = &faces.corners[faces.offsets[f]];
+        const int count = faces.offsets[f + 1] - faces.offsets[f];
+        const auto [apex, apex_error] = corner(slots[0]);
+        auto [last, last_error] = corner(slots[1]);
+        Vector<Real> previous = last - apex;
+        double spread = length_bound(previous);
+        double worst = std::max(apex_error, last_error);
+        double doubled_error = 0;
+        Vector<Real> doubled{};  // area vector of the face
+        for (int c = 2; c < count; ++c) {
+            const auto [position, position_error] = corner(slots[c]);
+            const auto current = position - apex;
+            const double size = length_bound(current);
+            worst = std::max(worst, position_error);
+            // Moving a corner by t changes the doubled area by at most t times the opposite side.
+            doubled_error += 3 * worst * (spread + size) + 8 * roundoff<Real> * spread * size;
+            const Vector<Real> triangle = cross(previous, current);
+            for (int k = 0; k < 3; ++k) doubled[k] += triangle[k];
+            const Real volume = dot(triangle, n) * factor;
+            sums.add_pyramid(volume, apex, last, position);
+            previous = current;
+            last = position;
+            spread = size;
+        }
+        error += reach * doubled_error;
+        if (areas != nullptr) {
+            const AreaScale<Real> scale(n);
+            areas->push_back(scale.area(doubled));
+            surface += areas->back();
+            area_error += scale.error_factor * doubled_error;
+        }
+    }
+    if constexpr (roundoff < Real >> 0) {
+        const auto volume = static_cast<double>(sums.volume);
+        if (!(volume > smallest_volume && error <= accepted_error * volume)) return std::nullopt;
+        if (!(area_error <= accepted_error * surface)) return std::nullopt;
+    }
+    return sums.geometry();
+}
+
+// Vertices solved exactly and rounded to Real, each once.
+template <class Real>
+std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces, std::vector<double>* areas) {
+    struct Solved {
+        Vector<Real> position;
+        double error;
+    };
+    std::vector<std::optional<Solved>> known(cell.slots());
+    const auto corner = [&](int slot) {
+        auto& vertex = known[slot];
+        if (!vertex) {
+            const auto [a, b, c] = cell.corner_planes(slot);
+            vertex.emplace();
+            vertex->position = exact::vertex_position<Real>(cell.seed(), a->source, b->source, c->source);
+            vertex->error = 8 * roundoff<Real> * length_bound(vertex->position);
+        }
+        return *vertex;
+    };
+    return sum_pyramids<Real>(cell, faces, corner, areas);
+}
+
+}  // namespace
+
+double Cell::farthest_squared(const CellFaces& faces) const {
+    double farthest = 0;
+    for (const std::int32_t slot : faces.corners)
+        farthest = std::max(farthest, x_[slot] * x_[slot] + y_[slot] * y_[slot] + z_[slot] * z_[slot]);
+    return farthest;
+}
+
+CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) const {
+    struct Corner {
+        Vector<double> position;
+        double error;
+    };
+    const auto corner = [this](int slot) { return Corner{{x_[slot], y_[slot], z_[slot]}, tolerance_[slot]}; };
+    if (const auto g = sum_pyramids<double>(*this, faces, corner, areas)) return *g;
+    if (const auto g = sum_solved<double>(*this, faces, areas)) return *g;
+    if (const auto g = sum_solved<exact::Quad>(*this, faces, areas)) return *g;
+    return *sum_solved<exact::WideFloat>(*this, faces, areas);
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,37 @@
+#include "cpu/clip/cell_polygons.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "cpu/clip/cell.hpp"
+
+namespace votess::cpu {
+
+void read_polygons(const Cell& cell, const CellFaces& faces, CellPolygons& out) {
+    out.clear();
+    for (int slot = 0; slot < cell.slots(); ++slot) out.positions.push_back(cell.position(slot));
+    out.offsets.assign(faces.offsets.begin(), faces.offsets.end());
+    out.corners.assign(faces.corners.begin(), faces.corners.end());
+    out.beside.resize(out.corners.size());
+    // An edge is met twice, once in each direction: its two places come together when sorted by its ends.
+    struct End {
+        std::uint32_t low, high, face, place;
+    };
+    std::vector<End> ends;
+    ends.reserve(out.corners.size());
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (std::uint32_t k = out.offsets[f]; k < out.offsets[f + 1]; ++k) {
+            const std::uint32_t v = out.corners[k],
+                                w = out.corners[k + 1 == out.offsets[f + 1] ? out.offsets[f] : k + 1];
+            ends.push_back({std::min(v, w), std::max(v, w), static_cast<std::uint32_t>(f), k});
+        }
+    std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
+        return std::tie(a.low, a.high, a.face) < std::tie(b.low, b.high, b.face);
+    });
+    for (std::size_t e = 0; e + 1 < ends.size(); e += 2) {
+        out.beside[ends[e].place] = ends[e + 1].face;
+        out.beside[ends[e + 1].place] = ends[e].face;
+    }
+}
+
+}  // namespace votess::cpu

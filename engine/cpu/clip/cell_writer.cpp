@@ -1,0 +1,245 @@
+#include "cpu/clip/cell_writer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cpu/sort/seed_images.hpp"
+#include "input/implied_wants.hpp"
+
+namespace votess::cpu {
+namespace {
+
+constexpr std::size_t usual_rows = std::size_t{1} << 16;  // ids of a block; memory that is not needed is not touched
+
+std::array<std::int8_t, 3> narrow(const exact::Shift& shift) {
+    std::array<std::int8_t, 3> result{};
+    for (std::size_t j = 0; j < 3; ++j) {
+        result[j] = static_cast<std::int8_t>(shift[j]);
+        if (result[j] != shift[j])
+            throw Error(ErrorCode::unsupported,
+                        "the cell is so skewed that neighbors lie more than 127 box vectors away: give shorter vectors "
+                        "that span the same lattice");
+    }
+    return result;
+}
+
+}  // namespace
+
+void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out) {
+    kernels_ = &kernels;
+    out_ = &out;
+    want_ = job.options.want;
+    walls_ = job.options.walls;
+    periodic_ = is_periodic(job.options);
+    measure_ = needs_geometry(want_);
+    plain_rows_ = !periodic_ && !want_.normals && !want_.vertices;
+    unscale_ = 1 / job.scale;
+    counters_ = {};
+    rows_size_ = 0;
+    lengths_.clear();
+    polygon_writer_.clear();
+}
+
+void CellWriter::prefetch(std::size_t seed) const {
+    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+    if (want_.volumes) __builtin_prefetch(&out_->volumes()[input], 1);
+    if (want_.centroids) __builtin_prefetch(&out_->centroids()[3 * input], 1);
+}
+
+void CellWriter::leave_out() {
+    lengths_.push_back(0);
+    if (want_.vertices) polygon_writer_.append_none();
+}
+
+bool CellWriter::write(std::size_t seed, Star& star) {
+    if (measure_ && !star.measure(geometry_)) return false;
+    const auto faces = star.faces();
+    counters_.faces += faces.size();
+    counters_.exact_cells += star.used_exact() ? 1 : 0;
+    if (want_.normals) star.normals(face_normals_);
+    if (want_.neighbors) {
+        face_shifts_.clear();
+        for (std::size_t f = 0; f < faces.size() && periodic_; ++f)
+            face_shifts_.push_back(faces[f] < 0 ? exact::Shift{} : seeds_.images->shift(faces[f]));
+        if (periodic_ && seeds_.images->has_moves()) count_from_domain(seed, faces);
+        write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
+    }
+    if (want_.vertices) {
+        star.polygons(polygons_);
+        write_polygons(seed, polygons_);
+    }
+    write_geometry(seed, geometry_.volume, geometry_.centroid.data());
+    if (want_.surfaces || want_.radii)
+        write_sizes(seed, std::span(geometry_.areas).first(faces.size()), star.farthest_squared());
+    write_counts(seed, faces.size(), static_cast<std::uint32_t>(star.edge_count()),
+                 static_cast<std::uint32_t>(star.vertex_count()));
+    return true;
+}
+
+void CellWriter::write(std::size_t seed, Cell& cell) {
+    counters_.exact_cells += cell.used_exact() ? 1 : 0;
+    if (cell.empty()) return write_empty(seed);
+    std::span<const std::int32_t> planes;
+    if (measure_ || want_.counts || cell.met_tie()) {
+        cell.canonical_faces(faces_);
+        planes = faces_.planes;
+    } else {
+        cell.face_planes(planes_);
+        planes = planes_;
+    }
+    constexpr std::size_t least_faces = 4;
+    if (planes.size() < least_faces) return write_empty(seed);  // flat
+    counters_.faces += planes.size();
+    if (measure_) {
+        const CellGeometry geometry = cell.measure(faces_, want_.areas || want_.surfaces ? &face_areas_ : nullptr);
+        write_geometry(seed, geometry.volume, geometry.centroid.data());
+    }
+    if (want_.neighbors) {
+        ids_.clear();
+        face_normals_.clear();
+        face_shifts_.clear();
+        for (const std::int32_t p : planes) {
+            ids_.push_back(cell.planes()[p].id);
+            if (periodic_) face_shifts_.push_back(cell.planes()[p].shift);
+            if (want_.normals) face_normals_.push_back(unit_vector(cell.planes()[p].n));
+        }
+        if (periodic_ && seeds_.images->has_moves()) count_from_domain(seed, ids_);
+        write_row({ids_, face_shifts_, face_areas_.data(), face_normals_.data()});
+    }
+    if (want_.vertices) {
+        read_polygons(cell, faces_, polygons_);
+        write_polygons(seed, polygons_);
+    }
+    if (want_.surfaces || want_.radii) write_sizes(seed, face_areas_, cell.farthest_squared(faces_));
+    write_counts(seed, planes.size(), faces_.edge_count, faces_.vertex_count);
+}
+
+void CellWriter::write_empty(std::size_t seed) {
+    out_->set_empty(static_cast<std::size_t>(seeds_.input[seed]), CellStatus::empty);
+    ++counters_.empty_cells;
+    leave_out();
+}
+
+void CellWriter::write_geometry(std::size_t seed, double volume, const double* centroid) {
+    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+    if (want_.volumes) out_->volumes()[input] = volume * unscale_ * unscale_ * unscale_;
+    if (!want_.centroids) return;
+    const exact::Point p = place(seed);
+    for (int k = 0; k < 3; ++k) out_->centroids()[3 * input + k] = (centroid[k] + p[k]) * unscale_;
+}
+
+void CellWriter::write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared) {
+    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+    if (want_.surfaces)
+        out_->surface_areas()[input] = std::accumulate(areas.begin(), areas.end(), 0.0) * unscale_ * unscale_;
+    if (want_.radii) out_->security_radii()[input] = 2 * std::sqrt(farthest_squared) * unscale_;
+}
+
+void CellWriter::write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
+    if (!want_.counts) return;
+    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+    out_->face_counts()[input] = static_cast<std::uint32_t>(faces);
+    out_->edge_counts()[input] = edges;
+    out_->vertex_counts()[input] = vertices;
+}
+
+std::int32_t CellWriter::input_of(std::int32_t id) const {
+    const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
+    return seeds_.input[static_cast<std::size_t>(home)];
+}
+
+void CellWriter::count_from_domain(std::size_t seed, std::span<const std::int32_t> ids) {
+    for (std::size_t f = 0; f < ids.size(); ++f) {
+        if (ids[f] < 0) continue;
+        const exact::Shift more = seeds_.images->shift_in_domain(seeds_.images->home(ids[f]), seed);
+        for (std::size_t j = 0; j < 3; ++j) face_shifts_[f][j] += more[j];
+    }
+}
+
+exact::Point CellWriter::place(std::size_t seed) const {
+    if (seeds_.images != nullptr) return seeds_.images->place_in_domain(seed);
+    return {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+}
+
+void CellWriter::make_room(std::size_t faces) {
+    if (rows_.size() < rows_size_ + 2 * faces) rows_.resize(std::max(usual_rows, 2 * rows_.size()) + 2 * faces);
+    if (want_.areas && areas_.size() < rows_.size()) areas_.resize(rows_.size());
+    if (want_.normals && normals_.size() < 3 * rows_.size()) normals_.resize(3 * rows_.size());
+    if (periodic_ && shifts_.size() < 3 * rows_.size()) shifts_.resize(3 * rows_.size());
+}
+
+void CellWriter::write_row(const Faces& faces) {
+    make_room(faces.ids.size());
+    std::size_t count = 0;
+    if (plain_rows_ && faces.ids.size() <= most_ranked) {
+        count = write_plain_row(faces);
+    } else {
+        find_order(faces);
+        for (const std::uint32_t face : order_) {
+            if (labels_[face].id < 0 && !walls_) continue;
+            const std::size_t entry = rows_size_ + count++;
+            rows_[entry] = labels_[face].id;
+            if (want_.areas) areas_[entry] = faces.areas[face] * unscale_ * unscale_;
+            if (want_.normals)
+                std::ranges::copy(faces.normals[face], normals_.begin() + static_cast<std::ptrdiff_t>(3 * entry));
+            if (periodic_)
+                std::ranges::copy(labels_[face].shift, shifts_.begin() + static_cast<std::ptrdiff_t>(3 * entry));
+        }
+    }
+    rows_size_ += count;
+    lengths_.push_back(static_cast<std::uint32_t>(count));
+}
+
+// Ids, and areas if wanted.
+std::size_t CellWriter::write_plain_row(const Faces& faces) {
+    // First behind its place, in the order of the faces, then sorted into it.
+    std::int32_t* row = rows_.data() + rows_size_;
+    std::int32_t* unsorted = row + faces.ids.size();
+    int count = 0;
+    for (std::size_t k = 0; k < faces.ids.size(); ++k) {
+        const std::int32_t id = faces.ids[k];
+        unsorted[count] = id < 0 ? id : seeds_.input[static_cast<std::size_t>(id)];
+        if (want_.areas) kept_areas_[static_cast<std::size_t>(count)] = faces.areas[k];
+        count += (id >= 0 || walls_) ? 1 : 0;
+    }
+    kernels_->rank(unsorted, count, places_.data());
+    for (int k = 0; k < count; ++k) row[places_[static_cast<std::size_t>(k)]] = unsorted[k];
+    if (want_.areas)
+        for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+            areas_[rows_size_ + places_[k]] = kept_areas_[k] * unscale_ * unscale_;
+    return static_cast<std::size_t>(count);
+}
+
+// Fills labels_ and order_.
+void CellWriter::find_order(const Faces& faces) {
+    labels_.resize(faces.ids.size());
+    order_.resize(faces.ids.size());
+    for (std::size_t f = 0; f < faces.ids.size(); ++f) {
+        const std::int32_t id = faces.ids[f];
+        labels_[f] = {id < 0 ? id : input_of(id), {}};
+        if (periodic_) labels_[f].shift = narrow(faces.shifts[f]);
+        order_[f] = static_cast<std::uint32_t>(f);
+    }
+    std::ranges::sort(order_, {}, [this](std::uint32_t f) { return labels_[f]; });
+}
+
+// After write_row() of the same cell.
+void CellWriter::write_polygons(std::size_t seed, const CellPolygons& polygons) {
+    const std::size_t hidden = order_.size() - lengths_.back();
+    polygon_writer_.append(polygons, labels_, order_, hidden, place(seed));
+}
+
+void CellWriter::end_block(std::span<const std::int32_t> cells) {
+    const auto of = [this](const auto& values, bool wanted, std::size_t each) {
+        return std::span(values).first(wanted ? each * rows_size_ : 0);
+    };
+    out_->add_rows(cells, lengths_, std::span(rows_).first(rows_size_),
+                   {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), of(shifts_, periodic_, 3)});
+    if (want_.vertices) out_->mesh().add(cells, polygon_writer_.block());
+    rows_size_ = 0;
+    lengths_.clear();
+    polygon_writer_.clear();
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,87 @@
+// Puts finished cells where results go: rows in the order of the engine, block by block, and what has a fixed place at
+// once. One per thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cpu/clip/cell.hpp"
+#include "cpu/clip/polygon_writer.hpp"
+#include "cpu/sort/sorted_seeds.hpp"
+#include "cpu/walk/kernels/star_kernels.hpp"
+#include "cpu/walk/star.hpp"
+#include "result/result_builder.hpp"
+
+namespace votess::cpu {
+
+class CellWriter {
+public:
+    explicit CellWriter(const SortedSeeds& seeds) : seeds_(seeds) {}
+
+    void begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out);
+    // For the start of a cell: its results go to the places of the input, which are anywhere in memory.
+    void prefetch(std::size_t seed) const;
+    // The last cell that `star` has built; false when its geometry cannot be had to the digits promised.
+    [[nodiscard]] bool write(std::size_t seed, Star& star);
+    void write(std::size_t seed, Cell& cell);
+    // The row of the next cell comes by another block.
+    void leave_out();
+    // Hands the rows written since the last call to the result; cells: as in ResultBuilder::add_rows.
+    void end_block(std::span<const std::int32_t> cells);
+
+    [[nodiscard]] const CellCounters& counters() const { return counters_; }
+
+private:
+    static constexpr std::size_t most_ranked = 256;  // ids of a row; ranking takes the square of their number
+
+    // The faces of a cell in any order: sorted seeds or walls, and what is wanted beside them.
+    struct Faces {
+        std::span<const std::int32_t> ids;
+        std::span<const exact::Shift> shifts;  // as Tessellation::shifts(); empty when not periodic
+        const double* areas = nullptr;
+        const std::array<double, 3>* normals = nullptr;
+    };
+
+    void write_empty(std::size_t seed);
+    [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
+    // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
+    void count_from_domain(std::size_t seed, std::span<const std::int32_t> ids);
+    [[nodiscard]] exact::Point place(std::size_t seed) const;
+    void write_geometry(std::size_t seed, double volume, const double* centroid);
+    void write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared);
+    void write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
+    void write_row(const Faces& faces);
+    std::size_t write_plain_row(const Faces& faces);
+    void make_room(std::size_t faces);
+    void find_order(const Faces& faces);
+    void write_polygons(std::size_t seed, const CellPolygons& polygons);
+
+    const SortedSeeds& seeds_;
+    const StarKernels* kernels_ = nullptr;
+    ResultBuilder* out_ = nullptr;
+    Want want_;
+    bool walls_ = false, periodic_ = false, measure_ = false, plain_rows_ = false;
+    double unscale_ = 1;
+    CellCounters counters_;
+    std::size_t rows_size_ = 0;
+    std::vector<std::int32_t> rows_;  // filled up to rows_size_
+    std::vector<double> areas_, normals_;
+    std::vector<std::int8_t> shifts_;
+    std::vector<std::uint32_t> lengths_;
+    PolygonWriter polygon_writer_;
+
+    Star::Geometry geometry_;  // of the cell at hand, as what follows
+    CellFaces faces_;
+    CellPolygons polygons_;
+    std::vector<std::int32_t> ids_, planes_;
+    std::vector<double> face_areas_;
+    std::vector<std::array<double, 3>> face_normals_;
+    std::vector<exact::Shift> face_shifts_;
+    std::array<double, most_ranked> kept_areas_;
+    std::array<std::uint16_t, most_ranked> places_;
+    std::vector<FaceLabel> labels_;     // by face
+    std::vector<std::uint32_t> order_;  // faces by label
+};
+
+}  // namespace votess::cpu

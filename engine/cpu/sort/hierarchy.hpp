@@ -1,0 +1,43 @@
+// An implicit tree of bounding boxes over the sorted seeds and their images: level 0 holds the boxes of groups of
+// consecutive seeds, each box of level k+1 covers eight of level k. Seeds follow a Hilbert curve, so boxes are compact
+// at any density.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "core/thread_pool.hpp"
+#include "cpu/sort/sort.hpp"
+#include "cpu/walk/kernels/star_kernels.hpp"
+
+namespace votess::cpu {
+
+class Hierarchy {
+public:
+    static constexpr std::size_t fan = box_fan;
+    static_assert(fan == 8);  // first_seed()
+
+    void build(const SortedSeeds& seeds, ThreadPool& pool);
+
+    [[nodiscard]] int top_level() const { return static_cast<int>(counts_.size()) - 1; }
+    [[nodiscard]] std::size_t count(int level) const { return counts_[level]; }
+    // Boxes 8 index .. 8 index + 7 of a level: the children of box `index` one level up.
+    [[nodiscard]] const BoxBlock& block(int level, std::size_t index) const { return levels_[level][index]; }
+    [[nodiscard]] static std::size_t first_seed(int level, std::size_t node) {
+        return (node * group_size) << (3 * level);
+    }
+    [[nodiscard]] BoundingBox box(int level, std::size_t node) const {
+        const BoxBlock& b = levels_[level][node / fan];
+        const std::size_t i = node % fan;
+        return {{b.lower[0][i], b.lower[1][i], b.lower[2][i]}, {b.upper[0][i], b.upper[1][i], b.upper[2][i]}};
+    }
+
+private:
+    void fill(const SortedSeeds& seeds, std::size_t level, std::size_t index);
+
+    std::vector<Buffer<BoxBlock>> levels_;  // those beyond counts_ keep memory for the next build
+    std::vector<std::size_t> counts_;
+};
+
+}  // namespace votess::cpu

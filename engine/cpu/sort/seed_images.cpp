@@ -1,0 +1,330 @@
+#include "cpu/sort/seed_images.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "cpu/sort/sort_inside.hpp"
+
+namespace votess::cpu {
+namespace {
+
+// Margin around the box in units of the mean spacing: most cells of uniform seeds need less.
+constexpr double margin_spacings = 3.4;
+constexpr std::size_t task_points = 32768;
+constexpr double fraction_slack = 1e-9;
+// Images beyond the margin are searched for by each cell that needs them; in thin or long boxes there would be too
+// many.
+constexpr double most_images_per_seed = 16, most_images_of_few = 4096;
+
+exact::Point point_of(const Points& points, std::size_t i, double scale) {
+    return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
+}
+
+std::size_t tasks_for(std::size_t count) {
+    return (count + task_points - 1) / task_points;
+}
+
+}  // namespace
+
+double SeedImages::reach(const exact::Point& seed) const {
+    double least = std::numeric_limits<double>::infinity();
+    const auto f = fraction(seed);
+    for (int j = 0; j < 3; ++j) {
+        if (!domain_->periodic[j]) continue;
+        const double inside = std::min(f[j], 1 - f[j]) + margin_[j] - 2 * error_[j];
+        least = std::min(least, inside * basis_->width[j]);
+    }
+    return std::max(least * (1 - fraction_slack), 0.0);
+}
+
+exact::Shift SeedImages::shift_in_domain(std::int32_t home, std::size_t seed) const {
+    if (moves_.empty()) return {};
+    const auto& of_home = moves_[static_cast<std::size_t>(seeds_->input[static_cast<std::size_t>(home)])];
+    const auto& of_seed = moves_[static_cast<std::size_t>(seeds_->input[seed])];
+    exact::Shift shift;
+    for (int j = 0; j < 3; ++j) shift[j] = of_home[j] - of_seed[j];
+    return shift;
+}
+
+exact::Point SeedImages::place_in_domain(std::size_t seed) const {
+    if (moves_.empty()) return {seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]};
+    const auto input = static_cast<std::size_t>(seeds_->input[seed]);
+    exact::Shift shift;
+    for (int j = 0; j < 3; ++j) shift[j] = wraps_[input][j] - moves_[input][j];
+    const auto at = position(input, shift);
+    return {at.x[0].high, at.x[1].high, at.x[2].high};
+}
+
+SeedImages::Base SeedImages::base(std::size_t seed) const {
+    if (is_exact(seed)) return {{seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]}, {}};
+    const auto input = static_cast<std::size_t>(seeds_->input[seed]);
+    return {point_of(points_, input, scale_), wraps_[input]};
+}
+
+exact::Plane SeedImages::bisector(const Base& seed, std::int32_t home, const exact::Shift& shift) const {
+    const Base other = base(static_cast<std::size_t>(home));
+    exact::Shift total;
+    for (int j = 0; j < 3; ++j) total[j] = shift[j] + other.shift[j] - seed.shift[j];
+    return exact::Plane::bisector(other.point, total, domain_->lattice);
+}
+
+exact::Differences SeedImages::position(std::size_t input, const exact::Shift& shift) const {
+    return exact::differences({}, exact::Plane::bisector(point_of(points_, input, scale_), shift, domain_->lattice));
+}
+
+void SeedImages::wrap_points(ThreadPool& pool) {
+    const std::size_t count = points_.count();
+    wraps_.assign(count, {});
+    moves_.assign(domain_->skewed ? count : 0, {});
+    std::vector<char> any(tasks_for(count), 0);
+    std::vector<std::size_t> too_far(tasks_for(count), count);
+    pool.run(tasks_for(count), [&](std::size_t task, unsigned) {
+        for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
+            const auto shift = wrap(*domain_, point_of(points_, i, scale_));
+            if (!shift) too_far[task] = std::min(too_far[task], i);
+            wraps_[i] = shift.value_or(exact::Shift{});
+            if (shift && domain_->skewed) {
+                const auto at = position(i, *shift);
+                moves_[i] = shift_into_reduced(*domain_, {at.x[0].high, at.x[1].high, at.x[2].high});
+                for (int j = 0; j < 3; ++j) wraps_[i][j] += moves_[i][j];
+            }
+            any[task] |= wraps_[i] != exact::Shift{} || (domain_->skewed && moves_[i] != exact::Shift{});
+        }
+    });
+    if (const auto first = std::ranges::min_element(too_far); first != too_far.end() && *first < count)
+        throw Error(ErrorCode::invalid_argument,
+                    "point " + std::to_string(*first) + " lies more than 500 million periods away from the box");
+    wrapped_.clear();
+    if (std::ranges::count(any, 0) == static_cast<std::ptrdiff_t>(any.size())) {
+        wraps_.clear();
+        moves_.clear();
+        return;
+    }
+    wrapped_.resize(3 * count);
+    pool.run(tasks_for(count), [&](std::size_t task, unsigned) {
+        for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i)
+            for (int k = 0; k < 3; ++k) wrapped_[3 * i + k] = position(i, wraps_[i]).x[k].high;
+    });
+}
+
+// The sorter takes seeds for equal whose rounded positions are. Those that are not equal go to the end, behind each
+// other where their positions are near; the lowest index of each place keeps it for its duplicates.
+void SeedImages::keep_false_duplicates(SortedSeeds& out) const {
+    if (out.duplicates == 0 || wraps_.empty()) return;
+    struct Member {
+        std::size_t at;  // the sorted seed that has the rounded position
+        std::array<double, 3> low;
+        bool rough;
+        std::int32_t input;
+    };
+    std::vector<std::size_t> sorted(points_.count());
+    for (std::size_t s = 0; s < out.size(); ++s) sorted[static_cast<std::size_t>(out.input[s])] = s;
+    std::vector<Member> members;
+    const auto add = [&](std::size_t i, std::size_t at) {
+        const auto position = this->position(i, wraps_[i]);
+        const auto& [x, y, z] = position.x;
+        members.push_back({at, {x.low, y.low, z.low}, !position.exact, static_cast<std::int32_t>(i)});
+    };
+    std::vector<bool> shared(out.size(), false);
+    for (std::size_t i = 0; i < out.duplicate_of.size(); ++i) {
+        if (out.duplicate_of[i] < 0) continue;
+        const std::size_t at = sorted[static_cast<std::size_t>(out.duplicate_of[i])];
+        if (!shared[at]) add(static_cast<std::size_t>(out.input[at]), at);
+        shared[at] = true;
+        add(i, at);
+    }
+    std::ranges::sort(members, {}, [](const Member& m) { return std::tie(m.at, m.low, m.input); });
+    const auto equal = [this](const Member& a, const Member& b) {
+        if (a.at != b.at || a.low != b.low) return false;
+        if (!a.rough && !b.rough) return true;
+        const auto i = static_cast<std::size_t>(a.input), j = static_cast<std::size_t>(b.input);
+        exact::Shift shift;
+        for (int k = 0; k < 3; ++k) shift[k] = wraps_[j][k] - wraps_[i][k];
+        return exact::difference<exact::Quad>(point_of(points_, i, scale_),
+                                              exact::Plane::bisector(point_of(points_, j, scale_), shift,
+                                                                     domain_->lattice)) == std::array<exact::Quad, 3>{};
+    };
+    std::vector<const Member*> first, apart;  // of each place with these rounded coordinates and lows; of all to keep
+    out.duplicates = 0;
+    for (const Member& member : members) {
+        if (!first.empty() && (first[0]->at != member.at || first[0]->low != member.low)) first.clear();
+        const auto same = std::ranges::find_if(first, [&](const Member* f) { return equal(*f, member); });
+        std::int32_t& duplicate_of = out.duplicate_of[static_cast<std::size_t>(member.input)];
+        if (same != first.end()) {
+            duplicate_of = (*same)->input;
+            ++out.duplicates;
+            continue;
+        }
+        first.push_back(&member);
+        if (duplicate_of >= 0) apart.push_back(&member);
+        duplicate_of = -1;
+    }
+    if (out.duplicates == 0) out.duplicate_of.clear();
+
+    const std::size_t kept = out.size(), count = kept + apart.size();
+    for (auto* axis : {&out.x, &out.y, &out.z}) {
+        Buffer<double> all(SortedSeeds::pages);
+        all.resize_uninitialized((count + group_size - 1) / group_size * group_size);
+        std::copy_n(axis->begin(), kept, all.begin());
+        for (std::size_t k = 0; k < apart.size(); ++k) all[kept + k] = all[apart[k]->at];
+        std::fill(all.begin() + count, all.end(), std::numeric_limits<double>::infinity());
+        *axis = std::move(all);
+    }
+    Buffer<std::int32_t> input;
+    input.resize_uninitialized(count);
+    std::copy_n(out.input.begin(), kept, input.begin());
+    for (std::size_t k = 0; k < apart.size(); ++k) input[kept + k] = apart[k]->input;
+    out.input = std::move(input);
+}
+
+std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
+    const auto& o = domain_->origin;
+    return basis_->fraction({x[0] - o[0], x[1] - o[1], x[2] - o[2]});
+}
+
+void SeedImages::choose_margin(std::size_t seeds) {
+    const auto count = static_cast<double>(std::max<std::size_t>(seeds, 1));
+    const double most = most_images_per_seed * count + most_images_of_few;
+    double margin = std::min(margin_spacings * std::cbrt(domain_->volume / count), 2 * domain_->covering_radius);
+    const auto images = [&] {
+        double cells = 1;
+        for (int j = 0; j < 3; ++j) cells *= domain_->periodic[j] ? 1 + 2 * margin / basis_->width[j] : 1;
+        return count * (cells - 1);
+    };
+    while (images() > most) margin *= 0.8;
+    double size = margin;
+    for (int k = 0; k < 3; ++k) {
+        double extent = std::abs(domain_->origin[k]) + margin;
+        for (int j = 0; j < 3; ++j) extent += 2 * std::abs(basis_->vector[j][k]);
+        size = std::max(size, extent);
+    }
+    for (int j = 0; j < 3; ++j) {
+        error_[j] = fraction_slack + basis_->fraction_error(j, size);
+        margin_[j] = domain_->periodic[j] ? margin / basis_->width[j] : 0;
+    }
+}
+
+template <class Visit>
+void SeedImages::for_images(const exact::Point& x, Visit visit) const {
+    const auto f = fraction(x);
+    std::array<int, 3> least{}, most{};
+    for (int j = 0; j < 3; ++j) {
+        if (!domain_->periodic[j]) continue;
+        least[j] = static_cast<int>(std::ceil(-margin_[j] - f[j]));
+        most[j] = static_cast<int>(std::floor(1 + margin_[j] - f[j]));
+    }
+    for (int a = least[0]; a <= most[0]; ++a)
+        for (int b = least[1]; b <= most[1]; ++b)
+            for (int c = least[2]; c <= most[2]; ++c) {
+                if (a == 0 && b == 0 && c == 0) continue;
+                const auto& [u, v, w] = basis_->shift;
+                visit(exact::Shift{a * u[0] + b * v[0] + c * w[0], a * u[1] + b * v[1] + c * w[1],
+                                   a * u[2] + b * v[2] + c * w[2]});
+            }
+}
+
+void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
+    domain_ = job.domain;
+    points_ = job.points;
+    scale_ = job.scale;
+    seeds_ = &out;
+    basis_ = domain_->skewed ? &domain_->reduced : &domain_->edges;
+    wrap_points(pool);
+    const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
+    sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
+    keep_false_duplicates(out);
+    choose_margin(out.size());
+    append(sorter, pool, out);
+    out.images = this;
+}
+
+void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
+    const std::size_t seeds = out.size();
+    const auto at = [&](std::size_t s) { return exact::Point{out.x[s], out.y[s], out.z[s]}; };
+    std::vector<std::size_t> begin(tasks_for(seeds) + 1, 0);
+    pool.run(tasks_for(seeds), [&](std::size_t task, unsigned) {
+        for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s)
+            for_images(at(s), [&](const exact::Shift&) { ++begin[task + 1]; });
+    });
+    for (std::size_t t = 1; t < begin.size(); ++t) begin[t] += begin[t - 1];
+    const std::size_t images = begin.back();
+    const std::size_t padded = (seeds + group_size - 1) / group_size * group_size;
+    if (padded + images > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) - group_size)
+        throw Error(ErrorCode::unsupported, "seeds and their periodic images are too many: at most 2147483647");
+
+    std::vector<std::int32_t> homes(images);
+    std::vector<exact::Shift> shifts(images);
+    std::vector<double> coordinates(3 * images);
+    std::vector<std::array<double, 3>> lows(images);
+    std::vector<char> rough(images);
+    pool.run(tasks_for(seeds), [&](std::size_t task, unsigned) {
+        std::size_t i = begin[task];
+        for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s) {
+            const auto input = static_cast<std::size_t>(out.input[s]);
+            for_images(at(s), [&](const exact::Shift& shift) {
+                homes[i] = static_cast<std::int32_t>(s);
+                shifts[i] = shift;
+                exact::Shift total = shift;
+                for (int j = 0; j < 3 && !wraps_.empty(); ++j) total[j] += wraps_[input][j];
+                const auto position = this->position(input, total);
+                rough[i] = position.exact ? 0 : 1;
+                for (int k = 0; k < 3; ++k) {
+                    coordinates[3 * i + k] = position.x[k].high;
+                    lows[i][k] = position.x[k].low;
+                }
+                ++i;
+            });
+        }
+    });
+    sorter.sort(coordinates, 1, 0, pool, sorted_images_);
+    // Images that are rounded to the same coordinates stay apart: behind the others, in no order.
+    std::vector<std::int32_t> order(sorted_images_.input.begin(), sorted_images_.input.end());
+    for (std::size_t i = 0; i < sorted_images_.duplicate_of.size(); ++i)
+        if (sorted_images_.duplicate_of[i] >= 0) order.push_back(static_cast<std::int32_t>(i));
+
+    first_ = padded;
+    out.images_end = first_ + images;
+    const std::size_t places = padded + (images + group_size - 1) / group_size * group_size;
+    home_.resize(images);
+    shift_.resize(images);
+    low_.assign(places, {});
+    rough_.assign(places, false);
+    any_rough_ = false;
+    largest_coordinate_ = 0;
+    Buffer<double>* const axes[3] = {&out.x, &out.y, &out.z};
+    for (int k = 0; k < 3; ++k) {
+        Buffer<double> all(SortedSeeds::pages);
+        all.resize_uninitialized(places);
+        std::copy_n(axes[k]->begin(), padded, all.begin());
+        for (std::size_t i = 0; i < images; ++i)
+            all[first_ + i] = coordinates[3 * static_cast<std::size_t>(order[i]) + k];
+        std::fill(all.begin() + first_ + images, all.end(), std::numeric_limits<double>::infinity());
+        double largest = 0;
+        for (std::size_t i = 0; i < seeds; ++i) largest = std::max(largest, std::abs(all[i]));
+        for (std::size_t i = first_; i < first_ + images; ++i) largest = std::max(largest, std::abs(all[i]));
+        largest_coordinate_ = std::max(largest_coordinate_, largest);
+        const bool rounds = std::ranges::any_of(domain_->lattice.vector, [&](const auto& v) { return v[k].high != 0; });
+        largest_rounded_[static_cast<std::size_t>(k)] = rounds ? largest : 0;
+        *axes[k] = std::move(all);
+    }
+    for (std::size_t i = 0; i < images; ++i) {
+        const auto from = static_cast<std::size_t>(order[i]);
+        home_[i] = homes[from];
+        shift_[i] = shifts[from];
+        low_[first_ + i] = lows[from];
+        rough_[first_ + i] = rough[from] != 0;
+        any_rough_ = any_rough_ || rough[from] != 0;
+    }
+    for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s) {
+        const auto input = static_cast<std::size_t>(out.input[s]);
+        if (wraps_[input] == exact::Shift{}) continue;
+        const auto position = this->position(input, wraps_[input]);
+        for (int k = 0; k < 3; ++k) low_[s][k] = position.x[k].low;
+        rough_[s] = !position.exact;
+        any_rough_ = any_rough_ || !position.exact;
+    }
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,94 @@
+// The vector loops over the candidates of a star, compiled for several instruction sets and chosen at run time. What
+// they return is checked or exact, so the answer does not depend on the choice.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "cpu/clip/cell_kernels.hpp"
+
+namespace votess::cpu {
+
+inline constexpr int box_fan = 8;
+
+// Boxes of eight siblings in the tree; those that do not exist are infinitely far away.
+struct alignas(64) BoxBlock {
+    double lower[3][box_fan];
+    double upper[3][box_fan];
+};
+
+// Seeds near a home group as integers: (coordinate - origin) * scale, rounded, within +-window_range; `far_away` for
+// seeds that are no candidates.
+inline constexpr std::int32_t window_range = 1 << 29;
+inline constexpr std::int32_t far_away = (1 << 30) - 1;
+struct WindowSeeds {
+    const std::int32_t* x;
+    const std::int32_t* y;
+    const std::int32_t* z;
+    const std::int32_t* id;
+    int count;  // readable up to the next multiple of 16, where seeds are far away
+};
+
+// Candidate planes n.x = h of a cell, h = |n|^2 / 2, in window units; a wall is the bisector with the seed's mirror
+// image. Beyond `count` and up to the next multiple of 16 stand planes that nothing touches.
+struct CandidatePlanes {
+    static constexpr int capacity = 256;
+    static constexpr float never = 1e30f;  // h of a plane that nothing touches
+    alignas(64) float nx[capacity + 16];
+    alignas(64) float ny[capacity + 16];
+    alignas(64) float nz[capacity + 16];
+    alignas(64) float h[capacity + 16];
+    alignas(64) std::int32_t id[capacity + 16];
+    int count = 0;
+};
+
+struct Ray {  // (o + t d) / s; o[3] and d[3] are free
+    float o[4], d[4];
+    float s, least;
+};
+
+// Seeds q that may lie in the ball around p + v / scale through p: n.v >= |n|^2 / 2 but for the slack.
+struct GroupTest {
+    std::array<double, 3> p;
+    double scale;
+    std::array<double, 3> v;
+    double slack;
+};
+
+struct GroupSource {
+    const double* seeds[3];  // coordinates
+    std::span<const std::uint32_t> groups;
+    std::size_t kept;
+};
+struct WindowFrame {
+    BoundingBox home;
+    double distance_squared;
+    double origin[3], scale;
+};
+
+struct StarKernels {
+    const char* name;
+    // Bit k: box k comes nearer than sqrt(distance_squared) to the box home; for a point, lower = upper.
+    unsigned (*near_boxes)(const BoxBlock&, const BoundingBox& home, double distance_squared);
+    // Bits of those of eight seeds that may lie in the ball, and not nearer to p than sqrt(least) / scale.
+    unsigned (*inside_ball)(const double* x, const double* y, const double* z, const GroupTest&, double least);
+    // The seeds of groups as window integers, and their ids: all of the first `kept` groups, of the others those nearer
+    // to the box `home` than sqrt(distance_squared). Returns their number; there is room for all.
+    int (*to_window)(const GroupSource&, const WindowFrame&, std::int32_t* const* out, std::int32_t* ids);
+    // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.
+    bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
+    // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none. A guess:
+    // which of those within 2^-12 of the least t it is may vary.
+    void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
+    // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none.
+    int (*touching)(const CandidatePlanes&, const float* v, const std::int32_t* three, int begin);
+    // places[k] = how many of `count` different ids are smaller than ids[k].
+    void (*rank)(const std::int32_t* ids, int count, std::uint16_t* places);
+};
+
+// The one of that name, see supported_kernels().
+const StarKernels& star_kernels(std::string_view name);
+
+}  // namespace votess::cpu

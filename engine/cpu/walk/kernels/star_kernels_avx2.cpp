@@ -1,0 +1,166 @@
+// The loops of StarKernels in AVX2.
+#include <bit>
+#include <limits>
+
+#include "cpu/walk/kernels/star_kernels_plain.hpp"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+
+#define VOTESS_AVX2 __attribute__((target("avx2,fma,popcnt,bmi")))
+
+namespace votess::cpu {
+namespace {
+
+VOTESS_AVX2 unsigned near_boxes_avx2(const BoxBlock& b, const BoundingBox& home, double distance_squared) {
+    unsigned mask = 0;
+    const __m256d limit = _mm256_set1_pd(distance_squared);
+    for (int i = 0; i < box_fan; i += 4) {
+        __m256d sum = _mm256_setzero_pd();
+        for (int k = 0; k < 3; ++k) {
+            __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_load_pd(b.lower[k] + i), _mm256_set1_pd(home.upper[k])),
+                                        _mm256_sub_pd(_mm256_set1_pd(home.lower[k]), _mm256_load_pd(b.upper[k] + i)));
+            gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+            sum = _mm256_add_pd(sum, _mm256_mul_pd(gap, gap));
+        }
+        mask |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ))) << i;
+    }
+    return mask;
+}
+
+VOTESS_AVX2 unsigned inside_ball_avx2(const double* x, const double* y, const double* z, const GroupTest& t,
+                                      double least) {
+    return inside_ball_body(x, y, z, t, least);
+}
+
+VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                               std::int32_t* ids) {
+    const __m256d range = _mm256_set1_pd(window_range), least = _mm256_set1_pd(-window_range);
+    const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
+    int count = 0;
+    for (std::size_t g = 0; g < from.groups.size(); ++g)
+        for (std::size_t i = 0; i < box_fan; i += 4) {
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan + i;
+            __m256d sum = _mm256_setzero_pd();
+            alignas(16) std::int32_t at[3][4];
+            for (int k = 0; k < 3; ++k) {
+                const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed);
+                __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x),
+                                            _mm256_sub_pd(x, _mm256_set1_pd(frame.home.upper[k])));
+                gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+                sum = _mm256_add_pd(sum, _mm256_mul_pd(gap, gap));
+                __m256d v = _mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale);
+                v = _mm256_min_pd(_mm256_max_pd(v, least), range);
+                _mm_store_si128(reinterpret_cast<__m128i*>(at[k]), _mm256_cvtpd_epi32(v));
+            }
+            auto inside = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ)));
+            if (g < from.kept) inside = 15;
+            for (; inside != 0; inside &= inside - 1, ++count) {
+                const int lane = std::countr_zero(inside);
+                for (int k = 0; k < 3; ++k) out[k][count] = at[k][lane];
+                ids[count] = static_cast<std::int32_t>(seed) + lane;
+            }
+        }
+    return count;
+}
+
+VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float distance_squared, CandidatePlanes& c) {
+    const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
+    const __m256 limit = _mm256_set1_ps(distance_squared);
+    int count = 0;
+    for (int i = 0; i < w.count; i += 8) {
+        auto difference = [i](const std::int32_t* at, __m256i from) VOTESS_AVX2 {
+            return _mm256_cvtepi32_ps(
+                _mm256_sub_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + i)), from));
+        };
+        const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
+        const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
+        auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, limit, _CMP_LT_OQ)));
+        if (inside == 0) continue;
+        if (count > CandidatePlanes::capacity - 8) return false;
+        alignas(32) float n[4][8];
+        _mm256_store_ps(n[0], nx);
+        _mm256_store_ps(n[1], ny);
+        _mm256_store_ps(n[2], nz);
+        _mm256_store_ps(n[3], _mm256_mul_ps(d, _mm256_set1_ps(0.5f)));
+        for (; inside != 0; inside &= inside - 1, ++count) {
+            const int k = std::countr_zero(inside);
+            c.nx[count] = n[0][k];
+            c.ny[count] = n[1][k];
+            c.nz[count] = n[2][k];
+            c.h[count] = n[3][k];
+            c.id[count] = w.id[i + k];
+        }
+    }
+    c.count = count;
+    pad(c);
+    return true;
+}
+
+VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {
+    __m256 least = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
+    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0x4e));
+    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0xb1));
+    const auto where = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(best, least, _CMP_EQ_OQ)));
+    alignas(32) std::int32_t found[8];
+    _mm256_store_si256(reinterpret_cast<__m256i*>(found), at);
+    return found[std::countr_zero(where) & 7];
+}
+
+VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int* hits) {
+    const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
+    for (int r = 0; r < 2; ++r) {
+        const auto& [o, d, s, least] = rays[r];
+        const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
+        const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
+        const __m256 limit = _mm256_set1_ps(least);
+        __m256 best = infinity;
+        __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        for (int i = 0; i < c.count; i += 8) {
+            const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i), nz = _mm256_load_ps(c.nz + i);
+            const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
+            const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
+            const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
+            const __m256 t =
+                _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving), _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
+            const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
+            best = _mm256_blendv_ps(best, t, better);
+            at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
+            index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
+        }
+        hits[r] = hit_of(best, at);
+    }
+}
+
+VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
+    const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
+    const __m256 limit = _mm256_set1_ps(v[3]);
+    const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]), i2 = _mm256_set1_epi32(three[2]);
+    unsigned behind = ~0u << (begin % 8);
+    for (int i = begin / 8 * 8; i < c.count; i += 8, behind = ~0u) {
+        const __m256 gap =
+            _mm256_fnmadd_ps(_mm256_load_ps(c.nx + i), vx,
+                             _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
+                                              _mm256_fnmadd_ps(_mm256_load_ps(c.nz + i), vz, _mm256_load_ps(c.h + i))));
+        const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + i));
+        const __m256i same = _mm256_or_si256(_mm256_cmpeq_epi32(id, i0),
+                                             _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
+        const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
+                              _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ)))) &
+                          behind;
+        if (mask != 0) return i + std::countr_zero(mask);
+    }
+    return -1;
+}
+
+VOTESS_AVX2 void rank_avx2(const std::int32_t* ids, int count, std::uint16_t* places) {
+    rank_body(ids, count, places);
+}
+
+}  // namespace
+
+constinit const StarKernels star_kernels_avx2{"avx2",      near_boxes_avx2, inside_ball_avx2, to_window_avx2,
+                                              select_avx2, first_hits_avx2, touching_avx2,    rank_avx2};
+
+}  // namespace votess::cpu
+#endif

@@ -1,0 +1,144 @@
+// A stretch of the sorted seeds whose cells are built by one thread. Cells of the stretch hand the Voronoi vertices
+// that they have found to the other cells that share them, so each vertex is computed once.
+//
+// Vertices refer to cells by local ids: walls 0..5, the seeds of the stretch, then other seeds as they are met.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cpu/sort/sorted_seeds.hpp"
+
+namespace votess::cpu {
+
+struct alignas(32) Four {
+    double x[4];
+};
+
+// A vertex as a cell sees it: the three neighbors that it shares the vertex with, the outward normals of whose faces
+// are positively oriented. Or more than three, which stand in Neighborhood::tie().
+struct KnownVertex {
+    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 names a tie
+    std::uint32_t vertex;               // its position, see Neighborhood::position()
+
+    [[nodiscard]] bool is_tie() const { return cells[0] < 0; }
+};
+
+class Neighborhood {
+public:
+    static constexpr int walls = 6;
+
+    void begin(const SortedSeeds& seeds, std::size_t first, std::size_t last, bool positions);
+
+    [[nodiscard]] bool holds(std::int64_t seed) const {
+        return seed >= static_cast<std::int64_t>(first_) && seed < static_cast<std::int64_t>(last_);
+    }
+    // id: a sorted seed, or a wall -1..-6.
+    [[nodiscard]] std::int32_t local(std::int32_t id) {
+        if (id < 0) return -1 - id;
+        if (holds(id)) return walls + id - static_cast<std::int32_t>(first_);
+        return foreign(id);
+    }
+    [[nodiscard]] std::int32_t id(std::int32_t local) const {
+        if (local < walls) return -1 - local;
+        if (local < own_end_) return static_cast<std::int32_t>(first_) + local - walls;
+        return foreign_ids_[local - own_end_];
+    }
+    [[nodiscard]] std::int32_t locals() const { return own_end_ + static_cast<std::int32_t>(foreign_ids_.size()); }
+
+    // Whether a cell of the stretch has handed over all of its vertices.
+    [[nodiscard]] bool done(std::size_t seed) const { return done_[seed - first_] != 0; }
+    void set_done(std::size_t seed) {
+        done_[seed - first_] = 1;
+        ++group_done_[(seed - first_) / group_size];
+    }
+    [[nodiscard]] bool group_done(std::size_t group) const {
+        const std::size_t begin = group * group_size;
+        return begin >= first_ && begin + group_size <= last_ &&
+               group_done_[(begin - first_) / group_size] == group_size;
+    }
+
+    // Stores a vertex of cells[0], a seed of the stretch, and hands it to the others, which it meets in faces whose
+    // normals are positively oriented.
+    void add(const std::array<std::int32_t, 4>& cells, const Four& position) {
+        const std::uint32_t index = add_position(cells[0], position);
+        // Even permutations of the four keep the orientation.
+        const auto& [p, a, b, c] = cells;
+        give(a, p, c, b, index);
+        give(b, p, a, c, index);
+        give(c, p, b, a, index);
+        known_count_[own_count_] = 0;
+    }
+    // The same for a vertex of more than four cells, which have no order.
+    void add_tie(std::span<const std::int32_t> cells, const Four& position);
+
+    // What was handed to a seed of the stretch.
+    [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
+        const std::size_t s = seed - first_;
+        const std::size_t count = known_count_[s];
+        if (count <= primary) return {known_.data() + s * primary, count};
+        return with_spilled(s);
+    }
+    // All cells of a tie.
+    [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
+        const auto at = static_cast<std::size_t>(-1 - known.cells[0]);
+        return {ties_.data() + at + 1, static_cast<std::size_t>(ties_[at])};
+    }
+
+    // When positions are kept: a vertex, relative to its owner, in x[0..3), and in x[3] what bounds its error; and the
+    // coordinates of the owner.
+    [[nodiscard]] const Four& position(std::uint32_t vertex) const { return positions_[vertex]; }
+    [[nodiscard]] const Four& owner(std::uint32_t vertex) const { return seeds_[owners_[vertex]]; }
+
+private:
+    static constexpr std::size_t primary = 32;  // vertices of a cell before they spill into a linked list
+    struct Spill {
+        KnownVertex vertex;
+        std::int32_t next;
+    };
+
+    std::int32_t foreign(std::int32_t id);
+    void grow_table();
+    std::uint32_t add_position(std::int32_t owner, const Four& position) {
+        if (keep_positions_) {
+            positions_.push_back(position);
+            owners_.push_back(owner - walls);
+        }
+        return vertices_++;
+    }
+    void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex) {
+        // Cells that are not of the stretch share a place behind it.
+        const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls), own_count_);
+        const std::size_t count = known_count_[s]++;
+        if (count >= primary) return spill(s, {{a, b, c}, vertex});
+        KnownVertex& known = known_[s * primary + count];
+        known.cells[0] = a;
+        known.cells[1] = b;
+        known.cells[2] = c;
+        known.vertex = vertex;
+    }
+    void spill(std::size_t s, const KnownVertex& known);
+    [[nodiscard]] std::span<const KnownVertex> with_spilled(std::size_t s);
+
+    std::size_t first_ = 0, last_ = 0;
+    std::uint32_t own_count_ = 0;
+    std::int32_t own_end_ = walls;
+    bool keep_positions_ = false;
+    std::uint32_t vertices_ = 0;
+    std::vector<std::int32_t> foreign_ids_;
+    std::vector<std::int32_t> table_;  // open addressing: index into foreign_ids_, or -1
+    std::vector<Four> positions_, seeds_;
+    std::vector<std::int32_t> owners_;
+    std::vector<KnownVertex> known_;
+    std::vector<std::uint32_t> known_count_;
+    std::vector<std::int32_t> spilled_;
+    std::vector<Spill> spill_;
+    std::vector<KnownVertex> gathered_;
+    std::vector<std::int32_t> ties_;  // their number, then the cells
+    std::vector<std::uint8_t> done_, group_done_;
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,85 @@
+// The star of a seed: the vertices, edges and faces of its Voronoi cell, found by walking along its edges.
+//
+// From a vertex on planes a, b, c an edge runs along a and b; its other end is where the first of all other bisectors
+// meets it (gift wrapping, Chand and Kapur, J. ACM 17(1), 1970, in the dual). Which plane that is may be guessed in any
+// precision, because every vertex is proven afterwards: it must lie strictly inside all other planes, with a margin
+// larger than all rounding, or exact arithmetic decides; and all seeds within twice its distance (the security radius)
+// must have been looked at. A closed surface of proven vertices is the cell.
+//
+// A neighbor that is done has handed over every vertex of their common face (Neighborhood), so an edge that is still
+// open lies on no plane of a done seed, and the other end of it neither: done seeds need not be looked at again.
+//
+// Margin. With e = 2^-24, planes N rounded to floats from integers that are exact to q = 1.8 units, H = |N|^2/2, and a
+// vertex X known to 62 u cond |X| < 0.2 e |X| (cond <= worst_condition), rounding changes H - N.X by at most
+//     e (6.3 |N||X| + 9 H) + q (|X| + |N| + q / 2),
+// whether or not the compiler's target fuses a*b+c. Where it is used, 2 stands for q in the first two terms of the last
+// bracket, which pays for the third as long as |N| may be 9 units.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "cpu/clip/cell_polygons.hpp"
+#include "cpu/sort/hierarchy.hpp"
+#include "cpu/sort/sort.hpp"
+#include "domain/domain.hpp"
+#include "votess/votess.hpp"
+
+namespace votess::cpu {
+
+class Star {
+public:
+    static constexpr std::size_t most_seeds = 8192;  // of a stretch
+    static constexpr int most_planes = 64;
+    static constexpr int most_vertices = 2 * most_planes;
+
+    virtual ~Star() = default;
+
+    static constexpr std::size_t alignment = 16;  // of the first seed of a stretch
+
+    // Once a job and before begin(). The domain stays with the caller; it has no weights and no walls but the box's.
+    virtual void begin_job(const Domain& domain) = 0;
+    // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
+    virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
+    // False when the cell is beyond what this class handles: the caller clips it.
+    virtual bool build(std::size_t seed) = 0;
+
+    // Of the last cell built. Faces in no particular order: sorted seeds, or walls -1..-6.
+    [[nodiscard]] std::span<const std::int32_t> faces() const {
+        return {face_.data(), static_cast<std::size_t>(faces_)};
+    }
+    [[nodiscard]] int vertex_count() const { return vertices_; }
+    [[nodiscard]] int edge_count() const { return edges_; }
+    [[nodiscard]] bool used_exact() const { return used_exact_; }
+
+    struct Geometry {
+        double volume = 0;
+        std::array<double, 3> centroid{};         // relative to the seed
+        std::array<double, most_planes> areas{};  // in the order of faces()
+    };
+    // Outward unit vectors in the order of faces().
+    virtual void normals(std::vector<std::array<double, 3>>& out) = 0;
+    // What follows needs begin(.., measure = true). False when rounding might spoil the digits promised.
+    virtual bool measure(Geometry& out) = 0;
+    // In the order of faces().
+    virtual void polygons(CellPolygons& out) const = 0;
+    // Of the distance from the seed to the farthest vertex.
+    [[nodiscard]] virtual double farthest_squared() const = 0;
+
+protected:
+    int faces_ = 0, vertices_ = 0, edges_ = 0;
+    std::array<std::int32_t, most_planes> face_{};
+    bool used_exact_ = false;
+};
+
+// For the instruction set of that name, see supported_kernels().
+std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy);
+std::unique_ptr<Star> make_star_baseline(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+
+}  // namespace votess::cpu

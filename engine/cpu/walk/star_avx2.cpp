@@ -1,0 +1,28 @@
+// The walk compiled for processors with AVX2.
+#include "cpu/walk/star_context.hpp"
+
+#if defined(__x86_64__)
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,fma,lzcnt,popcnt"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2,bmi,bmi2,fma,lzcnt,popcnt")
+#endif
+#include "cpu/walk/star_walk.hpp"
+
+namespace votess::cpu {
+
+struct Avx2 {};
+template class StarWalk<Avx2>;
+
+std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
+    return std::make_unique<StarWalk<Avx2>>(seeds, hierarchy, star_kernels("avx2"));
+}
+
+}  // namespace votess::cpu
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif

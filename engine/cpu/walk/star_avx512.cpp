@@ -1,0 +1,29 @@
+// The walk compiled for processors with AVX-512.
+#include "cpu/walk/star_context.hpp"
+
+#if defined(__x86_64__)
+#ifdef __clang__
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,bmi,bmi2,fma,lzcnt,popcnt"))), \
+                             apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512dq,avx512vl,avx512bw,bmi,bmi2,fma,lzcnt,popcnt,prefer-vector-width=256")
+#endif
+#include "cpu/walk/star_walk.hpp"
+
+namespace votess::cpu {
+
+struct Avx512 {};
+template class StarWalk<Avx512>;
+
+std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
+    return std::make_unique<StarWalk<Avx512>>(seeds, hierarchy, star_kernels("avx512"));
+}
+
+}  // namespace votess::cpu
+#ifdef __clang__
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif

@@ -1,0 +1,435 @@
+// StarWalk: from vertex to vertex along the edges.
+#pragma once
+
+#include "cpu/walk/star_walk.hpp"
+
+namespace votess::cpu {
+
+// Without branches, for what is known of a cell follows no pattern. `planes` is planes_, in a register when it can be.
+template <class Isa>
+int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
+    const unsigned known = slot_[static_cast<std::size_t>(local)];
+    const unsigned is_new = known == no_slot ? 1 : 0;
+    const unsigned mask = 0u - is_new;
+    const unsigned slot = (known & ~mask) | (static_cast<unsigned>(planes) & mask);
+    slot_[static_cast<std::size_t>(local)] = static_cast<std::uint16_t>(slot);
+    local_[static_cast<std::size_t>(planes)] = local;  // beyond the last one it does no harm
+    planes += static_cast<int>(is_new);
+    return static_cast<int>(slot);
+}
+
+// The edges a -> b, b -> c, c -> a of a vertex.
+template <class Isa>
+void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
+    const std::uint64_t bit_a = 1ull << a, bit_b = 1ull << b, bit_c = 1ull << c;
+    out_[a] |= bit_b;
+    in_[a] |= bit_c;
+    out_[b] |= bit_c;
+    in_[b] |= bit_a;
+    out_[c] |= bit_a;
+    in_[c] |= bit_b;
+    if (!measure_) return;
+    from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
+    const std::size_t at = first_corner_[vertex];
+    corners_[at] = static_cast<std::uint8_t>(a);
+    corners_[at + 1] = static_cast<std::uint8_t>(b);
+    corners_[at + 2] = static_cast<std::uint8_t>(c);
+    first_corner_[vertex + 1] = static_cast<std::uint16_t>(at + 3);
+}
+
+template <class Isa>
+void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h) const {
+    if (id >= 0) {
+        const auto i = static_cast<std::size_t>(id);
+        const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
+        Wide difference = q - p;
+        if (seeds_.images != nullptr) {
+            // Near p the two may cancel, and what a third double holds would be missing.
+            if (any_rough_ && seeds_.images->is_rough(id)) {
+                const auto [x, y, z] = exact::differences(p_, exact_plane(id)).x;
+                difference = Wide{x.high, y.high, z.high, 0};
+            } else {
+                const auto& low = seeds_.images->low(id);
+                difference += Wide{low[0], low[1], low[2], 0};
+            }
+        }
+        difference *= scale_;
+        wide(n) = difference;
+        h = 0.5 * dot(difference, difference);
+        return;
+    }
+    const int axis = (-1 - id) / 2;
+    const double distance = ((-1 - id) % 2 == 0 ? box_.lower[axis] - p_[axis] : box_.upper[axis] - p_[axis]) * scale_;
+    n = {};
+    n.x[axis] = 2 * distance;
+    h = 2 * distance * distance;
+}
+
+template <class Isa>
+void StarWalk<Isa>::need_plane(int slot) {
+    if ((planes_known_ >> slot) & 1) return;
+    planes_known_ |= 1ull << slot;
+    id_[slot] = cells_.id(local_[slot]);
+    plane_through(id_[slot], n_[slot], h_[slot]);
+}
+
+template <class Isa>
+exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
+    if (id >= 0) {
+        if (seeds_.images != nullptr)
+            return seeds_.images->bisector({p_, {}}, seeds_.images->home(id), seeds_.images->shift(id));
+        const auto i = static_cast<std::size_t>(id);
+        return exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
+    }
+    const int axis = (-1 - id) / 2;
+    return (-1 - id) % 2 == 0 ? exact::Plane::lower(axis, box_.lower[axis])
+                              : exact::Plane::upper(axis, box_.upper[axis]);
+}
+
+template <class Isa>
+void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
+    for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;
+    planes_ = 0;
+    cells_.begin(seeds_, first, last, measure);
+    make_room(cells_.locals());
+    measure_ = measure;
+    window_home_ = ~std::size_t{0};
+    // A first guess that depends on nothing but the stretch: the answer, to the last bit, is the same for any number of
+    // threads. The seeds of a box of the tree take about its volume each.
+    const int level = std::min(1, hierarchy_.top_level());
+    const std::size_t seeds = level == 1 ? group_size * box_fan : group_size;
+    const BoundingBox box = hierarchy_.box(level, first / seeds);
+    double longest = 0, volume = 1;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, box.upper[k] - box.lower[k]);
+    for (int k = 0; k < 3; ++k) volume *= std::max(box.upper[k] - box.lower[k], 0.01 * longest);
+    const double count = static_cast<double>(std::min(seeds, seeds_.size() - first / seeds * seeds));
+    typical_reach_ = 5 * std::pow(volume / count, 2.0 / 3);
+}
+
+template <class Isa>
+bool StarWalk<Isa>::build(std::size_t seed) {
+    for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;
+    seed_ = seed;
+    own_local_ = cells_.local(static_cast<std::int32_t>(seed));
+    p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    if (seeds_.images != nullptr) {
+        if (!seeds_.images->is_exact(seed)) {
+            planes_ = 0;
+            return false;
+        }
+        any_rough_ = seeds_.images->any_rough();
+        const double reach = seeds_.images->reach(p_);
+        known_reach2_ = reach * reach;
+    }
+    planes_ = vertices_ = ends_ = 0;
+    planes_known_ = active_ = 0;
+    out_.fill(0);
+    in_.fill(0);
+    scale_ = unscale_ = 1;
+    have_candidates_ = have_walls_ = used_exact_ = false;
+    const bool done = complete();
+    if (done) cells_.set_done(seed);
+    if (have_candidates_ && !done) window_.show(seed, own_x_);
+    if (done && window_open_ && window_home_ == seed / Window::home_seeds) window_.hide(seed);
+    return done;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::complete() {
+    if (!take_known()) return false;
+    if (vertices_ == 0 && !begin_anywhere()) return false;
+    if (active_ != 0 && !have_candidates_ && !gather_candidates()) return false;
+    reached_ = 0;
+    while (active_ != 0) {
+        // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
+        // been closed by the vertex of the first.
+        const int a = std::countr_zero(active_), b = std::countr_zero(open(a));
+        const int c = 63 - std::countl_zero(active_), d = 63 - std::countl_zero(open(c));
+        OpenEdge edges[2];
+        Ray rays[2];
+        if (!aim(a, b, edges[0], rays[0]) || !aim(c, d, edges[1], rays[1])) return false;
+        int hits[2];
+        kernels_.first_hits(candidates_, rays, hits);
+        if (!close(edges[0], rays[0], hits[0]) || ((open(a) >> b) & 1) != 0) return false;
+        if (((open(c) >> d) & 1) == 0) continue;
+        if (!close(edges[1], rays[1], hits[1]) || ((open(c) >> d) & 1) != 0) return false;
+    }
+    const double needed = reached_ * unscale_ * unscale_;
+    if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
+    return collect_faces();
+}
+
+template <class Isa>
+bool StarWalk<Isa>::take_known() {
+    make_room(cells_.locals());
+    int planes = 0, vertices = 0, ends = 0;
+    const Wide own{p_[0], p_[1], p_[2], 0};
+    for (const KnownVertex& known : cells_.known(seed_)) {
+        if (planes > most_planes - 4 || vertices > most_vertices - 4) {
+            planes_ = planes;
+            return false;
+        }
+        if (known.is_tie()) {
+            planes_ = planes, vertices_ = vertices, ends_ = ends;
+            if (!take_tie(known)) return false;
+            planes = planes_, vertices = vertices_, ends = ends_;
+            continue;
+        }
+        if (measure_)
+            wide(position_[vertices]) = wide(cells_.position(known.vertex)) + (wide(cells_.owner(known.vertex)) - own);
+        const int a = slot_of(known.cells[0], planes), b = slot_of(known.cells[1], planes),
+                  c = slot_of(known.cells[2], planes);
+        link_corner(a, b, c, vertices++);
+        ends += 3;
+    }
+    planes_ = planes, vertices_ = vertices, ends_ = ends;
+    active_ = 0;
+    for (int p = 0; p < planes; ++p) active_ |= static_cast<std::uint64_t>(open(p) != 0) << p;
+    return true;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::take_tie(const KnownVertex& known) {
+    const Wide own{p_[0], p_[1], p_[2], 0};
+    if (measure_)
+        wide(position_[vertices_]) = wide(cells_.position(known.vertex)) + (wide(cells_.owner(known.vertex)) - own);
+    tied_cells_.clear();
+    for (const std::int32_t cell : cells_.tie(known))
+        if (cell != own_local_) tied_cells_.push_back(cell);
+    return link_polygon(tied_cells_, vertices_++);
+}
+
+// Faces are the planes that have edges; a plane that was tried as a beginning may have none.
+template <class Isa>
+bool StarWalk<Isa>::collect_faces() {
+    int edges = 0;
+    faces_ = 0;
+    for (int p = 0; p < planes_; ++p) {
+        const int own = std::popcount(out_[p]);
+        if (own == 0) continue;
+        edges += own;
+        face_[faces_++] = cells_.id(local_[p]);
+    }
+    edges_ = edges / 2;
+    return edges == ends_;  // no edge was found twice in the same direction
+}
+
+template <class Isa>
+bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
+    need_plane(a);
+    need_plane(b);
+    const Wide &na = wide(n_[a]), &nb = wide(n_[b]);
+    const double ha = h_[a], hb = h_[b];
+    Wide ab;
+    cross(na, nb, ab);
+    edge.a = a;
+    edge.b = b;
+    edge.norms2 = 4 * ha * hb;
+    wide(edge.ab) = ab;
+    wide(edge.e) = ha * nb - hb * na;
+    const double square = dot(ab, ab);
+    // Planes that are too near to parallel, or too large or small to square.
+    if (!(ha > smallest_h && hb > smallest_h && edge.norms2 < largest_h && square * worst_condition2 > edge.norms2))
+        return false;
+    Wide across;
+    // e x ab / square is the point of the line that is nearest to the seed. Not divided, but in the range of floats.
+    cross(wide(edge.e), ab, across);
+    narrow(across * ray_scale, ray.o);
+    ray.s = static_cast<float>(square * ray_scale);
+    narrow(-ab, ray.d);
+    ray.least = parallel * std::sqrt(static_cast<float>(square)) * static_cast<float>(longest_);
+    return true;
+}
+
+template <class Isa>
+int StarWalk<Isa>::first_hit(const Ray& ray) const {
+    const Ray rays[2] = {ray, ray};
+    int hits[2];
+    kernels_.first_hits(candidates_, rays, hits);
+    return hits[0];
+}
+
+// Cramer's rule: (ha nb x nc + hb nc x na + hc na x nb) / det = (e x nc + hc ab) / det. False when the planes are too
+// near to parallel, or meet behind where the edge begins.
+template <class Isa>
+bool StarWalk<Isa>::solve(const OpenEdge& edge, Third& c, Four& x) const {
+    const double determinant = dot(wide(c.n), wide(edge.ab));
+    c.norms2 = edge.norms2 * (2 * c.h);
+    c.determinant2 = determinant * determinant;
+    if (!(determinant < 0 && c.norms2 < worst_condition2 * c.determinant2 && c.h > smallest_h)) return false;
+    Wide across;
+    cross(wide(edge.e), wide(c.n), across);
+    wide(x) = (across + c.h * wide(edge.ab)) * (1 / determinant);
+    return true;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
+    for (int pick = 0; pick < most_picks; ++pick) {
+        if (lane < 0) {
+            lane = first_hit(ray);
+            if (lane < 0 && !have_walls_) {
+                if (!add_walls()) return false;
+                lane = first_hit(ray);
+            }
+            if (lane < 0) return false;
+        }
+        const std::int32_t id = candidates_.id[lane];
+        const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
+        Third third;
+        alignas(32) Four x;
+        plane_through(id, third.n, third.h);
+        if (!solve(edge, third, x)) return false;
+        const double x2 = dot(wide(x), wide(x));
+        if (!(x2 < longest_normal * longest_normal)) {
+            if (have_walls_ || !add_walls()) return false;
+            lane = -1;
+            continue;
+        }
+        float v[4];
+        narrow(wide(x), v);
+        v[3] = rounding_of(x2);
+        const int touching = kernels_.touching(candidates_, v, three, 0);
+        tied_.clear();
+        if (touching >= 0) {
+            const int cutting = examine(v, three, third, x, touching);
+            if (cutting >= 0) {
+                lane = cutting;
+                continue;
+            }
+        }
+        if (4 * x2 * (1 + margin) > covered_) {
+            if (!have_walls_) {
+                if (!add_walls()) return false;
+                lane = -1;
+                continue;
+            }
+            int added = 0;
+            if (!add_inside(edge, x, three, added)) return false;
+            if (added > 0) {
+                lane = -1;
+                continue;
+            }
+        }
+        if (seeds_.images != nullptr && !images_known(x2)) return false;
+        reached_ = std::max(reached_, 4 * x2);
+        return tied_.empty() ? add_vertex(edge, id, third, x) : add_tie(edge, id, third, x);
+    }
+    return false;
+}
+
+// Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
+template <class Isa>
+bool StarWalk<Isa>::images_known(double x2) const {
+    return 4 * x2 * unscale_ * unscale_ * (1 + 2 * margin) < known_reach2_ &&
+           (!window_open_ || x2 > least_image_vertex2);
+}
+
+// The margin derived in star.hpp, for a vertex of squared length x2: |X| <= X^2 / L + L / 4.
+template <class Isa>
+float StarWalk<Isa>::rounding_of(double x2) const {
+    const double square = longest_ * longest_;
+    return static_cast<float>(1.01 * (float_unit * (6.5 * (x2 + 0.25 * square) + 4.6 * square) +
+                                      quantum * (x2 * inverse_longest_ + 1.25 * longest_)));
+}
+
+// Of the candidates that come too near to a vertex, from `lane` on: one that cuts it off, or -1 and in tied_ those that
+// go through it.
+template <class Isa>
+int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane) {
+    std::optional<exact::ExactVertex> vertex;
+    const double length2 = dot(wide(x), wide(x)), condition = third.condition();
+    while (lane >= 0) {
+        const std::int32_t id = candidates_.id[lane];
+        Four n;
+        double h;
+        plane_through(id, n, h);
+        const double excess = dot(wide(n), wide(x)) - h;
+        const double bound = std::sqrt(2 * h * length2) * (solved_factor * condition + 8 * unit) + 12 * unit * h;
+        if (excess > bound) return lane;
+        if (!(excess < -bound)) {
+            used_exact_ = true;
+            if (!vertex) vertex.emplace(p_, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
+            const int side = vertex->side(exact_plane(id));
+            if (side > 0) return lane;
+            if (side == 0 && std::find(tied_.begin(), tied_.end(), id) == tied_.end()) tied_.push_back(id);
+        }
+        lane = kernels_.touching(candidates_, v, three, lane + 1);
+    }
+    return -1;
+}
+
+template <class Isa>
+void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
+    Wide position = wide(x) * unscale_;
+    position[3] = third.norms2 / third.determinant2 * dot(position, position);  // x[3] is 0
+    wide(position_[vertices_]) = position;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
+    if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
+    const int c = new_slot(id);
+    planes_known_ |= 1ull << c;
+    id_[c] = id;
+    wide(n_[c]) = wide(third.n);
+    h_[c] = third.h;
+    if (measure_) keep_position(third, x);
+    cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
+    link_corner(edge.b, edge.a, c, vertices_++);
+    ends_ += 3;
+    update_active(edge.b);
+    update_active(edge.a);
+    update_active(c);
+    return true;
+}
+
+// A vertex of more than three planes: each of its cells sorts out by itself which of the others it has an edge with.
+template <class Isa>
+bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
+    if (vertices_ > most_vertices - 4) return false;
+    if (measure_) keep_position(third, x);
+    tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
+    for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
+    cells_.add_tie(tied_cells_, position_[vertices_]);
+    return link_polygon(std::span(tied_cells_).subspan(1), vertices_++);
+}
+
+template <class Isa>
+bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex) {
+    if (cells.size() > most_ties || planes_ + cells.size() > most_planes || ends_ + cells.size() > 4 * most_vertices)
+        return false;
+    used_exact_ = true;
+    std::array<exact::Plane, most_ties> planes;
+    std::array<const exact::Plane*, most_ties> pointers;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        planes[k] = exact_plane(cells_.id(cells[k]));
+        pointers[k] = &planes[k];
+    }
+    std::array<int, most_ties> room;
+    const auto polygon =
+        exact::corner_polygon(p_, std::span(pointers).first(cells.size()), std::span(room).first(cells.size()));
+    if (polygon.size() < 3) return false;
+    std::array<std::uint8_t, most_ties> slots;
+    const std::size_t count = polygon.size();
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::int32_t cell = cells[static_cast<std::size_t>(polygon[k])];
+        make_room(cell);
+        slots[k] = static_cast<std::uint8_t>(slot_of(cell, planes_));
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const int a = slots[k], b = slots[k + 1 == count ? 0 : k + 1];
+        out_[a] |= 1ull << b;
+        in_[b] |= 1ull << a;
+        if (measure_) {
+            from_vertex_[a][b] = static_cast<std::uint8_t>(vertex);
+            corners_[first_corner_[vertex] + k] = static_cast<std::uint8_t>(a);
+        }
+    }
+    if (measure_) first_corner_[vertex + 1] = static_cast<std::uint16_t>(first_corner_[vertex] + count);
+    ends_ += static_cast<int>(count);
+    for (std::size_t k = 0; k < count; ++k) update_active(slots[k]);
+    return true;
+}
+
+}  // namespace votess::cpu

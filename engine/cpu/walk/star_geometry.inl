@@ -1,0 +1,156 @@
+// StarWalk: volume, centroid and areas as sums over edges. With V, W the ends of an edge in counterclockwise order
+// around a face of normal n (the difference of seeds, so that n.x = |n|^2/2 on it), V x W sums to twice the face's area
+// vector A, and n.A/12 is the volume of the pyramid between seed and face. Its part over V, W and the foot n/2 of the
+// plane has its centroid at (V + W + n/2)/4.
+#pragma once
+
+#include "cpu/walk/star_walk.hpp"
+
+namespace votess::cpu {
+
+template <class Isa>
+bool StarWalk<Isa>::measure(Geometry& out) {
+    constexpr double accepted_error = 5e-11;  // the promise is 1e-10
+    constexpr double smallest_volume = 1e-140;
+    // A cross product comes out as z, x, y; what is multiplied with it is kept in that order.
+    alignas(64) Wide normal[most_planes], area[most_planes];
+    double longest = 0;
+    for (int p = 0; p < planes_; ++p) {
+        need_plane(p);
+        turn_twice(wide(n_[p]), normal[p]);
+        normal[p] *= unscale_;
+        area[p] = Wide{};
+        longest = std::max(longest, h_[p]);
+    }
+    Wide moments[3] = {}, farthest{}, error{};  // three sums, for each has to wait for its last addition
+    int corner = 0;
+    for (int v = 0; v < vertices_; ++v) {
+        const Wide from = wide(position_[v]);
+        Wide from_turned;
+        turn(from, from_turned);
+        // The edge along planes a, b is counterclockwise around b; its other end has it around a.
+        auto add_edge = [&](int a, int b, Wide& moment) __attribute__((always_inline)) {
+            const Wide to = wide(position_[from_vertex_[b][a]]);
+            Wide to_turned;
+            turn(to, to_turned);
+            const Wide across = from * to_turned - from_turned * to;
+            area[b] += across;
+            const Wide part = across * normal[b];
+            Wide part_turned, part_turned_twice;
+            turn(part, part_turned);
+            turn_twice(part, part_turned_twice);
+            moment += (part + (part_turned + part_turned_twice)) * (from + to);
+        };
+        const std::uint8_t* planes = corners_.data() + corner;
+        const int count = first_corner_[v + 1] - corner;
+        corner += count;
+        if (count == 3) {
+            add_edge(planes[0], planes[1], moments[0]);
+            add_edge(planes[1], planes[2], moments[1]);
+            add_edge(planes[2], planes[0], moments[2]);
+        } else {
+            for (int k = 0; k < count; ++k) add_edge(planes[k], planes[k + 1 == count ? 0 : k + 1], moments[0]);
+        }
+        const Wide square = from * from;
+        farthest = square > farthest ? square : farthest;
+        error = from > error ? from : error;
+    }
+    Wide moment = moments[0] + moments[1] + moments[2];
+    double volume = 0;
+    for (int p = 0; p < planes_; ++p) {
+        const double part = dot(normal[p], area[p]);
+        volume += part;
+        Wide normal_turned;
+        turn(normal[p], normal_turned);
+        moment += 0.5 * part * normal_turned;
+    }
+    volume /= 12;
+    if (!(volume > smallest_volume)) return false;
+    const double reach = std::sqrt(farthest[0] + farthest[1] + farthest[2]);
+    const double bound = edges_ * 2 * std::sqrt(2 * longest) * unscale_ *
+                         (2 * solved_factor * std::sqrt(error[3]) * reach + 32 * unit * reach * reach) / 12;
+    if (!(bound <= accepted_error * volume) && !(measure_error() <= accepted_error * volume)) return false;
+    out.volume = volume;
+    const Wide centroid = moment * (1 / (48 * volume));
+    for (int k = 0; k < 3; ++k) out.centroid[k] = centroid[k];
+    for (int p = 0, face = 0; p < planes_; ++p)
+        if (out_[p] != 0) out.areas[face++] = 0.5 * std::sqrt(dot(area[p], area[p]));
+    return true;
+}
+
+// Around face b: from the edge along b and a to where it ends, and on along b and the plane before b there.
+template <class Isa>
+void StarWalk<Isa>::polygons(CellPolygons& out) const {
+    out.clear();
+    for (int v = 0; v < vertices_; ++v) {
+        const auto& x = position_[v].x;
+        out.positions.push_back({x[0], x[1], x[2]});
+    }
+    std::array<std::uint8_t, most_planes> face{};
+    for (int p = 0, faces = 0; p < planes_; ++p)
+        if (out_[p] != 0) face[p] = static_cast<std::uint8_t>(faces++);
+    for (int b = 0; b < planes_; ++b) {
+        if (out_[b] == 0) continue;
+        const int first = std::countr_zero(out_[b]);
+        int a = first;
+        do {
+            const int v = from_vertex_[b][a];
+            const int begin = first_corner_[v], end = first_corner_[v + 1];
+            int c = begin;
+            while (corners_[c] != b) ++c;
+            a = corners_[c == begin ? end - 1 : c - 1];
+            out.corners.push_back(static_cast<std::uint32_t>(v));
+            out.beside.push_back(face[a]);
+        } while (a != first);
+        out.offsets.push_back(static_cast<std::uint32_t>(out.corners.size()));
+    }
+}
+
+template <class Isa>
+double StarWalk<Isa>::farthest_squared() const {
+    double farthest = 0;
+    for (int v = 0; v < vertices_; ++v) {
+        const auto& x = position_[v].x;
+        farthest = std::max(farthest, x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    }
+    return farthest;
+}
+
+template <class Isa>
+void StarWalk<Isa>::normals(std::vector<std::array<double, 3>>& out) {
+    out.clear();
+    for (int p = 0; p < planes_; ++p) {
+        if (out_[p] == 0) continue;
+        need_plane(p);
+        const int wall = -1 - id_[p];
+        if (wall >= 0) {  // the seed may lie on it
+            std::array<double, 3> normal{};
+            normal[static_cast<std::size_t>(wall / 2)] = wall % 2 == 0 ? -1 : 1;
+            out.push_back(normal);
+        } else {
+            out.push_back(unit_vector({n_[p].x[0], n_[p].x[1], n_[p].x[2]}));
+        }
+    }
+}
+
+// A bound on the error of the volume, edge by edge.
+template <class Isa>
+double StarWalk<Isa>::measure_error() const {
+    double bound = 0;
+    auto length = [this](int v) {
+        const auto& x = position_[v].x;
+        return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
+    };
+    for (int v = 0; v < vertices_; ++v)
+        for (int begin = first_corner_[v], end = first_corner_[v + 1], c = begin; c < end; ++c) {
+            const int a = corners_[c], b = corners_[c + 1 == end ? begin : c + 1];
+            const int w = from_vertex_[b][a];
+            bound +=
+                std::sqrt(2 * h_[b]) * unscale_ *
+                (solved_factor * (std::sqrt(position_[v].x[3]) * length(w) + std::sqrt(position_[w].x[3]) * length(v)) +
+                 32 * unit * length(v) * length(w));
+        }
+    return bound / 12;
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,63 @@
+// The seeds around a home of some consecutive sorted seeds, as integers relative to the home: differences of
+// coordinates are exact to half a unit and have all bits of a float, however far from the origin the seeds lie.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "cpu/sort/hierarchy.hpp"
+#include "cpu/walk/kernels/star_kernels.hpp"
+#include "cpu/walk/neighborhood.hpp"
+
+namespace votess::cpu {
+
+class Window {
+public:
+    Window(const SortedSeeds& seeds, const Hierarchy& hierarchy, const StarKernels& kernels)
+        : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels) {}
+
+    static constexpr std::size_t home_groups = 2;
+    static constexpr std::size_t home_seeds = home_groups * group_size;
+
+    // Collects all seeds nearer to the box of home `home` (seeds home * home_seeds and on) than about `radius`, but for
+    // those of groups that are done. False when there is no representable window.
+    bool open(std::size_t home, double radius, const Neighborhood& cells);
+
+    [[nodiscard]] WindowSeeds seeds() const { return {x_.data(), y_.data(), z_.data(), id_.data(), count_}; }
+    [[nodiscard]] double reach() const { return reach_; }  // complete within this distance of the home's box
+    [[nodiscard]] double scale() const { return scale_; }  // units per length, a power of two
+    [[nodiscard]] std::array<std::int32_t, 3> position(std::size_t seed) const {
+        const std::size_t i = place(seed);
+        return {x_[i], y_[i], z_[i]};
+    }
+    // Takes a seed of the home out of the candidates, and back again.
+    void hide(std::size_t seed) { x_[place(seed)] = far_away; }
+    void show(std::size_t seed, std::int32_t x) { x_[place(seed)] = x; }
+
+private:
+    [[nodiscard]] std::size_t place(std::size_t seed) const {
+        return home_places_[seed / group_size % home_groups] + seed % group_size;
+    }
+    // False when more groups than `most_groups` are that near.
+    bool collect(const BoundingBox& box, double distance_squared);
+
+    const SortedSeeds& seeds_;
+    const Hierarchy& hierarchy_;
+    const StarKernels& kernels_;
+    static constexpr std::size_t most_groups = 160;  // more make it cheaper to look twice
+    static constexpr std::size_t most_nodes = 256;   // more levels and branches than any tree has
+    struct Node {
+        std::int32_t level;
+        std::uint32_t index;
+    };
+    std::array<Node, most_nodes> stack_;
+    std::array<std::uint32_t, most_groups + 2 * box_fan> groups_;
+    std::size_t group_count_ = 0;
+    std::vector<std::int32_t> x_, y_, z_, id_;
+    int count_ = 0;
+    std::array<std::size_t, home_groups> home_places_{};  // of the first seeds of the home's groups
+    double reach_ = 0, scale_ = 1;
+};
+
+}  // namespace votess::cpu

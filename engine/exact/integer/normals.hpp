@@ -1,0 +1,164 @@
+// Normals of planes as integers, each times some positive power of two: what the sign of det(Na, Nb, Nc) needs. The
+// distance plays no part and walls need no unit, so these are narrower than the rows of integer_rows.hpp.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "exact/double_double.hpp"
+#include "exact/integer/rows.hpp"
+
+namespace votess::exact {
+
+template <class N>
+using Normal = std::array<N, 3>;
+
+// With |N| < 2^b minors stay below 2^(2b+1) and the sums of a determinant below 3 * 2^(3b+1).
+inline constexpr int bits_for_int64 = 20;   // 3 * 2^61 < 2^63
+inline constexpr int bits_for_int128 = 41;  // 3 * 2^124 < 2^127
+inline constexpr int bits_for_word = 60;    // WideInt<1>: 3 * 2^184 < 2^191 with one bit more, for high + low
+
+// One T a plane, unset; on the heap for many planes or very wide numbers.
+template <class T>
+class Scratch {
+public:
+    explicit Scratch(std::size_t count) : count_(count) {
+        if (count > capacity) more_.resize(count);
+        data_ = count > capacity ? more_.data() : fixed_.data();
+    }
+    Scratch(const Scratch&) = delete;
+    Scratch& operator=(const Scratch&) = delete;
+    T& operator[](std::size_t i) { return data_[i]; }
+    [[nodiscard]] std::span<const T> all() const { return {data_, count_}; }
+
+private:
+    static constexpr std::size_t capacity = sizeof(T) <= 128 ? 64 : 1;
+    std::array<T, capacity> fixed_;
+    std::vector<T> more_;
+    std::size_t count_;
+    T* data_;
+};
+
+inline int wall_sign(const Plane& wall) {
+    return wall.kind == Plane::Kind::lower_wall ? -1 : 1;
+}
+
+// All normals in one unit that leaves `bits` bits to the largest; false when some difference is finer.
+template <int bits>
+bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
+    double largest = 0;
+    for (const Plane* plane : planes) {
+        if (plane->kind == Plane::Kind::wall) return false;
+        if (plane->is_bisector()) largest = std::max(largest, largest_difference(p, *plane));
+    }
+    // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - bits) and its inverse must be normal.
+    const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
+    if (largest != 0 && (exponent <= bits || exponent == 0x7ff)) return false;
+    auto power = [](int biased) { return std::bit_cast<double>(static_cast<std::uint64_t>(biased) << 52); };
+    const int unit_exponent = largest == 0 ? 1023 : exponent + 1 - bits;
+    const double unit = power(unit_exponent), per_unit = power(2046 - unit_exponent);
+    bool whole = true;
+    auto units = [&](double x) {
+        const auto n = static_cast<std::int64_t>(x * per_unit);
+        whole &= static_cast<double>(n) * unit == x;
+        return n;
+    };
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+        const Plane& plane = *planes[i];
+        auto& n = normals[i];
+        if (plane.is_bisector()) {
+            const Differences difference = differences(p, plane);
+            if (!difference.exact) return false;
+            for (int k = 0; k < 3; ++k) {
+                const auto [high, low] = difference.x[k];
+                if (low != low) return false;  // overflow
+                n[k] = units(high) + (low != 0 ? units(low) : 0);
+            }
+        } else {
+            n = {};
+            n[plane.axis] = wall_sign(plane);
+        }
+        if (!whole) return false;
+    }
+    return true;
+}
+
+// Bits of the largest component after a common power of two is taken out of all but walls.
+inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
+    std::uint64_t any = 0, sizes = 0;
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+        if (!planes[i]->is_bisector()) continue;
+        for (const std::int64_t x : normals[i]) {
+            any |= static_cast<std::uint64_t>(x);
+            sizes |= static_cast<std::uint64_t>(std::abs(x));
+        }
+    }
+    if (any == 0) return 1;
+    const int zeros = std::countr_zero(any);
+    for (std::size_t i = 0; i < planes.size(); ++i)
+        if (planes[i]->is_bisector())
+            for (std::int64_t& x : normals[i]) x >>= zeros;
+    return 64 - std::countl_zero(sizes) - zeros;
+}
+
+// In units of its own; for coordinates that span at most 124 bits.
+inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& n) {
+    n = {};
+    if (plane.kind == Plane::Kind::wall) {
+        n = wall_row<2>(p, plane, 0).n;
+        return true;
+    }
+    if (!plane.is_bisector()) {
+        n[plane.axis] = from_int128<2>(wall_sign(plane));
+        return true;
+    }
+    BitRange range;
+    range.add(p);
+    range.add(plane);
+    const int q = range.quantum();
+    if (range.span() > 124) return false;
+    const std::array seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
+    const Difference difference = int_difference(seed, plane, q);
+    for (int k = 0; k < 3; ++k) n[k] = from_int128<2>(difference.n[k]);
+    return true;
+}
+
+// For any float64.
+inline Normal<WideInt<widest>> widest_normal(const Point& p, const Plane& plane) {
+    BitRange range;
+    range.add(p);
+    range.add(plane);
+    return wide_row<widest>(p, plane, range.quantum()).n;
+}
+
+// decide(normals) at a width that holds them and the determinants of three of them.
+template <class Decide>
+auto decide_on_normals(const Point& p, std::span<const Plane* const> planes, Decide decide) {
+    const std::size_t count = planes.size();
+    {
+        Scratch<Normal<std::int64_t>> words(count);
+        if (word_normals<bits_for_int64>(p, planes, words)) return decide(words.all());
+        if (word_normals<bits_for_word>(p, planes, words)) {
+            const int bits = reduce(planes, words);
+            if (bits <= bits_for_int64) return decide(words.all());
+            if (bits <= bits_for_int128) {
+                Scratch<Normal<Int128>> n(count);
+                for (std::size_t i = 0; i < count; ++i) n[i] = {words[i][0], words[i][1], words[i][2]};
+                return decide(n.all());
+            }
+            Scratch<Normal<WideInt<1>>> n(count);
+            for (std::size_t i = 0; i < count; ++i)
+                for (int k = 0; k < 3; ++k) n[i][k] = from_int128<1>(words[i][k]);
+            return decide(n.all());
+        }
+    }
+    Scratch<Normal<WideInt<2>>> n(count);
+    bool fit = true;
+    for (std::size_t i = 0; i < count && fit; ++i) fit = wide_normal(p, *planes[i], n[i]);
+    if (fit) return decide(n.all());  // 3 * 2^(3 * 125 + 1) < 2^383
+    Scratch<Normal<WideInt<widest>>> any(count);
+    for (std::size_t i = 0; i < count; ++i) any[i] = widest_normal(p, *planes[i]);
+    return decide(any.all());
+}
+
+}  // namespace votess::exact

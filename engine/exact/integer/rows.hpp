@@ -1,0 +1,263 @@
+// Planes as rows of integers, for the exact decisions. Float64 coordinates are integers times a power of two; a set of
+// them is brought to the lowest power in it, the quantum, and the width follows from the highest.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "exact/double_double.hpp"
+#include "exact/integer/wide_int.hpp"
+#include "exact/predicate.hpp"
+
+namespace votess::exact {
+
+// Exponents of the lowest and one above the highest set bit over a set of doubles.
+struct BitRange {
+    int low = std::numeric_limits<int>::max();
+    int high = std::numeric_limits<int>::min();
+
+    void add(double x) {
+        const auto bits = std::bit_cast<std::uint64_t>(x);
+        const auto fraction = bits & ((1ull << 52) - 1);
+        const int biased = static_cast<int>((bits >> 52) & 0x7ff);
+        if (biased == 0 && fraction == 0) return;
+        const std::uint64_t mantissa = biased == 0 ? fraction : fraction | (1ull << 52);
+        const int exponent = (biased == 0 ? 1 : biased) - 1075;
+        low = std::min(low, exponent + std::countr_zero(mantissa));
+        high = std::max(high, exponent + 64 - std::countl_zero(mantissa));
+    }
+    void add(const Point& p) {
+        for (double x : p) add(x);
+    }
+    void add(const Plane& plane) {
+        if (!plane.is_bisector()) return add(plane.wall);
+        add(plane.seed);
+        if (plane.lattice != nullptr) add_image(plane);
+        if (plane.has_power()) {  // in units squared
+            BitRange power;
+            power.add(plane.power.high);
+            power.add(plane.power.low);
+            low = std::min(low, power.low >> 1);
+            high = std::max(high, ((power.high + 1) >> 1) + 1);
+        }
+    }
+    void add_image(const Plane& plane) {
+        BitRange sum;
+        sum.add(plane.seed);
+        for (int j = 0; j < 3; ++j) {
+            const auto times = static_cast<std::uint32_t>(std::abs(plane.shift[j]));
+            if (times == 0) continue;
+            BitRange product;
+            for (const DoubleDouble& x : plane.lattice->vector[j]) {
+                product.add(x.high);
+                product.add(x.low);
+            }
+            if (product.high < product.low) continue;
+            sum.low = std::min(sum.low, product.low);
+            sum.high = std::max(sum.high, product.high + static_cast<int>(std::bit_width(times)));
+        }
+        low = std::min(low, sum.low);
+        high = std::max(high, sum.high + 3);  // of up to seven terms
+    }
+    [[nodiscard]] int span() const { return high > low ? high - low : 0; }
+    [[nodiscard]] int quantum() const { return high > low ? low : 0; }
+};
+
+// x / 2^quantum as an integer; exact when the quantum divides x and W holds it.
+template <int W>
+WideInt<W> to_wide(double x, int quantum) {
+    int exponent = 0;
+    const double fraction = std::frexp(x, &exponent);
+    const auto mantissa = static_cast<std::int64_t>(std::ldexp(fraction, 53));
+    const int shift = exponent - 53 - quantum;
+    if (shift >= 0) return shift_left(from_int128<W>(mantissa), shift);
+    return from_int128<W>(shift <= -64 ? 0 : mantissa >> -shift);
+}
+
+inline Int128 to_int128(double x, int quantum) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const auto fraction = bits & ((1ull << 52) - 1);
+    const int biased = static_cast<int>((bits >> 52) & 0x7ff);
+    const Int128 mantissa = biased == 0 ? fraction : fraction | (1ull << 52);
+    const int shift = (biased == 0 ? 1 : biased) - 1075 - quantum;
+    const Int128 value = shift >= 0 ? (shift < 127 ? mantissa << shift : 0) : (shift > -64 ? mantissa >> -shift : 0);
+    return (bits >> 63) != 0 ? -value : value;
+}
+
+// A plane in integer units: 2 N.X <= S.
+template <class N, class S>
+struct Row {
+    std::array<N, 3> n;
+    S s;
+};
+
+// N of a bisector, or the unit normal and distance of a wall of the box.
+struct Difference {
+    std::array<Int128, 3> n{};
+    Int128 wall = 0;
+};
+
+inline Int128 magnitude(Int128 x) {
+    return x < 0 ? -x : x;
+}
+
+inline Difference int_difference(const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
+    Difference d;
+    if (plane.is_bisector()) {
+        for (int k = 0; k < 3; ++k) {
+            d.n[k] = to_int128(plane.seed[k], quantum) - seed[k];
+            if (plane.lattice == nullptr) continue;
+            for (int j = 0; j < 3; ++j) {
+                if (plane.shift[j] == 0) continue;
+                const DoubleDouble& x = plane.lattice->vector[j][k];
+                d.n[k] += plane.shift[j] * (to_int128(x.high, quantum) + to_int128(x.low, quantum));
+            }
+        }
+    } else {
+        const Int128 sign = plane.kind == Plane::Kind::lower_wall ? -1 : 1;
+        d.n[plane.axis] = sign;
+        d.wall = sign * (to_int128(plane.wall, quantum) - seed[plane.axis]);
+    }
+    return d;
+}
+
+inline Int128 largest(const Difference& d) {
+    Int128 m = magnitude(d.wall);
+    for (auto x : d.n) m = std::max(m, magnitude(x));
+    return m;
+}
+
+template <int W>
+using WideRow = Row<WideInt<W>, WideInt<2 * W>>;
+
+template <int W>
+WideRow<W> wide_row(const std::array<WideInt<W>, 3>& n, const WideInt<W>& wall, bool bisector) {
+    WideRow<W> r{n, {}};
+    if (bisector)
+        r.s = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    else
+        r.s = resize<2 * W>(wall) + resize<2 * W>(wall);
+    return r;
+}
+
+template <int W>
+WideRow<W> wide_row(const Difference& d, bool bisector) {
+    return wide_row<W>({from_int128<W>(d.n[0]), from_int128<W>(d.n[1]), from_int128<W>(d.n[2])}, from_int128<W>(d.wall),
+                       bisector);
+}
+
+template <int W>
+void add_power(const Plane& plane, int quantum, WideRow<W>& row) {
+    if (!plane.has_power()) return;
+    row.s = row.s + to_wide<2 * W>(plane.power.high, 2 * quantum) + to_wide<2 * W>(plane.power.low, 2 * quantum);
+}
+
+// The power of two that brings the normal of a wall to integers; at most 1.
+inline int normal_quantum(const Plane& wall) {
+    BitRange range;
+    range.add(wall.seed);
+    return std::min(range.low, 0);
+}
+
+// A wall of any direction: W limbs hold N, and the coordinates.
+template <int W>
+WideRow<W> wall_row(const Point& p, const Plane& wall, int quantum) {
+    const int unit = normal_quantum(wall);
+    WideRow<W> r;
+    r.s = to_wide<2 * W>(wall.wall, unit + quantum);
+    for (int k = 0; k < 3; ++k) {
+        r.n[k] = to_wide<W>(wall.seed[k], unit);
+        r.s = r.s - r.n[k] * to_wide<W>(p[k], quantum);
+    }
+    r.s = r.s + r.s;
+    return r;
+}
+
+// The general case: W limbs hold coordinates.
+template <int W>
+WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
+    if (plane.kind == Plane::Kind::wall) return wall_row<W>(p, plane, quantum);
+    std::array<WideInt<W>, 3> n{};
+    if (!plane.is_bisector()) {
+        const bool lower = plane.kind == Plane::Kind::lower_wall;
+        const WideInt<W> distance = to_wide<W>(plane.wall, quantum) - to_wide<W>(p[plane.axis], quantum);
+        n[plane.axis] = from_int128<W>(lower ? -1 : 1);
+        return wide_row<W>(n, lower ? -distance : distance, false);
+    }
+    for (int k = 0; k < 3; ++k) {
+        n[k] = to_wide<W>(plane.seed[k], quantum) - to_wide<W>(p[k], quantum);
+        if (plane.lattice == nullptr) continue;
+        for (int j = 0; j < 3; ++j) {
+            const DoubleDouble& x = plane.lattice->vector[j][k];
+            const auto length = to_wide<W>(x.high, quantum) + to_wide<W>(x.low, quantum);
+            n[k] = n[k] + resize<W>(length * from_int128<1>(plane.shift[j]));
+        }
+    }
+    WideRow<W> row = wide_row<W>(n, {}, true);
+    add_power(plane, quantum, row);
+    return row;
+}
+
+// Any plane whose coordinates span at most 124 bits.
+inline WideRow<2> narrow_row(const Point& p, const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
+    if (plane.kind == Plane::Kind::wall) return wall_row<2>(p, plane, quantum);
+    WideRow<2> row = wide_row<2>(int_difference(seed, plane, quantum), plane.is_bisector());
+    add_power(plane, quantum, row);
+    return row;
+}
+
+template <class N>
+auto cross(const std::array<N, 3>& a, const std::array<N, 3>& b) {
+    return std::array{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+template <class A, class B>
+auto dot(const std::array<A, 3>& a, const std::array<B, 3>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+template <class T>
+int sign_of(const T& x) {
+    return x < 0 ? -1 : (x > 0 ? 1 : 0);
+}
+template <int W>
+int sign_of(const WideInt<W>& x) {
+    return x.sign();
+}
+
+// Differences as sums of two doubles, which lose nothing.
+struct WallDifference {
+    double sign;
+    DoubleDouble distance;
+};
+
+inline WallDifference wall_difference(const Point& p, const Plane& wall) {
+    if (wall.kind == Plane::Kind::lower_wall) return {-1, two_sum(p[wall.axis], -wall.wall)};
+    return {1, two_sum(wall.wall, -p[wall.axis])};
+}
+
+// Largest difference of a plane other than a wall of any direction.
+inline double largest_difference(const Point& p, const Plane& plane) {
+    if (!plane.is_bisector()) return std::abs(wall_difference(p, plane).distance.high);
+    double m = 0;
+    if (plane.lattice != nullptr)
+        for (const DoubleDouble& x : image_differences(p, plane).x) m = std::max(m, std::abs(x.high));
+    else
+        for (int k = 0; k < 3; ++k) m = std::max(m, std::abs(plane.seed[k] - p[k]));
+    return m;
+}
+
+// 2098 bits from the smallest subnormal to the largest double, 34 for shifts and sums.
+inline constexpr int widest = 36;
+
+// For coordinates that span at most so many bits, as when some are 0 but for rounding.
+inline constexpr int middle = 4, middle_bits = 250;
+
+// side_of_vertex for any float64, without a look at the easy cases.
+int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
+
+}  // namespace votess::exact

@@ -1,0 +1,53 @@
+// A command buffer that is recorded, submitted and waited for, again and again.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "gpu/passes/recorder.hpp"
+
+namespace votess::gpu::vulkan {
+
+class Commands : public Recorder {
+public:
+    // Up to `timestamps` of them in one recording; 0 = none.
+    explicit Commands(Device& device, std::uint32_t timestamps = 0);
+    ~Commands();  // waits for submitted work
+
+    void begin();  // waits for the previous submission and forgets its recording
+    void end();
+
+    // Records the time at which all before it is done. The index is for seconds(); where timestamps are unsupported or
+    // the pool is full it is `no_timestamp`.
+    static constexpr std::uint32_t no_timestamp = UINT32_MAX;
+    std::uint32_t timestamp();
+    // Between two timestamps of the finished submission; 0 when one of them is no_timestamp.
+    [[nodiscard]] double seconds(std::uint32_t from, std::uint32_t to) const;
+
+    // While it is recorded.
+    [[nodiscard]] VkCommandBuffer handle() const { return commands_; }
+
+    void submit();
+    // True when nothing is running. Throws device_lost as the waits do.
+    [[nodiscard]] bool finished();
+    // Waits at most so long; whether it has finished.
+    bool wait_for(std::chrono::nanoseconds timeout);
+    void wait();
+
+private:
+    enum class State { idle, recording, ready, running };
+
+    void expect(State state, const char* call) const;
+    void make_objects(std::uint32_t timestamps);
+    void destroy() noexcept;
+
+    State state_ = State::idle;
+    VkCommandPool pool_ = VK_NULL_HANDLE;
+    VkCommandBuffer commands_ = VK_NULL_HANDLE;
+    VkFence fence_ = VK_NULL_HANDLE;
+    VkQueryPool queries_ = VK_NULL_HANDLE;
+    std::uint32_t query_capacity_ = 0;
+    std::uint32_t query_count_ = 0;
+};
+
+}  // namespace votess::gpu::vulkan

@@ -1,0 +1,70 @@
+#include "gpu/passes/kernel_choice.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+
+namespace votess::gpu {
+namespace {
+
+constexpr std::uint32_t fewest_lanes = 8, most_lanes = 64;
+constexpr std::uint32_t best_lanes = 32;  // two vertices each; few cells have more than 64
+
+std::uint32_t lanes_of(const vulkan::Adapter& adapter) {
+    if (!adapter.subgroup_size_control) return adapter.subgroup_size;
+    return std::clamp(best_lanes, adapter.min_subgroup_size, adapter.max_subgroup_size);
+}
+
+}  // namespace
+
+std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
+    if (!adapter.subgroup_in_compute) return "subgroup operations in compute shaders";
+    const struct {
+        VkSubgroupFeatureFlags bit;
+        const char* name;
+    } needed[] = {{VK_SUBGROUP_FEATURE_BASIC_BIT, "basic"},
+                  {VK_SUBGROUP_FEATURE_VOTE_BIT, "vote"},
+                  {VK_SUBGROUP_FEATURE_BALLOT_BIT, "ballot"},
+                  {VK_SUBGROUP_FEATURE_ARITHMETIC_BIT, "arithmetic"},
+                  {VK_SUBGROUP_FEATURE_SHUFFLE_BIT, "shuffle"}};
+    for (const auto& operations : needed)
+        if ((adapter.subgroup_operations & operations.bit) == 0)
+            return std::string(operations.name) + " operations of subgroups";
+    // Where sizes vary, drivers may tell a nominal one that no shader runs with; not AMD's.
+    constexpr std::uint32_t amd = 0x1002;
+    if (!adapter.subgroup_size_control && adapter.min_subgroup_size != adapter.max_subgroup_size &&
+        adapter.vendor_id != amd)
+        return "control of the size of subgroups, which varies";
+    const std::uint32_t lanes = lanes_of(adapter);
+    if (lanes < fewest_lanes || lanes > most_lanes || !std::has_single_bit(lanes))
+        return "subgroups of 8 to 64 invocations, it has " + std::to_string(lanes);
+    return {};
+}
+
+std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel) {
+    if (kernel == Kernel::invocation) return 0;
+    const std::string missing = missing_for_subgroups(adapter);
+    if (missing.empty()) {
+        // On a CPU, where lanes are no threads, one invocation per cell is the faster.
+        return kernel == Kernel::automatic && adapter.software() ? 0 : lanes_of(adapter);
+    }
+    if (kernel == Kernel::automatic) return 0;
+    throw Error(ErrorCode::unsupported,
+                "device '" + adapter.name + "' cannot run kernel subgroup: it lacks " + missing);
+}
+
+std::uint32_t local_size_from_environment() {
+    const char* text = std::getenv("VOTESS_VULKAN_LOCAL_SIZE");
+    if (text == nullptr || *text == '\0') return 0;
+    const std::string_view word(text);
+    std::uint32_t size = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), size);
+    if (error != std::errc() || end != word.data() + word.size() || size > 1024 || !std::has_single_bit(size))
+        throw Error(ErrorCode::invalid_argument,
+                    "VOTESS_VULKAN_LOCAL_SIZE is '" + std::string(word) + "': give a power of two up to 1024");
+    return size;
+}
+
+}  // namespace votess::gpu

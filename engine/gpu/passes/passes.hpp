@@ -1,0 +1,54 @@
+// The compute pipelines of the engine, made for one device and one set of options.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "gpu/passes/pass.hpp"
+
+namespace votess::gpu {
+
+// What one tier of clip may use. With a subgroup per cell the first tier has 32 planes. A cell that needs more goes to
+// the next tier, in the end to the CPU.
+struct TierLimits {
+    std::uint32_t planes = 32;    // alive at once; a multiple of 32
+    std::uint32_t vertices = 64;  // alive at once; a multiple of 32
+    bool float64 = false;         // clips in float64
+    bool operator==(const TierLimits&) const = default;
+};
+
+struct PassSettings {
+    std::uint32_t k = 112;  // neighbors listed
+    TierLimits tiers[2];
+    std::uint32_t most_visits = 4000;        // boxes looked at in a search
+    std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
+    bool measure = true;                     // volumes and centroids
+    bool areas = false;                      // and areas beside the rows
+    bool frames = false;                     // the passes of recorded frames too
+    bool images = false;                     // and those of periodic ones; areas are not for them
+    std::uint32_t local_size = 64;           // of passes that do not rely on theirs
+    // Invocations that make a cell of the first tier together, searching as they clip; 0: each makes one, from a list.
+    std::uint32_t subgroup_size = 0;
+    // Of a work-group. With one, what is uniform in a subgroup is so in the work-group, and only there SPIR-V promises
+    // that lanes are together again behind a branch that parted them.
+    std::uint32_t subgroups = 1;
+    std::uint32_t first_count = 48;  // seeds that the subgroup's first search aims at
+    bool operator==(const PassSettings&) const = default;
+};
+
+// Those that suit the device; k = 0: the usual number. Throws `unsupported` for a kernel that it cannot run.
+[[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k, Kernel kernel);
+
+struct Passes {
+    Passes(vulkan::Device& device, const PassSettings& settings);
+
+    PassSettings settings;
+    vulkan::Pass upload;
+    vulkan::Pass sort_key, sort_count, sort_scatter, sort_gather, scan_blocks, scan_add;
+    vulkan::Pass knn_boxes, knn_search;
+    vulkan::Pass clip_cells[2], clip_todo;  // clip_cells[0] searches too where subgroups make cells
+    vulkan::Pass download_rows;
+    std::unique_ptr<vulkan::Pass> download_cells, download_total, upload_wrap, upload_images;  // null: not wanted
+};
+
+}  // namespace votess::gpu

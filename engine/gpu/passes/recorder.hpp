@@ -1,0 +1,135 @@
+// Records passes, copies and barriers into a command buffer, and makes the descriptor sets for them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gpu/passes/pass.hpp"
+#include "gpu/vulkan/memory.hpp"
+
+namespace votess::gpu::vulkan {
+
+struct BufferBinding {
+    std::uint32_t binding = 0;
+    Slice slice;
+    VkDeviceSize offset = 0;             // in the slice; both together a multiple of minStorageBufferOffsetAlignment
+    VkDeviceSize bytes = VK_WHOLE_SIZE;  // to the end; shaders see whole 32-bit words
+
+    BufferBinding() = default;
+    BufferBinding(std::uint32_t number, const Slice& buffer) : binding(number), slice(buffer) {}
+    BufferBinding(std::uint32_t number, const Buffer* buffer, VkDeviceSize from = 0, VkDeviceSize size = VK_WHOLE_SIZE)
+        : binding(number), slice(buffer != nullptr ? Slice(*buffer) : Slice{}), offset(from), bytes(size) {}
+};
+
+// Work-groups for so many invocations, one number per axis: their product times local_size is at least `invocations`
+// and little more. Shaders count groups as x + num.x * (y + num.y * z) and check bounds. {0, 0, 0} for 0 invocations.
+[[nodiscard]] std::array<std::uint32_t, 3> group_counts(std::uint64_t invocations, std::uint32_t local_size,
+                                                        const VkPhysicalDeviceLimits& limits);
+
+// Descriptor sets by what they bind: the same pass with the same buffers gets the set it had.
+class DescriptorSets {
+public:
+    explicit DescriptorSets(Device& device) : device_(device) {}
+    ~DescriptorSets();
+    DescriptorSets(const DescriptorSets&) = delete;
+    DescriptorSets& operator=(const DescriptorSets&) = delete;
+
+    // infos: one for each binding of the pass, in its order.
+    [[nodiscard]] VkDescriptorSet get(const Pass& pass, std::span<const VkDescriptorBufferInfo> infos);
+    // None is in use any more, and buffers may be others.
+    void forget();
+
+private:
+    struct Pool {
+        VkDescriptorPool handle;
+        std::uint32_t max_sets, max_descriptors;
+        std::uint32_t sets, descriptors;  // left
+    };
+    struct Known {
+        VkDescriptorSetLayout layout;
+        VkDescriptorSet set;
+        std::size_t first_info;  // in infos_
+    };
+
+    [[nodiscard]] Pool& pool_for(std::uint32_t descriptors);
+
+    Device& device_;
+    std::vector<Pool> pools_;
+    std::vector<Known> known_;
+    std::vector<VkDescriptorBufferInfo> infos_;
+};
+
+// Its device must outlive it, and so must everything recorded, until the work is done. One thread at a time. What was
+// recorded once, with the same buffers, is recorded again without taking memory.
+class Recorder {
+public:
+    explicit Recorder(Device& device) : device_(device), sets_(device) {}
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
+
+    // Between these two, calls record into `commands`; null: they only make their descriptor sets.
+    void open(VkCommandBuffer commands);
+    void close() { open_ = false; }
+
+    // Offsets and sizes are in bytes; of fill, multiples of 4. 0 bytes record nothing.
+    void copy(const Slice& from, VkDeviceSize from_offset, const Slice& to, VkDeviceSize to_offset, VkDeviceSize bytes);
+    void fill(const Slice& buffer, VkDeviceSize offset, VkDeviceSize bytes, std::uint32_t word);
+
+    // `buffers` may hold more bindings than the pass has: it picks its own. `push` has exactly push_bytes() bytes.
+    // 0 invocations record nothing.
+    void dispatch(const Pass& pass, std::span<const BufferBinding> buffers, std::span<const std::byte> push,
+                  std::uint64_t invocations);
+    // The three group counts are a VkDispatchIndirectCommand in `args`.
+    void dispatch_indirect(const Pass& pass, std::span<const BufferBinding> buffers, std::span<const std::byte> push,
+                           const Slice& args, VkDeviceSize offset = 0);
+
+    // What shaders and copies have written becomes visible to later shaders, copies and indirect dispatches.
+    void barrier();
+    // ... and to the host after the wait. Needed once before the end when the host is to read anything.
+    void barrier_to_host();
+    // ... to all later commands, of any kind.
+    void barrier_to_all();
+
+    // Notes the time at which all before it is done.
+    void write_timestamp(VkQueryPool pool, std::uint32_t query);
+
+    // Names what is recorded during its life, for tools; nothing without VK_EXT_debug_utils.
+    class [[nodiscard]] Label {
+    public:
+        Label(Recorder& recorder, const char* text);
+        ~Label();
+        Label(const Label&) = delete;
+        Label& operator=(const Label&) = delete;
+
+    private:
+        Recorder& recorder_;
+    };
+    [[nodiscard]] Label label(const char* text) { return Label(*this, text); }
+
+protected:
+    void expect_open(const char* call) const;
+    [[nodiscard]] Device& device() const { return device_; }
+    [[nodiscard]] DescriptorSets& descriptor_sets() { return sets_; }
+
+private:
+    void bind(const Pass& pass, std::span<const BufferBinding> buffers, std::span<const std::byte> push);
+    [[nodiscard]] VkDescriptorBufferInfo descriptor(const Pass& pass, std::uint32_t binding,
+                                                    std::span<const BufferBinding> buffers) const;
+    void memory_barrier(VkAccessFlags to, VkPipelineStageFlags stages);
+
+    Device& device_;
+    DescriptorSets sets_;
+    VkCommandBuffer buffer_ = VK_NULL_HANDLE;
+    bool open_ = false;
+};
+
+// The bytes of a push-constant block.
+template <class T>
+[[nodiscard]] std::span<const std::byte> push_bytes(const T& block) {
+    return std::as_bytes(std::span(&block, 1));
+}
+
+}  // namespace votess::gpu::vulkan

@@ -1,0 +1,236 @@
+#include "gpu/seeds/device_seeds.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+
+namespace votess::gpu {
+namespace {
+
+using vulkan::push_bytes;
+
+// Doubles as whole numbers of the same order.
+std::uint64_t ordered_bits(double x) {
+    const auto bits = std::bit_cast<std::uint64_t>(x == 0 ? 0.0 : x);  // -0 equals 0
+    const std::uint64_t sign = std::uint64_t{1} << 63;
+    return (bits & sign) != 0 ? ~bits : bits | sign;
+}
+
+}  // namespace
+
+void Bindings::set(std::uint32_t binding, const Slice& slice) {
+    const auto end = list_.begin() + static_cast<std::ptrdiff_t>(count_);
+    auto it = std::find_if(list_.begin(), end, [&](const BufferBinding& b) { return b.binding == binding; });
+    if (it == end) ++count_;
+    *it = {binding, slice};
+}
+
+Slice Bindings::get(std::uint32_t binding) const {
+    for (const BufferBinding& b : list())
+        if (b.binding == binding) return b.slice;
+    return {};
+}
+
+void Scan::reserve(Workspace& workspace, std::uint32_t count) {
+    for (Slice& sums : sums_) {
+        count = blocks_of(count, TILE_ITEMS);
+        sums = workspace.take_words(count, "scan sums");
+        if (count <= 1) break;
+    }
+}
+
+void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const {
+    std::array<std::uint32_t, most_levels> counts{};  // of each level's array
+    std::size_t levels = 0;
+    Bindings bindings;
+    for (;; count = blocks_of(count, TILE_ITEMS)) {
+        counts[levels] = count;
+        bindings.set(BINDING_SCAN_DATA, levels == 0 ? data : sums_[levels - 1]);
+        bindings.set(BINDING_SCAN_SUMS, sums_[levels]);
+        ++levels;
+        recorder.dispatch(passes.scan_blocks, bindings.list(), push_bytes(ScanPush{count}),
+                          std::uint64_t{blocks_of(count, TILE_ITEMS)} * TILE_GROUP);
+        recorder.barrier();
+        if (count <= TILE_ITEMS) break;
+    }
+    // From the level below the last one down.
+    for (std::size_t level = levels - 1; level-- > 0;) {
+        bindings.set(BINDING_SCAN_DATA, level == 0 ? data : sums_[level - 1]);
+        bindings.set(BINDING_SCAN_SUMS, sums_[level]);
+        recorder.dispatch(passes.scan_add, bindings.list(), push_bytes(ScanPush{counts[level]}), counts[level]);
+        recorder.barrier();
+    }
+}
+
+void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32_t images) {
+    const std::uint32_t capacity = seeds + images;
+    set_count(capacity);
+    images_.capacity = images;
+    if (images > 0) {
+        bindings_.set(BINDING_IMAGE_HOME, workspace.take_words(images, "image home"));
+        image_counts_ = workspace.take_words(seeds, "image counts");
+        image_scan_.reserve(workspace, seeds);
+    }
+    const VkDeviceSize n = capacity;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        bindings_.set(BINDING_POINTS_X + k, workspace.take(n * coordinate_bytes, "points"));
+        bindings_.set(BINDING_SEEDS_X + k, workspace.take(n * coordinate_bytes, "seeds"));
+    }
+    for (int k = 0; k < 2; ++k) {
+        keys_[k] = workspace.take_words(2 * n, "keys");
+        index_[k] = workspace.take_words(n, "index");
+    }
+    const std::uint32_t counts = blocks_of(capacity, TILE_ITEMS) * DIGITS;
+    counts_ = workspace.take_words(counts, "digit counts");
+    scan_.reserve(workspace, counts);
+    bindings_.set(BINDING_SEED_INPUT, workspace.take_words(n, "seed input"));
+    const VkDeviceSize nodes = level_first_[level_count_ - 1] + VkDeviceSize{1};
+    bindings_.set(BINDING_NODES, workspace.take(nodes * node_bytes, "nodes"));
+    bindings_.set(BINDING_RUN_STATE, workspace.take(sizeof(RunState), "run state"));
+}
+
+void DeviceSeeds::set_count(std::uint32_t count) {
+    count_ = count;
+    level_first_[0] = 0;
+    level_size_[0] = blocks_of(count, GROUP_SEEDS);
+    level_count_ = 1;
+    for (; level_size_[level_count_ - 1] > 1; ++level_count_) {
+        level_first_[level_count_] = level_first_[level_count_ - 1] + level_size_[level_count_ - 1];
+        level_size_[level_count_] = blocks_of(level_size_[level_count_ - 1], FAN);
+    }
+}
+
+void DeviceSeeds::set_box(const Box& box) {
+    box_ = box;
+    units_ = Units::for_box(box);
+    box_lossy_ = false;
+    for (int k = 0; k < 3; ++k) {
+        origin_[k] = units_.of(box.lower[k], box_lossy_);
+        extent_[k] = units_.of(box.upper[k], box_lossy_) - origin_[k];
+    }
+}
+
+void DeviceSeeds::set_periodic_box(const Box& box, const std::array<bool, 3>& periodic, double margin) {
+    Box larger = box;
+    box_ = box;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!periodic[k]) continue;
+        const double side = box.upper[k] - box.lower[k];
+        larger.lower[k] -= std::min(margin, 0.99 * side);  // images by one side are enough
+        larger.upper[k] += std::min(margin, 0.99 * side);
+        box_.lower[k] -= side;
+        box_.upper[k] += side;
+    }
+    const Box checked = box_;
+    set_box(whole_box(larger, periodic));
+    box_ = checked;
+    images_.periodic = 0;
+    for (int k = 0; k < 3; ++k) {
+        bool lossy = false;
+        const std::uint64_t lower = units_.of(box.lower[k], lossy), upper = units_.of(box.upper[k], lossy);
+        images_.lower[k] = words(lower - origin_[k]);
+        images_.side[k] = words(upper - lower);
+        images_.extent[k] = words(extent_[k]);
+        if (!periodic[k]) continue;
+        images_.periodic |= 1u << k;
+        if (lossy)
+            throw Error(ErrorCode::unsupported,
+                        "the bounds of the periodic box differ too much in size for its sides to be whole numbers of "
+                        "2^-62 of the longest one: choose bounds with fewer digits");
+    }
+}
+
+void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const Slice& header,
+                                std::uint32_t count) const {
+    ImagesPush push = images_;
+    push.count = count;
+    Bindings bindings = bindings_;
+    bindings.set(BINDING_SCAN_DATA, image_counts_);
+    bindings.set(BINDING_HEADER, header);
+    recorder.dispatch(*passes.upload_wrap, bindings.list(), push_bytes(push), count);
+    recorder.barrier();
+    if (count == 0) return;
+    image_scan_.record(recorder, passes, image_counts_, count);
+    recorder.dispatch(*passes.upload_images, bindings.list(), push_bytes(push), push.capacity);
+    recorder.barrier();
+}
+
+void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
+    recorder.fill(run_state(), 0, sizeof(RunState), 0);
+    const std::uint32_t bits = (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0);
+    if (bits == 0) return;
+    recorder.barrier();
+    recorder.fill(run_state(), offsetof(RunState, lossy), 4, bits);
+}
+
+void DeviceSeeds::record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
+                                std::uint32_t count) const {
+    UploadPush push{};
+    for (int k = 0; k < 3; ++k) {
+        push.origin[k] = words(origin_[k]);
+        push.lower[k] = words(ordered_bits(box_.lower[k]));
+        push.upper[k] = words(ordered_bits(box_.upper[k]));
+    }
+    push.first = first;
+    push.count = count;
+    push.shift = units_.shift;
+    push.format = raw.format;
+    push.stride = raw.stride;
+    push.check = raw.check ? 1 : 0;
+    Bindings bindings = bindings_;
+    bindings.set(BINDING_RAW, raw.slice);
+    recorder.dispatch(passes.upload, bindings.list(), push_bytes(push), count);
+    recorder.barrier();
+}
+
+void DeviceSeeds::record_radix_pass(Recorder& recorder, const Passes& passes, std::uint32_t pass) const {
+    constexpr std::uint32_t passes_per_word = (KEY_WORD_BITS + DIGIT_BITS - 1) / DIGIT_BITS;
+    const SortPush push{count_, blocks_of(count_, TILE_ITEMS), pass % passes_per_word * DIGIT_BITS,
+                        pass / passes_per_word};
+    Bindings bindings;
+    bindings.set(BINDING_KEYS_IN, keys_[pass % 2]);
+    bindings.set(BINDING_INDEX_IN, index_[pass % 2]);
+    bindings.set(BINDING_KEYS_OUT, keys_[1 - pass % 2]);
+    bindings.set(BINDING_INDEX_OUT, index_[1 - pass % 2]);
+    bindings.set(BINDING_SCAN_DATA, counts_);
+    const std::uint64_t invocations = std::uint64_t{push.tiles} * TILE_GROUP;
+    recorder.dispatch(passes.sort_count, bindings.list(), push_bytes(push), invocations);
+    recorder.barrier();
+    scan_.record(recorder, passes, counts_, push.tiles * DIGITS);
+    recorder.dispatch(passes.sort_scatter, bindings.list(), push_bytes(push), invocations);
+    recorder.barrier();
+}
+
+void DeviceSeeds::record_sort(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const {
+    constexpr std::uint32_t radix_passes = 2 * ((KEY_WORD_BITS + DIGIT_BITS - 1) / DIGIT_BITS);
+    static_assert(radix_passes % 4 == 0);  // the result is where the keys were made, after half of them too
+    const std::uint64_t longest = std::max({extent_[0], extent_[1], extent_[2]});
+    const KeyPush push{
+        count_, key_bits,
+        static_cast<float>(std::ldexp(1.0, 32 + static_cast<int>(key_bits)) / static_cast<double>(longest))};
+    Bindings bindings = bindings_;
+    bindings.set(BINDING_KEYS_OUT, keys_[0]);
+    bindings.set(BINDING_INDEX_OUT, index_[0]);
+    bindings.set(BINDING_KEYS_IN, keys_[0]);
+    bindings.set(BINDING_INDEX_IN, index_[0]);
+    recorder.dispatch(passes.sort_key, bindings.list(), push_bytes(push), count_);
+    recorder.barrier();
+    // With up to ten bits per axis the high word is 0 in every key.
+    const std::uint32_t needed = key_bits <= KEY_WORD_BITS / 3 ? radix_passes / 2 : radix_passes;
+    for (std::uint32_t pass = 0; pass < needed; ++pass) record_radix_pass(recorder, passes, pass);
+    recorder.dispatch(passes.sort_gather, bindings.list(), push_bytes(push), count_);
+    recorder.barrier();
+}
+
+void DeviceSeeds::record_hierarchy(Recorder& recorder, const Passes& passes) const {
+    for (std::uint32_t level = 0; level < level_count_; ++level) {
+        const std::uint32_t below = level == 0 ? 0 : level - 1;
+        const BoxesPush push{
+            count_, level, level_first_[level], level_size_[level], level_first_[below], level_size_[below]};
+        recorder.dispatch(passes.knn_boxes, bindings_.list(), push_bytes(push), push.count);
+        recorder.barrier();
+    }
+}
+
+}  // namespace votess::gpu

@@ -1,0 +1,112 @@
+// The seeds of a run on the device: points as given become coordinates in units, sorted along a Hilbert curve, with a
+// hierarchy of boxes over them. Arrays, and what is recorded for the stages upload, sort and the first half of knn.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "gpu/passes/passes.hpp"
+#include "gpu/passes/recorder.hpp"
+#include "gpu/seeds/units.hpp"
+#include "gpu/workspace.hpp"
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+namespace votess::gpu {
+
+using vulkan::BufferBinding;
+using vulkan::Recorder;
+
+// Arrays by binding number; a pass picks those it uses. A number that is set again has a new array.
+class Bindings {
+public:
+    void set(std::uint32_t binding, const Slice& slice);
+    [[nodiscard]] Slice get(std::uint32_t binding) const;  // an empty one when it was never set
+    [[nodiscard]] std::span<const BufferBinding> list() const { return std::span(list_).first(count_); }
+
+private:
+    std::array<BufferBinding, BINDING_COUNT> list_;
+    std::size_t count_ = 0;
+};
+
+// Exclusive prefix sums of any number of words, in place.
+class Scan {
+public:
+    // Arrays for up to `count` words.
+    void reserve(Workspace& workspace, std::uint32_t count);
+    void record(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const;
+
+private:
+    static constexpr std::size_t most_levels = 4;  // TILE_ITEMS to the fourth is more than 32 bits can count
+    std::array<Slice, most_levels> sums_;          // per level: totals of the level below
+};
+
+class DeviceSeeds {
+public:
+    // Bytes of a struct Node of shaders/search/node.glsl, and of a coordinate.
+    static constexpr VkDeviceSize node_bytes = 48, coordinate_bytes = 8;
+
+    // Arrays for up to `capacity` seeds, and for the images of those of a periodic box.
+    void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0);
+    // What to record from now on. count: with all places for images.
+    void set_count(std::uint32_t count);
+    void set_box(const Box& box);
+    // Along these axes the box repeats: images up to `margin` outside of it count. Throws `unsupported` when the sides
+    // of the box are no whole numbers of units.
+    void set_periodic_box(const Box& box, const std::array<bool, 3>& periodic, double margin);
+
+    // Forgets what is known about points; to be followed by a barrier. lossy: points that are rounded already.
+    void record_begin(Recorder& recorder, bool lossy) const;
+    // Points of the raw array become those from `first` on. check: those outside of the box get no cell.
+    struct Raw {
+        Slice slice;
+        std::uint32_t format = POINTS_FLOAT64, stride = 3;
+        bool check = false;
+    };
+    void record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
+                       std::uint32_t count) const;
+    // After the upload of `count` seeds: brings them into the periodic box, and adds images at their places.
+    void record_images(Recorder& recorder, const Passes& passes, const Slice& header, std::uint32_t count) const;
+    // key_bits: per axis.
+    void record_sort(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const;
+    void record_hierarchy(Recorder& recorder, const Passes& passes) const;
+
+    [[nodiscard]] std::uint32_t count() const { return count_; }
+    [[nodiscard]] const Units& units() const { return units_; }
+    [[nodiscard]] const std::uint64_t* extent() const { return extent_; }
+    // The box's lower corner in units, modulo 2^64.
+    [[nodiscard]] const std::uint64_t* origin() const { return origin_; }
+    [[nodiscard]] std::span<const std::uint32_t> level_first() const {
+        return std::span(level_first_).first(level_count_);
+    }
+    // What knn and clip read.
+    [[nodiscard]] const Bindings& bindings() const { return bindings_; }
+    [[nodiscard]] Slice run_state() const { return bindings_.get(BINDING_RUN_STATE); }
+    [[nodiscard]] Slice seed_input() const { return bindings_.get(BINDING_SEED_INPUT); }
+    [[nodiscard]] Slice image_home() const { return bindings_.get(BINDING_IMAGE_HOME); }
+    [[nodiscard]] Slice sorted_keys() const { return keys_[0]; }
+    [[nodiscard]] Slice sorted_index() const { return index_[0]; }
+
+private:
+    void record_radix_pass(Recorder& recorder, const Passes& passes, std::uint32_t pass) const;
+
+    std::uint32_t count_ = 0;
+    Units units_;
+    Box box_;
+    bool box_lossy_ = false;
+    std::uint64_t extent_[3]{}, origin_[3]{};
+    Slice keys_[2], index_[2], counts_, image_counts_;
+    Scan scan_, image_scan_;
+    ImagesPush images_{};
+    std::array<std::uint32_t, MOST_LEVELS> level_first_{}, level_size_{};
+    std::uint32_t level_count_ = 0;
+    Bindings bindings_;
+};
+
+// Of the items in blocks of `block`.
+[[nodiscard]] constexpr std::uint32_t blocks_of(std::uint32_t count, std::uint32_t block) {
+    return count / block + (count % block != 0 ? 1 : 0);
+}
+
+}  // namespace votess::gpu

@@ -1,0 +1,42 @@
+// More seeds than the device can hold at once are tessellated part by part: compact sets of seeds, each with the seeds
+// around it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine.hpp"
+#include "gpu/seeds/units.hpp"
+
+namespace votess::gpu {
+
+struct Part {
+    std::vector<std::int32_t> members;  // input indices, own ones first; empty = all points are the part's own
+    std::uint32_t own_count = 0;
+    // Bounds in units from the box's lower corner within which all seeds are members; see KnnPush.
+    std::uint64_t lower[3]{}, upper[3]{};
+    std::uint32_t bounded = 0;
+};
+
+class Parts {
+public:
+    // At most `most_seeds` members a part. One part when all points fit; else duplicates are in none.
+    Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Units& units, std::uint32_t most_seeds);
+
+    [[nodiscard]] std::size_t size() const { return ends_.size(); }
+    [[nodiscard]] Part get(std::size_t index) const;
+
+private:
+    void split(std::size_t begin, std::size_t end, std::size_t most_own);
+    [[nodiscard]] Box bounds(std::size_t begin, std::size_t end) const;
+
+    const Job& job_;
+    Units units_;
+    std::uint32_t most_seeds_;
+    std::vector<std::int32_t> order_;  // part by part; empty when there is one
+    std::vector<std::size_t> ends_;    // of each part in the order
+};
+
+}  // namespace votess::gpu

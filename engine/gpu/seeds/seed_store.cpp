@@ -1,0 +1,147 @@
+#include "gpu/seeds/seed_store.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+namespace votess::gpu {
+namespace {
+
+using vulkan::MemoryKind;
+
+constexpr VkDeviceSize staging_bytes = VkDeviceSize{8} << 20;
+
+}  // namespace
+
+SeedStore::SeedStore(vulkan::Device& device, vulkan::Memory& memory)
+    : memory_(memory), commands_(device, 4), uploads_{Commands(device, 2), Commands(device, 2)} {}
+
+std::uint32_t SeedStore::most_seeds(const vulkan::Device& device, const vulkan::Memory& memory) {
+    const auto range = std::min<VkDeviceSize>(device.adapter().limits.maxStorageBufferRange, memory.max_buffer_bytes());
+    // Seven seeds have at most one node on level 0 and a seventh of that above.
+    const VkDeviceSize by_nodes = range / DeviceSeeds::node_bytes * 7 - 8 * MOST_LEVELS;
+    // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, and as much again is free.
+    const VkDeviceSize by_memory = device.adapter().device_memory / 2 / 84;
+    return static_cast<std::uint32_t>(
+        std::min({range / DeviceSeeds::coordinate_bytes, by_nodes, by_memory, VkDeviceSize{INDEX_MASK}}));
+}
+
+void SeedStore::reserve(std::uint32_t count) {
+    if (count <= capacity_) return;
+    capacity_ = 0;
+    const VkDeviceSize n = count;
+    buffers_.clear();
+    seeds_.reserve(buffers_, count);
+    for (Buffer& staging : staging_) {
+        staging = {};
+        staging = memory_.buffer(std::min(staging_bytes, n * 24), MemoryKind::upload, "staging");
+    }
+    state_host_ = memory_.buffer(sizeof(RunState), MemoryKind::download, "run state, host");
+    order_host_ = memory_.buffer(n * 4, MemoryKind::download, "seed input, host");
+    capacity_ = count;
+}
+
+void SeedStore::upload(const Job& job, std::span<const std::int32_t> members, const Passes& passes) {
+    const auto& points = job.points;
+    if (points.f32.empty())
+        upload({std::as_bytes(points.f64), 24, POINTS_FLOAT64, false}, members, job.box, passes);
+    else
+        upload({std::as_bytes(points.f32), 12, POINTS_FLOAT32, false}, members, job.box, passes);
+}
+
+void SeedStore::upload(const PeriodicPart& periodic, const Passes& passes) {
+    const auto bytes = std::as_bytes(std::span(periodic.coordinates));
+    upload({bytes, 24, POINTS_UNITS, periodic.lossy}, {}, periodic.box, passes);
+}
+
+void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box,
+                       const Passes& passes) {
+    const auto total =
+        static_cast<std::uint32_t>(members.empty() ? points.bytes.size() / points.bytes_each : members.size());
+    reserve(total);
+    seeds_.set_count(total);
+    seeds_.set_box(box);
+    seconds_ = {};
+
+    commands_.begin();
+    seeds_.record_begin(commands_, points.lossy);
+    commands_.barrier();
+    commands_.end();
+    commands_.submit();
+
+    const std::size_t point_bytes = points.bytes_each;
+    const std::byte* const bytes = points.bytes.data();
+    const auto slice = static_cast<std::uint32_t>(staging_[0].size() / point_bytes);
+    struct Stamps {
+        std::uint32_t begin = 0, end = 0;
+        bool used = false;
+    } stamps[2];
+    const auto collect = [&](std::size_t slot) {
+        uploads_[slot].wait();
+        if (stamps[slot].used) seconds_.upload += uploads_[slot].seconds(stamps[slot].begin, stamps[slot].end);
+        stamps[slot].used = false;
+    };
+    std::size_t slot = 0;
+    for (std::uint32_t first = 0, count = 0; first < total; first += count, slot ^= 1) {
+        count = std::min(slice, total - first);
+        collect(slot);
+        std::byte* to = staging_[slot].mapped().data();
+        if (members.empty()) {
+            std::memcpy(to, bytes + std::size_t{first} * point_bytes, std::size_t{count} * point_bytes);
+        } else {
+            for (std::uint32_t i = 0; i < count; ++i)
+                std::memcpy(to + std::size_t{i} * point_bytes,
+                            bytes + static_cast<std::size_t>(members[first + i]) * point_bytes, point_bytes);
+        }
+        staging_[slot].flush();
+        Commands& commands = uploads_[slot];
+        commands.begin();
+        {
+            const auto label = commands.label("upload");
+            stamps[slot].begin = commands.timestamp();
+            commands.barrier();
+            seeds_.record_upload(commands, passes, {staging_[slot], points.format}, first, count);
+            stamps[slot].end = commands.timestamp();
+            stamps[slot].used = true;
+        }
+        commands.end();
+        commands.submit();
+    }
+    collect(0);
+    collect(1);
+    commands_.wait();
+}
+
+void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
+    commands_.begin();
+    std::optional<Commands::Label> label(std::in_place, commands_, "sort");
+    const auto begin = commands_.timestamp();
+    seeds_.record_sort(commands_, passes, key_bits);
+    const auto end = commands_.timestamp();
+    commands_.copy(seeds_.run_state(), 0, state_host_, 0, sizeof(RunState));
+    commands_.copy(seeds_.seed_input(), 0, order_host_, 0, VkDeviceSize{count()} * 4);
+    commands_.barrier_to_host();
+    label.reset();
+    commands_.end();
+    commands_.submit();
+    commands_.wait();
+    seconds_.sort = commands_.seconds(begin, end);
+    state_host_.invalidate();
+    order_host_.invalidate();
+    state_ = state_host_.as<RunState>()[0];
+}
+
+void SeedStore::build_hierarchy(const Passes& passes) {
+    commands_.begin();
+    std::optional<Commands::Label> label(std::in_place, commands_, "knn");
+    const auto begin = commands_.timestamp();
+    seeds_.record_hierarchy(commands_, passes);
+    const auto end = commands_.timestamp();
+    label.reset();
+    commands_.end();
+    commands_.submit();
+    commands_.wait();
+    seconds_.knn = commands_.seconds(begin, end);
+}
+
+}  // namespace votess::gpu

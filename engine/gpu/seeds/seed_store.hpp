@@ -1,0 +1,68 @@
+// Uploads the seeds of a run (or of a part of it) and has the device sort them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "engine.hpp"
+#include "gpu/passes/commands.hpp"
+#include "gpu/seeds/device_seeds.hpp"
+#include "gpu/seeds/periodic_part.hpp"
+
+namespace votess::gpu {
+
+using vulkan::Buffer;
+using vulkan::Commands;
+
+class SeedStore {
+public:
+    SeedStore(vulkan::Device& device, vulkan::Memory& memory);
+
+    // Seeds for which all buffers stay within the device's limits.
+    [[nodiscard]] static std::uint32_t most_seeds(const vulkan::Device& device, const vulkan::Memory& memory);
+
+    // members: input indices of the seeds to take; empty = all points.
+    void upload(const Job& job, std::span<const std::int32_t> members, const Passes& passes);
+    // Seeds and images of a periodic domain.
+    void upload(const PeriodicPart& periodic, const Passes& passes);
+    // key_bits: per axis.
+    void sort(const Passes& passes, std::uint32_t key_bits);
+    void build_hierarchy(const Passes& passes);
+
+    [[nodiscard]] const DeviceSeeds& on_device() const { return seeds_; }
+    [[nodiscard]] std::uint32_t count() const { return seeds_.count(); }
+    [[nodiscard]] RunState state() const { return state_; }
+    // After sort(): index (of the members) of each sorted seed, with DUPLICATE_BIT.
+    [[nodiscard]] std::span<const std::uint32_t> order() const {
+        return order_host_.as<std::uint32_t>().first(count());
+    }
+    // Seconds that the device spent.
+    struct Seconds {
+        double upload = 0, sort = 0, knn = 0;
+    };
+    [[nodiscard]] const Seconds& seconds() const { return seconds_; }
+
+private:
+    struct RawPoints {
+        std::span<const std::byte> bytes;
+        std::size_t bytes_each;
+        std::uint32_t format;  // POINTS_
+        bool lossy;            // already rounded
+    };
+
+    void upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
+    void reserve(std::uint32_t count);
+
+    vulkan::Memory& memory_;
+    OwnBuffers buffers_{memory_};
+    Buffer staging_[2], state_host_, order_host_;
+    std::uint32_t capacity_ = 0;
+    DeviceSeeds seeds_;
+    RunState state_{};
+    Seconds seconds_;
+    // Destroyed first, which waits for work on the buffers.
+    Commands commands_;
+    Commands uploads_[2];
+};
+
+}  // namespace votess::gpu

@@ -1,0 +1,343 @@
+#include "input/options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "cpu/clip/cell.hpp"
+#include "cpu/clip/cell_kernels.hpp"
+#include "input/implied_wants.hpp"
+
+namespace votess {
+namespace {
+
+constexpr const char* axis_name[3] = {"x", "y", "z"};
+constexpr unsigned most_threads = 1024, most_resolution = 1u << 20;
+constexpr std::size_t most_index_digits = 6;
+constexpr double largest_scaled_weight = 0x1p500;  // so that no square overflows
+
+[[noreturn]] void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, message);
+}
+
+bool names_device(const std::string& device) {
+    if (device == "auto" || device == "cpu" || device == "gpu" || device == "lavapipe") return true;
+    return !device.empty() && device.size() <= most_index_digits &&
+           std::all_of(device.begin(), device.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+// Control bytes become question marks, so that a message stays one line.
+std::string in_quotes(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return "'" + text + "'";
+}
+
+void check_instructions(const std::string& name) {
+    if (name.empty() || cpu::find_kernels(name) != nullptr) return;
+    if (name != "avx512" && name != "avx2")
+        refuse("instructions " + in_quotes(name) + " are not known: give baseline, avx2 or avx512");
+    std::string available;
+    for (const cpu::Kernels* kernels : cpu::supported_kernels())
+        available += (available.empty() ? "" : ", ") + std::string(kernels->name);
+    throw Error(ErrorCode::unsupported, "instructions '" + name + "': this processor has only " + available);
+}
+
+// Bounds of the seeds, moved out by half of (longest side / cbrt(N)), at least to the next double.
+Box default_box(const Box& bounds, std::size_t count) {
+    if (count == 0) return {{0, 0, 0}, {1, 1, 1}};
+    double longest = 0, largest = 0;
+    for (int k = 0; k < 3; ++k) {
+        longest = std::max(longest, bounds.upper[k] - bounds.lower[k]);
+        largest = std::max({largest, std::abs(bounds.lower[k]), std::abs(bounds.upper[k])});
+    }
+    double margin = 0.5 * longest / std::cbrt(static_cast<double>(count));
+    if (longest == 0) margin = largest == 0 ? 0.5 : 0.5 * largest;
+    Box box;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+        box.lower[k] = std::min(bounds.lower[k] - margin, std::nextafter(bounds.lower[k], -infinity));
+        box.upper[k] = std::max(bounds.upper[k] + margin, std::nextafter(bounds.upper[k], infinity));
+        if (!std::isfinite(box.lower[k]) || !std::isfinite(box.upper[k]))
+            refuse(std::string("the seeds span ") + axis_name[k] + " from " + number(bounds.lower[k]) + " to " +
+                   number(bounds.upper[k]) + ", too near the largest double for a default box: give a box");
+    }
+    return box;
+}
+
+// Power of two that brings the largest number of the domain to order one; 1 when it is ordinary already.
+double scale_for(double largest) {
+    const int exponent = largest == 0 ? 0 : std::ilogb(largest);
+    if (std::abs(exponent) < 64) return 1;
+    // 2^1023 is the largest power; a subnormal box of 2^-1074 is brought to 2^-51, which is near enough.
+    return std::ldexp(1.0, std::clamp(-exponent, -1021, 1023));
+}
+
+Box scaled(const Box& box, double scale) {
+    Box result;
+    for (int k = 0; k < 3; ++k) result.lower[k] = box.lower[k] * scale, result.upper[k] = box.upper[k] * scale;
+    return result;
+}
+
+std::array<double, 3> scaled(const std::array<double, 3>& x, double scale) {
+    return {x[0] * scale, x[1] * scale, x[2] * scale};
+}
+
+double volume_of(const Box& box) {
+    double volume = 1;
+    for (int k = 0; k < 3; ++k) volume *= box.upper[k] - box.lower[k];
+    return volume;
+}
+
+struct NamedVector {
+    const char* name;
+    const std::array<double, 3>& numbers;
+};
+std::array<NamedVector, 4> vectors_of(const TriclinicBox& cell) {
+    return {{{"origin", cell.origin}, {"a", cell.a}, {"b", cell.b}, {"c", cell.c}}};
+}
+
+double largest_number(const TriclinicBox& cell) {
+    double largest = 0;
+    for (const auto& [name, numbers] : vectors_of(cell))
+        for (const double x : numbers) largest = std::max(largest, std::abs(x));
+    return largest;
+}
+
+std::string text(const char* word) {
+    return word;
+}
+std::string text(std::size_t number) {
+    return std::to_string(number);
+}
+// what: names the value, in pieces, so that no string is made for a good one.
+void check_scaled(double value, double scale, const auto&... what) {
+    if (value * scale / scale != value)
+        refuse((text(what) + ...) + " = " + number(value) +
+               " is too small beside the box to be represented at one scale: move it to 0");
+}
+
+// Weights and the offsets of walls are checked where they are taken.
+void check_scaled(const Job& job) {
+    if (job.scale >= 1) return;  // only scaling down can lose bits
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (job.options.cell) {
+            for (const auto& [name, numbers] : vectors_of(*job.options.cell))
+                check_scaled(numbers[k], job.scale, "cell: ", name, " ", axis_name[k]);
+        } else {
+            check_scaled(job.box.lower[k], job.scale, "box: lower ", axis_name[k]);
+            check_scaled(job.box.upper[k], job.scale, "box: upper ", axis_name[k]);
+        }
+    }
+    for (std::size_t i = 0; i < job.points.coordinates(); ++i)
+        check_scaled(job.points[i], job.scale, "point ", i / 3, ": ", axis_name[i % 3]);
+}
+
+void check_domain(const Options& options) {
+    const bool periodic = options.periodic[0] || options.periodic[1] || options.periodic[2];
+    if (options.box) check_box(*options.box);
+    if (options.cell) {
+        if (options.box) refuse("box and cell are both given: the cell is the periodic box");
+        for (const auto& [name, numbers] : vectors_of(*options.cell))
+            for (const double x : numbers)
+                if (!std::isfinite(x)) refuse("cell: it holds " + number(x) + ", which is not finite");
+    }
+    if (!options.planes.empty() && (periodic || options.cell))
+        refuse("planes and a periodic domain are both given: walls go with a box that is not periodic");
+    for (std::size_t w = 0; w < options.planes.size(); ++w)
+        (void)domain_wall(options.planes[w], 1, "wall " + std::to_string(w));
+    if (options.outside != Outside::error && options.outside != Outside::drop)
+        refuse("outside = " + std::to_string(static_cast<int>(options.outside)) + " is neither error nor drop");
+    if (!options.weights.empty() && !options.radii.empty())
+        refuse("weights and radii are both given: weights are the squares of radii, give one of them");
+}
+
+void leave_out(std::size_t i, std::size_t count, std::vector<CellStatus>& outside) {
+    if (outside.empty()) outside.resize(count, CellStatus::certified);
+    outside[i] = CellStatus::outside;
+}
+
+// Bounds of the seeds. outside: as in the job.
+Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (std::size_t i = 0; i < points.count(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const double value = points[3 * i + k];
+            if (!std::isfinite(value))
+                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) + " is not finite");
+            const bool beyond = options.box && !options.periodic[k] &&
+                                !(value >= options.box->lower[k] && value <= options.box->upper[k]);
+            if (beyond && options.outside == Outside::drop)
+                leave_out(i, points.count(), outside);
+            else if (beyond)
+                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) +
+                       " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
+                       number(options.box->upper[k]));
+            bounds.lower[k] = std::min(bounds.lower[k], value);
+            bounds.upper[k] = std::max(bounds.upper[k], value);
+        }
+    }
+    return bounds;
+}
+
+void take_weights(const Job& job, Domain& domain) {
+    const bool radii = !job.options.radii.empty();
+    const auto given = radii ? job.options.radii : job.options.weights;
+    const char* name = radii ? "radii" : "weights";
+    if (given.empty()) return;
+    if (given.size() != job.points.count())
+        refuse(std::string(name) + " hold " + std::to_string(given.size()) + " numbers for " +
+               std::to_string(job.points.count()) + " points");
+    domain.weights.resize(given.size());
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const std::string place = std::string(radii ? "radius " : "weight ") + std::to_string(i);
+        if (!std::isfinite(given[i])) refuse(place + " = " + number(given[i]) + " is not finite");
+        if (radii && given[i] < 0) refuse(place + " = " + number(given[i]) + " is negative");
+        const double weight = radii ? given[i] * given[i] : given[i];
+        if (!std::isfinite(weight)) refuse(place + " = " + number(given[i]) + " is too large: its square overflows");
+        const double in_units = weight * job.scale * job.scale;
+        if (in_units / job.scale / job.scale != weight || std::abs(in_units) > largest_scaled_weight)
+            refuse(place + " = " + number(given[i]) + " is too large or too small beside the box");
+        domain.weights[i] = in_units;
+    }
+    domain.largest_weight = *std::ranges::max_element(domain.weights);
+}
+
+void take_walls(Job& job, Domain& domain) {
+    const auto& planes = job.options.planes;
+    for (std::size_t w = 0; w < planes.size(); ++w)
+        domain.walls.push_back(domain_wall(planes[w], job.scale, "wall " + std::to_string(w)));
+    if (planes.empty()) return;
+    // Seeds are compared as given: of those far outside, scaling might leave nothing finite.
+    std::vector<exact::Plane> as_given;
+    for (const Wall& plane : planes) as_given.push_back(domain_wall(plane, 1, {}));
+    std::optional<exact::Point> any_inside;
+    for (std::size_t i = 0; i < job.points.count(); ++i) {
+        if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
+        const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
+        const auto wall = std::ranges::find_if_not(as_given, [&](const auto& w) { return inside(w, x); });
+        if (wall == as_given.end()) {
+            if (!any_inside) any_inside = scaled(x, job.scale);
+            continue;
+        }
+        if (job.options.outside == Outside::error)
+            refuse("point " + std::to_string(i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
+                   ") is outside wall " + std::to_string(wall - as_given.begin()) +
+                   ": move it, or drop seeds that are outside");
+        leave_out(i, job.points.count(), job.outside);
+    }
+    job.box_volume = 0;
+    if (!any_inside) return;
+    cpu::Cell polyhedron;
+    polyhedron.start(*any_inside, domain);
+    cpu::CellFaces faces;
+    polyhedron.canonical_faces(faces);
+    if (faces.size() >= 4) job.box_volume = polyhedron.measure(faces).volume / job.scale / job.scale / job.scale;
+}
+
+void make_domain(Job& job) {
+    auto domain = std::make_shared<Domain>();
+    if (job.options.cell) {
+        const TriclinicBox& cell = *job.options.cell;
+        *domain = triclinic_domain({scaled(cell.origin, job.scale), scaled(cell.a, job.scale),
+                                    scaled(cell.b, job.scale), scaled(cell.c, job.scale)});
+        for (std::size_t k = 0; k < 3; ++k) {
+            job.box.lower[k] = domain->box.lower[k] / job.scale, job.box.upper[k] = domain->box.upper[k] / job.scale;
+            for (const double x : {job.box.lower[k], job.box.upper[k]})
+                if (!std::isfinite(x))
+                    refuse(std::string("cell: it reaches beyond the largest double along ") + axis_name[k]);
+        }
+        job.box_volume = domain->volume / job.scale / job.scale / job.scale;
+    } else {
+        *domain = box_domain(scaled(job.box, job.scale), job.options.periodic);
+        job.box_volume = volume_of(job.box);
+    }
+    take_weights(job, *domain);
+    take_walls(job, *domain);
+    job.domain = std::move(domain);
+}
+
+}  // namespace
+
+void check_k_init(std::uint32_t k_init) {
+    constexpr std::uint32_t most = 1024;
+    if (k_init > most)
+        refuse("k_init = " + std::to_string(k_init) + " is too many: give at most " + std::to_string(most) +
+               ", or 0 for automatic");
+}
+
+void check_kernel(Kernel kernel) {
+    if (kernel != Kernel::automatic && kernel != Kernel::invocation && kernel != Kernel::subgroup)
+        refuse("kernel = " + std::to_string(static_cast<int>(kernel)) +
+               " is neither automatic nor invocation nor subgroup");
+}
+
+void check_box(const Box& box) {
+    for (int k = 0; k < 3; ++k) {
+        const double lower = box.lower[k], upper = box.upper[k];
+        if (!std::isfinite(lower) || !std::isfinite(upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   " is not finite");
+        if (!(lower < upper))
+            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
+    }
+}
+
+std::string number(double value) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+    return {text, end};
+}
+
+void check_options(const Options& options) {
+    if (options.threads > most_threads)
+        refuse("threads = " + std::to_string(options.threads) + " is too many: give at most " +
+               std::to_string(most_threads) + ", or 0 for all");
+    if (options.grid_resolution > most_resolution)
+        refuse("grid resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
+               std::to_string(most_resolution) + ", or 0 for automatic");
+    check_k_init(options.k_init);
+    check_instructions(options.instructions);
+    if (!names_device(options.device))
+        refuse("device " + in_quotes(options.device) +
+               " is not known: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
+    if (options.precision != Precision::single && options.precision != Precision::double_)
+        refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
+    check_kernel(options.kernel);
+    if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
+        refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
+    if (!(options.min_face >= 0 && std::isfinite(options.min_face)))
+        refuse("min_face = " + number(options.min_face) + " is no share of the mean face: give a number from 0 on");
+    check_domain(options);
+}
+
+Job validate(const Points& points, const Options& options) {
+    check_options(options);
+    if (points.coordinates() % 3 != 0)
+        refuse("points hold " + std::to_string(points.coordinates()) +
+               " coordinates, which is not a multiple of 3: the shape must be (N,3)");
+    if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+        throw Error(ErrorCode::unsupported, std::to_string(points.count()) + " seeds are too many: at most 2147483647");
+    Job job;
+    const Box bounds = check_points(points, options, job.outside);
+    job.points = points;
+    job.options = options;
+    add_implied(job.options);
+    if (options.cell) {
+        job.scale = scale_for(largest_number(*options.cell));
+    } else {
+        job.box = options.box ? *options.box : default_box(bounds, points.count());
+        if (!options.box && !options.planes.empty()) check_box(job.box = bounds_of(options.planes, job.box));
+        job.scale = scale_for(largest_coordinate(job.box));
+    }
+    check_scaled(job);
+    make_domain(job);
+    return job;
+}
+
+}  // namespace votess

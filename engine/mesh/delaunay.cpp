@@ -1,0 +1,160 @@
+// The dual of the mesh, read off its polygons: no predicate, the cells are exact already.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "result/result.hpp"
+
+namespace votess {
+namespace {
+
+using detail::Result;
+using Shift = std::array<std::int8_t, 3>;
+
+// A seed as it takes part in a simplex.
+struct Member {
+    std::int32_t seed;
+    Shift shift;
+    friend auto operator<=>(const Member&, const Member&) = default;
+};
+
+std::size_t at(std::int64_t i) {
+    return static_cast<std::size_t>(i);
+}
+
+// Of the images of a vertex the first stands for all.
+std::size_t original(const Result& r, std::int32_t vertex) {
+    return at(r.vertex_image_of.empty() ? vertex : r.vertex_image_of[at(vertex)]);
+}
+
+Shift shift_in(const Buffer<std::int8_t>& shifts, std::size_t i, int sign) {
+    Shift shift{};
+    for (std::size_t k = 0; k < 3 && !shifts.empty(); ++k)
+        shift[k] = static_cast<std::int8_t>(sign * shifts[3 * i + k]);
+    return shift;
+}
+
+// Where a face passes a vertex: it comes from `before` and goes to `after`.
+struct Passage {
+    std::int32_t vertex;
+    std::size_t entry;
+    std::int32_t before, after;
+};
+
+// How many cells meet at each vertex; 0 on the walls, and for images.
+std::vector<std::int32_t> count_cells(const Result& r) {
+    std::vector<std::int32_t> cells(r.vertices.size() / 3, 0);
+    for (const std::int32_t v : r.cell_vertex_indices) ++cells[original(r, v)];
+    for (std::size_t entry = 0; entry < r.indices.size(); ++entry) {
+        if (r.indices[entry] >= 0) continue;
+        for (std::int64_t k = r.face_offsets[entry]; k < r.face_offsets[entry + 1]; ++k)
+            cells[original(r, r.face_vertices[at(k)])] = 0;
+    }
+    return cells;
+}
+
+class Dual {
+public:
+    explicit Dual(const Result& result) : r_(result), cells_(count_cells(result)), place_(cells_.size(), none) {
+        out_.polytope_indptr.assign(1, 0);
+        for (std::size_t v = 0; v < cells_.size(); ++v) {
+            if (cells_[v] == 4) {
+                place_[v] = static_cast<std::int32_t>(out_.tetrahedra_centers.size());
+                out_.tetrahedra_centers.push_back(static_cast<std::int32_t>(v));
+            } else if (cells_[v] > 4) {
+                place_[v] = static_cast<std::int32_t>(out_.polytope_centers.size());
+                out_.polytope_centers.push_back(static_cast<std::int32_t>(v));
+                out_.polytope_indptr.push_back(out_.polytope_indptr.back() + cells_[v]);
+            }
+        }
+        out_.tetrahedra.assign(4 * out_.tetrahedra_centers.size(), none);
+        out_.polytope_indices.resize(at(out_.polytope_indptr.back()));
+        if (!r_.shifts.empty()) {
+            out_.tetrahedra_shifts.resize(3 * out_.tetrahedra.size());
+            out_.polytope_shifts.resize(3 * out_.polytope_indices.size());
+        }
+    }
+
+    Delaunay make() {
+        for (std::size_t i = 0; i < r_.status.size(); ++i) add_tetrahedra(i);
+        add_polytopes();
+        return std::move(out_);
+    }
+
+private:
+    static constexpr std::int32_t none = -1;
+
+    // Those that cell i is the first to have. Seen from outside of it, its three faces lie counterclockwise around the
+    // vertex as their seeds lie around the cell.
+    void add_tetrahedra(std::size_t i) {
+        passages_.clear();
+        for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]); ++entry) {
+            const auto begin = r_.face_offsets[entry], end = r_.face_offsets[entry + 1];
+            for (auto k = begin; k < end; ++k) {
+                const std::int32_t v = r_.face_vertices[at(k)];
+                const bool first =
+                    original(r_, v) == at(v) && cells_[at(v)] == 4 && out_.tetrahedra[4 * at(place_[at(v)])] == none;
+                if (!first) continue;
+                passages_.push_back({v, entry, r_.face_vertices[at(k == begin ? end - 1 : k - 1)],
+                                     r_.face_vertices[at(k + 1 == end ? begin : k + 1)]});
+            }
+        }
+        std::ranges::sort(passages_, {}, [](const Passage& p) { return std::tuple(p.vertex, p.entry); });
+        for (std::size_t p = 0; p + 2 < passages_.size(); p += 3) {
+            const Passage& one = passages_[p];
+            const bool next_first = passages_[p + 1].after == one.before;
+            const std::size_t simplex = 4 * at(place_[at(one.vertex)]);
+            put_corner(simplex, {static_cast<std::int32_t>(i), {}});
+            put_corner(simplex + 1, across(one.entry));
+            put_corner(simplex + 2, across(passages_[next_first ? p + 1 : p + 2].entry));
+            put_corner(simplex + 3, across(passages_[next_first ? p + 2 : p + 1].entry));
+        }
+    }
+
+    void add_polytopes() {
+        std::vector<std::vector<Member>> members(out_.polytope_centers.size());
+        for (std::size_t i = 0; i < r_.status.size(); ++i)
+            for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
+                const std::int32_t v = r_.cell_vertex_indices[k];
+                const std::size_t center = original(r_, v);
+                if (cells_[center] > 4)
+                    members[at(place_[center])].push_back(
+                        {static_cast<std::int32_t>(i), shift_in(r_.vertex_shifts, at(v), -1)});
+            }
+        std::size_t to = 0;
+        for (auto& polytope : members) {
+            std::ranges::sort(polytope);
+            for (const Member& m : polytope) {
+                if (!out_.polytope_shifts.empty()) std::ranges::copy(m.shift, &out_.polytope_shifts[3 * to]);
+                out_.polytope_indices[to++] = m.seed;
+            }
+        }
+    }
+
+    [[nodiscard]] Member across(std::size_t entry) const { return {r_.indices[entry], shift_in(r_.shifts, entry, 1)}; }
+    void put_corner(std::size_t corner, const Member& m) {
+        out_.tetrahedra[corner] = m.seed;
+        if (!out_.tetrahedra_shifts.empty()) std::ranges::copy(m.shift, &out_.tetrahedra_shifts[3 * corner]);
+    }
+
+    const Result& r_;
+    std::vector<std::int32_t> cells_;  // by vertex
+    std::vector<std::int32_t> place_;  // by vertex: of its tetrahedron or polytope
+    std::vector<Passage> passages_;
+    Delaunay out_;
+};
+
+}  // namespace
+
+Delaunay delaunay(const Tessellation& tessellation) {
+    const Result& result = *tessellation.result_;
+    if (result.face_offsets.empty() && !result.status.empty())
+        throw Error(ErrorCode::invalid_argument, "delaunay: the tessellation has no polygons, set want.faces");
+    if (result.least_face > 0)
+        throw Error(ErrorCode::invalid_argument, "delaunay: the tessellation has lost faces, set min_face to 0");
+    return Dual(result).make();
+}
+
+}  // namespace votess

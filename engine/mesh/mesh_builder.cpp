@@ -1,0 +1,267 @@
+#include "mesh/mesh_builder.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace votess {
+namespace {
+
+constexpr std::size_t task_cells = 4096;
+constexpr std::size_t lookahead = 8;  // cells whose records are fetched before they are needed
+constexpr std::size_t least_segment = std::size_t{1} << 16, most_segment = std::size_t{32} << 20;
+
+// task(block, begin, end)
+template <class Task>
+void for_cells(ThreadPool& pool, std::size_t count, Task task) {
+    pool.run((count + task_cells - 1) / task_cells, [&](std::size_t block, unsigned) {
+        task(block, block * task_cells, std::min(count, (block + 1) * task_cells));
+    });
+}
+
+// sums[b]: what comes before block b.
+std::vector<std::size_t> sums_before(std::vector<std::size_t> counts) {
+    std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), std::size_t{0});
+    return counts;
+}
+
+}  // namespace
+
+void MeshBuilder::begin(const Job& job) {
+    wanted_ = job.options.want.vertices;
+    want_faces_ = job.options.want.faces;
+    unscale_ = 1 / job.scale;
+    job_ = wanted_ ? job : Job{};
+    const std::size_t count = wanted_ ? job.points.count() : 0;
+    if (!wanted_) memory_ = {};
+    memory_.reset(std::clamp(256 * count, least_segment, most_segment));
+    blocks_.clear();
+    vertices_ = 0;
+    records_.resize_uninitialized(count);
+    std::ranges::fill(records_, nullptr);
+}
+
+void MeshBuilder::add(std::span<const std::int32_t> cells, const MeshBlock& block) {
+    const auto bytes = block.bytes();
+    if (!wanted_ || bytes.empty()) return;
+    const auto left_out = static_cast<std::size_t>(std::ranges::count(block.begins(), MeshBlock::none));
+    std::byte* to = nullptr;
+    std::size_t first = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        to = memory_.take(bytes.size());
+        if (left_out > 0) {  // they come by another block
+            std::span own(reinterpret_cast<std::int32_t*>(memory_.take(cells.size_bytes())), cells.size() - left_out);
+            for (std::size_t k = 0, kept = 0; k < cells.size(); ++k)
+                if (block.begins()[k] != MeshBlock::none) own[kept++] = cells[k];
+            blocks_.push_back(own);
+        } else {
+            blocks_.push_back(cells);
+        }
+        first = vertices_;
+        vertices_ += block.vertices();
+    }
+    std::memcpy(to, bytes.data(), bytes.size());
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        if (block.begins()[k] == MeshBlock::none) continue;
+        std::byte* const record = to + block.begins()[k];
+        MeshCellView::set_first(record, static_cast<std::uint32_t>(first));
+        first += MeshCellView(record).vertices();
+        records_[static_cast<std::size_t>(cells[k])] = record;
+    }
+}
+
+void MeshBuilder::finish(detail::Result& result, ThreadPool& pool) {
+    for (auto* list : {&result.face_offsets, &result.cell_vertex_indptr}) list->resize_uninitialized(0);
+    for (auto* list : {&result.face_vertices, &result.cell_vertex_indices}) list->resize_uninitialized(0);
+    result.vertices.resize_uninitialized(0);
+    result.vertex_image_of.resize_uninitialized(0);
+    result.vertex_shifts.resize_uninitialized(0);
+    if (!wanted_) return;
+    if (vertices_ > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+        throw Error(ErrorCode::unsupported, "the cells have " + std::to_string(vertices_) +
+                                                " vertices, more than 2147483647: too many for one mesh");
+    count_vertices(result, pool);
+    {
+        VertexSets sets(vertices_);
+        unite_vertices(sets, pool);
+        number_vertices(result, sets, pool);
+    }
+    if (want_faces_) place_polygons(result, pool);
+    for_cells(pool, records_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        std::int32_t* const all = result.cell_vertex_indices.data();
+        for (std::size_t i = begin; i < end; ++i)
+            std::sort(all + result.cell_vertex_indptr[i], all + result.cell_vertex_indptr[i + 1]);
+    });
+}
+
+template <class Task>
+void MeshBuilder::for_blocks(ThreadPool& pool, Task task) const {
+    pool.run(blocks_.size(), [&](std::size_t block, unsigned) {
+        for (const std::int32_t i : blocks_[block]) task(block, static_cast<std::size_t>(i));
+    });
+}
+
+void MeshBuilder::count_vertices(detail::Result& result, ThreadPool& pool) const {
+    const std::size_t count = records_.size();
+    auto& indptr = result.cell_vertex_indptr;
+    indptr.resize_uninitialized(count + 1);
+    indptr[0] = 0;
+    for_cells(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + lookahead < count) __builtin_prefetch(records_[i + lookahead]);
+            indptr[i + 1] = cell(i).vertices();
+        }
+    });
+    std::partial_sum(indptr.begin(), indptr.end(), indptr.begin());
+}
+
+void MeshBuilder::unite_vertices(VertexSets& sets, ThreadPool& pool) const {
+    for_blocks(pool,
+               [&](std::size_t, std::size_t i) { sets.init(cell(i).first(), cell(i).first() + cell(i).vertices()); });
+    for_blocks(pool, [&](std::size_t, std::size_t i) { FaceMatcher(job_, records_, sets).unite_faces(i); });
+}
+
+// A vertex of the mesh is a set and a translation: it is numbered, and placed, by the first cell that has it.
+void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, ThreadPool& pool) const {
+    struct Moved {
+        std::uint32_t root;
+        Shift shift;
+        std::uint32_t place;
+    };
+    const auto& indptr = result.cell_vertex_indptr;
+    const std::size_t count = records_.size(), tasks = (count + task_cells - 1) / task_cells;
+    // By root: the first place, in the order of the cells, of those that are not moved.
+    Buffer<std::uint32_t> least;
+    least.resize_uninitialized(vertices_);
+    std::vector<std::vector<Moved>> moved_in(blocks_.size());
+    for_blocks(pool, [&](std::size_t, std::size_t i) {
+        const MeshCellView view = cell(i);
+        std::fill_n(least.data() + view.first(), view.vertices(), ~std::uint32_t{0});
+    });
+    for_blocks(pool, [&](std::size_t block, std::size_t i) {
+        const MeshCellView view = cell(i);
+        for (std::uint32_t v = 0; v < view.vertices(); ++v) {
+            const ShiftedVertex root = sets.find(view.first() + v);
+            const auto place = static_cast<std::uint32_t>(indptr[i]) + v;
+            if (root.shift != Shift{}) {
+                moved_in[block].push_back({root.vertex, root.shift, place});
+                continue;
+            }
+            const std::atomic_ref smallest(least[root.vertex]);
+            for (std::uint32_t before = smallest.load(std::memory_order_relaxed);
+                 place < before && !smallest.compare_exchange_weak(before, place, std::memory_order_relaxed);) {
+            }
+        }
+    });
+
+    auto& first = result.cell_vertex_indices;  // for now, the first place of the same vertex
+    first.resize_uninitialized(vertices_);
+    for_cells(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + lookahead < end) __builtin_prefetch(records_[i + lookahead]);
+            const MeshCellView view = cell(i);
+            for (std::uint32_t v = 0; v < view.vertices(); ++v)
+                first[static_cast<std::size_t>(indptr[i]) + v] =
+                    static_cast<std::int32_t>(least[sets.find(view.first() + v).vertex]);
+        }
+    });
+    std::vector<Moved> moved;
+    for (const auto& some : moved_in) moved.insert(moved.end(), some.begin(), some.end());
+    std::ranges::sort(moved, [](const Moved& a, const Moved& b) {
+        return std::tie(a.root, a.shift, a.place) < std::tie(b.root, b.shift, b.place);
+    });
+    for (std::size_t k = 0, leader = 0; k < moved.size(); ++k) {
+        if (moved[k].root != moved[leader].root || moved[k].shift != moved[leader].shift) leader = k;
+        first[moved[k].place] = static_cast<std::int32_t>(moved[leader].place);
+    }
+
+    std::vector<std::size_t> firsts(tasks);
+    const auto is_first = [&](std::int64_t place) { return first[static_cast<std::size_t>(place)] == place; };
+    for_cells(pool, count, [&](std::size_t task, std::size_t begin, std::size_t end) {
+        for (std::int64_t place = indptr[begin]; place < indptr[end]; ++place) firsts[task] += is_first(place) ? 1 : 0;
+    });
+    const std::vector<std::size_t> numbers = sums_before(firsts);
+    result.vertices.resize_uninitialized(tasks == 0 ? 0 : 3 * (numbers.back() + firsts.back()));
+    Buffer<std::uint32_t> number_at;  // by place, of those that are first
+    number_at.resize_uninitialized(vertices_);
+    for_cells(pool, count, [&](std::size_t task, std::size_t begin, std::size_t end) {
+        std::size_t number = numbers[task];
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + lookahead < end) __builtin_prefetch(records_[i + lookahead]);
+            const MeshCellView view = cell(i);
+            for (std::uint32_t v = 0; v < view.vertices(); ++v) {
+                const std::int64_t place = indptr[i] + v;
+                if (!is_first(place)) continue;
+                for (std::size_t k = 0; k < 3; ++k)
+                    result.vertices[3 * number + k] = (view.origin()[k] + view.position(v)[k]) * unscale_;
+                number_at[static_cast<std::size_t>(place)] = static_cast<std::uint32_t>(number++);
+            }
+        }
+    });
+    if (!moved.empty()) {
+        // The first vertex of each set is what the others are images of.
+        const std::size_t vertices = result.vertices.size() / 3;
+        result.vertex_image_of.resize_uninitialized(vertices);
+        result.vertex_shifts.resize_uninitialized(3 * vertices);
+        std::iota(result.vertex_image_of.begin(), result.vertex_image_of.end(), 0);
+        std::ranges::fill(result.vertex_shifts, 0);
+        for (std::size_t k = 0; k < moved.size();) {
+            const std::size_t group = k;
+            // Of the root's own place, and then of the moved ones.
+            std::uint32_t best = least[moved[group].root];
+            Shift from{};
+            for (; k < moved.size() && moved[k].root == moved[group].root; ++k)
+                if (moved[k].place < best) best = moved[k].place, from = moved[k].shift;
+            const auto note = [&](std::uint32_t place, const Shift& shift) {
+                const std::size_t vertex = number_at[place];
+                result.vertex_image_of[vertex] = static_cast<std::int32_t>(number_at[best]);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    result.vertex_shifts[3 * vertex + axis] = static_cast<std::int8_t>(shift[axis] - from[axis]);
+            };
+            note(least[moved[group].root], {});
+            for (std::size_t m = group; m < k; ++m)
+                if (is_first(moved[m].place)) note(moved[m].place, moved[m].shift);
+        }
+    }
+    for_cells(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::int64_t place = indptr[begin]; place < indptr[end]; ++place) {
+            auto& id = first[static_cast<std::size_t>(place)];
+            id = static_cast<std::int32_t>(number_at[static_cast<std::size_t>(id)]);
+        }
+    });
+}
+
+void MeshBuilder::place_polygons(detail::Result& result, ThreadPool& pool) const {
+    const std::size_t count = records_.size(), blocks = (count + task_cells - 1) / task_cells;
+    std::vector<std::size_t> sizes(blocks);
+    for_cells(pool, count, [&](std::size_t block, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) sizes[block] += cell(i).corners();
+    });
+    const std::vector<std::size_t> places = sums_before(sizes);
+    const std::size_t total = blocks == 0 ? 0 : places.back() + sizes.back();
+    result.face_vertices.resize_uninitialized(total);
+    result.face_offsets.resize_uninitialized(static_cast<std::size_t>(result.indptr[count]) + 1);
+    result.face_offsets[result.face_offsets.size() - 1] = static_cast<std::int64_t>(total);
+    for_cells(pool, count, [&](std::size_t block, std::size_t begin, std::size_t end) {
+        std::size_t place = places[block];
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + lookahead < end) __builtin_prefetch(records_[i + lookahead]);
+            const MeshCellView view = cell(i);
+            const auto row = static_cast<std::size_t>(result.indptr[i]);
+            const std::int32_t* const vertices = result.cell_vertex_indices.data() + result.cell_vertex_indptr[i];
+            for (std::size_t f = 0; f < view.faces(); ++f)
+                result.face_offsets[row + f] = static_cast<std::int64_t>(place + view.begin(f));
+            for (std::uint32_t k = 0; k < view.corners(); ++k)
+                result.face_vertices[place + k] = vertices[view.corner(k)];
+            place += view.corners();
+        }
+    });
+}
+
+}  // namespace votess

@@ -1,0 +1,81 @@
+// The mesh of a result: cells wait as records until all rows are known; then vertices that are one are merged.
+//
+// Two cells of a face have the same polygon, one clockwise where the other is counterclockwise, so matching the
+// polygons of all faces by a turn tells which vertices are one: those around a vertex are joined by faces that end
+// there. An edge that both name by the same third cell tells the turn; where more than three cells meet along all edges
+// of a face, it is the turn that brings the polygons together, or exact arithmetic tells which edges are one.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/arena.hpp"
+#include "core/thread_pool.hpp"
+#include "engine.hpp"
+#include "mesh/mesh_record.hpp"
+#include "mesh/vertex_sets.hpp"
+
+namespace votess {
+
+class MeshBuilder {
+public:
+    void begin(const Job& job);
+    // From any thread. The records of these cells, whose faces are those of the rows. `cells` must stay as it is until
+    // finish(); the block is the caller's again on return.
+    void add(std::span<const std::int32_t> cells, const MeshBlock& block);
+    // Needs the rows, and fills vertices and all that refers to them. The records are used up.
+    void finish(detail::Result& result, ThreadPool& pool);
+
+private:
+    [[nodiscard]] MeshCellView cell(std::size_t i) const { return MeshCellView(records_[i]); }
+    // task(block, cell) for all cells that have a record, neighbors in space together.
+    template <class Task>
+    void for_blocks(ThreadPool& pool, Task task) const;
+    void count_vertices(detail::Result& result, ThreadPool& pool) const;
+    void unite_vertices(VertexSets& sets, ThreadPool& pool) const;
+    void number_vertices(detail::Result& result, VertexSets& sets, ThreadPool& pool) const;
+    void place_polygons(detail::Result& result, ThreadPool& pool) const;
+
+    bool wanted_ = false, want_faces_ = false;
+    Job job_;
+    double unscale_ = 1;
+    std::mutex mutex_;  // of what follows
+    Arena memory_;
+    std::vector<std::span<const std::int32_t>> blocks_;  // cells, in the order of the engine
+    std::size_t vertices_ = 0;                           // of all records
+    Buffer<const std::byte*> records_;                   // by cell; null: none
+};
+
+// mesh_merge.cpp: unites the vertices of cell i with those of its neighbors, for each face whose other side is a later
+// cell or, of two faces that i has with itself, for one.
+class FaceMatcher {
+public:
+    FaceMatcher(const Job& job, std::span<const std::byte* const> records, VertexSets& sets)
+        : job_(job), records_(records), sets_(sets) {}
+
+    void unite_faces(std::size_t i);
+
+private:
+    struct Side {
+        const MeshCellView& cell;
+        std::size_t seed;
+        std::size_t face;
+        [[nodiscard]] std::uint32_t begin() const { return cell.begin(face); }
+        [[nodiscard]] std::uint32_t count() const { return cell.end(face) - cell.begin(face); }
+    };
+    void unite_sides(const Side& a, const Side& b, const Shift& shift);
+    static std::uint32_t turn_by_distance(const Side& a, const Side& b, bool& clear);
+    [[nodiscard]] std::optional<std::uint32_t> turn_by_edges(const Side& a, const Side& b, const Shift& shift) const;
+    [[nodiscard]] exact::Point point(std::size_t i) const;
+    [[nodiscard]] exact::Shift wrapped(std::size_t i) const;
+    [[nodiscard]] exact::Plane plane(std::size_t i, const FaceLabel& label, const Shift& shift) const;
+    static const FaceLabel* label_across(const Side& side, std::uint32_t place);
+
+    const Job& job_;
+    std::span<const std::byte* const> records_;
+    VertexSets& sets_;
+};
+
+}  // namespace votess

@@ -1,0 +1,167 @@
+// Matching the polygons of a face as its two cells have them.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "mesh/mesh_builder.hpp"
+
+namespace votess {
+namespace {
+
+// The best turn is that of equal polygons when every other one is so much farther off, in squares.
+constexpr double clearly_worse = 100;
+// Relative to the largest, positions of a vertex in the cells that share it differ by less than this.
+constexpr double position_error = 1e-9;
+
+Shift wide(const std::array<std::int8_t, 3>& s) {
+    return {s[0], s[1], s[2]};
+}
+
+// As seen from a cell that lies `shift` away from where the label counts from.
+bool same(const FaceLabel& a, const FaceLabel& b, const Shift& b_shift) {
+    if (a.id != b.id) return false;
+    return a.id < 0 || wide(a.shift) == VertexSets::sum(wide(b.shift), b_shift);
+}
+
+std::array<double, 3> middle(const MeshCellView& cell, std::size_t face) {
+    std::array<double, 3> sum{};
+    for (std::uint32_t k = cell.begin(face); k < cell.end(face); ++k)
+        for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += cell.position(cell.corner(k))[axis];
+    for (double& x : sum) x /= cell.end(face) - cell.begin(face);
+    return sum;
+}
+
+}  // namespace
+
+void FaceMatcher::unite_faces(std::size_t i) {
+    const MeshCellView cell(records_[i]);
+    const FaceLabel own{static_cast<std::int32_t>(i), {}};
+    for (std::size_t face = 0; face < cell.faces(); ++face) {
+        const FaceLabel& there = cell.label(face);
+        if (there < own) continue;
+        FaceLabel back = own;
+        for (std::size_t k = 0; k < 3; ++k) back.shift[k] = static_cast<std::int8_t>(-there.shift[k]);
+        const MeshCellView other(records_[static_cast<std::size_t>(there.id)]);
+        const Side a{cell, i, face}, b{other, static_cast<std::size_t>(there.id), other.find(back)};
+        if (b.face == other.faces() || a.count() != b.count())
+            throw Error(ErrorCode::internal, "a bug in votess: cells " + std::to_string(i) + " and " +
+                                                 std::to_string(there.id) + " differ in the face that they share");
+        unite_sides(a, b, wide(there.shift));
+    }
+}
+
+// The other cell's polygon runs the other way round: its corner t is this one's corner (turn - t).
+void FaceMatcher::unite_sides(const Side& a, const Side& b, const Shift& shift) {
+    const std::uint32_t count = a.count();
+    std::uint32_t turn = 1;  // both begin with the same edge
+    if (!same(a.cell.beginning(a.face), b.cell.beginning(b.face), shift)) {
+        bool clear = false;
+        turn = turn_by_distance(a, b, clear);
+        if (!clear) turn = turn_by_edges(a, b, shift).value_or(turn);
+    }
+    for (std::uint32_t t = 0; t < count; ++t) {
+        const std::uint32_t s = turn + (turn < t ? count : 0) - t;
+        sets_.unite(a.cell.first() + a.cell.corner(a.begin() + (s == count ? 0 : s)),
+                    b.cell.first() + b.cell.corner(b.begin() + t), shift);
+    }
+}
+
+// Of edges where more than three cells meet, the cells of a face name different ones.
+std::uint32_t FaceMatcher::turn_by_distance(const Side& a, const Side& b, bool& clear) {
+    const auto middle_a = middle(a.cell, a.face), middle_b = middle(b.cell, b.face);
+    const std::uint32_t a_begin = a.begin(), b_begin = b.begin(), count = a.count();
+    double best = std::numeric_limits<double>::infinity(), second = best, size = 0;
+    for (std::uint32_t t = 0; t < count; ++t)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            size = std::max({size, std::abs(a.cell.position(a.cell.corner(a_begin + t))[axis]),
+                             std::abs(b.cell.position(b.cell.corner(b_begin + t))[axis])});
+    std::uint32_t best_turn = 0;
+    for (std::uint32_t turn = 0; turn < count; ++turn) {
+        double sum = 0;
+        for (std::uint32_t t = 0; t < count && sum < second; ++t) {
+            const double* x = a.cell.position(a.cell.corner(a_begin + (turn + count - t) % count));
+            const double* y = b.cell.position(b.cell.corner(b_begin + t));
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double d = (x[axis] - middle_a[axis]) - (y[axis] - middle_b[axis]);
+                sum += d * d;
+            }
+        }
+        if (sum < best) {
+            second = best;
+            best = sum;
+            best_turn = turn;
+        } else {
+            second = std::min(second, sum);
+        }
+    }
+    const double rounding = position_error * size;
+    clear = best * clearly_worse < second && second > count * rounding * rounding;
+    return best_turn;
+}
+
+// For a polygon so small that rounding spoils it: an edge of one is that edge of the other on whose line it lies, which
+// exact arithmetic tells of its two corners.
+std::optional<std::uint32_t> FaceMatcher::turn_by_edges(const Side& a, const Side& b, const Shift& shift) const {
+    const std::uint32_t count = a.count();
+    const std::size_t i = a.seed;
+    const exact::Point p = point(i);
+    const exact::Plane shared = plane(i, a.cell.label(a.face), {});
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const FaceLabel *const before = label_across(a, k == 0 ? count - 1 : k - 1), *const edge = label_across(a, k),
+                               *const after = label_across(a, k + 1 == count ? 0 : k + 1);
+        if (before == nullptr || edge == nullptr || after == nullptr) continue;
+        const exact::Plane across = plane(i, *edge, {});
+        for (std::uint32_t q = 0; q < count; ++q) {
+            const FaceLabel* const theirs = label_across(b, q);
+            if (theirs == nullptr) continue;
+            const exact::Plane other = plane(i, *theirs, shift);
+            if (exact::side_of_vertex(p, shared, plane(i, *before, {}), across, other) == 0 &&
+                exact::side_of_vertex(p, shared, across, plane(i, *after, {}), other) == 0)
+                return (k + 1 + q) % count;
+        }
+    }
+    return std::nullopt;
+}
+
+exact::Point FaceMatcher::point(std::size_t i) const {
+    return {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale, job_.points[3 * i + 2] * job_.scale};
+}
+
+exact::Shift FaceMatcher::wrapped(std::size_t i) const {
+    return job_.domain->is_periodic() ? wrap(*job_.domain, point(i)).value_or(exact::Shift{}) : exact::Shift{};
+}
+
+// The plane of a face that cell i has, or that the cell has which lies `shift` away from it: on the plane between those
+// two, the bisectors of both with a third seed are one line.
+exact::Plane FaceMatcher::plane(std::size_t i, const FaceLabel& label, const Shift& shift) const {
+    const Domain& domain = *job_.domain;
+    if (label.id < -6) return domain.walls[static_cast<std::size_t>(-7 - label.id)];
+    if (label.id < 0) {
+        const int wall = -1 - label.id, axis = wall / 2;
+        return wall % 2 == 0 ? exact::Plane::lower(axis, domain.box.lower[axis])
+                             : exact::Plane::upper(axis, domain.box.upper[axis]);
+    }
+    const auto j = static_cast<std::size_t>(label.id);
+    const exact::Shift own = wrapped(i), theirs = wrapped(j);
+    exact::Shift total;
+    for (std::size_t k = 0; k < 3; ++k) total[k] = label.shift[k] + shift[k] + theirs[k] - own[k];
+    exact::Plane plane = exact::Plane::bisector(point(j), total, domain.lattice);
+    if (domain.has_weights()) plane.power = exact::two_sum(domain.weights[i], -domain.weights[j]);
+    return plane;
+}
+
+// Of the face across the edge that begins at a corner; null for a wall that has no place in the row.
+const FaceLabel* FaceMatcher::label_across(const Side& side, std::uint32_t place) {
+    const MeshCellView& cell = side.cell;
+    const auto next = [&](std::size_t face, std::uint32_t k) {
+        return cell.corner(k + 1 == cell.end(face) ? cell.begin(face) : k + 1);
+    };
+    const std::uint32_t k = side.begin() + place, from = cell.corner(k), to = next(side.face, k);
+    for (std::size_t face = 0; face < cell.faces(); ++face)
+        for (std::uint32_t c = cell.begin(face); c < cell.end(face); ++c)
+            if (cell.corner(c) == to && next(face, c) == from) return &cell.label(face);
+    return nullptr;
+}
+
+}  // namespace votess

@@ -1,0 +1,86 @@
+// Sets of vertices that are one, but for a translation by whole box vectors: union-find (Galler and Fischer 1964) whose
+// links carry the translation. Sets are joined from many threads at once.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "core/buffer.hpp"
+
+namespace votess {
+
+using Shift = std::array<int, 3>;
+
+struct ShiftedVertex {
+    std::uint32_t vertex;
+    Shift shift;  // from it
+};
+
+class VertexSets {
+public:
+    // Every vertex is alone. init() for the vertices of a range, from any thread.
+    explicit VertexSets(std::size_t count) { words_.resize_uninitialized(count); }
+    void init(std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) words_[v] = pack({static_cast<std::uint32_t>(v), {}});
+    }
+
+    // From any thread. The root of the set, and how far the vertex is from it.
+    [[nodiscard]] ShiftedVertex find(std::uint32_t vertex) {
+        Shift shift{};
+        for (;;) {
+            const std::uint64_t word = load(vertex);
+            const ShiftedVertex up = unpack(word);
+            if (up.vertex == vertex) return {vertex, shift};
+            const ShiftedVertex upper = unpack(load(up.vertex));
+            const ShiftedVertex both{upper.vertex, sum(up.shift, upper.shift)};
+            if (upper.vertex != up.vertex) replace(vertex, word, pack(both));  // a shorter way for the next
+            shift = sum(shift, both.shift);
+            vertex = both.vertex;
+        }
+    }
+    // From any thread. Vertex a is vertex b moved by the shift.
+    void unite(std::uint32_t a, std::uint32_t b, const Shift& shift) {
+        for (;;) {
+            const ShiftedVertex ra = find(a), rb = find(b);
+            if (ra.vertex == rb.vertex) return;
+            // ra + ra.shift = rb + rb.shift + shift
+            const Shift between = sum(sum(rb.shift, shift), negative(ra.shift));
+            const bool up = ra.vertex > rb.vertex;
+            const ShiftedVertex link{up ? rb.vertex : ra.vertex, up ? between : negative(between)};
+            const std::uint32_t linked = up ? ra.vertex : rb.vertex;
+            if (replace(linked, pack({linked, {}}), pack(link))) return;
+        }
+    }
+
+    static Shift sum(const Shift& a, const Shift& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+    static Shift negative(const Shift& a) { return {-a[0], -a[1], -a[2]}; }
+
+private:
+    static constexpr int shift_bits = 10, vertex_bits = 32;
+    static constexpr int shift_zero = 1 << (shift_bits - 1);
+
+    static std::uint64_t pack(const ShiftedVertex& v) {
+        std::uint64_t word = v.vertex;
+        for (int k = 0; k < 3; ++k)
+            word |= static_cast<std::uint64_t>(v.shift[k] + shift_zero) << (vertex_bits + k * shift_bits);
+        return word;
+    }
+    static ShiftedVertex unpack(std::uint64_t word) {
+        ShiftedVertex v{static_cast<std::uint32_t>(word), {}};
+        for (int k = 0; k < 3; ++k)
+            v.shift[k] =
+                static_cast<int>(word >> (vertex_bits + k * shift_bits) & ((1u << shift_bits) - 1)) - shift_zero;
+        return v;
+    }
+    [[nodiscard]] std::uint64_t load(std::uint32_t vertex) {
+        return std::atomic_ref(words_[vertex]).load(std::memory_order_relaxed);
+    }
+    bool replace(std::uint32_t vertex, std::uint64_t old, std::uint64_t word) {
+        return std::atomic_ref(words_[vertex]).compare_exchange_strong(old, word, std::memory_order_relaxed);
+    }
+
+    Buffer<std::uint64_t> words_;
+};
+
+}  // namespace votess

@@ -1,0 +1,34 @@
+// The arrays behind a Tessellation, in input order; see votess.hpp for shapes and units.
+#pragma once
+
+#include <cstdint>
+
+#include "core/buffer.hpp"
+#include "votess/votess.hpp"
+
+namespace votess::detail {
+
+struct Result {
+    Box box;
+    std::array<bool, 3> periodic{};
+    std::optional<TriclinicBox> cell;
+    std::vector<Wall> planes;
+    std::vector<double> weights;
+    bool lists_walls = false;
+    double least_face = 0;
+    Buffer<std::int64_t> indptr;
+    Buffer<std::int32_t> indices;
+    Buffer<std::int8_t> shifts;
+    Buffer<double> volumes, centroids, face_areas, face_normals, surface_areas, security_radii, vertices;
+    Buffer<std::int64_t> face_offsets, cell_vertex_indptr;
+    Buffer<std::int32_t> face_vertices, cell_vertex_indices;
+    // In periodic domains, of each vertex: the first one that it is an image of, and the box vectors from there.
+    Buffer<std::int32_t> vertex_image_of;
+    Buffer<std::int8_t> vertex_shifts;
+    Buffer<std::uint32_t> face_counts, edge_counts, vertex_counts;
+    Buffer<CellStatus> status;
+    Buffer<std::int32_t> duplicate_of;
+    Stats stats;
+};
+
+}  // namespace votess::detail

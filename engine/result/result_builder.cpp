@@ -1,0 +1,369 @@
+#include "result/result_builder.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "input/implied_wants.hpp"
+#include "result/face_filter.hpp"
+#include "result/packed_ids.hpp"
+
+namespace votess {
+namespace {
+
+constexpr std::size_t copied_block = 4096;  // cells
+constexpr std::size_t task_cells = 65536;   // of loops over all cells; fixed, so that sums do not depend on threads
+constexpr std::size_t least_segment = std::size_t{64} << 10, most_segment = std::size_t{8} << 20;
+constexpr std::size_t lookahead = 16;  // cells whose places in memory are fetched before they are needed
+
+// task(block, begin, end)
+template <class Task>
+void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
+    pool.run((count + task_cells - 1) / task_cells, [&](std::size_t block, unsigned) {
+        task(block, block * task_cells, std::min(count, (block + 1) * task_cells));
+    });
+}
+
+template <class T>
+void fill(Buffer<T>& buffer, std::size_t count, T value, ThreadPool& pool) {
+    buffer.resize_uninitialized(count);
+    for_blocks(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
+        std::fill(buffer.data() + begin, buffer.data() + end, value);
+    });
+}
+
+std::uint64_t peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+#if defined(__APPLE__)
+    return static_cast<std::uint64_t>(usage.ru_maxrss);
+#else
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+#endif
+}
+
+// Kahan: 1e9 volumes sum to the last digits. Several sums side by side, because each waits for its own last addition.
+double accurate_sum(std::span<const double> values) {
+    constexpr std::size_t lanes = 8;
+    double sum[lanes]{}, lost[lanes]{};
+    const auto add = [&](std::size_t k, double value) {
+        const double y = value - lost[k], t = sum[k] + y;
+        lost[k] = (t - sum[k]) - y;
+        sum[k] = t;
+    };
+    std::size_t i = 0;
+    for (; i + lanes <= values.size(); i += lanes)
+        for (std::size_t k = 0; k < lanes; ++k) add(k, values[i + k]);
+    for (; i < values.size(); ++i) add(0, values[i]);
+    for (std::size_t k = 1; k < lanes; ++k) {
+        add(0, sum[k]);
+        add(0, -lost[k]);
+    }
+    // Beyond the largest double the corrections are NaN.
+    return std::isfinite(sum[0]) ? sum[0] : std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+std::size_t wall_count(const Options& options) {
+    return 6 + options.planes.size();
+}
+
+void read_wide(const std::byte* from, std::size_t count, std::int32_t* ids) {
+    std::memcpy(ids, from, count * sizeof *ids);
+}
+
+[[noreturn]] void bug(const std::string& what) {
+    throw Error(ErrorCode::internal, "a bug in votess: " + what);
+}
+
+std::size_t sum_of(std::span<const std::uint32_t> lengths) {
+    return std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
+}
+
+}  // namespace
+
+void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
+    const std::size_t count = job.points.count();
+    const Want& want = job.options.want;
+    if (job.arrays != nullptr && job.arrays->status.capacity() > result_.status.capacity())
+        result_ = std::move(*job.arrays);
+    blocks_.clear();
+    memory_.reset(std::clamp(8 * count, least_segment, most_segment));
+    counters_ = {};
+    want_neighbors_ = want.neighbors;
+    want_areas_ = want.areas;
+    want_normals_ = want.normals;
+    want_shifts_ = want.neighbors && is_periodic(job.options);
+    narrow_ids_ = packed::possible(count, wall_count(job.options));
+    fast_ids_ = narrow_ids_ && packed::fast_possible();
+    result_.stats = {};
+    result_.box = job.box;
+    result_.periodic = job.options.cell ? std::array{true, true, true} : job.options.periodic;
+    result_.cell = job.options.cell;
+    result_.planes = job.options.planes;
+    result_.weights.assign(job.options.weights.begin(), job.options.weights.end());
+    for (const double radius : job.options.radii) result_.weights.push_back(radius * radius);
+    box_volume_ = job.box_volume;
+    result_.lists_walls = job.options.walls;
+    result_.least_face = 0;
+    min_face_ = job.options.min_face;
+    fill(result_.status, count, CellStatus::certified, pool);
+    fill(result_.indptr, want.neighbors ? count + 1 : 0, std::int64_t{0}, pool);
+    for (auto* rows : {&result_.volumes, &result_.centroids, &result_.surface_areas, &result_.security_radii,
+                       &result_.face_areas, &result_.face_normals})
+        rows->resize_uninitialized(0);
+    result_.shifts.resize_uninitialized(0);
+    result_.indices.resize_uninitialized(0);
+    result_.duplicate_of.resize_uninitialized(0);
+    if (want.volumes) result_.volumes.resize_uninitialized(count);
+    if (want.centroids) result_.centroids.resize_uninitialized(3 * count);
+    if (want.surfaces) result_.surface_areas.resize_uninitialized(count);
+    if (want.radii) result_.security_radii.resize_uninitialized(count);
+    mesh_.begin(job);
+    for (auto* counts : {&result_.face_counts, &result_.edge_counts, &result_.vertex_counts})
+        counts->resize_uninitialized(want.counts ? count : 0);
+}
+
+void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                             std::span<const std::int32_t> ids, const RowValues& values) {
+    if (!want_neighbors_) return;
+    check_values(values, ids.size());
+    // A row that comes by another call would be taken for one of this block.
+    const bool gaps = set_lengths(cells, lengths, ids.size());
+    push(cells, lengths, ids, values, gaps);
+}
+
+void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                              std::span<const std::int32_t> ids, const RowValues& values) {
+    if (!want_neighbors_) return;
+    if (sum_of(lengths) != ids.size()) bug("rows and their lengths do not fit");
+    check_values(values, ids.size());
+    for (std::size_t begin = 0, entry = 0; begin < cells.size(); begin += copied_block) {
+        const auto part = cells.subspan(begin, std::min(copied_block, cells.size() - begin));
+        const auto part_lengths = lengths.subspan(begin, part.size());
+        const std::size_t size = sum_of(part_lengths);
+        const RowValues part_values{want_areas_ ? values.areas.subspan(entry, size) : values.areas,
+                                    want_normals_ ? values.normals.subspan(3 * entry, 3 * size) : values.normals,
+                                    want_shifts_ ? values.shifts.subspan(3 * entry, 3 * size) : values.shifts};
+        set_lengths(part, part_lengths, size);
+        push(part, part_lengths, ids.subspan(entry, size), part_values, true);
+        entry += size;
+    }
+}
+
+std::span<std::int32_t> ResultBuilder::keep(std::size_t count) {
+    const std::lock_guard lock(mutex_);
+    return {reinterpret_cast<std::int32_t*>(memory_.take(count * sizeof(std::int32_t))), count};
+}
+
+void ResultBuilder::count(const CellCounters& counters) {
+    const std::lock_guard lock(mutex_);
+    counters_.faces += counters.faces;
+    counters_.exact_cells += counters.exact_cells;
+    counters_.fallback_cells += counters.fallback_cells;
+    counters_.empty_cells += counters.empty_cells;
+}
+
+void ResultBuilder::check_values(const RowValues& values, std::size_t ids) const {
+    if (want_areas_ && values.areas.size() != ids) bug("rows and their areas do not fit");
+    if (want_normals_ && values.normals.size() != 3 * ids) bug("rows and their normals do not fit");
+    if (want_shifts_ && values.shifts.size() != 3 * ids) bug("rows and their shifts do not fit");
+}
+
+// The checks keep an engine's bug from writing beyond the arrays in place_rows().
+bool ResultBuilder::set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                                std::size_t ids) {
+    if (cells.size() != lengths.size()) bug("cells and row lengths do not fit");
+    auto& indptr = result_.indptr;
+    const auto place_of = [&](std::size_t k) { return static_cast<std::uint32_t>(cells[k]) + std::size_t{1}; };
+    std::size_t sum = 0, rows = 0;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        if (k + lookahead < cells.size()) __builtin_prefetch(indptr.data() + place_of(k + lookahead), 1);
+        if (lengths[k] == 0) continue;
+        const std::size_t i = place_of(k);
+        if (i >= indptr.size() || indptr[i] != 0) bug("cell " + std::to_string(cells[k]) + " has no place for its row");
+        indptr[i] = lengths[k];
+        sum += lengths[k];
+        ++rows;
+    }
+    if (sum != ids) bug("rows and their lengths do not fit");
+    return rows < cells.size();
+}
+
+template <class T>
+std::span<const T> ResultBuilder::keep_copy(std::span<const T> values) {
+    std::byte* to = nullptr;
+    {
+        const std::lock_guard lock(mutex_);
+        to = memory_.take(values.size_bytes());
+    }
+    std::memcpy(to, values.data(), values.size_bytes());
+    return {reinterpret_cast<const T*>(to), values.size()};
+}
+
+void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                         std::span<const std::int32_t> ids, const RowValues& values, bool copy_cells) {
+    if (ids.empty()) return;
+    const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
+    RowValues kept;
+    if (want_areas_) kept.areas = keep_copy(values.areas);
+    if (want_normals_) kept.normals = keep_copy(values.normals);
+    if (want_shifts_) kept.shifts = keep_copy(values.shifts);
+    std::int32_t* own_cells = nullptr;
+    std::byte* kept_ids;
+    {
+        const std::lock_guard lock(mutex_);
+        if (copy_cells) own_cells = reinterpret_cast<std::int32_t*>(memory_.take(rows * sizeof *own_cells));
+        kept_ids =
+            memory_.take(narrow_ids_ ? packed::bytes_per_id * ids.size() + packed::spare_bytes : ids.size_bytes());
+        blocks_.push_back({copy_cells ? std::span<const std::int32_t>(own_cells, rows) : cells, kept_ids, kept});
+    }
+    for (std::size_t k = 0; copy_cells && k < cells.size(); ++k)
+        if (lengths[k] > 0) *own_cells++ = cells[k];
+    if (fast_ids_)
+        packed::fast_write(ids.data(), ids.size(), kept_ids);
+    else if (narrow_ids_)
+        packed::write(ids.data(), ids.size(), kept_ids);
+    else
+        std::memcpy(kept_ids, ids.data(), ids.size_bytes());
+}
+
+void ResultBuilder::set_empty(std::size_t i, CellStatus status) {
+    auto& r = result_;
+    r.status[i] = status;
+    for (auto* sizes : {&r.volumes, &r.surface_areas, &r.security_radii})
+        if (!sizes->empty()) (*sizes)[i] = 0;
+    if (!r.centroids.empty()) std::fill_n(r.centroids.data() + 3 * i, 3, std::numeric_limits<double>::quiet_NaN());
+    if (!r.face_counts.empty()) r.face_counts[i] = r.edge_counts[i] = r.vertex_counts[i] = 0;
+}
+
+void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool) {
+    auto& r = result_;
+    r.duplicate_of.resize_uninitialized(duplicate_of.size());
+    std::atomic<std::uint64_t> duplicates{0};
+    for_blocks(pool, duplicate_of.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        std::uint64_t found = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            r.duplicate_of[i] = duplicate_of[i];
+            if (duplicate_of[i] < 0) continue;
+            ++found;
+            set_empty(i, CellStatus::duplicate);
+        }
+        duplicates += found;
+    });
+    r.stats.duplicates = duplicates;
+}
+
+void ResultBuilder::finish(detail::Result& result, ThreadPool& pool) {
+    check_status(pool);
+    if (want_neighbors_) {
+        sum_lengths(pool);
+        place_rows(pool);
+    }
+    mesh_.finish(result_, pool);
+    if (min_face_ > 0) counters_.faces -= drop_small_faces(result_, min_face_);
+    finish_stats(result_.stats, pool);
+    result_.stats.device = std::move(result.stats.device);
+    result_.stats.seconds = result.stats.seconds;
+    result = std::move(result_);
+    result_ = {};
+}
+
+void ResultBuilder::check_status(ThreadPool& pool) const {
+    const auto& status = result_.status;
+    std::atomic<std::size_t> first = status.size();
+    for_blocks(pool, status.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        const auto finished = [](CellStatus s) {
+            return s == CellStatus::certified || s == CellStatus::duplicate || s == CellStatus::empty ||
+                   s == CellStatus::outside;
+        };
+        const auto at = static_cast<std::size_t>(
+            std::find_if_not(status.data() + begin, status.data() + end, finished) - status.data());
+        for (std::size_t before = first; at < end && at < before && !first.compare_exchange_weak(before, at);) {
+        }
+    });
+    if (first < status.size()) bug("cell " + std::to_string(first) + " was left over");
+}
+
+// Lengths become the places where rows begin.
+void ResultBuilder::sum_lengths(ThreadPool& pool) {
+    auto& indptr = result_.indptr;
+    std::vector<std::int64_t> begins((indptr.size() + task_cells - 1) / task_cells + 1, 0);
+    for_blocks(pool, indptr.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
+        begins[block + 1] = std::accumulate(indptr.data() + begin, indptr.data() + end, std::int64_t{0});
+    });
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    for_blocks(pool, indptr.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
+        std::int64_t sum = begins[block];
+        for (std::size_t i = begin; i < end; ++i) indptr[i] = sum += indptr[i];
+    });
+}
+
+void ResultBuilder::place_rows(ThreadPool& pool) {
+    const auto size = static_cast<std::size_t>(result_.indptr[result_.indptr.size() - 1]);
+    result_.indices.resize_uninitialized(size);
+    result_.face_areas.resize_uninitialized(want_areas_ ? size : 0);
+    result_.face_normals.resize_uninitialized(want_normals_ ? 3 * size : 0);
+    result_.shifts.resize_uninitialized(want_shifts_ ? 3 * size : 0);
+    pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
+        const Block& block = blocks_[index];
+        if (fast_ids_)
+            place_block(block, packed::bytes_per_id, packed::fast_read);
+        else if (narrow_ids_)
+            place_block(block, packed::bytes_per_id, packed::read);
+        else
+            place_block(block, sizeof(std::int32_t), read_wide);
+    });
+}
+
+template <class Read>
+void ResultBuilder::place_block(const Block& block, std::size_t bytes_per_id, Read read) {
+    const std::int64_t* const indptr = result_.indptr.data();
+    const auto cells = block.cells;
+    std::size_t entry = 0;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        // The order of the engine is not that of the input: each row lies elsewhere.
+        if (k + 2 * lookahead < cells.size()) __builtin_prefetch(indptr + cells[k + 2 * lookahead]);
+        if (k + lookahead < cells.size()) {
+            const std::int32_t* const next = result_.indices.data() + indptr[cells[k + lookahead]];
+            __builtin_prefetch(next, 1);
+            __builtin_prefetch(next + 15, 1);
+        }
+        const std::int64_t begin = indptr[cells[k]];
+        const auto length = static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin);
+        read(block.ids + bytes_per_id * entry, length, result_.indices.data() + begin);
+        const RowValues& values = block.values;
+        if (want_areas_) std::copy_n(values.areas.data() + entry, length, result_.face_areas.data() + begin);
+        if (want_normals_)
+            std::copy_n(values.normals.data() + 3 * entry, 3 * length, result_.face_normals.data() + 3 * begin);
+        if (want_shifts_) std::copy_n(values.shifts.data() + 3 * entry, 3 * length, result_.shifts.data() + 3 * begin);
+        entry += length;
+    }
+}
+
+void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
+    stats.points = result_.status.size();
+    stats.empty_cells = stats.duplicates + counters_.empty_cells;
+    stats.faces = counters_.faces;
+    stats.exact_cells = counters_.exact_cells;
+    stats.fallback_cells = counters_.fallback_cells;
+    const auto cells = stats.points - stats.empty_cells;
+    stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
+    const std::span<const double> volumes = result_.volumes;
+    std::vector<double> sums((volumes.size() + task_cells - 1) / task_cells);
+    for_blocks(pool, volumes.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
+        sums[block] = accurate_sum(volumes.subspan(begin, end - begin));
+    });
+    stats.volume_sum = accurate_sum(sums);
+    stats.box_volume = box_volume_;
+    stats.threads = pool.size();
+    stats.peak_memory_bytes = peak_memory();
+}
+
+}  // namespace votess

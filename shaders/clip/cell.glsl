@@ -1,0 +1,215 @@
+// One Voronoi cell in private memory: a simple polytope, every vertex on exactly three planes, relative to its seed and
+// in units of about the distance to its nearest neighbor.
+//
+// Needs what clip/filter.glsl defines, most_planes, most_vertices.
+
+// Vertices in a step of a loop, for the loads to overlap; beyond the last one there is room to read.
+const int side_by_side = 4;
+const int plane_words = most_planes / 32;
+const int vertex_words = most_vertices / 32;
+
+real plane_x[most_planes], plane_y[most_planes], plane_z[most_planes], plane_h[most_planes];
+real plane_norm[most_planes];
+int plane_id[most_planes];  // sorted seed, or wall id
+uint planes_used[plane_words];
+
+real vertex_x[most_vertices], vertex_y[most_vertices], vertex_z[most_vertices];
+real vertex_error[most_vertices];    // |x - X| + 6u |x|
+uint vertex_planes[most_vertices];   // three of 8 bits, in positive orientation: det(na,nb,nc) > 0
+int vertex_count;
+
+uint killed[vertex_words];                       // vertices outside the plane tested last
+uint edges_killed[most_planes * plane_words];    // bit b of row a: edge (a, b) of a killed vertex
+uint horizon[most_planes];                       // edges (a, b) with one vertex killed: a | b << 8
+uint status;
+real radius_squared;  // over all vertices, as of the last test
+real largest_error;   // at least that of any vertex
+
+Plane tested;  // last
+
+uint plane_of(uint packed, int k) {
+    return (packed >> (8 * k)) & 0xffu;
+}
+
+void set_plane(uint slot, Plane p, int id) {
+    plane_x[slot] = p.x;
+    plane_y[slot] = p.y;
+    plane_z[slot] = p.z;
+    plane_h[slot] = p.h;
+    plane_norm[slot] = p.norm;
+    plane_id[slot] = id;
+    planes_used[slot >> 5] |= 1u << (slot & 31u);
+}
+
+Plane plane_at(uint slot) {
+    const real h = plane_h[slot], norm = plane_norm[slot];
+    return Plane(plane_x[slot], plane_y[slot], plane_z[slot], h, norm, h / norm);
+}
+
+// Appends the vertex of planes a, b, c.
+void add_vertex(uint a, uint b, uint c) {
+    if (vertex_count == most_vertices) {
+        status = STATUS_VERTEX_OVERFLOW;
+        return;
+    }
+    Vertex vertex;
+    if (!find_vertex(plane_at(a), plane_at(b), plane_at(c), vertex)) {
+        status = STATUS_NEEDS_EXACT;
+        return;
+    }
+    vertex_x[vertex_count] = vertex.x;
+    vertex_y[vertex_count] = vertex.y;
+    vertex_z[vertex_count] = vertex.z;
+    vertex_error[vertex_count] = vertex.error;
+    largest_error = max(largest_error, vertex.error);
+    vertex_planes[vertex_count] = a | (b << 8) | (c << 16);
+    ++vertex_count;
+}
+
+// The box: planes 0 .. 5 are the walls xmin, xmax, ymin, ymax, zmin, zmax at distances `wall`.
+void start_cell(real wall[6]) {
+    status = STATUS_CERTIFIED;
+    for (int w = 0; w < plane_words; ++w) planes_used[w] = 0u;
+    for (uint i = 0u; i < 6u; ++i) {
+        const real side = (i & 1u) != 0u ? real(1) : real(-1);
+        set_plane(i, Plane(i / 2u == 0u ? side : real(0), i / 2u == 1u ? side : real(0), i / 2u == 2u ? side : real(0),
+                           wall[i], real(1), wall[i]), -1 - int(i));
+    }
+    vertex_count = 0;
+    largest_error = real(0);
+    for (uint corner = 0u; corner < 8u; ++corner) {
+        const uint x = corner & 1u, y = 2u + ((corner >> 1) & 1u), z = 4u + (corner >> 2);
+        // det is the product of the three signs.
+        if ((bitCount(corner) & 1) != 0)
+            add_vertex(x, y, z);
+        else
+            add_vertex(y, x, z);
+    }
+}
+
+// Marks the vertices outside the new plane; true when there are any. Uncertain: status changes.
+bool test_plane() {
+    for (int w = 0; w < vertex_words; ++w) killed[w] = 0u;
+    bool cuts = false;
+    real farthest = real(0);
+    const real most = side_bound(tested, largest_error);
+    for (int first = 0; first < vertex_count; first += side_by_side) {
+        real sides[side_by_side];
+        bool near = false;
+        for (int i = 0; i < side_by_side; ++i) {
+            const int v = first + i;
+            const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
+            const real side = side_of(tested, x, y, z);
+            sides[i] = side;
+            if (v < vertex_count) {
+                farthest = max(farthest, fma(x, x, fma(y, y, z * z)));
+                near = near || !(side < -most);
+            }
+        }
+        if (!near) continue;
+        for (int i = 0; i < side_by_side; ++i) {
+            const int v = first + i;
+            if (v >= vertex_count || sides[i] < -most) continue;
+            const real bound = side_bound(tested, vertex_error[v]);
+            if (sides[i] > bound) {
+                killed[v >> 5] |= 1u << (v & 31);
+                cuts = true;
+            } else if (!(sides[i] < -bound)) {
+                status = STATUS_NEEDS_EXACT;
+            }
+        }
+    }
+    radius_squared = farthest;
+    return cuts;
+}
+
+void measure_radius_and_error() {
+    radius_squared = real(0);
+    largest_error = real(0);
+    for (int v = 0; v < vertex_count; ++v) {
+        const real x = vertex_x[v], y = vertex_y[v], z = vertex_z[v];
+        radius_squared = max(radius_squared, fma(x, x, fma(y, y, z * z)));
+        largest_error = max(largest_error, vertex_error[v]);
+    }
+}
+
+void note_planes_in_use() {
+    for (int w = 0; w < plane_words; ++w) planes_used[w] = 0u;
+    for (int v = 0; v < vertex_count; ++v)
+        for (int k = 0; k < 3; ++k) {
+            const uint p = plane_of(vertex_planes[v], k);
+            planes_used[p >> 5] |= 1u << (p & 31u);
+        }
+}
+
+// A plane slot that is not in use, most_planes when there is none.
+uint free_plane() {
+    for (int w = 0; w < plane_words; ++w)
+        if (planes_used[w] != 0xffffffffu) return uint(32 * w + findLSB(~planes_used[w]));
+    return uint(most_planes);
+}
+
+// Replaces the killed vertices by those of the new plane with the horizon: edge (a, b) of a killed vertex is on it iff
+// no killed vertex has (b, a).
+void cut(int id) {
+    for (int w = 0; w < vertex_words; ++w)
+        for (uint rest = killed[w]; rest != 0u; rest &= rest - 1u) {
+            const uint planes = vertex_planes[32 * w + findLSB(rest)];
+            for (int k = 0; k < 3; ++k)
+                for (int i = 0; i < plane_words; ++i) edges_killed[int(plane_of(planes, k)) * plane_words + i] = 0u;
+        }
+    for (int w = 0; w < vertex_words; ++w)
+        for (uint rest = killed[w]; rest != 0u; rest &= rest - 1u) {
+            const uint planes = vertex_planes[32 * w + findLSB(rest)];
+            for (int k = 0; k < 3; ++k) {
+                const uint a = plane_of(planes, k), b = plane_of(planes, k == 2 ? 0 : k + 1);
+                edges_killed[int(a) * plane_words + int(b >> 5)] |= 1u << (b & 31u);
+            }
+        }
+
+    // Each plane once as the first and once as the second of an edge: the horizon is a ring.
+    int horizon_count = 0;
+    uint first_seen[plane_words], second_seen[plane_words];
+    for (int w = 0; w < plane_words; ++w) first_seen[w] = second_seen[w] = 0u;
+    for (int w = 0; w < vertex_words; ++w)
+        for (uint rest = killed[w]; rest != 0u; rest &= rest - 1u) {
+            const uint planes = vertex_planes[32 * w + findLSB(rest)];
+            for (int k = 0; k < 3; ++k) {
+                const uint a = plane_of(planes, k), b = plane_of(planes, k == 2 ? 0 : k + 1);
+                if ((edges_killed[int(b) * plane_words + int(a >> 5)] & (1u << (a & 31u))) != 0u) continue;
+                const uint a_bit = 1u << (a & 31u), b_bit = 1u << (b & 31u);
+                if ((first_seen[a >> 5] & a_bit) != 0u || (second_seen[b >> 5] & b_bit) != 0u) {
+                    status = STATUS_NEEDS_EXACT;
+                    return;
+                }
+                first_seen[a >> 5] |= a_bit;
+                second_seen[b >> 5] |= b_bit;
+                horizon[horizon_count++] = a | (b << 8);
+            }
+        }
+
+    // From the last to the first, so that what moves into a hole is alive.
+    for (int w = vertex_words - 1; w >= 0; --w)
+        for (uint rest = killed[w]; rest != 0u;) {
+            const int bit = findMSB(rest), v = 32 * w + bit;
+            rest &= ~(1u << bit);
+            --vertex_count;
+            vertex_x[v] = vertex_x[vertex_count];
+            vertex_y[v] = vertex_y[vertex_count];
+            vertex_z[v] = vertex_z[vertex_count];
+            vertex_error[v] = vertex_error[vertex_count];
+            vertex_planes[v] = vertex_planes[vertex_count];
+        }
+
+    uint slot = free_plane();
+    if (slot == uint(most_planes)) {
+        note_planes_in_use();
+        slot = free_plane();
+        if (slot == uint(most_planes)) {
+            status = STATUS_PLANE_OVERFLOW;
+            return;
+        }
+    }
+    set_plane(slot, tested, id);
+    for (int i = 0; i < horizon_count; ++i) add_vertex(horizon[i] & 0xffu, horizon[i] >> 8, slot);
+}

@@ -1,0 +1,273 @@
+// clip: the box around each seed is cut by the bisectors with its neighbors, nearest first, until the security radius
+// proves the cell complete. A cell that cannot be proven gets the status that says why. The second tier has larger
+// arrays, and goes on where the list ends.
+//
+// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in sums of two float32.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(constant_id = CONSTANT_MOST_PLANES) const int most_planes = 32;
+layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
+layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
+layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
+layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e-8;
+layout(constant_id = CONSTANT_LIST_OF_TODO) const uint list_of_todo = 0u;
+layout(push_constant) uniform Push { ClipPush push; };
+#include "search/node.glsl"
+layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
+layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
+layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
+layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+// A column for each cell of the chunk, or of those to do.
+layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
+layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo list_info[]; };
+layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
+layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
+layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
+layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
+layout(std430, binding = BINDING_TODO) buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
+
+#include "numbers/real.glsl"
+#include "numbers/number.glsl"
+layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
+layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
+
+#include "search/hierarchy.glsl"
+#include "numbers/int64.glsl"
+#include "shared/linear.glsl"
+#include "shared/loop_guard.glsl"
+#include "clip/relative.glsl"
+#include "clip/filter.glsl"
+#include "clip/cell.glsl"
+#include "measure/corner.glsl"
+#include "measure/geometry.glsl"
+
+void test_next(uint q) {
+    tested = bisector(difference(seeds_x[q], px), difference(seeds_y[q], py), difference(seeds_z[q], pz));
+}
+
+real security() {
+    return security_radius_squared(radius_squared, largest_error);
+}
+
+// Clips by the list's neighbors. What follows a neighbor lies in its bucket of squared distances or beyond; the first
+// ones are without order. True when the list is complete up to the security radius.
+bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
+    uint next = 0u;
+    measure_radius_and_error();
+    real beyond = security();
+    for (;;) {
+        // Up to the next plane that cuts; then all invocations cut side by side.
+        bool cuts = false;
+        uint q = 0u;
+        while (next < count && !cuts && status == STATUS_CERTIFIED) {
+            q = list[next * push.list_stride + column];
+            ++next;
+            if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
+            test_next(q);
+            if (is_too_near(tested)) {
+                status = STATUS_NEEDS_EXACT;
+                break;
+            }
+            if (next > unsorted && real(2) * tested.h * real(BUCKET_SLACK) >= beyond) {
+                next = count;
+                break;
+            }
+            cuts = test_plane();
+            beyond = security();
+        }
+        if (!cuts || status != STATUS_CERTIFIED) break;
+        cut(int(q));
+        if (status != STATUS_CERTIFIED) break;
+    }
+    if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return true;
+    measure_radius_and_error();
+    return is_secure(real(reach * scale * scale), security());
+}
+
+real gap(uvec2 p, uvec2 lower, uvec2 upper) {
+    return less64(p, lower) ? difference(lower, p) : (less64(upper, p) ? difference(upper, p) : real(0));
+}
+
+// False only when no seed in the node's box can cut the cell: a seed cuts a vertex off when it is nearer to it than
+// the cell's own seed.
+bool in_reach(uint level, uint node, real security) {
+    const Node box = nodes[push.level_first[level] + node];
+    if (box.lower[0].y == NO_COORDINATE) return false;
+    const real gx = gap(px, box.lower[0], box.upper[0]), gy = gap(py, box.lower[1], box.upper[1]),
+               gz = gap(pz, box.lower[2], box.upper[2]);
+    if (is_secure(gx * gx + gy * gy + gz * gz, security)) return false;
+    const real lower_x = difference(box.lower[0], px), upper_x = difference(box.upper[0], px);
+    const real lower_y = difference(box.lower[1], py), upper_y = difference(box.upper[1], py);
+    const real lower_z = difference(box.lower[2], pz), upper_z = difference(box.upper[2], pz);
+    for (int first = 0; first < vertex_count; first += side_by_side) {
+        bool reached = false;
+        for (int i = 0; i < side_by_side; ++i) {
+            const int v = first + i;
+            const bool near = is_in_reach(vertex_x[v], vertex_y[v], vertex_z[v], vertex_error[v], lower_x, upper_x,
+                                          lower_y, upper_y, lower_z, upper_z);
+            reached = reached || (v < vertex_count && near);
+        }
+        if (reached) return true;
+    }
+    return false;
+}
+
+bool is_plane_of_cell(int id) {
+    for (int w = 0; w < plane_words; ++w)
+        for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u)
+            if (plane_id[32 * w + findLSB(rest)] == id) return true;
+    return false;
+}
+
+// Clips by the seeds of a group that are not nearer than those of the list.
+void clip_by_group(uint group, uint self, real listed) {
+    const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
+    bool changed = false;
+    for (uint q = group * GROUP_SEEDS; q < end && status == STATUS_CERTIFIED; ++q) {
+        if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
+        test_next(q);
+        // What is surely in the list is done; what may be in it is a face, or tested twice.
+        if (real(2) * tested.h < listed || is_plane_of_cell(int(q))) continue;
+        if (is_too_near(tested)) {
+            status = STATUS_NEEDS_EXACT;
+        } else if (test_plane() && status == STATUS_CERTIFIED) {
+            cut(int(q));
+            changed = true;
+        }
+    }
+    if (changed) measure_radius_and_error();
+}
+
+// Goes on where the list ended: through all boxes that can hold a seed that cuts the cell, near ones first.
+void clip_by_walk(uint self, float reach, float bound) {
+    const real listed = real(reach * scale * scale) * real(0.9999);  // distances in lists are right to 1.4e-5
+    uint visits = 0u, node = self / GROUP_SEEDS;
+    clip_by_group(node, self, listed);
+    for (uint level = 0u; level + 1u < push.level_count; ++level) {
+        const uint first = node & ~(FAN - 1u), end = min(first + FAN, nodes_of(level));
+        for (uint sibling = first; sibling < end; ++sibling) {
+            if (sibling == node) continue;
+            Walk walk = Walk(level, sibling, level, sibling);
+            do {
+                if (++visits > push.most_visits) {
+                    status = STATUS_CANDIDATES_EXHAUSTED;
+                    return;
+                }
+                while (status == STATUS_CERTIFIED && in_reach(walk.level, walk.node, security())) {
+                    if (walk.level == 0u) {
+                        clip_by_group(walk.node, self, listed);
+                        break;
+                    }
+                    descend(walk);
+                    ++visits;
+                }
+                if (status != STATUS_CERTIFIED) return;
+            } while (advance(walk));
+        }
+        node >>= FAN_BITS;
+    }
+    measure_radius_and_error();
+    if (bound < UNBOUNDED && !is_secure(real(bound * scale * scale), security()))
+        status = STATUS_CANDIDATES_EXHAUSTED;
+}
+
+void finish(uint slot, uint cell, uint exponent) {
+    uint length = 0u, faces = 0u;
+    if (status == STATUS_CERTIFIED) {
+        note_planes_in_use();
+        for (int w = 0; w < plane_words; ++w) faces += uint(bitCount(planes_used[w]));
+        if (vertex_count != 2 * int(faces) - 4) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
+    }
+    if (want_geometry != 0u && status == STATUS_CERTIFIED) {
+        measure_cell();
+        if (!is_measured(push.volume_tolerance)) status = STATUS_NEEDS_EXACT;
+        geometry[4u * cell] = volume;
+        geometry[4u * cell + 1u] = mass_center.x;
+        geometry[4u * cell + 2u] = mass_center.y;
+        geometry[4u * cell + 3u] = mass_center.z;
+    }
+    if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
+        for (int w = 0; w < plane_words; ++w)
+            for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {
+                const int plane = 32 * w + findLSB(rest);
+                const int id = plane_id[plane];
+                if (id < 0 && push.walls == 0u) continue;
+                if (want_geometry == 2u) areas[length * push.row_stride + slot] = not_negative(area[plane]);
+                rows[length * push.row_stride + slot] = id < 0 ? id : int(seed_input[id]);
+                ++length;
+            }
+    }
+    if (loops_were_cut_short(2u + (push.cell_count >> 31))) {
+        status = STATUS_NEEDS_EXACT;
+        length = 0u;
+    }
+    const bool certified = status == STATUS_CERTIFIED;
+    info[cell] = status | (certified ? (faces << INFO_FACES_SHIFT) | (uint(vertex_count) << INFO_VERTICES_SHIFT) |
+                                           (exponent << INFO_EXPONENT_SHIFT)
+                                     : 0u);
+    row_length[cell] = length;
+    row_place[cell] = tier == 0u ? slot : slot | SECOND_TIER_BIT;
+    if (tier == 0u && !certified && status != STATUS_DUPLICATE && status != STATUS_OUTSIDE) {
+        const uint place = atomicAdd(chunk.todo_count, 1u);
+        if (place < push.todo_capacity) todo[place] = cell;
+    }
+}
+
+void main() {
+    const uint slot = linear_invocation();
+    uint cell = slot;
+    if (tier == 0u) {
+        if (slot >= push.cell_count) return;
+    } else {
+        if (slot >= min(chunk.todo_count, push.todo_capacity)) return;
+        cell = todo[slot];
+    }
+    const uint self = push.first_cell + cell;
+    px = seeds_x[self];
+    py = seeds_y[self];
+    pz = seeds_z[self];
+    if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
+        status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;
+        finish(slot, cell, 0u);
+        return;
+    }
+
+    const uint column = list_of_todo != 0u ? slot : cell;
+    const ListInfo found = list_info[column];
+    const uint count = found.lengths & 0xffffu, unsorted = found.lengths >> 16;
+    uint exponent = COORDINATE_BITS - 1;
+    if (count > 0u) {
+        float nearest = UNBOUNDED;  // but for the width of a bucket
+        for (uint i = 0u; i < max(unsorted, 1u); ++i) {
+            const uint q = list[i * push.list_stride + column];
+            nearest = min(nearest, max(abs(rough_difference(seeds_x[q], px)),
+                                       max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz)))));
+        }
+        exponent = nearest >= 1.0 ? (floatBitsToUint(nearest) >> 23) - 127u : 0u;
+    }
+    scale = uintBitsToFloat((127u - exponent) << 23);
+    quantum = state.lossy != 0u ? real(2.0 * scale) : real(0);
+    if (state.incomplete != 0u) {
+        status = STATUS_CANDIDATES_EXHAUSTED;
+    } else if (exponent < SMALLEST_CELL_EXPONENT) {
+        status = STATUS_NEEDS_EXACT;
+    } else {
+        start_cell(real[6](real(difference(px, uvec2(0))), difference(push.extent[0], px), difference(py, uvec2(0)),
+                           difference(push.extent[1], py), difference(pz, uvec2(0)), difference(push.extent[2], pz)));
+        if (status == STATUS_CERTIFIED && !clip_by_list(column, count, unsorted, found.reach)) {
+            if (tier == 0u)
+                status = STATUS_CANDIDATES_EXHAUSTED;
+            else
+                clip_by_walk(self, found.reach, found.bound);
+        }
+    }
+    finish(slot, cell, exponent);
+}

@@ -1,0 +1,235 @@
+// knn and clip in one, for the first tier: a subgroup makes a cell. Its lanes search the hierarchy side by side, hold
+// the cell's vertices in registers, test planes and make new vertices side by side; planes and candidates are in shared
+// memory. There is no list: the search goes on outwards where the security radius has not been reached. A cell that
+// cannot be proven gets the status that says why and is left to the second tier.
+//
+// Subgroups do not wait for each other. What is read from push constants, shared memory by one index or a subgroup's
+// vote is the same in all its lanes; branches on it are uniform, all others contain no subgroup operation.
+//
+// Variants: as of clip_cells, and as of shared/subgroup.glsl.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#ifndef LANES_OF_WORK_GROUP
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#endif
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
+layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
+layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e-8;
+layout(constant_id = CONSTANT_LANES) const int lanes = 32;
+layout(constant_id = CONSTANT_SUBGROUPS) const int subgroups = 2;
+layout(constant_id = CONSTANT_FIRST_COUNT) const int first_count = 48;
+layout(constant_id = CONSTANT_LOCKSTEP) const bool lockstep = false;
+layout(push_constant) uniform Push { CellsPush push; };
+#include "search/node.glsl"
+layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
+layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
+layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
+layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three a Node: fewer loads
+layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
+layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
+layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
+layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
+layout(std430, binding = BINDING_TODO) writeonly buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
+#include "numbers/real.glsl"
+#include "numbers/number.glsl"
+layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
+layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
+
+// Of each subgroup of the work-group one after the other.
+shared uint candidate_key[SUBGROUP_STORE * subgroups];  // squared distance, in its last bits the place here
+shared uint candidate_seed[SUBGROUP_STORE * subgroups];
+shared uint scratch[SUBGROUP_SCRATCH * subgroups];
+
+uint self;  // sorted seed
+uint status;
+
+#include "numbers/int64.glsl"
+#include "shared/linear.glsl"
+#include "shared/loop_guard.glsl"
+#include "shared/subgroup.glsl"
+#include "clip/relative.glsl"
+#include "clip/filter.glsl"
+#include "search/reach.glsl"
+#include "search/subgroup_search.glsl"
+#include "clip/subgroup_cell.glsl"
+#include "measure/corner.glsl"
+#include "measure/subgroup_geometry.glsl"
+
+// Without a vote: where subgroups are not what this was made for, too.
+void leave(uint cell) {
+    info[cell] = status;
+    row_length[cell] = 0u;
+    row_place[cell] = cell;
+    if (status == STATUS_DUPLICATE || status == STATUS_OUTSIDE) return;
+    const uint place = atomicAdd(chunk.todo_count, 1u);
+    if (place < push.todo_capacity) todo[place] = cell;
+}
+
+// Clips by the candidates in the store, nearest first, up to the security radius.
+void clip_by_candidates() {
+    prepare_cuts();
+    for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
+        const uint end = min(candidate_count - first, uint(lanes));
+        bool too_near = false;
+        if (lane < end) {
+            const uint q = candidate_at(first + lane);
+            const Plane p = bisector(difference(seeds_x[q], px), difference(seeds_y[q], py), difference(seeds_z[q], pz));
+            too_near = is_too_near(p);
+            prepare_test(p);
+        }
+        share();
+        if (any_lane(too_near)) {
+            status = STATUS_NEEDS_EXACT;
+            return;
+        }
+        for (uint i = 0u; i < end; ++i) {
+            const Plane p = plane_to_test(i);
+            // No order within what distances err by, 1e-6 or 1.4e-5 (search/reach.glsl), of two seeds, and the seven bits
+            // that the keys lack, 1.6e-5.
+            if (real(2) * p.h * real(0.9998) >= security) return;
+            if (test_plane(p)) cut(p, int(candidate_at(first + i)));
+            if (status != STATUS_CERTIFIED) return;
+        }
+        share();
+    }
+}
+
+// The cell's unit of length, from its nearest neighbor; false when the search was too coarse to tell.
+bool find_unit(out uint exponent) {
+    exponent = COORDINATE_BITS - 1;
+    if (candidate_count > 0u) {
+        const float nearest = distance_at(0u);
+        if (coarse && nearest < coarse_order_from) return false;
+        exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
+    }
+    scale = uintBitsToFloat((127u - exponent) << 23);
+    quantum = state.lossy != 0u ? real(2.0 * scale) : real(0);
+    return true;
+}
+
+// Searches and clips in turn, outwards, until all seeds within the security radius were seen or none is left that can
+// cut the cell. Returns the exponent of the unit of length.
+uint make_cell() {
+    uint exponent = 0u;
+    bool started = false;
+    const float bound = distance_to_bounds(px, py, pz);
+    begin_search();
+    for (uint searches = 0u; searches < SUBGROUP_SEARCHES; ++searches) {
+        if (!search()) {
+            if (status != STATUS_CERTIFIED) return exponent;
+            continue;  // too many; the next search is shorter
+        }
+        sort_candidates();
+        if (!started && (candidate_count > 0u || done >= UNBOUNDED)) {
+            if (!find_unit(exponent)) {
+                search_again_finely();
+                continue;
+            }
+            started = true;
+            if (exponent < SMALLEST_CELL_EXPONENT) status = STATUS_NEEDS_EXACT;
+            if (status == STATUS_CERTIFIED) start_cell();
+            if (status != STATUS_CERTIFIED) return exponent;
+        }
+        if (candidate_count > 0u) clip_by_candidates();
+        if (status != STATUS_CERTIFIED) return exponent;
+        const float known = min(done >= UNBOUNDED ? UNBOUNDED : done * reach_slack, bound);
+        if (known >= UNBOUNDED) return exponent;
+        float needed = UNBOUNDED;
+        if (started) {
+            if (is_secure(real(known * scale * scale), security)) return exponent;
+            needed = min(float(security) / (scale * scale) * 1.001, UNBOUNDED);
+            vec3 down, up;
+            measure_reach(down, up);
+            set_reach(down / scale, up / scale);
+        }
+        if (known >= bound) break;
+        search_on(needed);
+    }
+    status = STATUS_CANDIDATES_EXHAUSTED;
+    return exponent;
+}
+
+// Rows and areas: a lane has a face.
+uint write_row(uint cell, uint used) {
+    uint length = 0u;
+    for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes)) {
+        const uint p = first + lane;
+        const int id = p < SUBGROUP_PLANES ? id_of(p) : 0;
+        const bool listed = p < SUBGROUP_PLANES && ((used >> p) & 1u) != 0u && (id >= 0 || push.walls != 0u);
+        uint count;
+        const uint at = (length + rank_among(listed, count)) * push.row_stride + cell;
+        if (listed) {
+            rows[at] = id < 0 ? id : int(seed_input[id]);
+            if (want_geometry == 2u) areas[at] = not_negative(area_of(p));
+        }
+        length += count;
+    }
+    return length;
+}
+
+void finish(uint cell, uint exponent) {
+    uint used = 0u, faces = 0u, vertices = 0u, length = 0u;
+    share();
+    if (status == STATUS_CERTIFIED) {
+        used = planes_in_use();
+        faces = uint(bitCount(used));
+        vertices = sum(uint(bitCount(alive)));
+        if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
+    }
+    if (want_geometry != 0u && status == STATUS_CERTIFIED) {
+        measure_cell(used, vertices);
+        if (any_lane(!is_measured(push.volume_tolerance))) status = STATUS_NEEDS_EXACT;
+        if (lane == 0u) geometry[4u * cell] = volume;
+        if (lane == 1u) geometry[4u * cell + 1u] = mass_center.x;
+        if (lane == 2u) geometry[4u * cell + 2u] = mass_center.y;
+        if (lane == 3u) geometry[4u * cell + 3u] = mass_center.z;
+    }
+    if (push.neighbors != 0u && status == STATUS_CERTIFIED) length = write_row(cell, used);
+    if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_NEEDS_EXACT;
+    if (lane != 0u) return;
+    if (status != STATUS_CERTIFIED) {
+        leave(cell);
+        return;
+    }
+    info[cell] = status | (faces << INFO_FACES_SHIFT) | (vertices << INFO_VERTICES_SHIFT) |
+                 (exponent << INFO_EXPONENT_SHIFT);
+    row_length[cell] = length;
+    row_place[cell] = cell;
+}
+
+void main() {
+    const uint first = linear_group() * uint(subgroups);
+    status = STATUS_CERTIFIED;
+    if (!enter_subgroup()) {
+        status = STATUS_CANDIDATES_EXHAUSTED;
+        const uint cell = first + gl_LocalInvocationID.x;
+        if (gl_LocalInvocationID.x < uint(subgroups) && cell < push.cell_count) leave(cell);
+        return;
+    }
+    const uint cell = first + SUBGROUP;
+    if (cell >= push.cell_count) return;
+    self = push.first_cell + cell;
+    px = seeds_x[self];
+    py = seeds_y[self];
+    pz = seeds_z[self];
+    uint exponent = 0u;
+    if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count)
+        status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;
+    else if (state.incomplete != 0u)
+        status = STATUS_CANDIDATES_EXHAUSTED;
+    else
+        exponent = make_cell();
+    finish(cell, exponent);
+}

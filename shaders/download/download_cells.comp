@@ -1,0 +1,76 @@
+// download: what a frame tells about each cell, in input order, and its counts.
+//
+// Variant: GEOMETRY_FLOAT64, as that of the pass that measured.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { FramePush push; };
+layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
+layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
+layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
+#include "numbers/number.glsl"
+layout(std430, binding = BINDING_GEOMETRY) readonly buffer Geometry { Number geometry[]; };
+layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
+layout(std430, binding = BINDING_CELLS) writeonly buffer Cells { FrameCell cells[]; };
+layout(std430, binding = BINDING_GEOMETRY_OUT) writeonly buffer GeometryOut { vec4 geometry_out[]; };
+
+#include "shared/linear.glsl"
+#include "download/rows.glsl"
+
+// Of the work-group, which adds them to the header at once.
+shared uint certified, unresolved, duplicates, outside, faces_of_all;
+
+void main() {
+    const bool leads = gl_LocalInvocationIndex == 0u;
+    if (leads) certified = unresolved = duplicates = outside = faces_of_all = 0u;
+    barrier();
+    const uint cell = linear_invocation();
+    const uint seed = cell < push.cell_count ? seed_input[push.first_cell + cell] & INDEX_MASK : push.own_count;
+    if (seed < push.own_count) {
+        const uint word = info[cell];
+        uint status = word & 0xffu, begin = 0u, length = 0u;
+        if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
+            length = row_length[cell];
+            begin = chunk.row_base + row_offsets[cell];
+            if (!row_fits(chunk.row_base, row_offsets[cell], length, push.capacity)) {
+                status = STATUS_CANDIDATES_EXHAUSTED;
+                begin = length = 0u;
+            }
+        }
+        const bool done = status == STATUS_CERTIFIED;
+        const uint faces = done ? (word >> INFO_FACES_SHIFT) & 0xffu : 0u;
+        cells[seed] = FrameCell(status, begin, length, faces);
+        if (push.geometry != 0u) {
+            const int exponent = int(word >> INFO_EXPONENT_SHIFT) - push.shift;
+            vec4 g = vec4(0);
+            if (done)
+                g = vec4(rounded(geometry[4u * cell + 1u]), rounded(geometry[4u * cell + 2u]),
+                         rounded(geometry[4u * cell + 3u]), rounded(geometry[4u * cell]));
+            // The volume in steps: devices may flush a power of two below float32's range.
+            g.w = ldexp(ldexp(g.w, exponent), exponent);
+            geometry_out[seed] = ldexp(g, ivec4(exponent));
+        }
+        if (done) {
+            atomicAdd(certified, 1u);
+            atomicAdd(faces_of_all, faces);
+        } else if (status == STATUS_DUPLICATE) {
+            atomicAdd(duplicates, 1u);
+        } else if (status == STATUS_OUTSIDE) {
+            atomicAdd(outside, 1u);
+        } else {
+            atomicAdd(unresolved, 1u);
+        }
+    }
+    barrier();
+    if (!leads) return;
+    if (certified > 0u) atomicAdd(header.certified, certified);
+    if (unresolved > 0u) atomicAdd(header.unresolved, unresolved);
+    if (duplicates > 0u) atomicAdd(header.duplicates, duplicates);
+    if (outside > 0u) atomicAdd(header.outside, outside);
+    if (faces_of_all > 0u) atomicAdd(header.faces, faces_of_all);
+}

@@ -1,0 +1,128 @@
+// Volume, centroid and areas of the faces of a finished cell, from its planes and vertices alone. Feet of the seed on a
+// face's plane (r_a = foot_a n_a) and on an edge's line (r_ab) split the cell into tetrahedra (seed, r_a, r_ab, X),
+// signed, two for each edge (a,b) of a vertex X. With t = n_a x n_b and
+//     r_ab = alpha n_a + beta n_b,
+//     alpha = (h_a |n_b|^2 - h_b n_a.n_b) / |t|^2,  beta = (h_b |n_a|^2 - h_a n_a.n_b) / |t|^2,
+// these two together have
+//     6 V = (foot_a beta + foot_b alpha) X.t ,
+// and add beta X.t / (2 |n_a|) to the area of face a, alpha X.t / (2 |n_b|) to that of b.
+//
+// R the farthest vertex, u the unit roundoff: alpha |n_a| <= R / sin(a,b) is right to 41u R / sin^2, X.t to
+// |n_a||n_b| (sin |x - X| + 9u R), X to u R (51 condition + 6) as in clip/filter.glsl; so 6 V of an edge is right to
+//     u R^3 (100 / sin^2(a,b) + 102 condition + 50) ,
+// the last for its sum with all others. The areas are right to volume_error 3 / R altogether: relative to the surface
+// that is better than the volume, which is at most surface R / 3.
+//
+// Needs want_geometry, quantum, plane_of, numbers/number.glsl and clip/relative.glsl.
+
+struct ExactPlane {
+    Vector n;
+    Number foot;  // n.x = foot |n|^2; of bisectors 1/2
+};
+
+ExactPlane exact_wall(uint i) {
+    const Number zero = number(0.0), side = number((i & 1u) != 0u ? 1.0 : -1.0);
+    const uint axis = i / 2u;
+    const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
+    return ExactPlane(Vector(axis == 0u ? side : zero, axis == 1u ? side : zero, axis == 2u ? side : zero),
+                      (i & 1u) != 0u ? exact_difference(push.extent[axis], p) : exact_difference(p, uvec2(0)));
+}
+
+ExactPlane exact_bisector(uint q) {
+    return ExactPlane(Vector(exact_difference(seeds_x[q], px), exact_difference(seeds_y[q], py),
+                             exact_difference(seeds_z[q], pz)),
+                      number(0.5));
+}
+
+struct Moments {
+    Number sum;             // six volumes
+    Vector first;           // and 24 times their centroids
+    float error, farthest;  // error in u R^3; farthest: squared
+};
+
+Number volume;
+Vector mass_center;
+float volume_error;
+bool is_in_range;
+
+Moments no_moments() {
+    const Number zero = number(0.0);
+    return Moments(zero, Vector(zero, zero, zero), 0.0, 0.0);
+}
+
+// Of the cell that is measured; defined where the planes are kept.
+ExactPlane exact_plane_at(uint plane);
+
+// The vertex of three planes.
+Vector exact_vertex(ExactPlane a, ExactPlane b, ExactPlane c, inout Moments all) {
+    const Vector ab = cross(a.n, b.n), bc = cross(b.n, c.n), ca = cross(c.n, a.n);
+    const Number square_a = dot(a.n, a.n), square_b = dot(b.n, b.n), square_c = dot(c.n, c.n);
+    const Number inverse_det = reciprocal(dot(a.n, bc));
+    const Vector sum = plus(plus(times(bc, times(a.foot, square_a)), times(ca, times(b.foot, square_b))),
+                            times(ab, times(c.foot, square_c)));
+    const Vector vertex = times(sum, inverse_det);
+    const vec3 near_vertex = vec3(rounded(vertex.x), rounded(vertex.y), rounded(vertex.z));
+    all.farthest = max(all.farthest, dot(near_vertex, near_vertex));
+    const float norms = sqrt(rounded(square_a)) * sqrt(rounded(square_b)) * sqrt(rounded(square_c));
+    all.error += 306.0 * (norms * rounded(inverse_det)) + 150.0;
+    return vertex;
+}
+
+// Adds the two tetrahedra of a vertex on its edge of planes a and b, and what they add to the areas of the two faces.
+void add_edge(ExactPlane a, ExactPlane b, Vector vertex, inout Moments all, inout Number area_a, inout Number area_b) {
+    const Vector t = cross(a.n, b.n);
+    const Number square_a = dot(a.n, a.n), square_b = dot(b.n, b.n), both = dot(a.n, b.n);
+    const Number h_a = times(a.foot, square_a), h_b = times(b.foot, square_b);
+    const Number over = reciprocal(dot(t, t)), along = dot(vertex, t);
+    const Number alpha = times(minus(times(h_a, square_b), times(h_b, both)), over);
+    const Number beta = times(minus(times(h_b, square_a), times(h_a, both)), over);
+    const Number on_a = times(beta, along), on_b = times(alpha, along);  // areas, twice, and times |n|
+    const Number part_a = times(a.foot, on_a), part_b = times(b.foot, on_b);
+    const Number part = plus(part_a, part_b);
+    all.sum = plus(all.sum, part);
+    // The sum of the corners r_a or r_b, r_ab and X, in terms of n_a, n_b and X.
+    all.first = plus(all.first, times(vertex, part));
+    all.first = plus(all.first, times(a.n, plus(times(part, alpha), times(part_a, a.foot))));
+    all.first = plus(all.first, times(b.n, plus(times(part, beta), times(part_b, b.foot))));
+    all.error += 100.0 * rounded(square_a) * rounded(square_b) * rounded(over);
+    if (want_geometry != 2u) return;
+    area_a = plus(area_a, times(on_a, reciprocal(times(root(square_a), number(2.0)))));
+    area_b = plus(area_b, times(on_b, reciprocal(times(root(square_b), number(2.0)))));
+}
+
+// Adds the tetrahedra of the vertex of three planes, of 8 bits each. areas: what it adds to the areas of their faces.
+// The loop is not unrolled: of all that is measured it needs the most registers.
+void add_corner(uint planes, inout Moments all, out Number areas[3]) {
+    const Vector vertex = exact_vertex(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)),
+                                       exact_plane_at(plane_of(planes, 2)), all);
+    Number area_a = number(0.0), area_b = number(0.0), area_c = number(0.0);
+    [[dont_unroll]] for (int k = 0; k < 3; ++k) {
+        add_edge(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)), vertex, all, area_a, area_b);
+        // The next edge; after three all is where it was.
+        planes = plane_of(planes, 1) | (plane_of(planes, 2) << 8) | (plane_of(planes, 0) << 16);
+        const Number first = area_a;
+        area_a = area_b;
+        area_b = area_c;
+        area_c = first;
+    }
+    areas = Number[3](area_a, area_b, area_c);
+}
+
+void conclude(Moments all) {
+    volume = times(all.sum, reciprocal(number(6.0)));
+    // A tetrahedron's centroid is a quarter of the sum of its corners.
+    mass_center = times(all.first, times(reciprocal(all.sum), number(0.25)));
+    const float radius = sqrt(all.farthest);
+    is_in_range = all.farthest < farthest_of_range;
+    // Some more than the bound, for the roundings in it.
+    volume_error = (number_unit + 8.0 * float(quantum)) * all.error * radius * radius * radius * 0.334;
+}
+
+// Areas of faces of next to no size may come out below zero.
+Number not_negative(Number area) {
+    return rounded(area) < 0.0 ? number(0.0) : area;
+}
+
+bool is_measured(float tolerance) {
+    return volume_error <= tolerance * rounded(volume) && is_in_range;
+}

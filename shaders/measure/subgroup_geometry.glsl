@@ -1,0 +1,93 @@
+// Measures a cell of a subgroup: a lane measures at its vertices, and the sums are over all lanes. The store of
+// candidates, which is not needed any more, takes the planes in the precision of geometry.
+//
+// Needs what clip/subgroup_cell.glsl, measure/corner.glsl and lib/relative.glsl define.
+
+// A number takes two words, SUBGROUP_PLANES apart.
+#define PUT_NUMBER(array, i, number)                              \
+    {                                                             \
+        const uvec2 words = words_of(number);                     \
+        array[SUBGROUP_STORE * SUBGROUP + (i)] = words.x;         \
+        array[SUBGROUP_STORE * SUBGROUP + (i) + 32] = words.y;    \
+    }
+#define GET_NUMBER(array, i)                                      \
+    of_words(uvec2(array[SUBGROUP_STORE * SUBGROUP + (i)],        \
+                   array[SUBGROUP_STORE * SUBGROUP + (i) + 32]))
+
+#define VERTEX_LIST(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
+const int planes_of_lane = (SUBGROUP_PLANES + lanes - 1) / lanes;
+
+void share_exact_planes(uint used) {
+    share();
+    for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes)) {
+        if (((used >> p) & 1u) == 0u) continue;
+        const int id = id_of(p);
+        ExactPlane plane;
+        if (id < 0)
+            plane = exact_wall(uint(-1 - id));
+        else
+            plane = exact_bisector(uint(id));
+        PUT_NUMBER(candidate_key, p, plane.n.x)
+        PUT_NUMBER(candidate_key, p + 64u, plane.n.y)
+        PUT_NUMBER(candidate_seed, p, plane.n.z)
+        PUT_NUMBER(candidate_seed, p + 64u, plane.foot)
+    }
+    share();
+}
+
+ExactPlane exact_plane_at(uint p) {
+    return ExactPlane(Vector(GET_NUMBER(candidate_key, p), GET_NUMBER(candidate_key, p + 64u),
+                             GET_NUMBER(candidate_seed, p)),
+                      GET_NUMBER(candidate_seed, p + 64u));
+}
+
+Number area_of(uint plane) {
+    return GET_NUMBER(candidate_key, plane);
+}
+
+// Afterwards the areas take the place of the planes.
+void measure_cell(uint used, uint vertices) {
+    share_exact_planes(used);
+    uint listed = 0u;
+    [[unroll]] for (int s = 0; s < slots; ++s) {
+        const bool is_alive = (alive & (1u << s)) != 0u;
+        uint count;
+        const uint at = listed + rank_among(is_alive, count);
+        if (is_alive) VERTEX_LIST(at) = vertex_planes[s];
+        listed += count;
+    }
+    share();
+    Moments all = no_moments();
+    Number areas_of_lane[planes_of_lane];
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) areas_of_lane[i] = number(0.0);
+    for (uint first = 0u; first < vertices; first += uint(lanes)) {
+        Number parts[3];
+        uint planes = 0xffffffu;  // none
+        if (first + lane < vertices) {
+            planes = VERTEX_LIST(first + lane);
+            add_corner(planes, all, parts);
+        }
+        if (want_geometry != 2u) continue;
+        for (uint rest = used; rest != 0u; rest &= rest - 1u) {
+            const uint p = uint(findLSB(rest));
+            Number mine = number(0.0);
+            for (int k = 0; k < 3; ++k)
+                if (plane_of(planes, k) == p) mine = parts[k];
+            const Number area = sum(mine);
+            [[unroll]] for (int i = 0; i < planes_of_lane; ++i)
+                if (p == uint(i * lanes) + lane) areas_of_lane[i] = plus(areas_of_lane[i], area);
+        }
+    }
+    all.sum = sum(all.sum);
+    all.first = Vector(sum(all.first.x), sum(all.first.y), sum(all.first.z));
+    all.error = sum(all.error);
+    all.farthest = largest(all.farthest);
+    conclude(all);
+    if (want_geometry != 2u) return;
+    share();
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
+        const uint p = uint(i * lanes) + lane;
+        if (p < SUBGROUP_PLANES) PUT_NUMBER(candidate_key, p, areas_of_lane[i])
+    }
+    share();
+}

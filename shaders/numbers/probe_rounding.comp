@@ -1,0 +1,30 @@
+// Sums, products, conversions, quotients and roots of given numbers, for the host to see how the device rounds. FLOAT64: in float64.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { ScanPush push; };
+#ifdef FLOAT64
+#define real double
+#else
+#define real float
+#endif
+layout(std430, binding = BINDING_RAW) readonly buffer Operands { real operands[]; };
+layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Results { real results[]; };
+
+#include "shared/linear.glsl"
+
+void main() {
+    const uint i = linear_invocation();
+    if (i >= push.count) return;
+    const real a = operands[2u * i], b = operands[2u * i + 1u];
+    precise const real sum = a + b, product = a * b;
+    precise const real quotient = a / b, side = sqrt(abs(a));
+    results[5u * i] = sum;
+    results[5u * i + 1u] = product;
+    results[5u * i + 2u] = real(0x01000001u + 2u * i);
+    results[5u * i + 3u] = quotient;
+    results[5u * i + 4u] = side;
+}

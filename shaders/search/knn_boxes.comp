@@ -1,0 +1,46 @@
+// knn: one level of the hierarchy, from the seeds or from the level below.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { BoxesPush push; };
+#include "numbers/int64.glsl"
+#include "shared/linear.glsl"
+#include "search/node.glsl"
+layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
+layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
+layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
+layout(std430, binding = BINDING_NODES) buffer Nodes { Node nodes[]; };
+
+void main() {
+    const uint node = linear_invocation();
+    if (node >= push.count) return;
+    Node box;
+    for (int axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = uvec2(NO_COORDINATE);
+        box.upper[axis] = uvec2(0);
+    }
+    if (push.level == 0u) {
+        const uint end = min(push.seed_count, (node + 1u) * GROUP_SEEDS);
+        for (uint seed = node * GROUP_SEEDS; seed < end; ++seed) {
+            const uvec2 p[3] = {seeds_x[seed], seeds_y[seed], seeds_z[seed]};
+            if (p[0].y == NO_COORDINATE) continue;
+            for (int axis = 0; axis < 3; ++axis) {
+                box.lower[axis] = min64(box.lower[axis], p[axis]);
+                box.upper[axis] = max64(box.upper[axis], p[axis]);
+            }
+        }
+    } else {
+        const uint end = min(push.below_count, (node + 1u) * FAN);
+        for (uint child = node * FAN; child < end; ++child) {
+            const Node c = nodes[push.below_first + child];
+            for (int axis = 0; axis < 3; ++axis) {
+                box.lower[axis] = min64(box.lower[axis], c.lower[axis]);
+                box.upper[axis] = max64(box.upper[axis], c.upper[axis]);
+            }
+        }
+    }
+    nodes[push.first + node] = box;
+}

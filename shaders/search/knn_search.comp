@@ -1,0 +1,229 @@
+// knn: the nearest seeds of each cell's seed, nearest first, and the distance up to which the list is complete.
+//
+// The search climbs from the seed's own group towards the root and descends into every box that is nearer than the
+// farthest neighbor of interest; sorted along a Hilbert curve, what is near comes early. Neighbors are collected as
+// they come. When the store is full, the farther half is forgotten. In the end they are sorted by distance into
+// buckets a sixteenth of an octave wide; within a bucket the order is free. The first bucket takes whatever is nearer.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(constant_id = CONSTANT_K) const int k = 64;
+layout(constant_id = CONSTANT_OF_TODO) const uint of_todo = 0u;
+layout(push_constant) uniform Push { KnnPush push; };
+#include "search/hierarchy.glsl"
+#include "numbers/int64.glsl"
+#include "shared/linear.glsl"
+#include "shared/loop_guard.glsl"
+#include "search/node.glsl"
+#include "search/reach.glsl"
+layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
+layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
+layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
+layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
+layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
+layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInfo list_info[]; };
+
+#define BUCKET_OF(d) (max(int((floatBitsToUint(d) >> BUCKET_SHIFT) - lowest_bucket), 0))
+
+const int store = 2 * k;
+const int buckets = 64;
+
+uint self;
+uvec2 px, py, pz;
+int size = 0;
+float distances[store];
+uint indices[store];
+float worst = UNBOUNDED;  // all seeds nearer than this, of those visited, are in the store
+bool truncated = false;
+bool coarse;  // high words are enough
+uint visits = 0u;
+
+int counts[buckets];
+int places[buckets];  // apart from counts: llvmpipe (Mesa 22.3) mixed up reads and writes of one element in one step
+uint lowest_bucket;
+
+float farthest_in_store() {
+    float farthest = 0.0;
+    for (int i = 0; i < size; ++i) farthest = max(farthest, distances[i]);
+    return farthest;
+}
+
+// Neighbors by bucket, up to the farthest.
+void count_by_bucket() {
+    const float farthest = farthest_in_store();
+    lowest_bucket = (max(floatBitsToUint(farthest), 64u << BUCKET_SHIFT) >> BUCKET_SHIFT) - uint(buckets - 1);
+    for (int b = 0; b < buckets; ++b) counts[b] = 0;
+    for (int i = 0; i < size; ++i) ++counts[BUCKET_OF(distances[i])];
+}
+
+// The squared distance at which the bucket after b begins.
+float bucket_end(int b) {
+    return uintBitsToFloat((lowest_bucket + uint(b) + 1u) << BUCKET_SHIFT);
+}
+
+// Keeps the nearest k, and those in the same bucket.
+void forget_far_ones() {
+    count_by_bucket();
+    int kept = 0, b = 0;
+    for (; b < buckets && kept < k; ++b) kept += counts[b];
+    worst = bucket_end(b - 1);
+    kept = 0;
+    for (int i = 0; i < size; ++i) {
+        const float d = distances[i];
+        if (d < worst) {
+            indices[kept] = indices[i];
+            distances[kept++] = d;
+        }
+    }
+    size = kept;
+    if (size == store) {  // all alike
+        truncated = true;
+        worst = 0.0;
+    }
+}
+
+void visit_group(uint group) {
+    const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
+    for (uint seed = group * GROUP_SEEDS; seed < end; ++seed) {
+        const uint high = seeds_x[seed].y;
+        if (seed == self || high == NO_COORDINATE) continue;
+        float dx, dy, dz;
+        if (coarse) {
+            dx = coarse_offset(high, px.y);
+            dy = coarse_offset(seeds_y[seed].y, py.y);
+            dz = coarse_offset(seeds_z[seed].y, pz.y);
+        } else {
+            dx = rough_difference(seeds_x[seed], px);
+            dy = rough_difference(seeds_y[seed], py);
+            dz = rough_difference(seeds_z[seed], pz);
+        }
+        const float d = dx * dx + dy * dy + dz * dz;
+        if (!(d < worst)) continue;
+        distances[size] = d;
+        indices[size++] = seed;
+        if (size == store) forget_far_ones();
+    }
+}
+
+bool is_near(uint level, uint node) {
+    const uint n = push.level_first[level] + node;
+    if (nodes[n].lower[0].y == NO_COORDINATE) return false;
+    float dx, dy, dz;
+    if (coarse) {
+        dx = coarse_gap(px.y, nodes[n].lower[0].y, nodes[n].upper[0].y);
+        dy = coarse_gap(py.y, nodes[n].lower[1].y, nodes[n].upper[1].y);
+        dz = coarse_gap(pz.y, nodes[n].lower[2].y, nodes[n].upper[2].y);
+    } else {
+        dx = gap(px, nodes[n].lower[0], nodes[n].upper[0]);
+        dy = gap(py, nodes[n].lower[1], nodes[n].upper[1]);
+        dz = gap(pz, nodes[n].lower[2], nodes[n].upper[2]);
+    }
+    return (dx * dx + dy * dy + dz * dz) * box_slack < worst;
+}
+
+// Everything near below a node.
+void explore(uint root_level, uint root) {
+    Walk walk = Walk(root_level, root, root_level, root);
+    do {
+        if (++visits > push.most_visits) return;
+        while (is_near(walk.level, walk.node)) {
+            if (walk.level == 0u) {
+                visit_group(walk.node);
+                break;
+            }
+            descend(walk);
+            ++visits;
+        }
+    } while (advance(walk));
+}
+
+void search() {
+    uint node = self / GROUP_SEEDS;
+    visit_group(node);
+    for (uint level = 0u; level + 1u < push.level_count; ++level) {
+        const uint first = node & ~(FAN - 1u), end = min(first + FAN, nodes_of(level));
+        for (uint sibling = first; sibling < end; ++sibling)
+            if (sibling != node) explore(level, sibling);
+        node >>= FAN_BITS;
+    }
+}
+
+float expected_reach() {
+    return push.level_count < 3u ? UNBOUNDED
+                                 : expected_reach_in(nodes[push.level_first[1] + self / (GROUP_SEEDS * FAN)], k);
+}
+
+void main() {
+    const uint column = linear_invocation();
+    uint cell = column;
+    if (of_todo == 0u) {
+        if (column >= push.cell_count) return;
+    } else {
+        if (column >= min(chunk.todo_count, push.cell_count)) return;
+        cell = todo[column];
+    }
+    self = push.first_cell + cell;
+    px = seeds_x[self];
+    py = seeds_y[self];
+    pz = seeds_z[self];
+    if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
+        list_info[column] = ListInfo(0u, 0.0, 0.0);
+        return;
+    }
+
+    worst = expected_reach();
+    bool fine = false;
+    for (int attempt = 0; attempt < 4;) {
+        coarse = !fine && worst >= coarse_from;
+        size = 0;
+        search();
+        // High words were too rough: the radius shrank, or all there is lies nearer than it. The sorted buckets and the
+        // list's end are beyond a quarter of the farthest neighbor, where the order is certain again: see coarse_from.
+        if (coarse && min(worst, farthest_in_store()) < coarse_from) {
+            fine = true;
+            truncated = false;
+            worst = max(worst, coarse_from);
+            attempt = 0;
+            continue;
+        }
+        if (2 * size >= k || truncated) break;
+        ++attempt;
+        worst = attempt == 3 ? UNBOUNDED : 4.0 * worst;
+    }
+    truncated = truncated || visits > push.most_visits;
+
+    // Places in the list: buckets that fit into it whole.
+    count_by_bucket();
+    const int in_first_bucket = counts[0];
+    int listed = 0, fitting = 0;
+    for (; fitting < buckets; ++fitting) {
+        places[fitting] = listed;
+        listed += counts[fitting];
+        if (listed > k) {
+            listed = places[fitting];
+            break;
+        }
+    }
+    float reach = (fitting == buckets ? worst : (fitting == 0 ? 0.0 : bucket_end(fitting - 1))) * reach_slack;
+    if (worst >= UNBOUNDED && fitting == buckets) reach = UNBOUNDED;
+    for (int i = 0; i < size; ++i) {
+        const int b = BUCKET_OF(distances[i]);
+        if (b >= fitting) continue;
+        const int place = places[b];
+        list[uint(place) * push.stride + column] = indices[i];
+        places[b] = place + 1;
+    }
+    const float bound = distance_to_bounds(px, py, pz);
+    if (truncated) reach = 0.0;
+    if (loops_were_cut_short(2u + (push.seed_count >> 31))) {
+        reach = 0.0;
+        listed = 0;
+    }
+    list_info[column] = ListInfo(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), min(reach, bound), bound);
+}

@@ -1,0 +1,260 @@
+// The seeds around one, by a subgroup: all whose squared distance is at least `done` and below `next` and that can cut
+// the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the
+// seed's group and of all that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups
+// of seeds before boxes.
+//
+// The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
+// buckets taken by atomics would.
+//
+// Needs self, status, first_count, the shared arrays, and what shared/subgroup.glsl and search/reach.glsl define.
+
+float done, next;
+bool coarse;  // high words are enough
+uint candidate_count;
+uint visits;
+float nearest_beyond;  // of this lane: at most the squared distance of any seed left out for being too far
+// Bounds, relative to the seed, of all places whose seeds can cut the cell. Where a cell is long, most of its security
+// sphere lies beyond them.
+vec3 reach_lower, reach_upper;
+uint node_count, group_count;
+
+const uint lanes_each = FAN;  // of a box and of a group
+const uint side_by_side = uint(lanes) / lanes_each;
+const uint key_place_mask = SUBGROUP_STORE - 1u;
+
+#define STACKS(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
+#define NODE_STACK(i) STACKS(i)
+#define GROUP_STACK(i) STACKS(SUBGROUP_NODES + (i))
+// Not in the memory of cuts. When the store is sorted, the stacks are not needed any more.
+#define SORTED(i) STACKS(3u * SUBGROUP_PLANES + (i))
+#define LEVEL_FIRST(level) STACKS(3u * SUBGROUP_PLANES + SUBGROUP_STORE + (level))
+#define NODE_BITS 28
+
+Node node_at(uint n) {
+    const uvec4 a = node_words[3u * n], b = node_words[3u * n + 1u], c = node_words[3u * n + 2u];
+    return Node(uvec2[3](a.xy, a.zw, b.xy), uvec2[3](b.zw, c.xy, c.zw));
+}
+
+uint nodes_of(uint level) {
+    return ((push.seed_count - 1u) >> (FAN_BITS * (level + 1u))) + 1u;
+}
+
+// Candidate i of the sorted store, and about its squared distance.
+uint candidate_at(uint i) {
+    return candidate_seed[SUBGROUP_STORE * SUBGROUP + SORTED(i)];
+}
+
+float distance_at(uint i) {
+    return uintBitsToFloat(candidate_key[SUBGROUP_STORE * SUBGROUP + SORTED(i)] & ~key_place_mask);
+}
+
+void begin_search() {
+    done = 0.0;
+    visits = 0u;
+    for (uint level = lane; level < push.level_count; level += uint(lanes)) {
+        uint first = 0u;
+        for (uint below = 0u; below < level; ++below) first += nodes_of(below);
+        LEVEL_FIRST(level) = first;
+    }
+    share();
+    reach_lower = vec3(-UNBOUNDED);
+    reach_upper = vec3(UNBOUNDED);
+    next = UNBOUNDED;
+    if (push.level_count >= 3u)
+        next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count);
+    coarse = next >= coarse_from;
+}
+
+void search_again_finely() {
+    coarse = false;
+    done = 0.0;
+}
+
+// Bounds of the balls around vertices that go through the seed: lengths in units, along each axis, down and up. An
+// offset that is compared with them is right to 3 roundings of itself, 4e-7; by high words alone to 2^32 units more.
+void set_reach(vec3 down, vec3 up) {
+    const float slack = coarse ? 3.5e10 : 0.0;  // 2^35
+    reach_lower = -(down * 1.0001 + slack);
+    reach_upper = up * 1.0001 + slack;
+}
+
+// Outwards, at most to where no seed can cut the cell.
+void search_on(float needed) {
+    next = min(needed, done * (candidate_count < 16u ? 4.0 : 2.0));
+    if (!(next < UNBOUNDED)) next = UNBOUNDED;
+}
+
+vec3 coarse_offset_of(uvec2 x, uvec2 y, uvec2 z) {
+    return vec3(coarse_offset(x.y, px.y), coarse_offset(y.y, py.y), coarse_offset(z.y, pz.y));
+}
+
+vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
+    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
+}
+
+// The lanes do the same in what follows, without branches, whatever they find.
+
+// Whether a box may hold candidates.
+bool is_near(uint level, uint node) {
+    const Node box = node_at(LEVEL_FIRST(level) + node);
+    vec3 lower, upper;
+    if (coarse) {
+        lower = coarse_offset_of(box.lower[0], box.lower[1], box.lower[2]);
+        upper = coarse_offset_of(box.upper[0], box.upper[1], box.upper[2]);
+    } else {
+        lower = fine_offset_of(box.lower[0], box.lower[1], box.lower[2]);
+        upper = fine_offset_of(box.upper[0], box.upper[1], box.upper[2]);
+    }
+    const bool empty = box.lower[0].y == NO_COORDINATE;
+    const bool above = any(greaterThan(lower, reach_upper)), below = any(lessThan(upper, reach_lower));
+    const vec3 gap = max(max(lower, -upper), vec3(0.0));
+    const float d = dot(gap, gap) * box_slack;
+    const bool near = d < next, possible = !(empty || above || below);
+    nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
+    return possible && near;
+}
+
+// Whether a seed is a candidate, and its squared distance.
+bool is_candidate(uint seed, out float d) {
+    const uvec2 x = seeds_x[seed], y = seeds_y[seed], z = seeds_z[seed];
+    vec3 at;
+    if (coarse)
+        at = coarse_offset_of(x, y, z);
+    else
+        at = fine_offset_of(x, y, z);
+    // The same in every search of the cell, or one would see a seed twice or never.
+    precise const float square = at.x * at.x + at.y * at.y + at.z * at.z;
+    d = square;
+    const bool none = seed == self || x.y == NO_COORDINATE;
+    const bool above = any(greaterThan(at, reach_upper)), below = any(lessThan(at, reach_lower));
+    const bool possible = !(none || above || below), near = d < next;
+    nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
+    const bool fresh = d >= done;
+    return possible && near && fresh;
+}
+
+// Boxes that are near, one a lane at most; false when there are too many.
+bool push_near(bool near, uint level, uint node) {
+    const bool is_group = level == 0u;
+    uint groups, boxes;
+    const uint group_rank = group_count + rank_among(near && is_group, groups);
+    const uint box_rank = node_count + rank_among(near && !is_group, boxes);
+    if (node_count + boxes > SUBGROUP_NODES || group_count + groups > SUBGROUP_GROUPS) return false;
+    if (near) STACKS(is_group ? SUBGROUP_NODES + group_rank : box_rank) = (level << NODE_BITS) | node;
+    group_count += groups;
+    node_count += boxes;
+    share();
+    return true;
+}
+
+bool look_into_groups() {
+    const uint taken = min(group_count, side_by_side), which = lane / lanes_each;
+    group_count -= taken;
+    float d = 0.0;
+    uint seed = 0u;
+    bool candidate = false;
+    if (which < taken) {
+        seed = GROUP_STACK(group_count + which) * GROUP_SEEDS + lane % lanes_each;
+        candidate = seed < push.seed_count && is_candidate(seed, d);
+    }
+    uint count;
+    const uint place = candidate_count + rank_among(candidate, count);
+    if (candidate && place < SUBGROUP_STORE) {
+        candidate_key[SUBGROUP_STORE * SUBGROUP + place] = (floatBitsToUint(d) & ~key_place_mask) | place;
+        candidate_seed[SUBGROUP_STORE * SUBGROUP + place] = seed;
+    }
+    candidate_count = min(candidate_count + count, SUBGROUP_STORE + 1u);
+    return candidate_count <= SUBGROUP_STORE;
+}
+
+bool open_boxes() {
+    const uint taken = min(node_count, side_by_side), which = lane / lanes_each;
+    node_count -= taken;
+    visits += taken * FAN;
+    uint level = 0u, node = 0u;
+    bool near = false;
+    if (which < taken) {
+        const uint parent = NODE_STACK(node_count + which);
+        level = (parent >> NODE_BITS) - 1u;
+        node = (parent & ((1u << NODE_BITS) - 1u)) * FAN + lane % lanes_each;
+        near = node < nodes_of(level) && is_near(level, node);
+    }
+    share();  // read before it is written over
+    return push_near(near, level, node);
+}
+
+// False when a stack or the store is full.
+bool collect() {
+    const uint own = self / GROUP_SEEDS, steps = (push.level_count - 1u) * FAN;
+    visits += steps;
+    group_count = 1u;
+    share();  // the last cut may still read what lies there
+    if (lane == 0u) GROUP_STACK(0) = own;
+    share();
+    for (uint first = 0u; first < steps; first += uint(lanes)) {
+        const uint level = (first + lane) / FAN;
+        bool near = false;
+        uint node = 0u;
+        if (first + lane < steps) {
+            node = (own >> (FAN_BITS * (level + 1u))) * FAN + lane % FAN;
+            near = node != own >> (FAN_BITS * level) && node < nodes_of(level) && is_near(level, node);
+        }
+        if (!push_near(near, level, node)) return false;
+    }
+    while (group_count + node_count > 0u) {
+        const bool groups_first = group_count >= side_by_side || node_count == 0u;
+        if (groups_first ? !look_into_groups() : !open_boxes()) return false;
+        if (visits > push.most_visits) {
+            status = STATUS_CANDIDATES_EXHAUSTED;
+            return false;
+        }
+    }
+    return true;
+}
+
+// By distance: a key's place is the number of smaller ones.
+void sort_candidates() {
+    const uint base = SUBGROUP_STORE * SUBGROUP;
+    // Up to a multiple of four, for those that are read together.
+    const uint quads = (candidate_count + 3u) / 4u;
+    if (candidate_count + lane < 4u * quads) candidate_key[base + candidate_count + lane] = 0xffffffffu;
+    share();
+    for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
+        const uint own = min(first + lane, SUBGROUP_STORE - 1u), key = candidate_key[base + own];
+        uint place = 0u;
+        for (uint i = 0u; i < quads; ++i) {
+            const uint a = candidate_key[base + 4u * i], b = candidate_key[base + 4u * i + 1u],
+                       c = candidate_key[base + 4u * i + 2u], d = candidate_key[base + 4u * i + 3u];
+            place += uint(a < key) + uint(b < key) + uint(c < key) + uint(d < key);
+        }
+        if (first + lane < candidate_count) SORTED(place) = own;
+    }
+    share();
+}
+
+// False when the store does not hold them: then `next` is shorter, or the status tells why that is of no use.
+bool search() {
+    candidate_count = 0u;
+    node_count = 0u;
+    nearest_beyond = UNBOUNDED;
+    const bool complete = collect();
+    if (status != STATUS_CERTIFIED) return false;
+    if (complete) {
+        const float beyond = smallest(nearest_beyond);
+        done = beyond >= UNBOUNDED ? UNBOUNDED : max(next, beyond * reach_slack);
+        return true;
+    }
+    // Those found first are near.
+    candidate_count = min(candidate_count, SUBGROUP_STORE);
+    sort_candidates();
+    const float shorter =
+        candidate_count == 0u
+            ? 0.5 * (done + next)
+            : distance_at(candidate_count * uint(first_count) / 160u);
+    if (shorter > done && shorter < next)
+        next = shorter;
+    else
+        status = STATUS_CANDIDATES_EXHAUSTED;
+    if (done == 0.0) coarse = coarse && next >= coarse_from;
+    return false;
+}

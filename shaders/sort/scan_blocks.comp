@@ -1,0 +1,39 @@
+// Exclusive prefix sums inside blocks of TILE_ITEMS, in place, and each block's total.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { ScanPush push; };
+layout(std430, binding = BINDING_SCAN_DATA) buffer Data { uint data[]; };
+layout(std430, binding = BINDING_SCAN_SUMS) writeonly buffer Sums { uint block_sums[]; };
+
+#include "shared/linear.glsl"
+
+shared uint sums[TILE_GROUP];
+
+void main() {
+    const uint block = linear_group();
+    const uint me = gl_LocalInvocationID.x;
+    const uint first = block * TILE_ITEMS + me * TILE_ITEMS_EACH;
+    uint mine = 0u;
+    for (uint i = 0u; i < TILE_ITEMS_EACH; ++i)
+        if (first + i < push.count) mine += data[first + i];
+    sums[me] = mine;
+    barrier();
+    for (uint step = 1u; step < TILE_GROUP; step <<= 1) {
+        const uint before = me >= step ? sums[me - step] : 0u;
+        barrier();
+        sums[me] += before;
+        barrier();
+    }
+    uint sum = sums[me] - mine;
+    for (uint i = 0u; i < TILE_ITEMS_EACH; ++i) {
+        if (first + i >= push.count) break;
+        const uint value = data[first + i];
+        data[first + i] = sum;
+        sum += value;
+    }
+    if (me == TILE_GROUP - 1u && block * TILE_ITEMS < push.count) block_sums[block] = sums[me];
+}

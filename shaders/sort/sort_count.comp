@@ -1,0 +1,31 @@
+// sort: how often each digit occurs in each tile.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { SortPush push; };
+layout(std430, binding = BINDING_KEYS_IN) readonly buffer KeysIn { uvec2 keys_in[]; };
+layout(std430, binding = BINDING_SCAN_DATA) writeonly buffer Counts { uint counts[]; };
+
+#include "shared/linear.glsl"
+#include "sort/tile.glsl"
+
+shared uint totals[DIGITS];
+
+void main() {
+    const uint tile = linear_group();
+    const uint me = gl_LocalInvocationID.x;
+    if (me < DIGITS) totals[me] = 0u;
+    barrier();
+    if (tile < push.tiles) {
+        const uvec2 mine = count_digits(tile * TILE_ITEMS + me * TILE_ITEMS_EACH);
+        for (uint digit = 0u; digit < DIGITS; ++digit) {
+            const uint n = count_of(mine, digit);
+            if (n > 0u) atomicAdd(totals[digit], n);
+        }
+    }
+    barrier();
+    if (tile < push.tiles && me < DIGITS) counts[me * push.tiles + tile] = totals[me];
+}

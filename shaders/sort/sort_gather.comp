@@ -1,0 +1,54 @@
+// sort: coordinates in sorted order. Of equal points the one of lowest index stays; the others are marked, and put
+// where no search finds them.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { KeyPush push; };
+layout(std430, binding = BINDING_POINTS_X) readonly buffer PointsX { uvec2 points_x[]; };
+layout(std430, binding = BINDING_POINTS_Y) readonly buffer PointsY { uvec2 points_y[]; };
+layout(std430, binding = BINDING_POINTS_Z) readonly buffer PointsZ { uvec2 points_z[]; };
+layout(std430, binding = BINDING_KEYS_IN) readonly buffer Keys { uvec2 keys[]; };
+layout(std430, binding = BINDING_INDEX_IN) readonly buffer Index { uint index[]; };
+layout(std430, binding = BINDING_SEEDS_X) writeonly buffer SeedsX { uvec2 seeds_x[]; };
+layout(std430, binding = BINDING_SEEDS_Y) writeonly buffer SeedsY { uvec2 seeds_y[]; };
+layout(std430, binding = BINDING_SEEDS_Z) writeonly buffer SeedsZ { uvec2 seeds_z[]; };
+layout(std430, binding = BINDING_SEED_INPUT) writeonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
+
+#include "shared/linear.glsl"
+
+void main() {
+    const uint seed = linear_invocation();
+    if (seed >= push.count) return;
+    const uint point = index[seed];
+    uvec2 x = points_x[point], y = points_y[point], z = points_z[point];
+
+    // The sort is stable: among equal keys the indices ascend, and what equals this point lies before it.
+    bool duplicate = false;
+    const bool outside = x.y == NO_COORDINATE;
+    const uvec2 key = keys[seed];
+    for (uint back = 1u; back <= seed && !duplicate && !outside; ++back) {
+        if (keys[seed - back] != key) break;
+        if (back > MOST_LOOK_BACK) {
+            state.suspects = 1u;
+            break;
+        }
+        const uint other = index[seed - back];
+        duplicate = points_x[other] == x && points_y[other] == y && points_z[other] == z;
+    }
+    if (duplicate && (state.lossy & LOSSY_POINTS) != 0u) {  // equal in units, perhaps not as given
+        state.suspects = 1u;
+        duplicate = false;
+    }
+    if (duplicate) {
+        atomicAdd(state.duplicates, 1u);
+        x = y = z = uvec2(NO_COORDINATE);
+    }
+    seeds_x[seed] = x;
+    seeds_y[seed] = y;
+    seeds_z[seed] = z;
+    seed_input[seed] = duplicate ? point | DUPLICATE_BIT : point;
+}

@@ -1,0 +1,91 @@
+// upload: the coordinates as given become whole numbers of units, exactly or rounded down with a note that they were.
+// Where that is asked for, points outside of the box, or not finite, become NO_COORDINATE.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { UploadPush push; };
+layout(std430, binding = BINDING_RAW) readonly buffer Raw { uint raw[]; };
+layout(std430, binding = BINDING_POINTS_X) writeonly buffer PointsX { uvec2 points_x[]; };
+layout(std430, binding = BINDING_POINTS_Y) writeonly buffer PointsY { uvec2 points_y[]; };
+layout(std430, binding = BINDING_POINTS_Z) writeonly buffer PointsZ { uvec2 points_z[]; };
+layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
+
+#include "numbers/int64.glsl"
+#include "shared/linear.glsl"
+
+// (-1)^negative mantissa 2^exponent in units.
+uvec2 in_units(bool negative, uvec2 mantissa, int exponent, inout bool lost) {
+    const uvec2 value = negative ? negate64(mantissa) : mantissa;
+    return exponent >= 0 ? shift_left64(value, uint(exponent)) : shift_right64(value, uint(-exponent), lost);
+}
+
+// Bits of a double as a whole number of the same order; -0 as 0.
+uvec2 ordered_bits(uvec2 bits) {
+    if (bits == uvec2(0u, 0x80000000u)) bits = uvec2(0);
+    return (bits.y & 0x80000000u) != 0u ? ~bits : uvec2(bits.x, bits.y | 0x80000000u);
+}
+
+// The bits of a double that equals a finite float.
+uvec2 widened(uint bits) {
+    uint exponent = (bits >> 23) & 0xffu, mantissa = bits & 0x7fffffu;
+    const uint sign = bits & 0x80000000u;
+    if (exponent == 0u) {
+        if (mantissa == 0u) return uvec2(0u, sign);
+        const uint up = 23u - uint(findMSB(mantissa));
+        mantissa = (mantissa << up) & 0x7fffffu;
+        return uvec2(mantissa << 29, sign | ((897u - up) << 20) | (mantissa >> 3));
+    }
+    return uvec2(mantissa << 29, sign | ((exponent + 896u) << 20) | (mantissa >> 3));
+}
+
+bool is_inside(uint point, uint axis) {
+    const uint at = push.stride * point + axis;
+    uvec2 bits;
+    if (push.format == POINTS_FLOAT32) {
+        if (((raw[at] >> 23) & 0xffu) == 0xffu) return false;
+        bits = widened(raw[at]);
+    } else {
+        bits = uvec2(raw[2u * at], raw[2u * at + 1u]);
+        if (((bits.y >> 20) & 0x7ffu) == 0x7ffu) return false;
+    }
+    const uvec2 x = ordered_bits(bits);
+    return !less64(x, push.lower[axis]) && !less64(push.upper[axis], x);
+}
+
+uvec2 coordinate(uint point, uint axis, inout bool lost) {
+    const uint at = push.stride * point + axis;
+    uvec2 value;
+    if (push.format == POINTS_UNITS) {
+        value = uvec2(raw[2u * at], raw[2u * at + 1u]);
+    } else if (push.format == POINTS_FLOAT32) {
+        const uint bits = raw[at];
+        const uint exponent = (bits >> 23) & 0xffu;
+        const uint mantissa = (bits & 0x7fffffu) | (exponent > 0u ? 0x800000u : 0u);
+        value = in_units((bits >> 31) != 0u, uvec2(mantissa, 0u), int(max(exponent, 1u)) - 150 + push.shift, lost);
+    } else {
+        const uvec2 bits = uvec2(raw[2u * at], raw[2u * at + 1u]);
+        const uint exponent = (bits.y >> 20) & 0x7ffu;
+        const uvec2 mantissa = uvec2(bits.x, (bits.y & 0xfffffu) | (exponent > 0u ? 0x100000u : 0u));
+        value = in_units((bits.y >> 31) != 0u, mantissa, int(max(exponent, 1u)) - 1075 + push.shift, lost);
+    }
+    return subtract64(value, push.origin[axis]);
+}
+
+void main() {
+    const uint point = linear_invocation();
+    if (point >= push.count) return;
+    if (push.check != 0u && !(is_inside(point, 0u) && is_inside(point, 1u) && is_inside(point, 2u))) {
+        points_x[push.first + point] = uvec2(NO_COORDINATE);
+        points_y[push.first + point] = uvec2(NO_COORDINATE);
+        points_z[push.first + point] = uvec2(NO_COORDINATE);
+        return;
+    }
+    bool lost = false;
+    points_x[push.first + point] = coordinate(point, 0u, lost);
+    points_y[push.first + point] = coordinate(point, 1u, lost);
+    points_z[push.first + point] = coordinate(point, 2u, lost);
+    if (lost) atomicOr(state.lossy, LOSSY_POINTS);
+}

@@ -1,0 +1,70 @@
+// upload: the images of all seeds, behind the seeds. Places that are left have no coordinates; when there are too few
+// for all images there are none at all, and no cell is certified.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/bindings.h"
+#include "shared/layout.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+layout(push_constant) uniform Push { ImagesPush push; };
+layout(std430, binding = BINDING_POINTS_X) buffer PointsX { uvec2 points_x[]; };
+layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
+layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
+layout(std430, binding = BINDING_SCAN_DATA) readonly buffer Offsets { uint offsets[]; };
+layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
+layout(std430, binding = BINDING_IMAGE_HOME) writeonly buffer ImageHome { uint image_home[]; };
+layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
+
+#include "numbers/int64.glsl"
+#include "shared/linear.glsl"
+#include "sort/images.glsl"
+
+uvec2 moved(uvec2 x, int by, int axis) {
+    return by == 0 ? x : (by < 0 ? subtract64(x, push.side[axis]) : add64(x, push.side[axis]));
+}
+bool has_image(uvec2 x, int by, int axis) {
+    return by == 0 || (by < 0 ? has_lower_image(x, axis) : has_upper_image(x, axis));
+}
+
+// Image `number` of a seed, in the order of shifts.
+void put_image(uint place, uint seed, uint number) {
+    const uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
+    for (int code = 0; code < 27; ++code) {
+        const int a = code / 9 - 1, b = code / 3 % 3 - 1, c = code % 3 - 1;
+        if (code == SHIFT_NONE || !has_image(x, a, 0) || !has_image(y, b, 1) || !has_image(z, c, 2)) continue;
+        if (number-- != 0u) continue;
+        points_x[push.count + place] = moved(x, a, 0);
+        points_y[push.count + place] = moved(y, b, 1);
+        points_z[push.count + place] = moved(z, c, 2);
+        image_home[place] = (seed << SHIFT_BITS) | uint(code);
+        return;
+    }
+}
+
+void main() {
+    const uint place = linear_invocation();
+    if (place >= push.capacity) return;
+    const uint last = push.count - 1u;
+    uint images = offsets[last] + images_of(points_x[last], points_y[last], points_z[last]);
+    if (place == 0u) header.images = images;
+    if (images > push.capacity) {
+        if (place == 0u) state.incomplete = 1u;
+        images = 0u;
+    }
+    if (place < images) {
+        // The last seed whose images do not begin behind this place.
+        uint low = 0u, high = last;
+        while (low < high) {
+            const uint middle = (low + high + 1u) / 2u;
+            if (offsets[middle] <= place)
+                low = middle;
+            else
+                high = middle - 1u;
+        }
+        put_image(place, low, place - offsets[low]);
+    } else {
+        points_x[push.count + place] = uvec2(NO_COORDINATE);
+        points_y[push.count + place] = uvec2(NO_COORDINATE);
+        points_z[push.count + place] = uvec2(NO_COORDINATE);
+    }
+}

@@ -1,0 +1,142 @@
+// Domains on a Vulkan device: the answer of the CPU. Periodic boxes run there; walls of any direction and weights go to
+// the exact clipper.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+#include <votess/votess.hpp>
+
+#include "oracle/half_spaces.hpp"
+#include "support/check.hpp"
+#include "support/generators.hpp"
+#include "support/gpu/gpu.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using test::Coordinates;
+using votess::Options;
+
+Options domain_options() {
+    Options options = test::all_options(test::unit_box());
+    options.want.centroids = options.want.areas = true;
+    return options;
+}
+
+Coordinates random_points(std::size_t n, std::uint64_t seed, double lower = 0, double upper = 1) {
+    test::Random random(seed);
+    Coordinates points(3 * n);
+    for (double& x : points) x = random.uniform(lower, upper);
+    return points;
+}
+
+struct Counts {
+    std::uint64_t fallback = 0;
+    std::string failure;
+};
+
+Counts compare_kernel(const Coordinates& points, Options options, votess::Kernel kernel) {
+    const auto cpu = votess::tessellate(std::span<const double>(points), options);
+    options.device = test::device_name();
+    options.kernel = kernel;
+    const auto gpu = votess::tessellate(std::span<const double>(points), options);
+    Counts counts{gpu.stats().fallback_cells, test::check_domain(gpu)};
+    if (!counts.failure.empty()) return counts;
+    if (!std::ranges::equal(cpu.indptr(), gpu.indptr()) || !std::ranges::equal(cpu.indices(), gpu.indices()))
+        counts.failure = "rows differ";
+    else if (!std::ranges::equal(cpu.shifts(), gpu.shifts()))
+        counts.failure = "shifts differ";
+    else if (!std::ranges::equal(cpu.status(), gpu.status()))
+        counts.failure = "statuses differ";
+    for (std::size_t i = 0; i < cpu.size() && counts.failure.empty(); ++i) {
+        if (!(std::abs(cpu.volumes()[i] - gpu.volumes()[i]) <= 2e-5 * cpu.volumes()[i]))
+            counts.failure = "volume " + std::to_string(i) + " differs";
+        for (std::size_t k = 0; k < 3 && cpu.volumes()[i] > 0; ++k)
+            if (!(std::abs(cpu.centroids()[3 * i + k] - gpu.centroids()[3 * i + k]) <=
+                  1e-4 * std::cbrt(cpu.volumes()[i])))
+                counts.failure = "centroid " + std::to_string(i) + " differs";
+    }
+    return counts;
+}
+
+// With both kernels where seeds are few; the larger number of cells left to the CPU.
+Counts compare(const Coordinates& points, const Options& options) {
+    const Counts by_invocation = compare_kernel(points, options, votess::Kernel::invocation);
+    const std::size_t most = test::by_size(600, 60);  // coordinates: on software devices the other kernel is slow
+    if (!by_invocation.failure.empty() || points.size() > most) return by_invocation;
+    Counts by_subgroup = compare_kernel(points, options, test::by_subgroup());
+    by_subgroup.fallback = std::max(by_subgroup.fallback, by_invocation.fallback);
+    return by_subgroup;
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("gpu domains: periodic boxes are clipped on the device") {
+        const std::size_t many = test::by_size(1500, 300);
+        for (unsigned mask = 1; mask < 8; ++mask) {
+            Options options = domain_options();
+            for (unsigned k = 0; k < 3; ++k) options.periodic[k] = ((mask >> k) & 1) != 0;
+            CAPTURE(mask);
+            const Counts counts = compare(random_points(many, mask), options);
+            CHECK(counts.failure == "");
+            CHECK(counts.fallback < many / 4);
+            CHECK(compare(random_points(1, mask), options).failure == "");
+            CHECK(compare(random_points(6, mask, -3, 3), mask == 7 ? options : [&] {
+                      Options wide = options;
+                      wide.box = test::cube(-3, 3);
+                      return wide;
+                  }()).failure == "");
+        }
+    }
+
+    TEST_CASE("gpu domains: triclinic boxes, lengths that are no doubles, lattices") {
+        const std::size_t many = test::by_size(2000, 300);
+        Options options = domain_options();
+        options.box.reset();
+        options.cell = votess::TriclinicBox{{0.1, 0.2, 0.3}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}};
+        CHECK(compare(random_points(many, 1), options).failure == "");
+        options.cell = votess::TriclinicBox{{0, 0, 0}, {20, 0, 0}, {9, 1, 0}, {-9, 0.45, 1}};
+        CHECK(compare(random_points(many, 2, 0, 20), options).failure == "");
+        options = domain_options();
+        options.periodic = {true, true, true};
+        options.box = votess::Box{{-0.1, 0.3, 1e-3}, {0.7, 1.1, 0.9}};
+        CHECK(compare(random_points(many, 3, -2, 2), options).failure == "");
+        Coordinates lattice;
+        for (int i = 0; i < 512; ++i) lattice.insert(lattice.end(), {(i % 8) / 8.0, (i / 8 % 8) / 8.0, (i / 64) / 8.0});
+        options.box = test::unit_box();
+        CHECK(compare(lattice, options).failure == "");
+    }
+
+    TEST_CASE("gpu domains: polytopes of periodic cells") {
+        Options options = domain_options();
+        options.periodic = {true, true, false};
+        options.want.faces = options.want.normals = true;
+        const Coordinates points = random_points(test::by_size(2000, 300), 4);
+        const auto cpu = votess::tessellate(std::span<const double>(points), options);
+        options.device = test::device_name();
+        const auto gpu = votess::tessellate(std::span<const double>(points), options);
+        CHECK(std::ranges::equal(cpu.face_vertices(), gpu.face_vertices()));
+        CHECK(std::ranges::equal(cpu.cell_vertex_indices(), gpu.cell_vertex_indices()));
+        CHECK(votess::verify(gpu, points).failure == "");
+    }
+
+    TEST_CASE("gpu domains: walls and weights, seeds that are dropped") {
+        const std::size_t many = test::by_size(1000, 200);
+        Options options = domain_options();
+        options.planes.push_back({{1, 1, 1}, 1.5});
+        options.outside = votess::Outside::drop;
+        CHECK(compare(random_points(many, 5), options).failure == "");
+        options.planes.clear();
+        CHECK(compare(random_points(many, 6, -0.2, 1.2), options).failure == "");
+        options = domain_options();
+        test::Random random(7);
+        std::vector<double> weights(many);
+        for (double& w : weights) w = random.uniform(0, 0.02);
+        options.weights = weights;
+        CHECK(compare(random_points(many, 8), options).failure == "");
+        options.periodic = {true, true, true};
+        CHECK(compare(random_points(many, 9), options).failure == "");
+    }
+}

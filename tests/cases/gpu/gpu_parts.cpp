@@ -1,0 +1,157 @@
+// The GPU engine with limits of smaller devices: seeds in several parts, other work-groups, no float64.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "support/gpu/gpu.hpp"
+
+namespace {
+
+using test::PointSet;
+using votess::Options;
+using votess::gpu::EngineLimits;
+
+std::string compare(test::GpuRunner& runner, const PointSet& set, Options options = test::all_options()) {
+    const auto gpu = runner.run(set, options);
+    return test::check_same(gpu, test::run(set, options), set.points, test::tolerance(options));
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("gpu: seeds in parts, every family") {
+        test::Gpu gpu;
+        test::GpuRunner small(gpu, {.most_seeds = 300});
+        for (const auto kernel : {votess::Kernel::invocation, test::by_subgroup()})
+            for (const PointSet& set :
+                 test::families(kernel == votess::Kernel::invocation ? test::by_size(800, 350) : 350, 91)) {
+                CAPTURE(static_cast<int>(kernel));
+                CAPTURE(set.name);
+                Options options = test::all_options();
+                options.kernel = kernel;
+                CHECK(compare(small, set, options) == "");
+            }
+        test::GpuRunner large(gpu, {.most_seeds = 1000});
+        const std::size_t n = test::by_size(2500, 1100);
+        for (const PointSet& set : {test::clustered(n, 88), test::with_duplicates(n, n / 5, 89), test::on_walls(n, 90)})
+            CHECK(compare(large, set) == "");
+    }
+
+    TEST_CASE("gpu: chunks of as many cells as the device does in a given time") {
+        test::Gpu gpu;
+        const PointSet set = test::uniform(test::by_size(9000, 5000), 93);
+        for (const double seconds : {1e-4, 0.02, 1e3}) {
+            CAPTURE(seconds);
+            test::GpuRunner runner(gpu, {.chunk_seconds = seconds});
+            CHECK(compare(runner, set) == "");
+        }
+    }
+
+    TEST_CASE("gpu: parts spare the CPU most cells") {
+        test::Gpu gpu;
+        test::GpuRunner runner(gpu, {.most_seeds = test::reduced() ? 2000u : 5000u});
+        const PointSet set = test::uniform(test::by_size(12000, 4000), 92);
+        Options options = test::all_options();
+        options.threads = 0;
+        options.chunk_size = 500;
+        options.kernel = test::by_subgroup();
+        CHECK(runner.run(set, options).stats().fallback_cells < set.size() / 3);
+        options.kernel = votess::Kernel::automatic;
+        std::vector<double> fractions;
+        options.progress = [&](double fraction) {
+            fractions.push_back(fraction);
+            return true;
+        };
+        const auto t = runner.run(set, options);
+        CHECK(std::is_sorted(fractions.begin(), fractions.end()));
+        CHECK(fractions.back() == 1);
+        options.progress = nullptr;
+        CHECK(t.stats().fallback_cells < set.size() / 3);
+        CHECK(test::check_same(t, test::run(set, options), set.points, 1e-5) == "");
+    }
+
+    TEST_CASE("gpu: parts and options") {
+        test::Gpu gpu;
+        for (const std::uint32_t most : {2u, 40u}) {
+            test::GpuRunner runner(gpu, {.most_seeds = most});
+            for (const PointSet& set : {test::uniform(90, 93), test::with_duplicates(90, 20, 94),
+                                        test::on_walls(90, 95), test::on_axis_plane(60, 96), test::cubic(4)}) {
+                Options options = test::all_options();
+                CAPTURE(set.name);
+                CAPTURE(most);
+                CHECK(compare(runner, set, options) == "");
+                options.walls = false;
+                options.want = {true, false, true, false, set.name != "cubic"};
+                options.chunk_size = 16;
+                options.threads = 2;
+                CHECK(compare(runner, set, options) == "");
+            }
+        }
+        test::GpuRunner runner(gpu, {.most_seeds = 400});
+        for (const std::size_t n : {900, 300, 0, 401, 400}) {
+            CAPTURE(n);
+            CHECK(compare(runner, test::clustered(n, n + 1)) == "");
+            CHECK(compare(runner, test::far_from_origin(n, n + 2)) == "");
+        }
+        Options options = test::all_options();
+        options.precision = test::double_precision();
+        options.k_init = 30;
+        CHECK(compare(runner, test::uniform(test::by_size(2000, 900), 97), options) == "");
+        PointSet set = test::uniform(900, 98);  // all on the bounds of every part
+        for (std::size_t i = 0; i < set.points.size(); i += 3) set.points[i] = static_cast<double>(i % 2);
+        CHECK(compare(runner, set) == "");
+    }
+
+    TEST_CASE("gpu: duplicates in different parts are refused with the CPU's words") {
+        test::Gpu gpu;
+        test::GpuRunner runner(gpu, {.most_seeds = 100});
+        Options options = test::all_options();
+        options.duplicates = votess::Duplicates::error;
+        const PointSet set = test::with_duplicates(600, 60, 99);
+        std::string ours, cpus;
+        CHECK(test::error_of([&] { (void)runner.run(set, options); }, &ours) == votess::ErrorCode::invalid_argument);
+        (void)test::error_of([&] { (void)test::run(set, options); }, &cpus);
+        CHECK(ours == cpus);
+        CHECK(compare(runner, test::uniform(600, 100), options) == "");
+    }
+
+    TEST_CASE("gpu: work-groups of other sizes") {
+        test::Gpu gpu;
+        for (const std::uint32_t local_size : {1u, 32u, 128u}) {
+            test::GpuRunner runner(gpu, {.local_size = local_size}), second(gpu, {.local_size = local_size});
+            for (const PointSet& set :
+                 {test::uniform(test::by_size(1000, 300), 101), test::with_duplicates(513, 40, 102),
+                  test::nested_clusters(257, 103), test::uniform(1, 104), test::bcc(5), test::on_walls(129, 105)}) {
+                CAPTURE(local_size);
+                CAPTURE(set.name);
+                CHECK(compare(runner, set) == "");
+                Options options = test::all_options();
+                options.kernel = test::by_subgroup();
+                if (local_size >= 32) CHECK(compare(second, set, options) == "");
+            }
+        }
+    }
+
+    TEST_CASE("gpu: a device without float64") {
+        test::Gpu gpu({.float64 = false});
+        CHECK_FALSE(gpu.device->has_float64());
+        test::GpuRunner runner(gpu);
+        for (const auto kernel : {votess::Kernel::invocation, test::by_subgroup()})
+            for (const PointSet& set : test::families(test::by_size(300, 100), 106)) {
+                CAPTURE(static_cast<int>(kernel));
+                CAPTURE(set.name);
+                Options options = test::all_options();
+                options.kernel = kernel;
+                CHECK(compare(runner, set, options) == "");
+            }
+        Options options = test::all_options();
+        const PointSet set = test::uniform(test::by_size(3000, 500), 107);
+        CHECK(runner.run(set, options).stats().fallback_cells < set.size() / 50);
+        options.precision = votess::Precision::double_;
+        std::string message;
+        CHECK(test::error_of([&] { (void)runner.run(set, options); }, &message) == votess::ErrorCode::unsupported);
+        CHECK(message.find("float64") != std::string::npos);
+        options.precision = votess::Precision::single;
+        CHECK(compare(runner, set, options) == "");
+    }
+}

@@ -1,0 +1,277 @@
+// Pictures as they come from the device.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "gpu/device_choice.hpp"
+#include "picture/colors.hpp"
+#include "picture/mesh.hpp"
+#include "picture/solid.hpp"
+#include "picture/vulkan/renderer.hpp"
+#include "support/check.hpp"
+#include "support/gpu/vulkan.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using votess::Cut;
+using votess::Picture;
+using votess::PictureOptions;
+using votess::Tessellation;
+using votess::picture::operator-;
+
+Tessellation with_faces(const test::PointSet& set) {
+    votess::Options options = test::all_options(set.box);
+    options.want.faces = true;
+    return votess::tessellate(set.points, options);
+}
+
+// Small, and only cells.
+PictureOptions bare() {
+    PictureOptions options;
+    options.width = 320;
+    options.height = 240;
+    options.device = "lavapipe";
+    options.color_bar = options.frame = options.edges = false;
+    return options;
+}
+
+struct Pixel {
+    int r, g, b, a;
+};
+
+Pixel at(const Picture& picture, std::uint32_t x, std::uint32_t y) {
+    const std::uint8_t* p = &picture.pixels[4 * (std::size_t{y} * picture.width + x)];
+    return {p[0], p[1], p[2], p[3]};
+}
+
+template <class Condition>
+std::size_t count(const Picture& picture, const Condition& condition) {
+    std::size_t found = 0;
+    for (std::uint32_t y = 0; y < picture.height; ++y)
+        for (std::uint32_t x = 0; x < picture.width; ++x) found += condition(at(picture, x, y));
+    return found;
+}
+
+std::size_t distinct_colors(const Picture& picture) {
+    std::vector<int> colors;
+    for (std::uint32_t y = 0; y < picture.height; ++y) {
+        for (std::uint32_t x = 0; x < picture.width; ++x) {
+            const Pixel p = at(picture, x, y);
+            colors.push_back(p.r << 16 | p.g << 8 | p.b);
+        }
+    }
+    std::sort(colors.begin(), colors.end());
+    return static_cast<std::size_t>(std::unique(colors.begin(), colors.end()) - colors.begin());
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("gpu: a picture has its size, its background, many colors, and is the same each time") {
+        const auto set = test::uniform(test::by_size(1000, 200), 21);
+        const Tessellation t = with_faces(set);
+        PictureOptions options;
+        options.width = 500;
+        options.height = 320;
+        options.device = "lavapipe";
+        options.background = {250, 240, 230, 255};
+        const Picture picture = votess::render(t, set.points, options);
+        CHECK(picture.width == 500);
+        CHECK(picture.height == 320);
+        REQUIRE(picture.pixels.size() == 4u * 500 * 320);
+        CHECK_FALSE(picture.device.empty());
+        for (const std::uint32_t x : {0u, 499u}) {
+            for (const std::uint32_t y : {0u, 319u}) {
+                const Pixel p = at(picture, x, y);
+                CHECK((p.r == 250 && p.g == 240 && p.b == 230 && p.a == 255));
+            }
+        }
+        CHECK(distinct_colors(picture) > 2000);
+        const auto background = count(picture, [](const Pixel& p) { return p.r == 250 && p.g == 240 && p.b == 230; });
+        CHECK(background > 320u * 500 / 5);
+        CHECK(background < 320u * 500 * 4 / 5);
+        CHECK(votess::render(t, set.points, options).pixels == picture.pixels);
+        options.threads = 1;
+        CHECK(votess::render(t, set.points, options).pixels == picture.pixels);
+    }
+
+    TEST_CASE("gpu: in a slice every cell has the area of its section, in the color of its value") {
+        const auto set = test::uniform(24, 22);
+        const Tessellation t = with_faces(set);
+        for (int axis = 0; axis < 3; ++axis) {
+            PictureOptions options = bare();
+            options.width = options.height = 400;
+            options.slice = votess::Slice{axis, 0.45};
+            std::vector<double> values(set.size());
+            std::iota(values.begin(), values.end(), 0.0);
+            options.values = values;
+            options.range = {{0, 23}};
+            const Picture picture = votess::render(t, set.points, options);
+
+            // The square as it was placed: all that is not background.
+            const std::size_t drawn =
+                count(picture, [](const Pixel& p) { return !(p.r == 255 && p.g == 255 && p.b == 255); });
+            const double side = std::sqrt(static_cast<double>(drawn));
+            CHECK(side > 300);
+            const votess::picture::Mesh mesh{t.indptr(),       t.indices(),       t.shifts(),
+                                             t.face_offsets(), t.face_vertices(), t.vertices()};
+            votess::picture::Polygon polygon;
+            std::size_t cut = 0;
+            for (std::size_t i = 0; i < set.size(); ++i) {
+                votess::picture::section(mesh, i, {axis, 0.45, 1}, polygon);
+                double area = 0, around = 0;
+                const auto& corners = polygon.corners;
+                for (std::size_t k = 0; k < corners.size(); ++k) {
+                    const auto side_of = corners[(k + 1) % corners.size()] - corners[k];
+                    around += std::sqrt(votess::picture::dot(side_of, side_of));
+                    if (k < 2) continue;
+                    const auto twice = votess::picture::cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
+                    area += 0.5 * std::sqrt(votess::picture::dot(twice, twice));
+                }
+                const votess::picture::Color c = votess::picture::map_color(options.colormap, values[i] / 23);
+                const std::size_t found = count(picture, [&](const Pixel& p) {
+                    return std::abs(p.r - static_cast<int>(c & 255)) <= 2 &&
+                           std::abs(p.g - static_cast<int>(c >> 8 & 255)) <= 2 &&
+                           std::abs(p.b - static_cast<int>(c >> 16 & 255)) <= 2;
+                });
+                CAPTURE(i);
+                // Pixels that the border crosses are mixtures.
+                CHECK(std::abs(static_cast<double>(found) - area * side * side) <= around * side + 4);
+                cut += !corners.empty();
+            }
+            CHECK(cut > 5);
+        }
+    }
+
+    TEST_CASE("gpu: a cut shows the inside") {
+        const auto set = test::uniform(test::by_size(1000, 300), 23);
+        const Tessellation t = with_faces(set);
+        PictureOptions options = bare();
+        options.background = {0, 0, 0, 0};
+        options.colormap = votess::Colormap::gray;
+        options.range = {{0, 1}};
+        // Cells inside are nearly white, those at the walls dark.
+        std::vector<double> inside(set.size(), 1);
+        for (std::size_t i = 0; i < set.size(); ++i)
+            for (const auto j : t.neighbors(i))
+                if (j < 0) inside[i] = 0;
+        options.values = inside;
+        const auto bright = [](const Pixel& p) { return p.g > 110; };
+        const auto drawn = [](const Pixel& p) { return p.a > 0; };
+        options.cut = Cut::none;
+        const Picture whole = votess::render(t, set.points, options);
+        CHECK(count(whole, bright) == 0);
+        for (const Cut cut : {Cut::corner, Cut::half, Cut::cells}) {
+            options.cut = cut;
+            const Picture open = votess::render(t, set.points, options);
+            CHECK(count(open, bright) > count(open, drawn) / 12);
+            // Corner and cells leave the outline of the box as it is.
+            if (cut == Cut::corner) CHECK(count(open, drawn) == count(whole, drawn));
+        }
+        // What was the nearest corner of the box is seen in the middle of the notch.
+        options.cut = Cut::corner;
+        const Picture open = votess::render(t, set.points, options);
+        CHECK(bright(at(open, open.width / 2, open.height / 2)));
+        CHECK_FALSE(bright(at(whole, whole.width / 2, whole.height / 2)));
+    }
+
+    TEST_CASE("gpu: a picture drawn in parts equals one drawn at once") {
+        test::Gpu gpu;
+        const auto device =
+            votess::gpu::vulkan::Device::create(gpu.instance, gpu.adapter, {.float64 = true, .graphics = true});
+        const auto set = test::uniform(test::by_size(2000, 300), 24);
+        const Tessellation t = with_faces(set);
+        PictureOptions options;
+        options.width = 640;
+        options.height = 500;
+        const votess::picture::Mesh mesh{t.indptr(),       t.indices(),       t.shifts(),
+                                         t.face_offsets(), t.face_vertices(), t.vertices()};
+        const auto scene = votess::picture::build_scene(mesh, {t.box(), {}, {}}, set.points, t.volumes(), options);
+        const Picture whole = votess::gpu::draw(scene, device), parts = votess::gpu::draw(scene, device, {450});
+        REQUIRE(parts.pixels.size() == whole.pixels.size());
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < whole.pixels.size(); ++i) {
+            different += std::abs(int{whole.pixels[i]} - int{parts.pixels[i]}) > 8;
+        }
+        CHECK(different < whole.pixels.size() / 500);
+    }
+
+    TEST_CASE("gpu: pictures of few, tied, clustered and ragged seeds") {
+        for (const auto& set :
+             {test::uniform(1, 25), test::uniform(2, 26), test::cubic(4), test::fcc(3), test::clustered(200, 27),
+              test::with_duplicates(100, 20, 28), test::on_sphere(150, 29), test::far_from_origin(100, 30)}) {
+            const Tessellation t = with_faces(set);
+            CAPTURE(set.name);
+            for (const Cut cut : {Cut::corner, Cut::half, Cut::cells}) {
+                PictureOptions options = bare();
+                options.cut = cut;
+                options.edges = options.frame = options.color_bar = true;
+                const Picture picture = votess::render(t, set.points, options);
+                CHECK(count(picture, [](const Pixel& p) { return p.r != 255; }) > 2000);
+            }
+            PictureOptions options = bare();
+            const auto& box = t.box();
+            options.slice = votess::Slice{1, 0.4 * box.lower[1] + 0.6 * box.upper[1]};
+            options.seeds = true;
+            CHECK(count(votess::render(t, set.points, options), [](const Pixel& p) { return p.r != 255; }) > 2000);
+        }
+    }
+
+    TEST_CASE("gpu: what a picture cannot be made of is refused, with the reason") {
+        const auto set = test::uniform(20, 31);
+        const Tessellation t = with_faces(set);
+        const auto message = [&](const Tessellation& cells, const PictureOptions& options,
+                                 votess::ErrorCode code = votess::ErrorCode::invalid_argument) {
+            std::string text;
+            CHECK(test::error_of([&] { static_cast<void>(votess::render(cells, set.points, options)); }, &text) ==
+                  code);
+            return text;
+        };
+        const auto names = [](const std::string& text, const char* word) {
+            CAPTURE(text);
+            CHECK(text.find(word) != std::string::npos);
+        };
+        const Tessellation lists = votess::tessellate(set.points, test::all_options(set.box));
+        names(message(lists, bare()), "Want::faces");
+        PictureOptions options = bare();
+        options.width = 20;
+        names(message(t, options), "width = 20");
+        options = bare();
+        options.slice = votess::Slice{2, 1.5};
+        names(message(t, options), "z = 1.5");
+        options.slice = votess::Slice{3, 0.5};
+        names(message(t, options), "axis 3");
+        options = bare();
+        const std::vector<double> few(19, 1.0);
+        options.values = few;
+        names(message(t, options), "19 values for 20 cells");
+        options = bare();
+        options.range = {{2, 1}};
+        names(message(t, options), "range 2 to 1");
+        options = bare();
+        options.elevation = 90;
+        names(message(t, options), "90");
+        options = bare();
+        options.azimuth = std::numeric_limits<double>::infinity();
+        names(message(t, options), "inf");
+        options = bare();
+        options.device = "printer";
+        names(message(t, options), "printer");
+        options.device = "999";
+        names(message(t, options, votess::ErrorCode::unsupported), "999");
+        const std::vector<double> moved(set.points.begin(), set.points.end() - 3);
+        CHECK(test::error_of([&] { static_cast<void>(votess::render(t, moved, bare())); }) ==
+              votess::ErrorCode::invalid_argument);
+        CHECK(test::error_of([&] { static_cast<void>(votess::render({}, {}, bare())); }) ==
+              votess::ErrorCode::invalid_argument);
+        // "cpu" and "auto" draw too.
+        for (const char* device : {"cpu", "auto"}) {
+            options.device = device;
+            CHECK(votess::render(t, set.points, options).pixels.size() == 4u * 320 * 240);
+        }
+    }
+}

@@ -1,0 +1,213 @@
+// Bad input: a one-line error that names the first offending index and its value, and nothing else happens.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "cpu/clip/cell_kernels.hpp"
+#include "support/check.hpp"
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+// The message of the error, "" when there was none; one line with this code, or the test fails.
+std::string refusal(const test::Coordinates& points, const votess::Options& options = {},
+                    votess::ErrorCode code = votess::ErrorCode::invalid_argument) {
+    try {
+        const auto t = votess::tessellate(points, options);
+        return "";
+    } catch (const votess::Error& error) {
+        const std::string message = error.what();
+        CHECK(error.code() == code);
+        CHECK(message.find('\n') == std::string::npos);
+        return message;
+    }
+}
+
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+votess::Options boxed(const votess::Box& box) {
+    votess::Options options;
+    options.box = box;
+    return options;
+}
+
+}  // namespace
+
+TEST_SUITE("api") {
+    TEST_CASE("a coordinate that is not finite") {
+        for (const auto& [value, name] :
+             {std::pair{not_a_number, "nan"}, std::pair{infinity, "inf"}, std::pair{-infinity, "-inf"}}) {
+            for (const bool with_box : {false, true}) {
+                test::Coordinates points = test::uniform(300, 71).points;
+                points[3 * 217 + 1] = value;
+                points[3 * 290] = not_a_number;  // not the first
+                const auto message = refusal(points, with_box ? boxed(test::unit_box()) : votess::Options{});
+                CAPTURE(message);
+                CHECK(has(message, "217"));
+                CHECK(has(message, name));
+                CHECK_FALSE(has(message, "290"));
+            }
+        }
+        const float narrow[] = {0, 0, 0, 1, std::numeric_limits<float>::infinity(), 0};
+        CHECK_THROWS_AS((void)votess::tessellate(std::span<const float>(narrow)), votess::Error);
+    }
+
+    TEST_CASE("a seed outside the given box") {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (const double value : {2.25, -0.125, std::nextafter(1.0, 2.0), -0x1p-1074}) {
+                test::Coordinates points = test::uniform(300, 72).points;
+                points[3 * 217 + axis] = value;
+                points[3 * 290] = 7;
+                const auto message = refusal(points, boxed(test::unit_box()));
+                CAPTURE(message);
+                CHECK(has(message, "217"));
+                if (value == 2.25) CHECK(has(message, "2.25"));
+                if (value == -0.125) CHECK(has(message, "-0.125"));
+                CHECK_FALSE(has(message, "290"));
+            }
+        CHECK(refusal({0, 0, 0, 1, 1, 1, 0, 1, 0}, boxed(test::unit_box())) == "");  // the walls belong to it
+    }
+
+    TEST_CASE("an empty, inverted or infinite box") {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (const auto& [lower, upper] :
+                 {std::pair{0.5, 0.5}, std::pair{0.75, 0.25}, std::pair{not_a_number, 1.0},
+                  std::pair{0.0, not_a_number}, std::pair{-infinity, 1.0}, std::pair{0.0, infinity}}) {
+                votess::Box box = test::unit_box();
+                box.lower[axis] = lower;
+                box.upper[axis] = upper;
+                CAPTURE(lower);
+                CAPTURE(upper);
+                CHECK(refusal({0.5, 0.5, 0.5}, boxed(box)) != "");
+                CHECK(refusal({}, boxed(box)) != "");
+            }
+    }
+
+    TEST_CASE("a number of coordinates that is not a multiple of three") {
+        CHECK(has(refusal({1}), "1"));
+        CHECK(has(refusal({1, 2, 3, 4}), "4"));
+        CHECK(has(refusal(test::Coordinates(3002, 0.5)), "3002"));
+    }
+
+    TEST_CASE("unknown options") {
+        votess::Options options;
+        options.device = "toaster";
+        CHECK(has(refusal({0, 0, 0}, options), "toaster"));
+        for (const std::string device :
+             {"", " ", "GPU", "cpu ", "auto\n", "-1", "+1", "1.0", "0x1", "1000000", "0000001"}) {
+            CAPTURE(device);
+            options.device = device;
+            CHECK(has(refusal({0, 0, 0}, options), "auto, cpu, gpu, lavapipe"));
+        }
+        options = {};
+        options.threads = 1025;
+        CHECK(has(refusal({0, 0, 0}, options), "1025"));
+        options = {};
+        options.grid_resolution = (1u << 20) + 1;
+        CHECK(has(refusal({0, 0, 0}, options), "1048577"));
+        options = {};
+        options.k_init = 1025;
+        CHECK(has(refusal({0, 0, 0}, options), "k_init = 1025"));
+        for (const std::string name : {"sse", "AVX2", "avx2 ", " ", "avx512\n"}) {
+            options = {};
+            options.instructions = name;
+            CHECK(has(refusal({0, 0, 0}, options), "baseline, avx2 or avx512"));
+        }
+        options = {};
+        options.precision = static_cast<votess::Precision>(2);
+        CHECK(has(refusal({0, 0, 0}, options), "precision = 2"));
+        options = {};
+        options.kernel = static_cast<votess::Kernel>(3);
+        CHECK(has(refusal({0, 0, 0}, options), "kernel = 3"));
+        options = {};
+        options.duplicates = static_cast<votess::Duplicates>(9);
+        CHECK(refusal({0, 0, 0}, options) != "");
+        options = {};
+        options.device = "cpu";
+        CHECK(refusal({0, 0, 0}, options) == "");
+    }
+
+    TEST_CASE("the largest values of the tuning options change nothing") {
+        const test::PointSet set = test::uniform(300, 74);
+        votess::Options options = test::all_options(set.box);
+        options.device = "cpu";
+        const auto expected = votess::tessellate(set.points, options);
+        options.k_init = 1024;
+        options.chunk_size = std::numeric_limits<unsigned>::max();
+        options.grid_resolution = 1u << 20;
+        for (const auto precision : {votess::Precision::single, votess::Precision::double_}) {
+            options.precision = precision;
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(test::check_identical(expected, t) == "");
+            CHECK(t.stats().precision == votess::Precision::double_);
+        }
+    }
+
+    TEST_CASE("instructions that the processor lacks are unsupported") {
+        const auto supported = votess::cpu::supported_kernels();
+        for (const std::string name : {"baseline", "avx2", "avx512"}) {
+            CAPTURE(name);
+            votess::Options options = test::all_options();
+            options.instructions = name;
+            const std::string message = refusal({0, 0, 0}, options, votess::ErrorCode::unsupported);
+            CHECK(message.empty() == (votess::cpu::find_kernels(name) != nullptr));
+            if (message.empty()) continue;
+            CHECK(has(message, "'" + name + "'"));
+            for (const auto* kernels : supported) CHECK(has(message, kernels->name));
+        }
+        CHECK(votess::cpu::find_kernels("") == supported.front());
+        CHECK(has(votess::devices().front().description, supported.front()->name));
+    }
+
+    TEST_CASE("a device that is not there is unsupported") {
+        for (const std::string device : {"gpu", "lavapipe", "0", "7", "999999"}) {
+            CAPTURE(device);
+            votess::Options options;
+            options.device = device;
+            try {
+                const auto t = votess::tessellate(test::Coordinates{0, 0, 0}, options);
+                CHECK(t.size() == 1);  // this machine has it
+            } catch (const votess::Error& error) {
+                const std::string message = error.what();
+                CHECK(error.code() == votess::ErrorCode::unsupported);
+                CHECK(message != "");
+                CHECK(message.find('\n') == std::string::npos);
+            }
+        }
+    }
+
+    TEST_CASE("coordinates beyond the range of exact arithmetic are refused, never guessed") {
+        const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
+        for (const test::Coordinates& points :
+             {test::Coordinates{-huge, 0, 0, huge, 1, 2}, test::Coordinates{0, 0, 0, tiny, 0, 0, 0, tiny, tiny},
+              test::Coordinates{huge, huge, huge}, test::Coordinates{0, 0, 0, 1, 1, 1, 1, tiny, 0}}) {
+            try {
+                const auto t = votess::tessellate(points, test::all_options());
+                CHECK(test::check_invariants(t, points, true) == "");
+            } catch (const votess::Error& error) {
+                CHECK(error.code() == votess::ErrorCode::invalid_argument);
+                CHECK(std::string(error.what()) != "");
+            }
+        }
+    }
+
+    TEST_CASE("an error leaves the Tessellator usable") {
+        const test::PointSet set = test::uniform(500, 73);
+        const auto expected = test::run(set);
+        votess::Tessellator tessellator;
+        const auto options = test::all_options(set.box);
+        for (int round = 0; round < 3; ++round) {
+            test::Coordinates bad = set.points;
+            bad[3 * 400] = round == 1 ? 5 : not_a_number;
+            CHECK_THROWS_AS((void)tessellator.tessellate(bad, options), votess::Error);
+            bad.pop_back();
+            CHECK_THROWS_AS((void)tessellator.tessellate(bad, options), votess::Error);
+            CHECK(test::check_identical(expected, tessellator.tessellate(set.points, options)) == "");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+// A Tessellator that is kept gives what a new one gives, whatever its calls before were.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+struct Call {
+    std::string name;
+    test::Coordinates points;
+    votess::Options options;
+    std::vector<double> weights;  // instead of the options'
+    bool narrow = false;          // float32
+
+    [[nodiscard]] votess::Tessellation on(votess::Tessellator& tessellator) const {
+        votess::Options with_weights = options;
+        with_weights.weights = weights;
+        if (!narrow) return tessellator.tessellate(points, with_weights);
+        const std::vector<float> floats(points.begin(), points.end());
+        return tessellator.tessellate(floats, with_weights);
+    }
+};
+
+Call call(const std::string& name, const test::Coordinates& points) {
+    return {name, points, test::all_options(test::unit_box()), {}};
+}
+
+void copy_seed(test::Coordinates& points, std::size_t from, std::size_t to) {
+    for (std::size_t k = 0; k < 3; ++k) points[3 * to + k] = points[3 * from + k];
+}
+
+// Mostly of the same seeds, so that what is left of another call would fit.
+std::vector<Call> all_kinds(std::size_t n) {
+    const test::Coordinates seeds = test::uniform(n, 85).points;
+    test::Random random(86);
+    std::vector<Call> calls{call("uniform", seeds), call("clustered", test::clustered(n, 87).points),
+                            call("fewer", test::uniform(n / 3, 88).points), call("none", {}),
+                            call("one", {0.5, 0.25, 0.5})};
+    auto add = [&](const std::string& name) -> Call& { return calls.emplace_back(call(name, seeds)); };
+    for (double& x : add("moved").points) x = std::clamp(x + 1e-3 * random.uniform(-1, 1), 0.0, 1.0);
+    Call& some_equal = add("some are equal");
+    for (std::size_t i = 0; i + 20 < n; i += 20) copy_seed(some_equal.points, i, i + 1 + random.below(19));
+    Call& equal = add("all are equal");
+    for (std::size_t i = 1; i < n; ++i) copy_seed(equal.points, 0, i);
+    Call& dropped = add("some are dropped");
+    dropped.options.outside = votess::Outside::drop;
+    for (std::size_t i = 0; i < n; i += 7) dropped.points[3 * i + i % 3] += i % 2 == 0 ? 1 : -1;
+    Call& gone = add("all but one are dropped");
+    gone.options.outside = votess::Outside::drop;
+    for (std::size_t i = 1; i < n; ++i) gone.points[3 * i] += 2;
+    Call& weighted = add("weights");
+    for (std::size_t i = 0; i < n; ++i) weighted.weights.push_back(1e-5 * random.uniform());
+    Call& buried = add("some are buried at their place or equal");
+    for (std::size_t i = 0; i < n; ++i) buried.weights.push_back(1e-4 * static_cast<double>(i % 3));
+    for (std::size_t i = 3; i < n; i += 5) copy_seed(buried.points, i - 1 - i % 3, i);
+    Call& one_heavy = add("one buries all others");
+    one_heavy.weights.assign(n, 0);
+    one_heavy.weights[n / 2] = 10;
+    add("periodic").options.periodic = {true, false, true};
+    Call& wall = add("a wall, some are dropped");
+    wall.options.planes.push_back({{1, 1, 1}, 2});
+    wall.options.outside = votess::Outside::drop;
+    add("larger box").options.box = test::cube(-3, 40);  // another scale
+    add("no box").options.box.reset();
+    add("float32").narrow = true;
+    Call& baseline = add("other instructions and threads");
+    baseline.options.instructions = "baseline";
+    baseline.options.threads = 3;
+    baseline.options.grid_resolution = 2;
+    Call& rows = add("rows of seeds alone");
+    rows.options.want = {.volumes = false};
+    rows.options.walls = false;
+    add("volumes alone").options.want = {.neighbors = false};
+    return calls;
+}
+
+}  // namespace
+
+TEST_SUITE("reuse") {
+    TEST_CASE("reuse: any call after any other") {
+        const std::vector<Call> calls = all_kinds(test::by_size(150, 60));
+        std::vector<votess::Tessellation> expected;
+        for (const Call& c : calls) {
+            votess::Tessellator fresh;
+            expected.push_back(c.on(fresh));
+        }
+        votess::Tessellator kept;
+        for (std::size_t first = 0; first < calls.size(); ++first)
+            for (std::size_t then = 0; then < calls.size(); ++then) {
+                CAPTURE(calls[first].name);
+                CAPTURE(calls[then].name);
+                REQUIRE(test::check_identical(calls[first].on(kept), expected[first]) == "");
+                REQUIRE(test::check_identical(calls[then].on(kept), expected[then]) == "");
+            }
+    }
+
+    TEST_CASE("reuse: the kinds of calls are what their names say") {
+        const std::vector<Call> calls = all_kinds(60);
+        for (const Call& c : calls) {
+            CAPTURE(c.name);
+            votess::Tessellator fresh;
+            const auto t = c.on(fresh);
+            const bool drops = c.options.outside == votess::Outside::drop;
+            const auto has = [&](votess::CellStatus status) { return std::ranges::count(t.status(), status) > 0; };
+            CHECK(has(votess::CellStatus::outside) == drops);
+            CHECK(has(votess::CellStatus::duplicate) == c.name.ends_with("equal"));
+            CHECK(has(votess::CellStatus::empty) == (c.name.find("bur") != std::string::npos));
+        }
+    }
+
+    TEST_CASE("reuse: seeds that move") {
+        const std::size_t n = test::by_size(6000, 600);
+        const double spacing = 1 / std::cbrt(static_cast<double>(n));
+        for (const unsigned threads : {1u, 3u})
+            for (const double distance : {0.0, 1e-12, 0.01, 1.0}) {
+                CAPTURE(distance);
+                test::Random random(71);
+                Call c = call("moving", test::uniform(n, 72).points);
+                c.options.threads = threads;
+                votess::Tessellator kept;
+                for (int step = 0; step < 3; ++step) {
+                    votess::Tessellator fresh;
+                    const auto t = c.on(kept);
+                    CHECK(test::check_identical(t, c.on(fresh)) == "");
+                    CHECK(test::check_invariants(t, c.points) == "");
+                    for (double& x : c.points) x = std::clamp(x + distance * spacing * random.uniform(-1, 1), 0.0, 1.0);
+                }
+            }
+    }
+
+    TEST_CASE("reuse: after a cancelled call, a refused one and one whose callback throws") {
+        Call c = call("uniform", test::uniform(test::by_size(200000, 60000), 90).points);
+        c.options.want = {};
+        votess::Tessellator fresh, kept;
+        const auto expected = c.on(fresh);
+        Call stopped = c, outside = c, throwing = c;
+        stopped.options.progress = [](double fraction) { return fraction < 0.1; };
+        outside.points[5] = 2;
+        throwing.options.progress = [](double) -> bool { throw 7; };
+        CHECK_THROWS_AS((void)stopped.on(kept), votess::Error);
+        CHECK(test::check_identical(c.on(kept), expected) == "");
+        CHECK_THROWS_AS((void)outside.on(kept), votess::Error);
+        CHECK(test::check_identical(c.on(kept), expected) == "");
+        CHECK_THROWS_AS((void)throwing.on(kept), int);
+        CHECK(test::check_identical(c.on(kept), expected) == "");
+        CHECK(test::check_identical(c.on(kept), expected) == "");
+    }
+}

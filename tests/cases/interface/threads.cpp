@@ -1,0 +1,208 @@
+// Small enough for the thread sanitizer.
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "support/check.hpp"
+
+namespace {
+
+votess::Options with_threads(unsigned threads) {
+    votess::Options options = test::all_options();
+    options.threads = threads;
+    return options;
+}
+
+// 0 when there was none.
+template <class Function>
+votess::ErrorCode error_of(Function function) {
+    try {
+        function();
+        return {};
+    } catch (const votess::Error& error) {
+        return error.code();
+    }
+}
+
+}  // namespace
+
+TEST_SUITE("threads") {
+    TEST_CASE("1, 2, 4 and 7 threads give identical results") {
+        const std::size_t n = test::by_size(20000, 1500);
+        for (const test::PointSet& set :
+             {test::uniform(n, 61), test::clustered(n, 62), test::cubic(test::by_size(20, 8)),
+              test::with_duplicates(n, n / 10, 63), test::cospherical_and_center(101), test::uniform(3, 64)}) {
+            CAPTURE(set.name);
+            const auto one = test::run(set, with_threads(1));
+            CHECK(one.stats().threads == 1);
+            CHECK(test::check_invariants(one, set.points) == "");
+            for (const unsigned threads : {2u, 4u, 7u}) {
+                CAPTURE(threads);
+                CHECK(test::check_identical(one, test::run(set, with_threads(threads))) == "");
+            }
+            CHECK(test::check_identical(one, test::run(set, with_threads(0))) == "");
+        }
+    }
+
+    TEST_CASE("one Tessellator, changing numbers of threads") {
+        const test::PointSet set = test::uniform(test::by_size(5000, 800), 65);
+        const auto expected = test::run(set);
+        votess::Tessellator tessellator;
+        for (const unsigned threads : {4u, 1u, 3u, 4u, 4u, 2u}) {
+            auto options = with_threads(threads);
+            options.box = set.box;
+            CHECK(test::check_identical(expected, tessellator.tessellate(set.points, options)) == "");
+        }
+    }
+
+    TEST_CASE("different Tessellators in different threads are independent") {
+        const test::PointSet sets[] = {test::uniform(test::by_size(4000, 500), 66), test::cubic(test::by_size(12, 6)),
+                                       test::clustered(test::by_size(4000, 500), 67)};
+        std::atomic<int> wrong = 0;
+        {
+            std::vector<std::jthread> running;
+            for (const test::PointSet& set : sets)
+                running.emplace_back([&] {
+                    votess::Tessellator tessellator;
+                    auto options = with_threads(4);
+                    options.box = set.box;
+                    for (int repeat = 0; repeat < 3; ++repeat) try {
+                            if (test::check_invariants(tessellator.tessellate(set.points, options), set.points) != "")
+                                ++wrong;
+                        } catch (...) {
+                            ++wrong;
+                        }
+                });
+        }
+        CHECK(wrong == 0);
+    }
+
+    TEST_CASE("threads: a Tessellator at work refuses a second thread") {
+        const test::PointSet set = test::uniform(test::by_size(5000, 800), 71);
+        const auto expected = test::run(set);
+        votess::Tessellator tessellator;
+        auto options = with_threads(2);
+        options.box = set.box;
+        std::atomic<bool> at_work = false, go_on = false;
+        std::string failure = "none";
+        {
+            std::jthread worker([&] {
+                auto waiting = options;
+                waiting.progress = [&](double) {
+                    at_work = true;
+                    at_work.notify_all();
+                    go_on.wait(false);
+                    return true;
+                };
+                failure = test::check_identical(expected, tessellator.tessellate(set.points, waiting));
+            });
+            at_work.wait(false);
+            for (int repeat = 0; repeat < 3; ++repeat)
+                CHECK(error_of([&] { (void)tessellator.tessellate(set.points, options); }) ==
+                      votess::ErrorCode::invalid_use);
+            const auto elsewhere = votess::Tessellator().tessellate(set.points, options);
+            CHECK(test::check_identical(expected, elsewhere) == "");
+            go_on = true;
+            go_on.notify_all();
+        }
+        CHECK(failure == "");
+        CHECK(test::check_identical(expected, tessellator.tessellate(set.points, options)) == "");
+    }
+
+    TEST_CASE("threads: many at one Tessellator get the right answer or the error") {
+        const test::PointSet set = test::uniform(500, 72);
+        const auto expected = test::run(set);
+        votess::Tessellator tessellator;
+        auto options = with_threads(2);
+        options.box = set.box;
+        std::atomic<int> right = 0, refused = 0, wrong = 0;
+        {
+            std::vector<std::jthread> running;
+            for (int k = 0; k < 4; ++k)
+                running.emplace_back([&] {
+                    for (int repeat = 0; repeat < 50; ++repeat) try {
+                            const auto t = tessellator.tessellate(set.points, options);
+                            ++(test::check_identical(expected, t) == "" ? right : wrong);
+                        } catch (const votess::Error& error) {
+                            ++(error.code() == votess::ErrorCode::invalid_use ? refused : wrong);
+                        }
+                });
+        }
+        CHECK(wrong == 0);
+        CHECK(right > 0);
+        CHECK(right + refused == 200);
+    }
+
+    TEST_CASE("threads: a callback cannot use its Tessellator, but others, and may destroy it") {
+        const test::PointSet set = test::uniform(test::by_size(5000, 800), 73);
+        const auto expected = test::run(set);
+        auto tessellator = std::make_unique<votess::Tessellator>();
+        auto options = with_threads(2), plain = with_threads(2);
+        options.box = plain.box = set.box;
+        int calls = 0, good = 0;
+        const auto try_all = [&] {
+            ++calls;
+            good +=
+                error_of([&] { (void)tessellator->tessellate(set.points, plain); }) == votess::ErrorCode::invalid_use &&
+                test::check_identical(expected, votess::tessellate(set.points, plain)) == "";
+        };
+        options.progress = [&](double) {
+            try_all();
+            return true;
+        };
+        options.log = [&](std::string_view) { try_all(); };
+        CHECK(test::check_identical(expected, tessellator->tessellate(set.points, options)) == "");
+        CHECK(calls >= 2);
+        CHECK(good == calls);
+        options.progress = [&](double) {
+            tessellator.reset();
+            return true;
+        };
+        options.log = {};
+        CHECK(test::check_identical(expected, tessellator->tessellate(set.points, options)) == "");
+        CHECK_FALSE(tessellator);
+    }
+
+    TEST_CASE("threads: a Tessellator that was moved from refuses") {
+        const test::PointSet set = test::uniform(100, 74);
+        votess::Tessellator tessellator;
+        const votess::Tessellator other = std::move(tessellator);
+        CHECK(error_of([&] { (void)tessellator.tessellate(set.points); }) == votess::ErrorCode::invalid_use);
+        tessellator = votess::Tessellator();
+        CHECK(tessellator.tessellate(set.points).size() == 100);
+    }
+
+    TEST_CASE("a result is read from many threads") {
+        const test::PointSet set = test::uniform(1000, 68);
+        const auto t = test::run(set, with_threads(4));
+        std::atomic<std::size_t> total = 0;
+        {
+            std::vector<std::jthread> readers;
+            for (int k = 0; k < 4; ++k)
+                readers.emplace_back([&total, t] {
+                    for (std::size_t i = 0; i < t.size(); ++i) total += t.neighbors(i).size();
+                });
+        }
+        CHECK(total == 4 * t.indices().size());
+    }
+
+    TEST_CASE("cancelling with 4 threads leaves a usable Tessellator") {
+        const test::PointSet set = test::uniform(test::by_size(300000, 60000), 69);
+        votess::Tessellator tessellator;
+        auto options = with_threads(4);
+        options.box = set.box;
+        options.progress = [](double) { return false; };
+        try {
+            const auto t = tessellator.tessellate(set.points, options);
+            FAIL("was not cancelled");
+        } catch (const votess::Error& error) {
+            CHECK(error.code() == votess::ErrorCode::cancelled);
+        }
+        const test::PointSet small = test::uniform(500, 70);
+        options.progress = {};
+        CHECK(test::check_invariants(tessellator.tessellate(small.points, options), small.points) == "");
+    }
+}

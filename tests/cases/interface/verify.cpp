@@ -1,0 +1,195 @@
+// What verify() looks at: how many cells, and whether it sees results that are wrong in one place.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "result/result.hpp"
+#include "result/rows.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using votess::FaceLabel;
+
+// What verify() needs of a result, as lists that can be changed.
+struct Parts {
+    std::vector<std::vector<FaceLabel>> rows;
+    std::vector<votess::CellStatus> status;
+};
+
+Parts parts_of(const votess::Tessellation& t) {
+    const votess::Rows rows{t.indptr(), t.indices(), t.shifts()};
+    Parts parts{std::vector<std::vector<FaceLabel>>(t.size()), {t.status().begin(), t.status().end()}};
+    for (std::size_t i = 0; i < t.size(); ++i)
+        for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry)
+            parts.rows[i].push_back(rows.label(entry));
+    return parts;
+}
+
+// The result with these rows and statuses; without volumes, so that rows are all that can be wrong.
+votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& parts) {
+    auto result = std::make_shared<votess::detail::Result>();
+    result->box = t.box();
+    result->periodic = t.periodic();
+    result->cell = t.cell();
+    result->weights.assign(t.weights().begin(), t.weights().end());
+    result->lists_walls = t.lists_walls();
+    result->stats = t.stats();
+    std::vector<std::int64_t> indptr{0};
+    std::vector<std::int32_t> indices;
+    std::vector<std::int8_t> shifts;
+    for (const auto& row : parts.rows) {
+        for (const FaceLabel& label : row) {
+            indices.push_back(label.id);
+            if (!t.shifts().empty()) shifts.insert(shifts.end(), label.shift.begin(), label.shift.end());
+        }
+        indptr.push_back(static_cast<std::int64_t>(indices.size()));
+    }
+    const auto copy = [](auto& to, const auto& from) {
+        to.resize_uninitialized(from.size());
+        std::ranges::copy(from, to.begin());
+    };
+    copy(result->indptr, indptr);
+    copy(result->indices, indices);
+    copy(result->shifts, shifts);
+    copy(result->status, parts.status);
+    return votess::Tessellation(std::move(result));
+}
+
+votess::Options rows_only() {
+    votess::Options options = test::all_options();
+    options.want = {true, false, false, false};
+    options.walls = false;
+    return options;
+}
+
+votess::Options periodic_options(int domain) {
+    votess::Options options = rows_only();
+    if (domain == 0) {
+        options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+        options.periodic = {true, true, true};
+    } else if (domain == 1) {
+        options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+        options.periodic = {false, true, false};
+    } else {
+        options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.7, 0.8}};
+    }
+    return options;
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("verify says how many cells it tried") {
+        const test::PointSet set = test::uniform(400, 97);
+        const auto t = test::run(set);
+        CHECK(votess::verify(t, set.points).sampled == 400);
+        CHECK(votess::verify(t, set.points, {10, 1}).sampled == 10);
+        CHECK(votess::verify(t, set.points, {0, 1}).sampled == 0);
+        CHECK(votess::verify(t, set.points, {401, 1}).sampled == 400);
+
+        test::Coordinates moved = set.points;  // seen by the sample alone
+        moved[3 * 200] += moved[3 * 200] < 0.5 ? 0.05 : -0.05;
+        const auto failed = votess::verify(t, moved);
+        CHECK_FALSE(failed.passed);
+        CHECK(failed.sampled > 0);
+        CHECK(failed.sampled < 400);
+
+        votess::Options nothing = rows_only();
+        nothing.want = {false, false, false, false};
+        CHECK(votess::verify(test::run(set, nothing), set.points).sampled == 0);
+    }
+
+    // The number does not come from a clock.
+    TEST_CASE("verify tries more cells where they cost less, and each time the same number") {
+        const test::PointSet small = test::uniform(test::by_size(5000, 500), 98);
+        CHECK(votess::verify(test::run(small, rows_only()), small.points).sampled == small.size());
+        const test::PointSet large = test::uniform(test::by_size(200000, 500), 99);
+        const auto t = test::run(large, rows_only());
+        const auto report = votess::verify(t, large.points);
+        CHECK(report.passed);
+        CHECK(report.sampled > 500 - 1);
+        if (!test::reduced()) {
+            CHECK(report.sampled < 3000);
+            CHECK(votess::verify(t, large.points).sampled == report.sampled);
+        }
+    }
+
+    // In periodic domains the neighbors are images, found only where verify looks at all that reach the cell.
+    TEST_CASE("verify sees each face that two rows lack, images too") {
+        for (int domain = 0; domain < 3; ++domain)
+            for (const std::size_t n : {1, 2, 5, 12})
+                for (const bool weighted : {false, true}) {
+                    CAPTURE(domain);
+                    CAPTURE(n);
+                    CAPTURE(weighted);
+                    test::Random random(100 + n);
+                    test::Coordinates points;
+                    std::vector<double> weights;
+                    for (std::size_t i = 0; i < n; ++i) {
+                        for (int k = 0; k < 3; ++k) points.push_back(random.uniform(0, 1));
+                        if (weighted) weights.push_back(random.uniform(0, 0.05));
+                    }
+                    votess::Options options = periodic_options(domain);
+                    options.weights = weights;
+                    options.outside = votess::Outside::drop;
+                    const auto t = votess::tessellate(std::span<const double>(points), options);
+                    const Parts whole = parts_of(t);
+                    const auto with_whole = with_parts(t, whole);
+                    CHECK(votess::verify(with_whole, points).failure == "");
+                    std::size_t removed = 0;
+                    for (std::size_t i = 0; i < t.size(); ++i)
+                        for (const FaceLabel& label : whole.rows[i]) {
+                            Parts parts = whole;
+                            std::erase(parts.rows[i], label);
+                            std::erase(parts.rows[static_cast<std::size_t>(label.id)], label.seen_from_behind(i));
+                            const auto report = votess::verify(with_parts(t, parts), points);
+                            CHECK(report.failure.find("by trying every seed") != std::string::npos);
+                            ++removed;
+                        }
+                    CHECK(removed == t.indices().size());
+                    CHECK(removed > 0);
+                }
+    }
+
+    TEST_CASE("verify sees a face that two rows list twice, and a row out of order") {
+        const test::PointSet set = test::uniform(200, 101);
+        const auto t = test::run(set, rows_only());
+        const Parts whole = parts_of(t);
+        REQUIRE(votess::verify(with_parts(t, whole), set.points).failure == "");
+        Parts twice = whole;
+        const FaceLabel label = whole.rows[7][2];
+        auto& behind = twice.rows[static_cast<std::size_t>(label.id)];
+        twice.rows[7].insert(twice.rows[7].begin() + 2, label);
+        behind.insert(std::ranges::find(behind, label.seen_from_behind(7)), label.seen_from_behind(7));
+        CHECK(votess::verify(with_parts(t, twice), set.points, {0, 1}).failure.find("does not ascend") !=
+              std::string::npos);
+        Parts disordered = whole;
+        std::swap(disordered.rows[0][0], disordered.rows[0][1]);
+        CHECK(votess::verify(with_parts(t, disordered), set.points, {0, 1}).failure ==
+              "the row of seed 0 does not ascend at " + std::to_string(disordered.rows[0][1].id));
+    }
+
+    TEST_CASE("verify sees a cell that is said to be empty, and an empty one that is said to be none") {
+        const test::PointSet set = test::uniform(100, 102);
+        votess::Options options = rows_only();
+        std::vector<double> weights(set.size());
+        weights[13] = 0.09;  // buries its neighbors
+        options.weights = weights;
+        const auto t = test::run(set, options);
+        const Parts whole = parts_of(t);
+        const auto empty = std::ranges::find(whole.status, votess::CellStatus::empty);
+        REQUIRE(empty != whole.status.end());
+        CHECK(votess::verify(with_parts(t, whole), set.points).failure == "");
+        Parts parts = whole;
+        parts.status[static_cast<std::size_t>(empty - whole.status.begin())] = votess::CellStatus::certified;
+        CHECK(votess::verify(with_parts(t, parts), set.points).failure.find("is said to have a cell") !=
+              std::string::npos);
+        parts = whole;
+        parts.status[13] = votess::CellStatus::empty;
+        CHECK(votess::verify(with_parts(t, parts), set.points).failure ==
+              "seed 13 is said to have no cell, trying every seed leaves one");
+    }
+}

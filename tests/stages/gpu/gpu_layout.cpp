@@ -1,0 +1,183 @@
+// The structs of shaders/shared/layout.h mean the same bytes to GLSL and to C++.
+#include <doctest/doctest.h>
+
+#include <cstring>
+
+#include "shared/layout.h"
+#include "support/gpu/vulkan.hpp"
+
+using namespace votess::gpu;
+using namespace votess::gpu::vulkan;
+namespace shaders = votess::gpu::shaders;
+using Words = std::vector<std::uint32_t>;
+
+namespace {
+
+// Distinct words, none of which is a NaN or a subnormal number to a driver that touches floats.
+std::uint32_t word(std::size_t i) {
+    return 0x3f800000u + 0x1111u * static_cast<std::uint32_t>(i + 1);
+}
+
+template <class T>
+T filled() {
+    static_assert(sizeof(T) % 4 == 0 && std::is_trivially_copyable_v<T>);
+    Words words(sizeof(T) / 4);
+    for (std::size_t i = 0; i < words.size(); ++i) words[i] = word(i);
+    T value;
+    std::memcpy(&value, words.data(), sizeof value);
+    return value;
+}
+
+// The fields' words in the order of the arguments.
+template <class... Fields>
+Words words_of(const Fields&... fields) {
+    Words words;
+    const auto add = [&](const auto& field) {
+        static_assert(sizeof field % 4 == 0);
+        const std::size_t at = words.size();
+        words.resize(at + sizeof field / 4);
+        std::memcpy(words.data() + at, &field, sizeof field);
+    };
+    (add(fields), ...);
+    return words;
+}
+
+class Reader {
+public:
+    // What the shader found in the push constants or in the buffer at binding 0.
+    Words run(std::span<const std::uint32_t> spirv, std::span<const std::byte> push,
+              std::span<const std::byte> buffer = {}) {
+        constexpr VkDeviceSize bytes = 400;
+        Memory memory(*gpu_.device);
+        const Buffer source = memory.buffer(bytes, MemoryKind::upload),
+                     target = memory.buffer(bytes, MemoryKind::download);
+        std::copy(buffer.begin(), buffer.end(), source.mapped().begin());
+        source.flush();
+        const Pass pass(*gpu_.device, {.name = "test_layout",
+                                       .spirv = spirv,
+                                       .bindings = {0, 1},
+                                       .push_bytes = static_cast<std::uint32_t>(push.size()),
+                                       .local_size = 1,
+                                       .constants = {}});
+        Commands commands(*gpu_.device);
+        commands.begin();
+        commands.fill(target, 0, bytes, 0);
+        commands.barrier();
+        const BufferBinding buffers[] = {{0, &source}, {1, &target}};
+        commands.dispatch(pass, buffers, push, 1);
+        commands.barrier_to_host();
+        commands.end();
+        commands.submit();
+        commands.wait();
+        target.invalidate();
+        const auto words = target.as<std::uint32_t>();
+        REQUIRE(words[0] < words.size());
+        return {words.begin() + 1, words.begin() + 1 + words[0]};
+    }
+    template <class T>
+    Words push(std::span<const std::uint32_t> spirv, const T& value) {
+        return run(spirv, push_bytes(value));
+    }
+    Words buffer(std::span<const std::uint32_t> spirv, std::span<const std::byte> bytes) {
+        const std::uint32_t unused = 0;
+        return run(spirv, push_bytes(unused), bytes);
+    }
+
+private:
+    test::Gpu gpu_;
+};
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("gpu layout: push constants") {
+        Reader reader;
+        const auto check = [&](const char* name, std::span<const std::uint32_t> spirv, const auto& value,
+                               const Words& expected) {
+            CAPTURE(name);
+            CHECK(sizeof value == 4 * expected.size());  // nothing forgotten, no padding
+            CHECK(sizeof value <= 128);                  // what every device has
+            CHECK(reader.push(spirv, value) == expected);
+        };
+        const auto upload = filled<UploadPush>();
+        check("UploadPush", shaders::test_layout_upload, upload,
+              words_of(upload.origin, upload.first, upload.count, upload.shift, upload.format, upload.lower,
+                       upload.upper, upload.stride, upload.check));
+        const auto images = filled<ImagesPush>();
+        check("ImagesPush", shaders::test_layout_images, images,
+              words_of(images.lower, images.side, images.extent, images.periodic, images.count, images.capacity));
+        const auto sort = filled<SortPush>();
+        check("SortPush", shaders::test_layout_sort, sort,
+              words_of(sort.count, sort.tiles, sort.shift, sort.high_word));
+        const auto key = filled<KeyPush>();
+        check("KeyPush", shaders::test_layout_key, key, words_of(key.count, key.bits, key.blocks_per_unit));
+        const auto scan = filled<ScanPush>();
+        check("ScanPush", shaders::test_layout_scan, scan, words_of(scan.count));
+        const auto boxes = filled<BoxesPush>();
+        check("BoxesPush", shaders::test_layout_boxes, boxes,
+              words_of(boxes.seed_count, boxes.level, boxes.first, boxes.count, boxes.below_first, boxes.below_count));
+        const auto knn = filled<KnnPush>();
+        check("KnnPush", shaders::test_layout_knn, knn,
+              words_of(knn.lower, knn.upper, knn.bounded, knn.first_cell, knn.cell_count, knn.seed_count, knn.own_count,
+                       knn.level_count, knn.most_visits, knn.stride, knn.level_first));
+        const auto clip = filled<ClipPush>();
+        check("ClipPush", shaders::test_layout_clip, clip,
+              words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.list_stride,
+                       clip.row_stride, clip.todo_capacity, clip.walls, clip.neighbors, clip.volume_tolerance,
+                       clip.most_visits, clip.level_count, clip.level_first));
+        const auto cells = filled<CellsPush>();
+        check("CellsPush", shaders::test_layout_cells, cells,
+              words_of(cells.extent, cells.lower, cells.upper, cells.bounded, cells.first_cell, cells.cell_count,
+                       cells.seed_count, cells.own_count, cells.level_count, cells.most_visits, cells.row_stride,
+                       cells.todo_capacity, cells.walls, cells.neighbors, cells.volume_tolerance));
+        const auto rows = filled<RowsPush>();
+        check("RowsPush", shaders::test_layout_rows, rows,
+              words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity, rows.window_bits,
+                       rows.own_count));
+    }
+
+    TEST_CASE("gpu layout: of recorded frames") {
+        Reader reader;
+        const auto push = filled<FramePush>();
+        const Words push_words = words_of(push.first_cell, push.cell_count, push.capacity, push.neighbors,
+                                          push.geometry, push.shift, push.own_count);
+        CHECK(sizeof push == 4 * push_words.size());
+        CHECK(reader.push(shaders::test_layout_frame, push) == push_words);
+        const auto header = filled<FrameHeader>();
+        const Words header_words = words_of(header.seeds, header.certified, header.unresolved, header.duplicates,
+                                            header.outside, header.entries, header.faces, header.images);
+        CHECK(sizeof header == 4 * header_words.size());
+        CHECK(reader.buffer(shaders::test_layout_header, push_bytes(header)) == header_words);
+        const auto cell = filled<FrameCell>();
+        const Words cell_words = words_of(cell.status, cell.row_begin, cell.row_length, cell.faces);
+        CHECK(sizeof cell == 4 * cell_words.size());
+        CHECK(reader.buffer(shaders::test_layout_cell, push_bytes(cell)) == cell_words);
+    }
+
+    TEST_CASE("gpu layout: states") {
+        Reader reader;
+        const auto run = filled<RunState>();
+        const Words run_words = words_of(run.lossy, run.suspects, run.duplicates, run.incomplete);
+        CHECK(sizeof run == 4 * run_words.size());
+        CHECK(reader.buffer(shaders::test_layout_run, push_bytes(run)) == run_words);
+        const auto chunk = filled<ChunkState>();
+        const Words chunk_words =
+            words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z, chunk.row_base);
+        CHECK(sizeof chunk == 4 * chunk_words.size());
+        CHECK(reader.buffer(shaders::test_layout_chunk, push_bytes(chunk)) == chunk_words);
+        const auto list = filled<ListInfo>();
+        const Words list_words = words_of(list.lengths, list.reach, list.bound);
+        CHECK(sizeof list == 4 * list_words.size());
+        CHECK(reader.buffer(shaders::test_layout_list, push_bytes(list)) == list_words);
+        // What an indirect dispatch reads.
+        static_assert(offsetof(ChunkState, groups_y) == offsetof(ChunkState, groups_x) + 4);
+        static_assert(offsetof(ChunkState, groups_z) == offsetof(ChunkState, groups_x) + 8);
+    }
+
+    TEST_CASE("gpu layout: nodes of the hierarchy are 48 bytes, one after the other") {
+        Reader reader;
+        Words words(3 * 48 / 4);
+        for (std::size_t i = 0; i < words.size(); ++i) words[i] = word(i);
+        CHECK(reader.buffer(shaders::test_layout_node, std::as_bytes(std::span(words))) == words);
+    }
+}

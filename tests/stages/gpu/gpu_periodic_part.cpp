@@ -1,0 +1,143 @@
+// The images that a periodic domain has on a device: all within the bounds that cells rely on, at their exact places.
+#include <doctest/doctest.h>
+#include <gmpxx.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "gpu/seeds/periodic_part.hpp"
+#include "input/options.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+using test::Coordinates;
+using votess::gpu::PeriodicPart;
+
+namespace {
+
+mpz_class floor_of(const mpq_class& x) {
+    mpz_class result;
+    mpz_fdiv_q(result.get_mpz_t(), x.get_num_mpz_t(), x.get_den_mpz_t());
+    return result;
+}
+
+mpq_class scaled(double x, int shift) {
+    mpq_class result(x);
+    if (shift >= 0)
+        mpq_mul_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(shift));
+    else
+        mpq_div_2exp(result.get_mpq_t(), result.get_mpq_t(), static_cast<mp_bitcnt_t>(-shift));
+    return result;
+}
+
+// Shifts up to `reach` are tried. Returns how many images are members; 0 when the device does not take the job.
+std::size_t check_part(const Coordinates& points, const votess::Options& options, int reach) {
+    const votess::Job job = votess::validate({points, {}}, options);
+    const std::size_t count = points.size() / 3;
+    const auto part = votess::gpu::periodic_part(job, 1u << 20);
+    if (!part) return 0;
+    const votess::Domain& domain = *job.domain;
+    const int shift = votess::gpu::Units::for_box(part->box).shift;
+    std::array<std::array<mpq_class, 3>, 3> vector;
+    for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) {
+            const auto& length = domain.lattice.vector[j][k];
+            vector[j][k] = (mpq_class(length.high) + mpq_class(length.low)) * scaled(1 / job.scale, shift);
+        }
+    std::map<std::pair<std::size_t, std::array<int, 3>>, std::size_t> members;
+    for (std::size_t m = 0; m < part->part.members.size(); ++m) {
+        const auto& s = part->shifts[m];
+        members[{static_cast<std::size_t>(part->part.members[m]), {s[0], s[1], s[2]}}] = m;
+    }
+    REQUIRE(members.size() == part->part.members.size());
+    std::array<mpz_class, 3> origin;
+    for (int k = 0; k < 3; ++k) origin[k] = floor_of(scaled(part->box.lower[k], shift));
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto wrap = votess::wrap(
+            domain, {points[3 * i] * job.scale, points[3 * i + 1] * job.scale, points[3 * i + 2] * job.scale});
+        REQUIRE(wrap.has_value());
+        std::array<int, 3> most{};
+        for (std::size_t j = 0; j < 3; ++j) most[j] = options.cell || options.periodic[j] ? reach : 0;
+        for (int a = -most[0]; a <= most[0]; ++a)
+            for (int b = -most[1]; b <= most[1]; ++b)
+                for (int c = -most[2]; c <= most[2]; ++c) {
+                    const std::array<int, 3> by{a, b, c};
+                    std::array<mpq_class, 3> x;
+                    bool within = true;
+                    for (int k = 0; k < 3; ++k) {
+                        x[k] = scaled(points[3 * i + static_cast<std::size_t>(k)], shift);
+                        for (int j = 0; j < 3; ++j) x[k] += vector[j][k] * ((*wrap)[j] + by[j]);
+                        if ((part->part.bounded >> k & 1) == 0) continue;
+                        within = within && x[k] >= origin[k] + mpz_class(part->part.lower[k]) &&
+                                 x[k] <= origin[k] + mpz_class(part->part.upper[k]);
+                    }
+                    const auto found = members.find({i, by});
+                    CAPTURE(i);
+                    CAPTURE(a);
+                    CAPTURE(b);
+                    CAPTURE(c);
+                    if (within) REQUIRE(found != members.end());
+                    if (found == members.end()) continue;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        mpz_class units = floor_of(x[k]);
+                        mpz_fdiv_r_2exp(units.get_mpz_t(), units.get_mpz_t(), 64);
+                        REQUIRE(mpz_class(part->coordinates[3 * found->second + k]) == units);
+                    }
+                    members.erase(found);
+                }
+    }
+    REQUIRE(members.empty());  // each is an image that was tried
+    return part->part.members.size() - count;
+}
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("gpu periodic part: boxes at the origin and far away, where images are no doubles") {
+        test::Random random(31);
+        std::size_t images = 0;
+        for (int far = 0; far < 50; far += 2)
+            for (int mask = 1; mask < 8; ++mask) {
+                votess::Options options = test::all_options(test::unit_box());
+                CAPTURE(far);
+                CAPTURE(mask);
+                for (int k = 0; k < 3; ++k) {
+                    options.periodic[k] = (mask >> k & 1) != 0;
+                    // Across a power of two, where the steps of doubles change.
+                    options.box->lower[k] = far == 0 ? random.uniform(-1, 0) : std::ldexp(1.0, far) - random.uniform();
+                    options.box->upper[k] = options.box->lower[k] + random.uniform(0.8, 1.2);
+                }
+                Coordinates points;
+                for (int i = 0; i < 40; ++i)
+                    for (int k = 0; k < 3; ++k)
+                        points.push_back(std::clamp(random.uniform(options.box->lower[k], options.box->upper[k]),
+                                                    options.box->lower[k], options.box->upper[k]));
+                images += check_part(points, options, 3);
+            }
+        CHECK(images > 10000);
+    }
+
+    TEST_CASE("gpu periodic part: triclinic boxes, seeds millions of periods away") {
+        test::Random random(32);
+        std::size_t images = 0;
+        for (int set = 0; set < static_cast<int>(test::by_size(40, 20)); ++set) {
+            votess::Options options = test::all_options(test::unit_box());
+            options.box.reset();
+            const double skew = set % 4 == 0 ? 1.5 : 0.5;
+            options.cell = votess::TriclinicBox{{std::ldexp(1.0, set % 2 == 0 ? set : 46), 0.25, -3},
+                                                {1, 0, 0},
+                                                {random.uniform(-skew, skew), 1, 0},
+                                                {random.uniform(-skew, skew), random.uniform(-skew, skew), 1}};
+            Coordinates points;
+            const double away = std::ldexp(1.0, set % 28);
+            for (int i = 0; i < 20; ++i)
+                for (int k = 0; k < 3; ++k)
+                    points.push_back(options.cell->origin[static_cast<std::size_t>(k)] +
+                                     (i % 2 == 0 ? random.uniform() : random.uniform(-away, away)));
+            CAPTURE(set);
+            images += check_part(points, options, 10);
+        }
+        CHECK(images > 500);
+    }
+}

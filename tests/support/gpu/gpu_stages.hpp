@@ -1,0 +1,94 @@
+// Single passes of the GPU engine, and what they leave in the device's memory.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "gpu/passes/passes.hpp"
+#include "gpu/seeds/seed_store.hpp"
+#include "input/options.hpp"
+#include "shared/bindings.h"
+#include "support/generators.hpp"
+#include "support/gpu/vulkan.hpp"
+
+namespace test {
+
+using Integers = std::vector<std::uint64_t>;
+
+// Around the sizes of groups, tiles and levels.
+inline const std::vector<std::size_t> sizes_across_groups{1,    2,    7,    8,    9,    31,    32,    33,   63,
+                                                          64,   65,   127,  128,  129,  255,   256,   257,  1023,
+                                                          1024, 1025, 8191, 8192, 8193, 65535, 65536, 65537};
+
+inline votess::gpu::PassSettings pass_settings(std::uint32_t k = 112) {
+    votess::gpu::PassSettings s;
+    s.k = k;
+    s.tiers[0] = {.planes = 32, .vertices = 64, .float64 = false};
+    s.tiers[1] = {.planes = 64, .vertices = 128, .float64 = true};
+    return s;
+}
+
+struct GpuStages {
+    Gpu gpu;
+    vk::Memory memory{*gpu.device};
+    std::unique_ptr<votess::gpu::Passes> passes;
+    votess::gpu::SeedStore seeds{*gpu.device, memory};
+
+    explicit GpuStages(const votess::gpu::PassSettings& settings = pass_settings()) { use(settings); }
+    // With float64 where the device has it.
+    void use(votess::gpu::PassSettings settings) {
+        for (auto& tier : settings.tiers) tier.float64 = tier.float64 && gpu.device->has_float64();
+        passes.reset();
+        passes = std::make_unique<votess::gpu::Passes>(*gpu.device, settings);
+    }
+
+    // The upload of a set, whose points must stay.
+    votess::Job upload(const PointSet& set) {
+        votess::Options options;
+        options.box = set.box;
+        votess::Job job = votess::validate({set.points, {}}, options);
+        seeds.upload(job, {}, *passes);
+        return job;
+    }
+    votess::Job upload_and_sort(const PointSet& set, std::uint32_t key_bits = KEY_BITS_PER_AXIS) {
+        votess::Job job = upload(set);
+        seeds.sort(*passes, key_bits);
+        seeds.build_hierarchy(*passes);
+        return job;
+    }
+
+    template <class T>
+    std::vector<T> read(const vk::Slice& buffer, std::size_t count) {
+        const vk::Buffer copy = memory.buffer(count * sizeof(T), vk::MemoryKind::download);
+        vk::Commands commands(*gpu.device);
+        commands.begin();
+        commands.barrier();
+        commands.copy(buffer, 0, copy, 0, count * sizeof(T));
+        commands.barrier_to_host();
+        commands.end();
+        commands.submit();
+        commands.wait();
+        copy.invalidate();
+        const auto all = copy.as<T>();
+        return {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)};
+    }
+    template <class T>
+    std::vector<T> read(std::uint32_t binding, std::size_t count) {
+        for (const vk::BufferBinding& b : seeds.on_device().bindings().list())
+            if (b.binding == binding) return read<T>(b.slice, count);
+        FAIL("no such binding");
+        return {};
+    }
+    // Coordinates in units, of points (BINDING_POINTS_X) or seeds (BINDING_SEEDS_X), one axis after the other.
+    std::vector<Integers> coordinates(std::uint32_t binding_of_x) {
+        std::vector<Integers> all;
+        for (std::uint32_t a = 0; a < 3; ++a) all.push_back(read<std::uint64_t>(binding_of_x + a, seeds.count()));
+        return all;
+    }
+    votess::gpu::RunState run_state() { return read<votess::gpu::RunState>(BINDING_RUN_STATE, 1)[0]; }
+};
+
+// NO_COORDINATE in both words.
+inline constexpr std::uint64_t no_coordinate = ~std::uint64_t{0};
+
+}  // namespace test

@@ -1,0 +1,91 @@
+// A device for tests, whose end checks that nothing was misused.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gpu/passes/commands.hpp"
+#include "test_shaders.hpp"
+
+namespace test {
+
+namespace vk = votess::gpu::vulkan;
+
+// Sets or unsets an environment variable during its life.
+class Environment {
+public:
+    Environment(const char* name, const char* value) : name_(name) {
+        if (const char* old = std::getenv(name)) old_ = old;
+        value ? setenv(name, value, 1) : unsetenv(name);
+    }
+    ~Environment() { old_ ? setenv(name_, old_->c_str(), 1) : unsetenv(name_); }
+    Environment(const Environment&) = delete;
+    Environment& operator=(const Environment&) = delete;
+
+private:
+    const char* name_;
+    std::optional<std::string> old_;
+};
+
+// The first device that votess can use, under validation when VOTESS_VULKAN_VALIDATION says so.
+struct Gpu {
+    std::shared_ptr<vk::Instance> instance = vk::Instance::create();
+    vk::Adapter adapter = first(*instance);
+    std::shared_ptr<vk::Device> device;
+    const VolkDeviceTable original;  // before a test replaced entries
+
+    explicit Gpu(const vk::DeviceOptions& options = {})
+        : device(vk::Device::create(instance, adapter, options)), original(device->table()) {}
+    ~Gpu() {
+        device->table() = original;
+        device.reset();
+        for (const std::string& message : instance->take_messages()) FAIL_CHECK(message);
+    }
+
+    static vk::Adapter first(const vk::Instance& instance) {
+        const auto adapters = instance.adapters();
+        const auto it =
+            std::find_if(adapters.begin(), adapters.end(), [](const auto& a) { return a.missing().empty(); });
+        REQUIRE_MESSAGE(it != adapters.end(), "no usable Vulkan device; Mesa's lavapipe will do");
+        return *it;
+    }
+};
+
+struct ScalePush {
+    std::uint32_t count;
+    std::uint32_t addend;
+};
+
+// target[i] += source[i] * factor / divisor + addend
+inline vk::Pass scale_pass(vk::Device& device, std::uint32_t local_size, std::uint32_t factor = 1,
+                           std::uint32_t divisor = 1) {
+    vk::PassInfo info;
+    info.name = "test_scale";
+    info.spirv = votess::gpu::shaders::test_scale;
+    info.bindings = {2, 5};
+    info.push_bytes = sizeof(ScalePush);
+    info.local_size = local_size;
+    info.constants = {factor, divisor};
+    return vk::Pass(device, info);
+}
+
+// The code of the votess::Error that `call` throws; nothing when it returns.
+template <class Call>
+std::optional<votess::ErrorCode> error_of(Call&& call, std::string* message = nullptr) {
+    try {
+        std::forward<Call>(call)();
+    } catch (const votess::Error& error) {
+        if (message) *message = error.what();
+        return error.code();
+    }
+    return {};
+}
+
+}  // namespace test

@@ -1,0 +1,210 @@
+#include "gpu/gpu_frames.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <sstream>
+
+#include "buffers.hpp"
+#include "measure.hpp"
+#include "system/machine.hpp"
+
+namespace bench {
+namespace {
+
+using votess::vulkan::Cell;
+using votess::vulkan::Header;
+using votess::vulkan::Plan;
+
+constexpr double volume_error = 1e-5;
+constexpr std::uint32_t entries_each = 20;
+using votess::vulkan::Timestamps;
+
+struct Buffers {
+    host::Buffer seeds, workspace, header, cells, indices, geometry;
+
+    Buffers(const host::HostDevice& device, const votess::vulkan::BufferSizes& sizes) {
+        const auto make = [&](VkDeviceSize bytes) {
+            return bytes == 0 ? host::Buffer()
+                              : host::Buffer(device, bytes, votess::vulkan::buffer_usage, host::Place::device);
+        };
+        seeds = make(sizes.seeds);
+        workspace = make(sizes.workspace);
+        header = make(sizes.header);
+        cells = make(sizes.cells);
+        indices = make(sizes.indices);
+        geometry = make(sizes.geometry);
+    }
+    [[nodiscard]] votess::vulkan::Buffers ranges() const {
+        return {{seeds.get()}, {workspace.get()}, {header.get()}, {cells.get()}, {indices.get()}, {geometry.get()}};
+    }
+    [[nodiscard]] std::uint64_t bytes() const {
+        std::uint64_t sum = 0;
+        for (const host::Buffer* b : {&seeds, &workspace, &header, &cells, &indices, &geometry}) sum += b->bytes();
+        return sum;
+    }
+};
+
+template <class T>
+std::vector<T> read(const host::HostDevice& device, const host::Buffer& buffer) {
+    const std::vector<std::byte> bytes = host::download(device, buffer.get(), buffer.bytes());
+    std::vector<T> values(bytes.size() / sizeof(T));
+    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+    return values;
+}
+
+void compare(FrameRow& row, const host::HostDevice& device, const Buffers& buffers, const votess::Box& box,
+             std::span<const float> seeds) {
+    votess::Options options;
+    options.box = box;
+    options.device = "cpu";
+    const votess::Tessellation t = votess::tessellate(seeds, options);
+    const auto cells = read<Cell>(device, buffers.cells);
+    const auto geometry = read<float>(device, buffers.geometry);
+    const auto indices = row.rows ? read<std::int32_t>(device, buffers.indices) : std::vector<std::int32_t>();
+    row.check = "= CPU";
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        if (cells[i].status != static_cast<std::uint32_t>(votess::CellStatus::certified)) continue;
+        const double volume = t.volumes()[i];
+        const auto expected = t.neighbors(i);
+        const bool same = !row.rows || (cells[i].row_length == expected.size() &&
+                                        std::equal(expected.begin(), expected.end(),
+                                                   indices.begin() + static_cast<std::ptrdiff_t>(cells[i].row_begin)));
+        if (same && std::abs(double{geometry[4 * i + 3]} - volume) <= volume_error * volume) continue;
+        row.check = "WRONG: cell " + std::to_string(i);
+        row.wrong = true;
+        return;
+    }
+}
+
+}  // namespace
+
+struct Frames::Device {
+    host::Messages messages;
+    host::HostDevice device;
+
+    explicit Device(const std::string& name) : device({.name = name, .draws = false}, messages) {}
+};
+
+Frames::Frames(const std::string& device_name) : device_(std::make_unique<Device>(device_name)) {}
+Frames::~Frames() = default;
+
+FrameRow Frames::measure(const Input& input, bool rows, votess::Kernel kernel, int repeats, bool to_compare) const {
+    const host::HostDevice& device = device_->device;
+    FrameRow row;
+    row.input = input.name;
+    row.n = input.size();
+    row.rows = rows;
+    votess::vulkan::PlanOptions options;
+    options.most_seeds = static_cast<std::uint32_t>(row.n);
+    options.box = input.box;
+    options.neighbors = rows;
+    options.kernel = kernel;
+    options.most_entries = entries_each * options.most_seeds;
+    const Plan plan(device.for_votess(true), options);
+    const Buffers buffers(device, plan.sizes());
+    row.device_bytes = buffers.bytes();
+    const std::vector<float> seeds(input.points.begin(), input.points.end());
+    host::upload(device, std::as_bytes(std::span(seeds)), buffers.seeds.get());
+    const votess::vulkan::Frame frame = plan.frame(buffers.ranges());
+
+    const host::Owned<VkQueryPool> times = host::make_timestamps(device, Timestamps::slots);
+    for (int repeat = -1; repeat < repeats; ++repeat) {
+        const Stopwatch stopwatch;
+        host::run_once(device, [&](VkCommandBuffer commands) {
+            if (times.get()) vkCmdResetQueryPool(commands, times.get(), 0, Timestamps::slots);
+            frame.record(commands, {.count = options.most_seeds, .timestamps = {times.get(), 0}});
+        });
+        const double seconds = stopwatch.seconds();
+        if (repeat < 0) {
+            row.first_seconds = seconds;
+            continue;
+        }
+        row.seconds.push_back(seconds);
+        const std::vector<double> at = host::seconds_of(device, times.get(), Timestamps::slots);
+        std::array<double, 4> stages{};
+        for (std::size_t s = 0; s < stages.size() && s + 1 < at.size(); ++s) stages[s] = at[s + 1] - at[s];
+        row.stages.push_back(stages);
+    }
+    const auto header = read<Header>(device, buffers.header).at(0);
+    row.unresolved = header.unresolved;
+    row.check = "not compared";
+    if (to_compare) compare(row, device, buffers, input.box, seeds);
+    if (header.entries > options.most_entries) {
+        row.check = "WRONG: rows need more room than was given";
+        row.wrong = true;
+    }
+    return row;
+}
+
+void print_frames_head() {
+    std::printf(
+        "\nRecorded frames, seeds and results on the device: million cells per second by the time from submission to "
+        "the\nend, then all seeds or cells by the device's time of a stage. rows: neighbors too, else volumes and "
+        "centroids.\nLeft: cells left to resolve(). MiB: buffers on the device.\n\n%-10s %9s %-9s %-10s %8s %8s  "
+        "%8s %8s %9s %8s %9s %7s  check\n",
+        "input", "n", "want", "kernel", "best", "median", "upload", "sort", "hierarchy", "cells", "left", "MiB");
+    std::fflush(stdout);
+}
+
+namespace {
+
+std::vector<double> stage_of(const FrameRow& row, std::size_t stage) {
+    std::vector<double> seconds;
+    for (const auto& each : row.stages) seconds.push_back(each[stage]);
+    return seconds;
+}
+
+double rate(const FrameRow& row, double seconds) {
+    return seconds > 0 ? static_cast<double>(row.n) / seconds / 1e6 : 0;
+}
+
+const char* want_of(const FrameRow& row) {
+    return row.rows ? "rows" : "geometry";
+}
+
+}  // namespace
+
+void print(const FrameRow& row) {
+    std::printf("%-10s %9zu %-9s %-10s", row.input.c_str(), row.n, want_of(row), row.kernel.c_str());
+    if (!row.note.empty()) {
+        std::printf("  %s\n", row.note.c_str());
+    } else {
+        std::printf(" %8.4g %8.4g ", rate(row, *std::min_element(row.seconds.begin(), row.seconds.end())),
+                    rate(row, median(row.seconds)));
+        for (std::size_t s = 0; s < 4; ++s)
+            std::printf(s == 2 ? " %9.4g" : " %8.4g", rate(row, median(stage_of(row, s))));
+        std::printf(" %9llu %7.0f  %s\n", static_cast<unsigned long long>(row.unresolved),
+                    static_cast<double>(row.device_bytes) / (1024.0 * 1024.0), row.check.c_str());
+    }
+    std::fflush(stdout);
+}
+
+std::string json(const FrameRow& row) {
+    std::ostringstream out;
+    out.precision(6);
+    out << "{\"input\": " << in_quotes(row.input) << ", \"n\": " << row.n << ", \"want\": " << in_quotes(want_of(row))
+        << ", \"kernel\": " << in_quotes(row.kernel);
+    if (!row.note.empty()) {
+        out << ", \"note\": " << in_quotes(row.note) << '}';
+        return out.str();
+    }
+    const auto list = [&](const std::vector<double>& values) {
+        out << '[';
+        for (std::size_t i = 0; i < values.size(); ++i) out << (i > 0 ? ", " : "") << values[i];
+        out << ']';
+    };
+    out << ", \"check\": " << in_quotes(row.check) << ", \"first_seconds\": " << row.first_seconds << ", \"seconds\": ";
+    list(row.seconds);
+    constexpr std::array names{"upload", "sort", "hierarchy", "cells"};
+    for (std::size_t s = 0; s < names.size(); ++s) {
+        out << ", \"" << names[s] << "_seconds\": ";
+        list(stage_of(row, s));
+    }
+    out << ", \"million_cells_per_second\": " << rate(row, median(row.seconds))
+        << ", \"unresolved\": " << row.unresolved << ", \"device_bytes\": " << row.device_bytes << '}';
+    return out.str();
+}
+
+}  // namespace bench

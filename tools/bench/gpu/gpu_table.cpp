@@ -1,0 +1,454 @@
+#include "gpu/gpu_table.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <iomanip>
+#include <map>
+#include <sstream>
+#include <string_view>
+
+#include "bench.hpp"
+#if BENCH_FRAMES
+#include "gpu/gpu_frames.hpp"
+#endif
+#include "measure.hpp"
+#include "system/machine.hpp"
+
+namespace bench {
+namespace {
+
+constexpr double promised_volume_error = 1e-5;  // of Precision::single
+
+struct Row {
+    std::string input;
+    std::size_t n = 0;
+    Want want = Want::neighbors;
+    std::string kernel;
+    unsigned local_size = 0;
+    double first_seconds = 0;     // of the warm-up, which opens the device and compiles the pipelines
+    std::vector<double> seconds;  // each repeat
+    std::vector<votess::StageSeconds> stages;
+    votess::Stats stats;  // of the last repeat
+    std::uint64_t peak_memory = 0;
+    std::string check;  // "= CPU", "not compared" or what is wrong
+    double volume_error = 0;
+    bool wrong = false;
+    std::string note;  // why there is no time
+
+    [[nodiscard]] double best() const { return *std::min_element(seconds.begin(), seconds.end()); }
+    [[nodiscard]] double rate(double s) const { return static_cast<double>(n) / s / 1e6; }
+};
+
+// Linux then counts the peak of resident memory anew; elsewhere it stays that of the whole process.
+void forget_peak_memory() {
+    std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+votess::Kernel kernel_named(const std::string& name) {
+    return name == "subgroup"     ? votess::Kernel::subgroup
+           : name == "invocation" ? votess::Kernel::invocation
+                                  : votess::Kernel::automatic;
+}
+
+bool is_full_of_ties(const std::string& input) {
+    return input == "lattice" || input == "bcc" || input == "fcc";
+}
+
+votess::Options options_for(const GpuTable& table, const Input& input, Want want, const std::string& device) {
+    votess::Options options;
+    options.box = input.box;
+    options.device = device;
+    options.threads = table.threads;
+    options.want.neighbors = true;
+    options.want.volumes = options.want.centroids = want == Want::full;
+    return options;
+}
+
+// What a row says about its result.
+void compare(Row& row, const votess::Tessellation& mine, const votess::Tessellation& cpu) {
+    const auto fail = [&row](const std::string& what) {
+        row.check = "WRONG: " + what;
+        row.wrong = true;
+    };
+    row.check = "= CPU";
+    for (std::size_t i = 0; i < cpu.size(); ++i) {
+        const auto a = mine.neighbors(i), b = cpu.neighbors(i);
+        if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) {
+            return fail("neighbors of seed " + std::to_string(i));
+        }
+    }
+    if (!std::equal(mine.status().begin(), mine.status().end(), cpu.status().begin(), cpu.status().end())) {
+        return fail("status bytes");
+    }
+    for (std::size_t i = 0; i < cpu.volumes().size(); ++i) {
+        const double error = std::abs(mine.volumes()[i] - cpu.volumes()[i]);
+        if (!(error <= promised_volume_error * cpu.volumes()[i])) {
+            return fail("volume of seed " + std::to_string(i));
+        }
+        row.volume_error = std::max(row.volume_error, error > 0 ? error / cpu.volumes()[i] : 0.0);
+    }
+}
+
+void check(Row& row, const GpuTable& table, const Input& input, bool to_compare, const votess::Tessellation& mine) {
+    const votess::Stats& stats = mine.stats();
+    row.check = "not compared";
+    if (to_compare) {
+        compare(row, mine, votess::tessellate(input.points, options_for(table, input, row.want, "cpu")));
+    } else if (row.want == Want::full &&
+               !(std::abs(stats.volume_sum - stats.box_volume) <= promised_volume_error * stats.box_volume)) {
+        row.check = "WRONG: the volumes do not fill the box";
+        row.wrong = true;
+    }
+}
+
+// A Tessellator of its own, so that the memory is that of this row.
+void measure(Row& row, const GpuTable& table, const Input& input, bool to_compare) {
+    votess::Options options = options_for(table, input, row.want, table.device);
+    options.kernel = kernel_named(row.kernel);
+    ::setenv("VOTESS_VULKAN_LOCAL_SIZE", std::to_string(row.local_size).c_str(), 1);
+    votess::Tessellation t;
+    {
+        forget_peak_memory();
+        votess::Tessellator tessellator;
+        const Stopwatch first;
+        t = tessellator.tessellate(input.points, options);
+        row.first_seconds = first.seconds();
+        for (int repeat = 0; repeat < table.repeats; ++repeat) {
+            t = {};  // not timed, and not in memory beside the next
+            const Stopwatch stopwatch;
+            t = tessellator.tessellate(input.points, options);
+            row.seconds.push_back(stopwatch.seconds());
+            row.stages.push_back(t.stats().seconds);
+        }
+        row.stats = t.stats();
+        row.peak_memory = row.stats.peak_memory_bytes;
+    }
+    check(row, table, input, to_compare, t);
+}
+
+// No time to speak of: then there is no rate.
+bool negligible(const Row& row, double seconds) {
+    return seconds < 1e-4 * median(row.seconds);
+}
+
+// Three digits, or a dash.
+std::string rate_text(const Row& row, double seconds) {
+    if (negligible(row, seconds)) {
+        return "-";
+    }
+    const double rate = row.rate(seconds);
+    char text[32];
+    std::snprintf(text, sizeof text, "%.*f",
+                  rate >= 100   ? 0
+                  : rate >= 10  ? 1
+                  : rate >= 1   ? 2
+                  : rate >= 0.1 ? 3
+                                : 4,
+                  rate);
+    return text;
+}
+
+void print_head(const GpuTable& table) {
+    std::printf(
+        "\nMillion cells per second after a warm-up run (device, pipelines, buffers): best and median of %d run%s,\n"
+        "then all cells by the median seconds of a stage. Left: cells left to the CPU. MiB: peak of resident memory "
+        "on\n"
+        "the host. full: neighbors, volumes and centroids. Lists are compared with the CPU's up to %.0f seeds.\n\n",
+        table.repeats, table.repeats == 1 ? "" : "s", table.check_limit);
+    std::printf("%-10s %9s %-9s %-10s %5s %8s %8s ", "input", "n", "want", "kernel", "local", "best", "median");
+    for (const Stage& stage : stages) {
+        std::printf(" %8s", stage.name);
+    }
+    std::printf(" %9s %7s  %s\n", "left", "MiB", "check");
+    std::fflush(stdout);
+}
+
+void print(const Row& row) {
+    std::printf("%-10s %9zu %-9s %-10s %5u", row.input.c_str(), row.n, std::string(name_of(row.want)).c_str(),
+                row.kernel.c_str(), row.local_size);
+    if (!row.note.empty()) {
+        std::printf("  %s\n", row.note.c_str());
+    } else {
+        std::printf(" %8s %8s ", rate_text(row, row.best()).c_str(), rate_text(row, median(row.seconds)).c_str());
+        for (const Stage& stage : stages) {
+            std::printf(" %8s", rate_text(row, median_of(stage, row.stages)).c_str());
+        }
+        std::printf(" %9llu %7.0f  %s\n", static_cast<unsigned long long>(row.stats.fallback_cells),
+                    static_cast<double>(row.peak_memory) / (1024.0 * 1024.0), row.check.c_str());
+    }
+    std::fflush(stdout);
+}
+
+void write(std::ostream& out, const Row& row) {
+    out << "{\"input\": " << in_quotes(row.input) << ", \"n\": " << row.n
+        << ", \"want\": " << in_quotes(name_of(row.want)) << ", \"kernel\": " << in_quotes(row.kernel)
+        << ", \"local_size\": " << row.local_size;
+    if (!row.note.empty()) {
+        out << ", \"note\": " << in_quotes(row.note) << '}';
+        return;
+    }
+    const double middle = median(row.seconds);
+    out << ", \"check\": " << in_quotes(row.check) << ", \"first_seconds\": " << row.first_seconds
+        << ", \"seconds\": [";
+    for (std::size_t i = 0; i < row.seconds.size(); ++i) {
+        out << (i > 0 ? ", " : "") << row.seconds[i];
+    }
+    out << "], \"stage_seconds\": " << stages_json(row.stages)
+        << ", \"million_cells_per_second\": {\"best\": " << row.rate(row.best())
+        << ", \"median\": " << row.rate(middle);
+    for (const Stage& stage : stages) {
+        const double seconds = median_of(stage, row.stages);
+        out << ", \"" << stage.name << "\": ";
+        negligible(row, seconds) ? out << "null" : out << row.rate(seconds);
+    }
+    out << "}, \"fallback_cells\": " << row.stats.fallback_cells << ", \"exact_cells\": " << row.stats.exact_cells
+        << ", \"mean_faces\": " << row.stats.mean_faces << ", \"max_volume_error\": ";
+    row.want == Want::full&& row.check == "= CPU" ? out << row.volume_error : out << "null";
+    out << ", \"peak_memory_bytes\": " << row.peak_memory << '}';
+}
+
+// 20250131-1605, local time.
+std::string date() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    localtime_r(&now, &parts);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y%m%d-%H%M", &parts);
+    return text;
+}
+
+std::string file_name(const std::string& device) {
+    std::string name;
+    for (const char c : device) {
+        if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+            name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        } else if (!name.empty() && name.back() != '-') {
+            name += '-';
+        }
+    }
+    name.erase(name.find_last_not_of('-') + 1);
+    return "gpu-" + name + '-' + date() + ".json";
+}
+
+// frames: of JSON.
+void write(const std::string& file, const votess::DeviceInfo& device, unsigned threads, const std::vector<Row>& rows,
+           const std::vector<std::string>& frames) {
+    std::ostringstream out;
+    out << std::setprecision(6) << "{\n  \"device\": {\"id\": " << in_quotes(device.id)
+        << ", \"name\": " << in_quotes(device.name) << ", \"description\": " << in_quotes(device.description)
+        << "},\n  \"machine\": " << machine_json() << ",\n  \"votess\": " << in_quotes(VOTESS_VERSION_STRING)
+        << ",\n  \"threads\": " << threads << ",\n  \"rows\": [";
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        out << (i > 0 ? ",\n    " : "\n    ");
+        write(out, rows[i]);
+    }
+    out << "\n  ],\n  \"frames\": [";
+    for (std::size_t i = 0; i < frames.size(); ++i) out << (i > 0 ? ",\n    " : "\n    ") << frames[i];
+    out << "\n  ]\n}\n";
+    write_whole(file, out.str());
+}
+
+std::vector<Row> variants_of(const GpuTable& table, const Input& input) {
+    std::vector<Row> rows;
+    for (const std::string& want : table.wants) {
+        const std::size_t first = rows.size();
+        for (const std::string& kernel : table.kernels) {
+            for (const unsigned local_size : table.local_sizes) {
+                Row row;
+                row.input = input.name;
+                row.n = input.size();
+                row.want = want == "full" ? Want::full : Want::neighbors;
+                row.kernel = kernel;
+                row.local_size = local_size;
+                rows.push_back(std::move(row));
+            }
+        }
+        if (is_full_of_ties(input.name)) rows.resize(first + 1);
+    }
+    return rows;
+}
+
+// The variant with the best median of each input, size and want.
+void print_best(const std::vector<Row>& rows) {
+    std::map<std::string, const Row*> best;
+    std::vector<std::string> order;
+    for (const Row& row : rows) {
+        if (row.seconds.empty()) continue;
+        const std::string what = row.input + " " + std::to_string(row.n) + " " + std::string(name_of(row.want));
+        const Row*& found = best[what];
+        if (found == nullptr) order.push_back(what);
+        if (found == nullptr || median(row.seconds) < median(found->seconds)) found = &row;
+    }
+    std::printf("\nfastest by median:\n");
+    for (const std::string& what : order) {
+        const Row& row = *best[what];
+        std::printf("  %-30s %-10s work-groups of %-4u %s million cells/s\n", what.c_str(), row.kernel.c_str(),
+                    row.local_size, rate_text(row, median(row.seconds)).c_str());
+    }
+}
+
+// Opens the device, or throws with what is there instead.
+votess::DeviceInfo open(const std::string& device) {
+    votess::Options options;
+    options.device = device;
+    options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+    const std::array<double, 3> seed{0.5, 0.5, 0.5};
+    const votess::Tessellation t = votess::tessellate(std::span<const double>(seed), options);
+    return describe(device, t.stats().device);
+}
+
+// Measures a row of n seeds unless that would take too long by the pace so far, in seconds a seed.
+template <class AnyRow, class Measure>
+void attempt(AnyRow& row, std::size_t n, double& pace, double limit, Measure measure) {
+    if (pace * static_cast<double>(n) > limit) {
+        row.note = "left out: over --limit";
+        return;
+    }
+    try {
+        measure(row);
+        pace = std::max(pace, median(row.seconds) / static_cast<double>(n));
+    } catch (const votess::Error& error) {
+        // A device that cannot run a kernel is no failure.
+        row.wrong = error.code() != votess::ErrorCode::unsupported;
+        row.note = (row.wrong ? "failed: " : "left out: ") + std::string(error.what());
+    } catch (const std::exception& error) {
+        row.note = std::string("failed: ") + error.what();
+        row.wrong = true;
+    }
+}
+
+// Ends the process when a row takes far too long, as a device that hangs would; what was measured is on disk.
+class Watch {
+public:
+    explicit Watch(const GpuTable& table) {
+        std::signal(SIGALRM, [](int) {
+            constexpr std::string_view text =
+                "\nstopped: that row did not come to an end. The rows before it are in the JSON file.\n";
+            static_cast<void>(!::write(STDERR_FILENO, text.data(), text.size()));
+            ::_exit(1);
+        });
+        ::alarm(static_cast<unsigned>((table.repeats + 2) * table.limit + 60));
+    }
+    ~Watch() { ::alarm(0); }
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+};
+
+// What has been measured, on disk after every row, and before it too: a row that ends the process is named.
+class Report {
+public:
+    Report(const GpuTable& table, votess::DeviceInfo device)
+        : table_(table), device_(std::move(device)), file_(table.json.empty() ? file_name(device_.name) : table.json) {
+        save();  // fails now rather than after an hour
+    }
+
+    // Measures a row of either table unless that would take too long by the pace so far, in seconds a seed.
+    template <class AnyRow, class Measure>
+    void add(std::vector<AnyRow>& rows, AnyRow row, double& pace, Measure measure) {
+        rows.push_back(row);
+        rows.back().note = "did not finish";
+        save();
+        {
+            const Watch watch(table_);
+            attempt(row, row.n, pace, table_.limit, measure);
+        }
+        good_ = good_ && !row.wrong;
+        print(row);
+        rows.back() = std::move(row);
+        save();
+    }
+
+    std::vector<Row> rows;
+#if BENCH_FRAMES
+    std::vector<FrameRow> frames;
+#endif
+    [[nodiscard]] bool good() const {
+        return good_;
+    }
+    [[nodiscard]] const std::string& file() const {
+        return file_;
+    }
+
+private:
+    void save() const {
+        std::vector<std::string> of_frames;
+#if BENCH_FRAMES
+        for (const FrameRow& row : frames) of_frames.push_back(bench::json(row));
+#endif
+        write(file_, device_, table_.threads, rows, of_frames);
+    }
+
+    const GpuTable& table_;
+    votess::DeviceInfo device_;
+    std::string file_;
+    bool good_ = true;
+};
+
+using Paces = std::map<std::string, double>;  // seconds per seed, by what is measured
+
+void measure_engine(Report& report, const GpuTable& table, const Input& input, Paces& paces) {
+    for (const Row& row : variants_of(table, input)) {
+        double& pace = paces[input.name + " " + std::string(name_of(row.want)) + row.kernel];
+        report.add(report.rows, row, pace, [&](Row& measured) {
+            measure(measured, table, input, static_cast<double>(measured.n) <= table.check_limit);
+        });
+    }
+}
+
+#if BENCH_FRAMES
+void measure_frames(Report& report, const GpuTable& table, const Frames& frames, const Input& input, Paces& paces) {
+    for (const bool with_rows : {false, true})
+        for (const std::string& kernel : table.kernels) {
+            FrameRow row;
+            row.input = input.name;
+            row.n = input.size();
+            row.rows = with_rows;
+            row.kernel = kernel;
+            report.add(report.frames, row, paces[input.name + " frame " + kernel], [&](FrameRow& measured) {
+                measured = frames.measure(input, with_rows, kernel_named(kernel), table.repeats,
+                                          static_cast<double>(input.size()) <= table.check_limit);
+                measured.kernel = kernel;
+            });
+        }
+}
+#endif
+
+}  // namespace
+
+int run_gpu_table(const GpuTable& table) {
+    const votess::DeviceInfo device = open(table.device);
+    std::printf("device %s: %s\n%s\n", device.id.c_str(), device.name.c_str(), device.description.c_str());
+    print_machine();
+    Report report(table, device);
+#if BENCH_FRAMES
+    const Frames frames(device.name);
+#endif
+    Paces paces;
+    // The small ones of all inputs first. Files have a size of their own.
+    for (std::size_t step = 0; step < table.sizes.size(); ++step) {
+        std::vector<Input> inputs;
+        for (const std::string& name : table.inputs)
+            if (!is_file(name) || step == 0)
+                inputs.push_back(make_input(name, is_file(name) ? 0 : table.sizes[step], table.rng_seed));
+        print_head(table);
+        for (const Input& input : inputs) measure_engine(report, table, input, paces);
+#if BENCH_FRAMES
+        print_frames_head();
+        for (const Input& input : inputs) measure_frames(report, table, frames, input, paces);
+#endif
+    }
+    print_best(report.rows);
+    std::printf("\nwritten to %s\n", report.file().c_str());
+    return report.good() ? 0 : 1;
+}
+
+}  // namespace bench
