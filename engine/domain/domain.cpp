@@ -88,6 +88,12 @@ void set_edges(Domain& domain, const std::array<Vector, 3>& edges) {
         if (domain.periodic[j]) domain.edges.shift[j][j] = 1;
     invert(domain.edges);
     domain.reduced = reduced_basis(domain);
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!domain.periodic[j]) continue;
+        const auto d = exact::differences({}, exact::Plane::bisector({}, domain.reduced.shift[j], domain.lattice));
+        for (std::size_t k = 0; k < 3; ++k)
+            domain.reduced.vector[j][k] = d.x[k].high, domain.reduced.low[j][k] = d.x[k].low;
+    }
     domain.volume = domain.reduced.volume;
     const auto narrowest = [](const Basis& basis) { return std::ranges::min(basis.width); };
     domain.skewed = narrowest(domain.edges) < 0.5 * narrowest(domain.reduced);
@@ -202,24 +208,35 @@ ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Poin
     return range;
 }
 
-Box images_of(const Domain& domain, const Box& box, const ShiftRange& range) {
-    Box images = box;
-    for (int k = 0; k < 3; ++k) {
+// Sums are of two doubles, right to 2^-98 of what has been added up; the result is rounded once more.
+Box images_of(const Domain& domain, const Box& box, const ShiftRange& range, const exact::Point& x) {
+    using exact::DoubleDouble;
+    Box images;
+    for (std::size_t k = 0; k < 3; ++k) {
+        DoubleDouble lower = exact::two_sum(box.lower[k], -x[k]), upper = exact::two_sum(box.upper[k], -x[k]);
         double steps = 0;
-        for (int j = 0; j < 3; ++j) {
-            const double a = range.least[j] * domain.reduced.vector[j][k],
-                         b = range.most[j] * domain.reduced.vector[j][k];
-            images.lower[k] += std::min(a, b);
-            images.upper[k] += std::max(a, b);
-            steps += std::max(std::abs(a), std::abs(b));
+        for (std::size_t j = 0; j < 3; ++j) {
+            const DoubleDouble v{domain.reduced.vector[j][k], domain.reduced.low[j][k]};
+            if (v.high == 0) continue;
+            const DoubleDouble least = v * DoubleDouble{static_cast<double>(range.least[j])},
+                               most = v * DoubleDouble{static_cast<double>(range.most[j])};
+            lower = lower + (v.high > 0 ? least : most);
+            upper = upper + (v.high > 0 ? most : least);
+            steps += std::max(std::abs(least.high), std::abs(most.high));
         }
-        if (steps == 0) continue;
-        // The vectors and products are rounded once, each of three sums by at most u of what has been added up.
-        const double rounding = 6 * unit * (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) + steps);
-        images.lower[k] -= rounding;
-        images.upper[k] += rounding;
+        const double lost = steps == 0 ? 0 : 0x1p-98 * (steps + std::abs(x[k])) + 0x1p-1000;
+        images.lower[k] = lower.high - (2 * unit * std::abs(lower.high) + lost);
+        images.upper[k] = upper.high + (2 * unit * std::abs(upper.high) + lost);
     }
     return images;
+}
+
+std::array<ShiftRange, 2> halves(const ShiftRange& range, int axis) {
+    const auto j = static_cast<std::size_t>(axis);
+    std::array<ShiftRange, 2> parts{range, range};
+    parts[0].most[j] = range.least[j] + (range.most[j] - range.least[j]) / 2;
+    parts[1].least[j] = parts[0].most[j] + 1;
+    return parts;
 }
 
 Extent longest_extent(const Domain& domain, const ShiftRange& range) {

@@ -16,6 +16,7 @@ namespace votess {
 struct Basis {
     std::array<exact::Shift, 3> shift{};            // in vectors of the lattice; zero along other axes
     std::array<std::array<double, 3>, 3> vector{};  // rounded
+    std::array<std::array<double, 3>, 3> low{};     // what rounding took, where images are made from it
     std::array<std::array<double, 3>, 3> dual{};    // x = f.vector with f_j = dual[j].x
     std::array<double, 3> width{};                  // between planes of whole f_j
     double condition = 1;                           // product of the lengths over the volume
@@ -69,8 +70,9 @@ struct Domain {
 // The shifts by which a point of `box` may come nearer than `distance` to x, with care for rounding. Where there are
 // none, only that by 0.
 ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Point& x, double distance);
-// Bounds of all images of the points of `box` by shifts of the range, rounded outward.
-Box images_of(const Domain& domain, const Box& box, const ShiftRange& range);
+// Bounds of all images of the points of `box` by shifts of the range, as seen from x, rounded outward once.
+Box images_of(const Domain& domain, const Box& box, const ShiftRange& range, const exact::Point& x);
+std::array<ShiftRange, 2> halves(const ShiftRange& range, int axis);
 // The axis along which the images of a point by the range extend farthest, and how far.
 struct Extent {
     int axis = 0;

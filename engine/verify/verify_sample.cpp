@@ -62,7 +62,7 @@ public:
         // The places of two seeds are each rounded once, along axes that box vectors have a component of.
         for (std::size_t k = 0; k < 3; ++k) {
             if (std::ranges::none_of(domain_.lattice.vector, [&](const auto& v) { return v[k].high != 0; })) continue;
-            place_rounding_[k] = 8 * 0x1p-53 * largest[k];
+            place_rounding_[k] = 0x1p-52 * largest[k];
             rounding_ = std::max(rounding_, 2 * place_rounding_[k]);
         }
     }
@@ -88,9 +88,7 @@ public:
             images_.pop_back();
             work_ += work_of_image;
             const cpu::BoundingBox bounds = bounds_of(next.slot, next.shifts);
-            if (!cell.in_reach(bounds, at_[own_], place_rounding_, more()) ||
-                !cell.may_cut(bounds, at_[own_], place_rounding_, more()))
-                continue;
+            if (!cell.in_reach(bounds, more()) || !cell.may_cut(bounds, more())) continue;
             if (next.shifts.is_single())
                 cut(next.slot, next.shifts, cell);
             else
@@ -119,18 +117,14 @@ private:
     }
     [[nodiscard]] cpu::BoundingBox bounds_of(std::size_t slot, const ShiftRange& shifts) const {
         const exact::Point& q = at_[slot];
-        const Box bounds = domain_.is_periodic() ? images_of(domain_, {q, q}, shifts) : Box{q, q};
-        cpu::BoundingBox box;
-        std::ranges::copy(bounds.lower, box.lower);
-        std::ranges::copy(bounds.upper, box.upper);
-        return box;
+        if (!domain_.is_periodic()) return cpu::seen_from(at_[own_], {q, q});
+        return cpu::seen_from({}, images_of(domain_, {q, q}, shifts, at_[own_]), place_rounding_);
     }
     void add(std::size_t slot, const ShiftRange& shifts, double most) {
         const cpu::BoundingBox box = bounds_of(slot, shifts);
-        const exact::Point& p = at_[own_];
         double square = 0;
         for (int k = 0; k < 3; ++k) {
-            const double gap = std::max({0.0, box.lower[k] - p[k], p[k] - box.upper[k]});
+            const double gap = std::max({0.0, box.lower[k], -box.upper[k]});
             square += gap * gap;
         }
         if (square > most) return;
@@ -138,14 +132,8 @@ private:
         std::ranges::push_heap(images_, farther);
     }
     void halve(const Images& images) {
-        const auto axis = static_cast<std::size_t>(longest_extent(domain_, images.shifts).axis);
-        const std::int32_t least = images.shifts.least[axis], most = images.shifts.most[axis];
-        ShiftRange half = images.shifts;
-        half.most[axis] = least + (most - least) / 2;
-        add(images.slot, half, infinity);
-        half.least[axis] = half.most[axis] + 1;
-        half.most[axis] = most;
-        add(images.slot, half, infinity);
+        const int axis = longest_extent(domain_, images.shifts).axis;
+        for (const ShiftRange& half : halves(images.shifts, axis)) add(images.slot, half, infinity);
     }
 
     // By a few seeds, so that others are soon out of reach.

@@ -14,7 +14,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
 constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
 constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which only the exact test decides
-constexpr std::int32_t no_plane = -1;     // walls are never refined
+constexpr int passed_before_sharpening = 256;
+constexpr std::int32_t no_plane = -1;  // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
 // Covers the rounding of squared lengths and distances, and of a box outward.
 constexpr double radius_slack = 1 + 32 * unit;
@@ -150,7 +151,8 @@ void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id
     alive_[0] = 0xff;
     slots_ = 8;
     refined_plane_.id = no_plane;
-    used_exact_ = met_tie_ = radius_known_ = empty_ = false;
+    used_exact_ = met_tie_ = radius_known_ = empty_ = sharp_ = false;
+    passed_ = 0;
     std::fill_n(refined_.begin(), 8, Refined{});
     for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
         const int px = v & 1, py = 2 + ((v >> 1) & 1), pz = 4 + ((v >> 2) & 1);
@@ -181,10 +183,7 @@ double Cell::radius_squared() {
     return radius_squared_;
 }
 
-namespace {
-
-// The box as seen from `at`, moved outward by the rounding of the subtraction and of both coordinates.
-BoundingBox seen_from(const exact::Point& at, const BoundingBox& box, const exact::Point& rounding) {
+BoundingBox seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding) {
     BoundingBox relative;
     for (int k = 0; k < 3; ++k) {
         relative.lower[k] = box.lower[k] - at[k];
@@ -195,10 +194,7 @@ BoundingBox seen_from(const exact::Point& at, const BoundingBox& box, const exac
     return relative;
 }
 
-}  // namespace
-
-bool Cell::in_reach(const BoundingBox& box, const exact::Point& at, const exact::Point& rounding, double more) const {
-    const BoundingBox relative = seen_from(at, box, rounding);
+bool Cell::in_reach(const BoundingBox& relative, double more) const {
     const double floor = smallest_radius + more * reach_of_error(worst_error) * radius_slack;
     for (int w = 0; w * word_slots < slots_; ++w)
         if (kernels_.box_in_reach(block(w), relative, radius_slack, floor)) return true;
@@ -208,8 +204,7 @@ bool Cell::in_reach(const BoundingBox& box, const exact::Point& at, const exact:
 // A seed q cuts off v when |q|^2 - 2 q.v < more, axis by axis least where q is v itself or the end of the box. The
 // terms are rounded by 4 u of their size. An error t of v moves the least q by t at most, and so the sum by 2 (|q| + 3
 // t) t.
-bool Cell::may_cut(const BoundingBox& box, const exact::Point& at, const exact::Point& rounding, double more) const {
-    const BoundingBox relative = seen_from(at, box, rounding);
+bool Cell::may_cut(const BoundingBox& relative, double more) {
     bool found = false;
     for_each_alive([&](int slot) {
         const double v[3] = {x_[slot], y_[slot], z_[slot]}, t = tolerance_[slot];
@@ -223,7 +218,17 @@ bool Cell::may_cut(const BoundingBox& box, const exact::Point& at, const exact::
         const double slack = 8 * unit * (size + more) + 2 * (length + 3 * t) * t * (1 + 8 * unit) + smallest_radius;
         found = found || !(sum > more + slack);
     });
+    if (found && ++passed_ == passed_before_sharpening) sharpen();
     return found;
+}
+
+void Cell::sharpen() {
+    sharp_ = true;
+    for_each_alive([&](int slot) {
+        const auto [a, b, c] = corners_[slot].plane;
+        place_vertex(slot, a, b, c);
+    });
+    radius_known_ = false;
 }
 
 bool Cell::knows(std::int32_t id, const exact::Shift& shift) const {
@@ -298,7 +303,8 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
     const double product = pa.norm * pb.norm * pc.norm;
     const double condition = product * std::abs(inverse);
     double x, y, z, factor;
-    if (condition < worst_condition && product > smallest_product && pa.reliable && pb.reliable && pc.reliable) {
+    if (!sharp_ && condition < worst_condition && product > smallest_product && pa.reliable && pb.reliable &&
+        pc.reliable) {
         x = (pa.h * bcx + pb.h * cax + pc.h * abx) * inverse;
         y = (pa.h * bcy + pb.h * cay + pc.h * aby) * inverse;
         z = (pa.h * bcz + pb.h * caz + pc.h * abz) * inverse;

@@ -52,6 +52,10 @@ struct CellFaces {
     [[nodiscard]] std::size_t size() const { return planes.size(); }
 };
 
+// A box as seen from `at`, moved outward by the rounding of the subtraction and by that of the places: each may be off
+// by `rounding` along an axis.
+BoundingBox seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding = {});
+
 class Cell {
 public:
     explicit Cell(const Kernels& kernels = best_kernels());
@@ -69,15 +73,12 @@ public:
     // At least the squared distance to the farthest vertex, by enough for what it is compared with: no seed at 2 R or
     // beyond cuts the cell.
     [[nodiscard]] double radius_squared();
-    // False only when no seed inside the box can cut the cell. The box holds rounded coordinates, and `at` is the
-    // rounded place of the cell's own seed: each may be off by `rounding` along an axis. more: how much the weight of
-    // the seed may exceed that of the cell's, 0 or more.
-    [[nodiscard]] bool in_reach(const BoundingBox& box, const exact::Point& at, const exact::Point& rounding = {},
-                                double more = 0) const;
+    // False only when no seed inside the box, which is relative to the cell's own seed, can cut the cell. more: how
+    // much the weight of the seed may exceed that of the cell's, 0 or more.
+    [[nodiscard]] bool in_reach(const BoundingBox& relative, double more = 0) const;
     // The same, slower, and sharp where the box is much nearer than the vertices: the row of images along the short
-    // edge of a thin box.
-    [[nodiscard]] bool may_cut(const BoundingBox& box, const exact::Point& at, const exact::Point& rounding,
-                               double more) const;
+    // edge of a thin box. Where it is asked often it makes the vertices as exact as doubles are.
+    [[nodiscard]] bool may_cut(const BoundingBox& relative, double more);
     // Whether it has been cut, or begun, by that bisector.
     [[nodiscard]] bool knows(std::int32_t id, const exact::Shift& shift) const;
     // Nothing is left: in a power diagram another seed is nearer everywhere.
@@ -135,6 +136,7 @@ private:
     [[nodiscard]] int refined_side(int slot, const CellPlane& plane);
     int take_slot();
     void place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c);
+    void sharpen();
     void merge_equal_corners();
     [[nodiscard]] bool same_position(int v, int w, int shared_edge);
     [[nodiscard]] bool alive(int slot) const { return (alive_[slot / word_slots] >> (slot % word_slots)) & 1; }
@@ -160,6 +162,8 @@ private:
     std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
     bool radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
     double radius_squared_ = 0;
+    int passed_ = 0;      // boxes that may_cut() let pass
+    bool sharp_ = false;  // vertices are rounded from exact ones
 };
 
 }  // namespace votess::cpu

@@ -275,7 +275,7 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > most_tests_) return;
-        if (!cell_.in_reach(hierarchy_.box(entry.level, entry.node), p, place_rounding_, more_weight_)) continue;
+        if (!cell_.in_reach(seen_from(p, far_box(entry.level, entry.node), place_rounding_), more_weight_)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
@@ -304,16 +304,14 @@ Box CellBuilder::far_box(std::int32_t level, std::uint32_t node) const {
     return {std::to_array(box.lower), std::to_array(box.upper)};
 }
 
-BoundingBox CellBuilder::far_images_of(const FarEntry& entry) const {
-    const Box images = images_of(*domain_, far_box(entry.level, entry.node), entry.shifts);
-    BoundingBox box;
-    for (int k = 0; k < 3; ++k) box.lower[k] = images.lower[k], box.upper[k] = images.upper[k];
-    return box;
+BoundingBox CellBuilder::far_images_of(const exact::Point& p, const FarEntry& entry) const {
+    return seen_from({}, images_of(*domain_, far_box(entry.level, entry.node), entry.shifts, p),
+                     seeds_.images->rounding_of_seeds());
 }
 
 void CellBuilder::push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts) {
     FarEntry entry{0, level, node, shifts};
-    entry.distance_squared = box_distance(far_images_of(entry), {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}});
+    entry.distance_squared = box_distance(far_images_of(p, entry), {});
     if (entry.distance_squared >= reach_squared()) return;
     far_images_.push_back(entry);
     std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
@@ -326,14 +324,7 @@ void CellBuilder::split_far(const exact::Point& p, const FarEntry& entry) {
     for (int k = 0; k < 3; ++k) side = std::max(side, box.upper[k] - box.lower[k]);
     const Extent extent = longest_extent(*domain_, entry.shifts);
     if (entry.level < 0 || extent.length > side) {
-        const auto axis = static_cast<std::size_t>(extent.axis);
-        const std::int32_t least = entry.shifts.least[axis], most = entry.shifts.most[axis];
-        ShiftRange half = entry.shifts;
-        half.most[axis] = least + (most - least) / 2;
-        push_far(p, entry.level, entry.node, half);
-        half.least[axis] = half.most[axis] + 1;
-        half.most[axis] = most;
-        push_far(p, entry.level, entry.node, half);
+        for (const ShiftRange& half : halves(entry.shifts, extent.axis)) push_far(p, entry.level, entry.node, half);
     } else if (entry.level > 0) {
         for_each_child(hierarchy_, {0, entry.level, entry.node}, [&](int level, std::size_t node, const BoundingBox&) {
             if (hierarchy_.first_seed(level, node) < seeds_.size())  // others hold images only
@@ -377,10 +368,8 @@ void CellBuilder::clip_far_images(std::size_t seed) {
         const double reach = reach_squared();
         if (entry.distance_squared >= reach || reach <= known * known) return;
         if (++tests_ > most_tests_) return;
-        const BoundingBox images = far_images_of(entry);
-        if (!cell_.in_reach(images, p, place_rounding_, more_weight_) ||
-            !cell_.may_cut(images, p, place_rounding_, more_weight_))
-            continue;
+        const BoundingBox images = far_images_of(p, entry);
+        if (!cell_.in_reach(images, more_weight_) || !cell_.may_cut(images, more_weight_)) continue;
         const bool single = entry.shifts.is_single();
         if (single && entry.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.level == 0) {

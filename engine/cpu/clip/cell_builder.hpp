@@ -79,7 +79,7 @@ private:
     void split_far(const exact::Point& p, const FarEntry& entry);
     void clip_far_group(const exact::Point& p, const FarEntry& entry, double from);
     [[nodiscard]] Box far_box(std::int32_t level, std::uint32_t node) const;
-    [[nodiscard]] BoundingBox far_images_of(const FarEntry& entry) const;
+    [[nodiscard]] BoundingBox far_images_of(const exact::Point& p, const FarEntry& entry) const;
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;

@@ -317,11 +317,15 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
         rough_[first_ + i] = rough[from] != 0;
         any_rough_ = any_rough_ || rough[from] != 0;
     }
+    rounding_of_seeds_ = {};
     for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s) {
         const auto input = static_cast<std::size_t>(out.input[s]);
         if (wraps_[input] == exact::Shift{}) continue;
         const auto position = this->position(input, wraps_[input]);
-        for (int k = 0; k < 3; ++k) low_[s][k] = position.x[k].low;
+        for (std::size_t k = 0; k < 3; ++k) {
+            low_[s][k] = position.x[k].low;
+            rounding_of_seeds_[k] = std::max(rounding_of_seeds_[k], std::abs(low_[s][k]) * (1 + 0x1p-50));
+        }
         rough_[s] = !position.exact;
         any_rough_ = any_rough_ || !position.exact;
     }

@@ -48,6 +48,8 @@ public:
     [[nodiscard]] double largest_coordinate() const { return largest_coordinate_; }
     // Along each axis; 0 where box vectors have no component, and no place is rounded.
     [[nodiscard]] const exact::Point& largest_rounded() const { return largest_rounded_; }
+    // Of the coordinates of seeds, without their images: 0 along an axis where all are exact.
+    [[nodiscard]] const exact::Point& rounding_of_seeds() const { return rounding_of_seeds_; }
     // All seeds and images nearer to a seed than this are there; 0 when that is not known of any.
     [[nodiscard]] double reach(const exact::Point& seed) const;
 
@@ -89,7 +91,7 @@ private:
     bool any_rough_ = false;
     SortedSeeds sorted_images_;
     double largest_coordinate_ = 0;
-    exact::Point largest_rounded_{};
+    exact::Point largest_rounded_{}, rounding_of_seeds_{};
 };
 
 }  // namespace votess::cpu
