@@ -1,4 +1,4 @@
-// What every engine provides: the six stages of the pipeline, called in this order by pipeline.cpp.
+// A job, and what every engine does with it.
 #pragma once
 
 #include <cstddef>
@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/stage_clock.hpp"
 #include "domain/domain.hpp"
 #include "result/result.hpp"
 #include "votess/votess.hpp"
@@ -38,12 +39,9 @@ struct Job {
 class Engine {
 public:
     virtual ~Engine() = default;
-    virtual void upload(const Job& job) = 0;
-    virtual void sort() = 0;
-    virtual void knn() = 0;
-    virtual void clip() = 0;
-    virtual void fallback() = 0;
-    virtual void download(detail::Result& result) = 0;
+    // Goes through the stages upload, sort, knn, clip, fallback, download, and tells the clock which. Fills the result
+    // but for its seconds. After an error the next run begins anew.
+    virtual void run(const Job& job, StageClock& clock, detail::Result& result) = 0;
 };
 
 }  // namespace votess

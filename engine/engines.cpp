@@ -6,11 +6,10 @@
 #include "core/home_process.hpp"
 #include "cpu/clip/cell_kernels.hpp"
 #include "cpu/cpu_engine.hpp"
-#include "input/implied_wants.hpp"
 #include "input/options.hpp"
-#include "pipeline.hpp"
 #if VOTESS_HAVE_VULKAN
 #include "gpu/device_choice.hpp"
+#include "gpu/device_domain.hpp"
 #include "gpu/gpu_engine.hpp"
 #endif
 
@@ -49,8 +48,9 @@ void Engines::put(const std::string& device, std::unique_ptr<Engine> engine) {
 
 #if VOTESS_HAVE_VULKAN
 
-Engine& Engines::choose(const std::string& device) {
-    if (device == "cpu") return state_->cpu;
+Engine& Engines::choose(const Job& job) {
+    const std::string& device = job.options.device;
+    if (device == "cpu" || (device == "auto" && !gpu::device_clips(job))) return state_->cpu;
     if (state_->gpu && !state_->gpu_home.is_this())
         throw Error(ErrorCode::unsupported,
                     "device '" + device +
@@ -66,7 +66,8 @@ Engine& Engines::choose(const std::string& device) {
 
 #else
 
-Engine& Engines::choose(const std::string& device) {
+Engine& Engines::choose(const Job& job) {
+    const std::string& device = job.options.device;
     if (device != "cpu" && device != "auto")
         throw Error(ErrorCode::unsupported, "device '" + device + "': this votess was built without Vulkan, use cpu");
     return state_->cpu;
@@ -86,15 +87,33 @@ std::vector<DeviceInfo> Engines::devices() {
     return all;
 }
 
+namespace {
+
+detail::Result run_job(Engine& engine, const Job& job, StageClock& clock) {
+    detail::Result result;
+    engine.run(job, clock, result);
+    result.stats.seconds = clock.seconds();
+    return result;
+}
+
+}  // namespace
+
+detail::Result run_on(Engine& engine, const Points& points, const Options& options, detail::Result arrays) {
+    StageClock clock;
+    Job job = validate(points, options);
+    job.arrays = &arrays;
+    return run_job(engine, job, clock);
+}
+
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
-    check_options(options);
-    // Of other domains a GPU would hand every cell to the CPU.
-    const bool on_cpu_anyway = options.device == "auto" && !has_plain_domain(options);
-    bool on_cpu = on_cpu_anyway;
+    StageClock clock;
+    Job job = validate(points, options);
+    job.arrays = &arrays;
+    bool on_cpu = false;
     try {
-        Engine& engine = on_cpu_anyway ? engines.cpu() : engines.choose(options.device);
+        Engine& engine = engines.choose(job);
         on_cpu = &engine == &engines.cpu();
-        return run_pipeline(points, options, engine, std::move(arrays));
+        return run_job(engine, job, clock);
     } catch (const Error& error) {
         const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
         // After a failure the engine's device may be unusable.
@@ -103,7 +122,8 @@ detail::Result run_on(Engines& engines, const Points& points, const Options& opt
         if (!device_cannot || options.device != "auto" || on_cpu) throw;
         if (options.log) options.log(std::string("the CPU takes over: ") + error.what());
     }
-    return run_pipeline(points, options, engines.cpu());
+    job.arrays = nullptr;  // which the failed run may have taken
+    return run_job(engines.cpu(), job, clock);
 }
 
 }  // namespace votess

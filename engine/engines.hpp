@@ -1,4 +1,4 @@
-// The engines of a Tessellator, and which of them a device name stands for.
+// The engines of a Tessellator, and which of them runs a job.
 #pragma once
 
 #include <memory>
@@ -16,8 +16,9 @@ public:
     Engines(const Engines&) = delete;
     Engines& operator=(const Engines&) = delete;
 
-    // device: as Options::device, checked. Throws `unsupported` with the reason when it cannot be had.
-    Engine& choose(const std::string& device);
+    // The engine that the job's options name; of "auto" the CPU's, too, where a GPU would hand every cell to it. Throws
+    // `unsupported` with the reason when it cannot be had.
+    Engine& choose(const Job& job);
     Engine& cpu();
     // The next choice of a GPU opens it anew.
     void forget_gpu();
@@ -31,8 +32,9 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// The pipeline on the engine that the options name; with "auto" the CPU takes over when that one fails. arrays: memory
-// of an earlier result to use again.
+// Checks the input and runs it on one engine. arrays: memory of an earlier result to use again.
+detail::Result run_on(Engine& engine, const Points& points, const Options& options, detail::Result arrays = {});
+// On the engine that the options name; with "auto" the CPU takes over when that one fails.
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {});
 
 }  // namespace votess

@@ -5,7 +5,7 @@
 
 #include "cpu/cpu_clipper.hpp"
 #include "gpu/frame.hpp"
-#include "pipeline.hpp"
+#include "input/options.hpp"
 
 namespace votess::vulkan {
 namespace {
@@ -21,33 +21,21 @@ bool is_unresolved(std::uint32_t status) {
     }
 }
 
-// Some cells of a job, the others left empty.
-class SomeCells final : public Engine {
-public:
-    explicit SomeCells(std::span<const std::int32_t> cells) : cells_(cells) {}
-
-    void upload(const Job& job) override {
-        clipper_.begin(job);
-        result_.begin(job, clipper_.pool());
-        std::ranges::fill(result_.volumes(), 0);
-        std::ranges::fill(result_.centroids(), std::numeric_limits<double>::quiet_NaN());
-    }
-    void sort() override {}
-    void knn() override {}
-    void clip() override {}
-    void fallback() override { clipper_.clip(cells_, result_, {0, 1}); }
-    void download(votess::detail::Result& result) override {
-        clipper_.set_empty(result_);
-        result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
-        result_.finish(result, clipper_.pool());
-        clipper_.end();
-    }
-
-private:
-    std::span<const std::int32_t> cells_;
-    cpu::CpuClipper clipper_;
-    ResultBuilder result_;
-};
+// Some cells of a job; the others stay empty.
+votess::detail::Result clip_some(const Job& job, std::span<const std::int32_t> cells) {
+    cpu::CpuClipper clipper;
+    ResultBuilder builder;
+    votess::detail::Result result;
+    clipper.begin(job);
+    builder.begin(job, clipper.pool());
+    std::ranges::fill(builder.volumes(), 0);
+    std::ranges::fill(builder.centroids(), std::numeric_limits<double>::quiet_NaN());
+    clipper.clip(cells, builder, {0, 1});
+    clipper.set_empty(builder);
+    builder.set_duplicates(clipper.duplicate_of(), clipper.pool());
+    builder.finish(result, clipper.pool());
+    return result;
+}
 
 template <class Real>
 Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std::span<const Cell> cells,
@@ -76,8 +64,7 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
     options.periodic = plan.periodic;
     options.threads = how.threads;
     options.want = {.neighbors = true, .volumes = true, .centroids = true};
-    SomeCells engine(unresolved);
-    const votess::detail::Result result = run_pipeline({points, {}}, options, engine);
+    const votess::detail::Result result = clip_some(validate({points, {}}, options), unresolved);
     for (const std::int32_t cell : unresolved) {
         const auto i = static_cast<std::size_t>(cell);
         out.cells.push_back(static_cast<std::uint32_t>(kept[i]));

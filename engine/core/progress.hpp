@@ -17,6 +17,8 @@ struct Stretch {
     }
 };
 
+inline constexpr Stretch clipping{0.05, 0.95};  // of a run: before it seeds are sorted, after it rows are put in place
+
 class Progress {
 public:
     Progress() = default;

@@ -2,37 +2,25 @@
 
 namespace votess::cpu {
 
-void CpuEngine::upload(const Job& job) {
-    job_ = job;
-    progress_ = Progress(job.options.progress);
+// Nothing is left for the stage fallback: exact arithmetic decides every sign on the spot.
+void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
+    Progress progress(job.options.progress);
+    progress.report(0);
     clipper_.begin(job);
-}
-
-void CpuEngine::sort() {
-    progress_.report(0);
+    clock.enter(&StageSeconds::sort);
     clipper_.sort();
-}
-
-void CpuEngine::knn() {
+    clock.enter(&StageSeconds::knn);  // the search structure; candidates are pulled while clipping
     clipper_.build_search();
-}
-
-void CpuEngine::clip() {
-    result_.begin(job_, clipper_.pool());
-    clipper_.clip_all(result_, {0.05, 0.95});
-}
-
-// Exact arithmetic has decided every sign and every search has run to its proof: no cell is left over.
-void CpuEngine::fallback() {}
-
-void CpuEngine::download(detail::Result& result) {
+    clock.enter(&StageSeconds::clip);
+    result_.begin(job, clipper_.pool());
+    clipper_.clip_all(result_, clipping);
+    clock.enter(&StageSeconds::download);
     clipper_.set_empty(result_);
     result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
     result.stats.device = "cpu";
     clipper_.end();
-    progress_.report(1);
-    job_ = {};
+    progress.report(1);
 }
 
 }  // namespace votess::cpu

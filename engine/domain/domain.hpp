@@ -62,6 +62,10 @@ struct Domain {
     [[nodiscard]] bool is_plain() const { return !is_periodic() && walls.empty() && !has_weights(); }
     // By how much the weight of a seed that matters to a cell may exceed the cell's.
     [[nodiscard]] double most_more(double weight) const;
+    // Of a place, along the edges.
+    [[nodiscard]] std::array<double, 3> fraction(const exact::Point& x) const {
+        return edges.fraction({x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]});
+    }
     [[nodiscard]] exact::Point translation(const exact::Shift& shift) const;  // each coordinate to nearest
     // Walls of the box count from 0, xmin to zmax.
     [[nodiscard]] bool has_box_wall(int wall) const { return !periodic[wall / 2]; }

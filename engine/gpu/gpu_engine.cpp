@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <numeric>
@@ -18,19 +17,6 @@ constexpr std::size_t block_cells = 4096;  // per task of the host
 constexpr double hopeless = 0.9;           // share of a chunk left to the CPU
 constexpr std::uint32_t most_skipped = 31;
 constexpr std::uint32_t trial_cells = 2048;
-constexpr double clip_begins = 0.05, clip_ends = 0.95;  // as fractions of the run, for the progress callback
-
-class Stopwatch {
-public:
-    explicit Stopwatch(double& seconds) : seconds_(seconds) {}
-    ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count(); }
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-
-private:
-    double& seconds_;
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace
 
@@ -62,11 +48,39 @@ std::uint32_t GpuEngine::chunk_cells(const PassSettings& settings) const {
         std::clamp<VkDeviceSize>(memory_.max_buffer_bytes() / DeviceCells::largest_bytes_per_cell(settings), 1, cells));
 }
 
-void GpuEngine::upload(const Job& job) {
+void GpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
+    clock_ = &clock;
+    begin(job);
+    device_clips_ = job_.points.count() > 0 && find_domain();
+    if (device_clips_) {
+        find_parts();
+        for (std::size_t index = 0; index < parts_->size(); ++index) {
+            clock.enter(&StageSeconds::upload);
+            upload_part(index);
+            clock.enter(&StageSeconds::sort);
+            sort_part();
+            clock.enter(&StageSeconds::knn);
+            seeds_.build_hierarchy(*passes_);
+            device_seconds_.knn += seeds_.seconds().knn;
+            clock.enter(&StageSeconds::clip);
+            clip_part(index);
+        }
+        clock.share_clip(device_seconds_.knn, device_seconds_.clip, device_seconds_.download);
+    } else {
+        pending_.resize(job_.points.count());
+        std::iota(pending_.begin(), pending_.end(), 0);
+    }
+    clock.enter(&StageSeconds::fallback);
+    clip_pending(clipping.end);
+    clock.enter(&StageSeconds::download);
+    finish(result);
+}
+
+void GpuEngine::begin(const Job& job) {
     job_ = job;
     progress_ = Progress(job.options.progress);
     progress_.report(0);
-    spent_ = {};
+    device_seconds_ = {};
     pending_.clear();
     duplicates_ = false;
     second_tier_ = true;
@@ -80,13 +94,9 @@ void GpuEngine::upload(const Job& job) {
     lists_only_ = needs_polytopes(job_.options.want);
     clipper_.begin(job_);
     result_.begin(job_, clipper_.pool());
-    if (job_.points.count() == 0) return;
-    device_clips_ = find_domain();
-    if (!device_clips_) {
-        pending_.resize(job_.points.count());
-        std::iota(pending_.begin(), pending_.end(), 0);
-        return;
-    }
+}
+
+void GpuEngine::find_parts() {
     const PassSettings settings = pass_settings(job_.options);
     if (!passes_ || passes_->settings != settings) {
         passes_.reset();
@@ -101,23 +111,20 @@ void GpuEngine::upload(const Job& job) {
         duplicates_ = !duplicate_of.empty();
     }
     parts_.emplace(job_, duplicate_of, Units::for_box(job_.box), periodic_ ? INDEX_MASK : most);
-    if (parts_->size() == 1) begin_part(0);
 }
 
 bool GpuEngine::find_domain() {
     periodic_.reset();
-    const Domain& domain = *job_.domain;
-    if (domain.has_weights() || !domain.walls.empty() || !job_.outside.empty()) return false;
-    if (!domain.is_periodic()) return true;
-    periodic_ = periodic_part(job_, most_seeds());
-    return periodic_.has_value();
+    if (!device_clips(job_)) return false;
+    if (job_.domain->is_periodic()) periodic_ = periodic_part(job_, most_seeds());
+    return periodic_ || !job_.domain->is_periodic();
 }
 
 std::uint32_t GpuEngine::most_seeds() const {
     return limits_.most_seeds != 0 ? limits_.most_seeds : SeedStore::most_seeds(*device_, memory_);
 }
 
-void GpuEngine::begin_part(std::size_t index) {
+void GpuEngine::upload_part(std::size_t index) {
     if (periodic_) {
         part_ = periodic_->part;
         seeds_.upload(*periodic_, *passes_);
@@ -125,10 +132,6 @@ void GpuEngine::begin_part(std::size_t index) {
     }
     part_ = parts_->get(index);
     seeds_.upload(job_, part_.members, *passes_);
-}
-
-void GpuEngine::sort() {
-    if (parts_ && parts_->size() == 1) sort_part();
 }
 
 void GpuEngine::sort_part() {
@@ -139,27 +142,6 @@ void GpuEngine::sort_part() {
     if (seeds_.state().duplicates == 0 && seeds_.state().suspects == 0) return;
     duplicates_ = true;
     if (job_.options.duplicates == Duplicates::error) clipper_.prepare();  // throws, with the name of the first
-}
-
-void GpuEngine::knn() {
-    if (parts_ && parts_->size() == 1) seeds_.build_hierarchy(*passes_);
-}
-
-void GpuEngine::clip() {
-    if (!parts_) return;
-    for (std::size_t index = 0; index < parts_->size(); ++index) {
-        if (parts_->size() > 1) {
-            {
-                const Stopwatch watch(spent_.upload);
-                begin_part(index);
-            }
-            const Stopwatch watch(spent_.sort);
-            sort_part();
-            seeds_.build_hierarchy(*passes_);
-        }
-        spent_.device.knn += seeds_.seconds().knn;
-        clip_part(index);
-    }
 }
 
 void GpuEngine::clip_part(std::size_t index) {
@@ -205,9 +187,8 @@ void GpuEngine::clip_part(std::size_t index) {
             }
             first += count;
         }
-        // The CPU's share of the chunks before, beside the device's work on this one; the last share is fallback().
-        const double progress = clip_begins + (clip_ends - clip_begins) * static_cast<double>(done_cells_) /
-                                                  static_cast<double>(job_.points.count());
+        // The CPU's share of the chunks before, beside the device's work on this one; the last share comes at the end.
+        const double progress = clipping.at(done_cells_, job_.points.count());
         if (started != nullptr || first < seeds_.count() || !last_part) clip_pending(progress);
         Progress::require(progress_.going_on(progress));
         if (running != nullptr) {
@@ -278,9 +259,9 @@ void GpuEngine::collect(const Chunk& chunk, double progress) {
     done_cells_ += chunk.count() - beside;
 
     const auto seconds = chunk.seconds();
-    spent_.device.knn += seconds.knn;
-    spent_.device.clip += seconds.clip;
-    spent_.device.download += seconds.download;
+    device_seconds_.knn += seconds.knn;
+    device_seconds_.clip += seconds.clip;
+    device_seconds_.download += seconds.download;
     // A tier, or the whole device, that rarely succeeds (lattices) costs more than it spares.
     const double todo = chunk.todo_count(), of_all = static_cast<double>(left) / chunk.count();
     if (second_tier_ && chunk.count() >= 256 && todo > 0.5 * chunk.count() &&
@@ -309,7 +290,7 @@ void GpuEngine::collect_lists(const Chunk& chunk, double progress) {
             if (id >= 0) listed_shifts_.back() = periodic_->shifts[static_cast<std::size_t>(id)];
         }
     }
-    const Stopwatch watch(spent_.fallback);
+    const StageClock::Within fallback(*clock_, &StageSeconds::fallback);
     clipper_.clip_listed({listed_cells_, listed_lengths_, listed_ids_, listed_shifts_}, result_, {progress, progress});
 }
 
@@ -390,31 +371,14 @@ void GpuEngine::leave_to_cpu(std::uint32_t first, std::uint32_t count) {
 
 void GpuEngine::clip_pending(double progress) {
     if (pending_.empty()) return;
-    const Stopwatch watch(spent_.fallback);
+    const StageClock::Within fallback(*clock_, &StageSeconds::fallback);
     clipper_.clip(pending_, result_, {progress, progress});
     pending_.clear();
 }
 
-void GpuEngine::fallback() {
-    clip_pending(clip_ends);
-}
-
-void GpuEngine::download(detail::Result& result) {
+void GpuEngine::finish(detail::Result& result) {
     if (!device_clips_) clipper_.set_empty(result_);
     if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
-    // clip() did more than its name says: upload and sort of parts, and the CPU's share beside the device's passes.
-    StageSeconds& seconds = result.stats.seconds;
-    const double overlapped = std::max(0.0, spent_.fallback - seconds.fallback);
-    const double passes = std::max(0.0, seconds.clip - spent_.upload - spent_.sort - overlapped);
-    const double on_device = spent_.device.knn + spent_.device.clip + spent_.device.download;
-    seconds.upload += spent_.upload;
-    seconds.sort += spent_.sort;
-    seconds.fallback += overlapped;
-    if (on_device > 0) {
-        seconds.knn += passes * spent_.device.knn / on_device;
-        seconds.clip = passes * spent_.device.clip / on_device;
-        seconds.download += passes * spent_.device.download / on_device;
-    }
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;
     result.stats.precision = device_clips_ && !lists_only_ ? job_.options.precision : Precision::double_;

@@ -1,9 +1,8 @@
-// The Vulkan engine: the six stages as compute passes. What it cannot certify the exact clipper of the CPU takes,
+// The Vulkan engine: compute passes. What it cannot certify the exact clipper of the CPU takes,
 // chunk by chunk, while the device works on the next chunk.
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -30,30 +29,20 @@ class GpuEngine : public Engine {
 public:
     GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipper, const EngineLimits& limits = {});
 
-    void upload(const Job& job) override;
-    void sort() override;
-    void knn() override;
-    void clip() override;
-    void fallback() override;
-    void download(detail::Result& result) override;
+    void run(const Job& job, StageClock& clock, detail::Result& result) override;
 
     [[nodiscard]] vulkan::Device& device() { return *device_; }
     [[nodiscard]] vulkan::Memory& memory() { return memory_; }
 
 private:
-    // Seconds of the host within clip(), to tell its stages apart.
-    struct Spent {
-        double upload = 0, sort = 0, fallback = 0;  // wall clock
-        Chunk::Seconds device;                      // of the device, whose passes the rest of the time is shared among
-    };
-
     [[nodiscard]] PassSettings pass_settings(const Options& options) const;
     [[nodiscard]] std::uint32_t chunk_cells(const PassSettings& settings) const;
-    // Whether the passes can do the job: in a box with walls, or a periodic one; else the exact clipper takes all
-    // cells.
+    void begin(const Job& job);
+    // Whether the passes can do the job; else the exact clipper takes all cells.
     [[nodiscard]] bool find_domain();
+    void find_parts();
     [[nodiscard]] std::uint32_t most_seeds() const;
-    void begin_part(std::size_t index);
+    void upload_part(std::size_t index);
     void sort_part();
     void clip_part(std::size_t index);
     // Takes over the cells of a finished chunk; those not certified are added to the pending ones.
@@ -70,6 +59,7 @@ private:
     [[nodiscard]] std::int32_t input_of(std::uint32_t member) const {
         return part_.members.empty() ? static_cast<std::int32_t>(member) : part_.members[member];
     }
+    void finish(detail::Result& result);
     void check_messages();
 
     std::shared_ptr<vulkan::Device> device_;
@@ -99,7 +89,8 @@ private:
     std::vector<std::uint32_t> listed_lengths_;
     std::vector<std::array<std::int8_t, 3>> listed_shifts_;
     std::size_t done_cells_ = 0;
-    Spent spent_;
+    StageClock* clock_ = nullptr;  // of the run
+    Chunk::Seconds device_seconds_;
 };
 
 }  // namespace votess::gpu

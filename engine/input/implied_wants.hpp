@@ -13,15 +13,6 @@ inline void add_implied(Options& options) {
     want.neighbors |= want.areas || want.normals || want.vertices;
 }
 
-inline bool is_periodic(const Options& options) {
-    return options.cell || options.periodic[0] || options.periodic[1] || options.periodic[2];
-}
-
-// A box with walls, of which all seeds weigh the same.
-inline bool has_plain_domain(const Options& options) {
-    return !is_periodic(options) && options.planes.empty() && options.weights.empty() && options.radii.empty();
-}
-
 // What needs polytopes, and not only lists, volumes, centroids, counts and areas.
 inline bool needs_polytopes(const Want& want) {
     return want.vertices || want.normals || want.surfaces || want.radii;

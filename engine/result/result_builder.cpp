@@ -99,7 +99,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     want_neighbors_ = want.neighbors;
     want_areas_ = want.areas;
     want_normals_ = want.normals;
-    want_shifts_ = want.neighbors && is_periodic(job.options);
+    want_shifts_ = want.neighbors && job.domain->is_periodic();
     narrow_ids_ = packed::possible(count, wall_count(job.options));
     fast_ids_ = narrow_ids_ && packed::fast_possible();
     result_.stats = {};

@@ -31,7 +31,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     out_ = &out;
     want_ = job.options.want;
     walls_ = job.options.walls;
-    periodic_ = is_periodic(job.options);
+    periodic_ = job.domain->is_periodic();
     measure_ = needs_geometry(want_);
     plain_rows_ = !periodic_ && !want_.normals && !want_.vertices;
     unscale_ = 1 / job.scale;

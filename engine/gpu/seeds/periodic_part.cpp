@@ -7,69 +7,22 @@
 namespace votess::gpu {
 namespace {
 
-constexpr double margin_spacings = 4;  // of the mean distance between seeds
-// This share of a period is more than fractions err by. They are 3 terms of at most most_tries for each period that a
+// This share of a period is more than fractions err by. They are 3 terms of at most most_shifts for each period that a
 // seed is away, below 5e8 a vector (wrap), in float64: 3 * 3 * 400 * 5e8 * 2^-53 = 2e-4, and as much for the rounded
 // inverse.
 constexpr double slack = 0.01;
-constexpr double most_tries = 400;  // shifts tried for each image that is wanted, in skewed boxes
-
 using Vector = std::array<double, 3>;
-
-Box larger_box(const Job& job, double margin) {
-    const Domain& domain = *job.domain;
-    Box box = job.box;
-    for (int k = 0; k < 3; ++k) {
-        if (!domain.periodic[k]) continue;
-        box.lower[k] = domain.box.lower[k] / job.scale - margin;
-        box.upper[k] = domain.box.upper[k] / job.scale + margin;
-    }
-    return whole_box(box, domain.periodic);
-}
 
 }  // namespace
 
 std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_seeds) {
     const Domain& domain = *job.domain;
-    if (domain.skewed) return std::nullopt;
+    const auto on_device = periodic_units(job);
+    if (!on_device) return std::nullopt;
+    const auto& [box, units, vector, lower, upper] = *on_device;
     const std::size_t count = job.points.count();
-    const double spacing = std::cbrt(domain.volume / static_cast<double>(std::max<std::size_t>(count, 1)));
-    const double margin = std::min(margin_spacings * spacing, 2 * domain.covering_radius) / job.scale;
     PeriodicPart result;
-    result.box = larger_box(job, margin);
-    const Units units = Units::for_box(result.box);
-
-    // Box vectors in units, exactly.
-    std::array<std::array<std::uint64_t, 3>, 3> vector{};
-    bool lossy = false;
-    for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) {
-            if (domain.triclinic)
-                vector[j][k] = units.of(domain.vector[j][k] / job.scale, lossy);
-            else if (j == k && domain.periodic[k])
-                vector[j][k] = units.of(job.box.upper[k], lossy) - units.of(job.box.lower[k], lossy);
-        }
-    if (lossy) return std::nullopt;
-
-    const auto fraction = [&](const exact::Point& x) {
-        return domain.edges.fraction({x[0] - domain.origin[0], x[1] - domain.origin[1], x[2] - domain.origin[2]});
-    };
-    // Shifts that may carry a point of the domain into the box: those of its corners, in fractions.
-    Vector lower = {0, 0, 0}, upper = {0, 0, 0};
-    for (int corner = 0; corner < 8; ++corner) {
-        exact::Point x;
-        for (int k = 0; k < 3; ++k)
-            x[k] = (((corner >> k) & 1) != 0 ? result.box.upper[k] : result.box.lower[k]) * job.scale;
-        const Vector f = fraction(x);
-        for (int j = 0; j < 3; ++j) {
-            lower[j] = corner == 0 ? f[j] : std::min(lower[j], f[j]);
-            upper[j] = corner == 0 ? f[j] : std::max(upper[j], f[j]);
-        }
-    }
-    double tries = 1;
-    for (int j = 0; j < 3; ++j)
-        if (domain.periodic[j]) tries *= upper[j] - lower[j] + 1;
-    if (tries > most_tries) return std::nullopt;
+    result.box = box;
 
     // The box in units, modulo 2^64.
     std::array<std::uint64_t, 3> origin{}, extent{};
@@ -129,7 +82,7 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
     for (std::size_t i = 0; i < count; ++i) {
         Units3 x;
         std::copy_n(result.coordinates.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, x.begin());
-        Vector f = fraction(scaled(i));
+        Vector f = domain.fraction(scaled(i));
         std::array<int, 3> least{}, most{};
         for (int j = 0; j < 3; ++j) {
             if (!domain.periodic[j]) continue;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "gpu/device_domain.hpp"
 #include "gpu/seeds/parts.hpp"
 
 namespace votess::gpu {
@@ -20,7 +21,7 @@ struct PeriodicPart {
     std::vector<std::array<double, 3>> wraps;  // by seed: what carries it into the domain; empty when none is moved
 };
 
-// Nothing when that is more than `most_seeds`, or the box vectors are no whole numbers of units.
+// Nothing when there are no periodic_units(), or that is more than `most_seeds`.
 std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_seeds);
 
 }  // namespace votess::gpu

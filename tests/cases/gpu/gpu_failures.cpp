@@ -220,6 +220,37 @@ TEST_SUITE("cases") {
         CHECK(votess::run_on(engines, {set.points, {}}, options).stats.device == gpu.adapter.name);
     }
 
+    TEST_CASE("gpu: auto takes the device for what the device clips, and else the CPU") {
+        Gpu gpu;
+        votess::cpu::CpuClipper clipper;
+        votess::Engines engines;
+        engines.put("auto", std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
+        const PointSet set = test::uniform(2000, 31);
+        Options usual;
+        usual.device = "auto";
+        usual.box = test::unit_box();
+        const auto device_of = [&](const Options& options) {
+            return votess::run_on(engines, {set.points, {}}, options).stats.device;
+        };
+        CHECK(device_of(usual) == gpu.adapter.name);
+        Options periodic = usual;
+        periodic.periodic = {true, true, true};
+        CHECK(device_of(periodic) == gpu.adapter.name);
+        periodic.box->upper[0] = 0x1.0000000000001p0;  // no whole number of units
+        CHECK(device_of(periodic) == "cpu");
+        Options dropped = usual;
+        dropped.box->upper[0] = 0.5;
+        dropped.outside = votess::Outside::drop;
+        CHECK(device_of(dropped) == "cpu");
+        Options walls = usual;
+        walls.planes.push_back({{1, 1, 1}, 4});
+        CHECK(device_of(walls) == "cpu");
+        const std::vector<double> radii(set.points.size() / 3, 0.01);
+        Options weighted = usual;
+        weighted.radii = radii;
+        CHECK(device_of(weighted) == "cpu");
+    }
+
     TEST_CASE("gpu: cancelled at the beginning, in between and at the end, then used again") {
         votess::Tessellator tessellator;
         const PointSet large = test::uniform(test::by_size(8000, 2000), 112);

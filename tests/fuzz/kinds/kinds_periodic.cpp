@@ -14,6 +14,11 @@ Vector edge(const Job& job, std::size_t j) {
     return v;
 }
 
+double volume(const votess::TriclinicBox& cell) {
+    const auto& [o, a, b, c] = cell;
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
 // At fractions of the box or cell; rounding may put it a hair outside along an axis that does not repeat.
 Vector at(const Job& job, const Vector& fraction) {
     Vector x{};
@@ -58,8 +63,12 @@ std::vector<Job> wrapped_pairs(Random& random) {
         votess::TriclinicBox cell{lower, {sides[0], 0, 0}, {0, sides[1], 0}, {0, 0, sides[2]}};
         for (double* x : {&cell.b[0], &cell.c[0], &cell.c[1]})
             *x = round ? static_cast<double>(random.integer(-2, 2)) / 6 : random.uniform(-0.5, 0.5);
-        if (random.chance(0.3))
-            for (double* x : {&cell.a[1], &cell.a[2], &cell.b[2]}) *x = random.uniform(-0.3, 0.3);
+        if (random.chance(0.3)) {
+            votess::TriclinicBox full = cell;
+            for (double* x : {&full.a[1], &full.a[2], &full.b[2]}) *x = random.uniform(-0.3, 0.3);
+            // Flat cells are refused, and have a kind of their own.
+            if (std::abs(volume(full)) > 0.05 * sides[0] * sides[1] * sides[2]) cell = full;
+        }
         job.cell = cell;
     } else {
         take_box(job, lower, sides, random, true);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "engines.hpp"
 #include "gpu/passes/kernel_choice.hpp"
-#include "pipeline.hpp"
 #include "support/text.hpp"
 
 namespace test {
@@ -131,7 +131,7 @@ votess::Precision double_precision() {
 votess::Tessellation GpuRunner::run(const PointSet& set, votess::Options options) {
     options.box = set.box;
     return votess::Tessellation(
-        std::make_shared<const votess::detail::Result>(votess::run_pipeline({set.points, {}}, options, engine)));
+        std::make_shared<const votess::detail::Result>(votess::run_on(engine, {set.points, {}}, options)));
 }
 
 }  // namespace test

@@ -1,0 +1,146 @@
+#include "support/gpu/frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "input/options.hpp"
+
+namespace test::frame {
+
+void run(Host& host, std::span<const Target* const> targets, std::uint32_t count,
+         const std::optional<votess::Box>& box) {
+    host.commands.begin();
+    host.commands.barrier();
+    for (const Target* target : targets) target->frame.record(host.commands.handle(), {.count = count, .box = box});
+    host.commands.barrier_to_host();
+    host.commands.end();
+    host.commands.submit();
+    host.commands.wait();
+    for (const Target* target : targets)
+        for (const vk::Buffer* buffer :
+             {&target->header, &target->cells, &target->indices, &target->geometry, &target->shifts})
+            buffer->invalidate();
+}
+
+void run(Host& host, const Target& target, std::uint32_t count) {
+    const Target* const one[] = {&target};
+    run(host, one, count);
+}
+
+template <class Real>
+Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box) {
+    Rows all;
+    const std::uint32_t stride = plan.options().stride;
+    const auto seeds = target.seeds.as<Real>();
+    for (std::size_t i = 0; i < count; ++i) {
+        const Cell& cell = target.cell(count)[i];
+        const auto row = target.indices.as<std::int32_t>().subspan(cell.row_begin, cell.row_length);
+        all.rows.emplace_back(row.begin(), row.end());
+        all.shifts.emplace_back();
+        for (std::uint32_t k = 0; k < cell.row_length && plan.sizes().shifts > 0; ++k) {
+            const auto four = target.shifts.as<std::int8_t>().subspan(4 * (std::size_t{cell.row_begin} + k), 4);
+            all.shifts[i].insert(all.shifts[i].end(), four.begin(), four.begin() + 3);
+            CHECK(four[3] == 0);
+        }
+        all.status.push_back(static_cast<CellStatus>(cell.status));
+        const auto g = target.geometry.as<float>().subspan(4 * i, 4);
+        all.volumes.push_back(g[3]);
+        for (std::size_t k = 0; k < 3; ++k) all.centroids.push_back(double{seeds[i * stride + k]} + double{g[k]});
+    }
+    const Resolved more = plan.resolve(std::span<const Real>(seeds), target.cell(count), {.box = box, .threads = 0});
+    for (std::size_t r = 0; r < more.cells.size(); ++r) {
+        const std::size_t i = more.cells[r];
+        CHECK(all.rows[i].empty());
+        all.rows[i].assign(more.indices.begin() + more.indptr[r], more.indices.begin() + more.indptr[r + 1]);
+        if (plan.sizes().shifts > 0)
+            all.shifts[i].assign(more.shifts.begin() + 3 * more.indptr[r],
+                                 more.shifts.begin() + 3 * more.indptr[r + 1]);
+        all.volumes[i] = more.volumes[r];
+        all.status[i] = more.status[r];
+        for (std::size_t k = 0; k < 3; ++k) all.centroids[3 * i + k] = more.centroids[3 * r + k];
+    }
+    return all;
+}
+
+template Rows collect<float>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&);
+template Rows collect<double>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&);
+
+std::string compare(const Rows& rows, const votess::Tessellation& t) {
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        const std::string where = "cell " + std::to_string(i) + ": ";
+        if (rows.status[i] != t.status()[i]) return where + "another status";
+        if (!std::ranges::equal(rows.rows[i], t.neighbors(i))) return where + "another row";
+        if (!t.shifts().empty() &&
+            !std::ranges::equal(rows.shifts[i], t.shifts().subspan(3 * static_cast<std::size_t>(t.indptr()[i]),
+                                                                   3 * t.neighbors(i).size())))
+            return where + "another shift";
+        const double volume = t.volumes()[i];
+        if (t.status()[i] != CellStatus::certified) continue;
+        // Frames hold float32.
+        if (!(volume >= std::numeric_limits<float>::min() && volume <= std::numeric_limits<float>::max())) continue;
+        if (!(std::abs(rows.volumes[i] - volume) <= 1e-5 * volume)) return where + "another volume";
+        for (std::size_t k = 0; k < 3; ++k)
+            if (!(std::abs(rows.centroids[3 * i + k] - t.centroids()[3 * i + k]) <= 1e-4 * std::cbrt(volume)))
+                return where + "another centroid";
+    }
+    return "";
+}
+
+void check_header(const Header& h, std::span<const Cell> cells) {
+    Header sums{};
+    for (const Cell& cell : cells) {
+        switch (static_cast<CellStatus>(cell.status)) {
+            case CellStatus::certified:
+                ++sums.certified;
+                break;
+            case CellStatus::duplicate:
+                ++sums.duplicates;
+                break;
+            case CellStatus::outside:
+                ++sums.outside;
+                break;
+            default:
+                ++sums.unresolved;
+        }
+        sums.faces += cell.faces;
+        sums.entries += cell.row_length;
+    }
+    CHECK(h.seeds == cells.size());
+    CHECK(h.certified == sums.certified);
+    CHECK(h.unresolved == sums.unresolved);
+    CHECK(h.duplicates == sums.duplicates);
+    CHECK(h.outside == sums.outside);
+    CHECK(h.faces == sums.faces);
+    CHECK(h.entries == sums.entries);
+}
+
+PlanOptions options_for(const PointSet& set) {
+    PlanOptions options;
+    options.most_seeds = static_cast<std::uint32_t>(set.size());
+    options.format = SeedFormat::float64;
+    options.most_entries = 64 * options.most_seeds;
+    votess::Options whole;
+    whole.box = set.box;
+    options.box = votess::validate({set.points, {}}, whole).box;
+    return options;
+}
+
+votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan) {
+    votess::Options options = test::all_options(plan.box);
+    options.walls = plan.walls;
+    options.periodic = plan.periodic;
+    options.device = "cpu";
+    return votess::tessellate(std::span<const double>(set.points), options);
+}
+
+std::string check(Host& host, const PointSet& set, PlanOptions options) {
+    const Plan plan(host.device(), options);
+    Target target(host, plan);
+    target.write<double>(set.points, options.stride);
+    run(host, target, options.most_seeds);
+    check_header(target.head(), target.cell(set.size()));
+    return compare(collect<double>(plan, target, set.size()), on_cpu(set, options));
+}
+
+}  // namespace test::frame

@@ -1,0 +1,107 @@
+// Frames recorded into a command buffer of a host, and what the CPU gives for the same seeds.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+#include <votess/vulkan.hpp>
+
+#include "support/gpu/gpu.hpp"
+
+namespace test::frame {
+
+using namespace votess::vulkan;
+using votess::CellStatus;
+namespace vk = test::vk;
+
+// A host with a device of its own, lent to plans.
+struct Host {
+    test::Gpu gpu;
+    vk::Memory memory{*gpu.device};
+    vk::Commands commands{*gpu.device};
+    bool float64 = true, probe = true, subgroup_size_control = false;
+
+    [[nodiscard]] HostInstance instance() const {
+        return {gpu.instance->handle(), loader.calls().vkGetInstanceProcAddr, gpu.instance->version()};
+    }
+    [[nodiscard]] HostDevice device() {
+        HostDevice host;
+        host.host = instance();
+        host.physical_device = gpu.adapter.handle;
+        host.device = gpu.device->handle();
+        host.queue_family = gpu.adapter.queue_family;
+        host.features.shaderFloat64 = float64 && gpu.adapter.float64;
+        host.subgroup_size_control = subgroup_size_control;  // enabled where the adapter has it
+        host.debug_utils = gpu.instance->debug_utils();
+        if (probe) gpu.device->table().vkGetDeviceQueue(host.device, host.queue_family, 0, &host.probe_queue);
+        return host;
+    }
+    vk::Loader loader;
+};
+
+// Buffers of a frame, which the host can see.
+struct Target {
+    vk::Buffer seeds, workspace, header, cells, indices, geometry, shifts;
+    Frame frame;
+
+    Target(Host& host, const Plan& plan) {
+        const BufferSizes& sizes = plan.sizes();
+        const auto visible = [&](VkDeviceSize bytes) { return host.memory.buffer(bytes, vk::MemoryKind::download); };
+        seeds = host.memory.buffer(sizes.seeds, vk::MemoryKind::upload);
+        workspace = host.memory.buffer(sizes.workspace, vk::MemoryKind::device);
+        header = visible(sizes.header);
+        cells = visible(sizes.cells);
+        indices = visible(sizes.indices);
+        geometry = visible(sizes.geometry);
+        shifts = visible(sizes.shifts);
+        frame = plan.frame({.seeds = {seeds.handle()},
+                            .workspace = {workspace.handle()},
+                            .header = {header.handle()},
+                            .cells = {cells.handle()},
+                            .indices = {indices.handle()},
+                            .geometry = {geometry.handle()},
+                            .shifts = {shifts.handle()}});
+    }
+
+    template <class Real>
+    void write(const Coordinates& points, std::uint32_t stride) {
+        const auto to = seeds.as<Real>();
+        for (std::size_t i = 0; i < points.size(); ++i) to[i / 3 * stride + i % 3] = static_cast<Real>(points[i]);
+        seeds.flush();
+    }
+    [[nodiscard]] Header head() const {
+        Header h;
+        std::memcpy(&h, header.mapped().data(), sizeof h);
+        return h;
+    }
+    [[nodiscard]] std::span<const Cell> cell(std::size_t count) const { return cells.as<Cell>().first(count); }
+};
+
+void run(Host& host, std::span<const Target* const> targets, std::uint32_t count,
+         const std::optional<votess::Box>& box = {});
+void run(Host& host, const Target& target, std::uint32_t count);
+
+struct Rows {
+    std::vector<std::vector<std::int32_t>> rows;
+    std::vector<std::vector<std::int8_t>> shifts;  // three an entry, of periodic plans
+    std::vector<double> volumes, centroids;
+    std::vector<CellStatus> status;
+};
+
+// The frame, with what resolve() adds; Real is the type of its seeds.
+template <class Real>
+Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box = {});
+
+// One line on the first difference.
+std::string compare(const Rows& rows, const votess::Tessellation& t);
+void check_header(const Header& h, std::span<const Cell> cells);
+PlanOptions options_for(const PointSet& set);
+votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan);
+// A frame of the set against the CPU.
+std::string check(Host& host, const PointSet& set, PlanOptions options);
+
+}  // namespace test::frame
