@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""Checks that the sources keep to the rooms of the house.
+
+    check_house.py SOURCE [--include FILE=HEADER]...
+
+The table under "Who may include whom" in engine/README.md says which folders a folder of the engine may include. cli/
+and bindings/ include nothing of the engine. No folder holds more than 15 files of sources beside each other, and no
+file has more than 500 lines. --include adds an include that is not there, to see the check fail.
+"""
+import argparse
+import collections
+import pathlib
+import re
+import subprocess
+import sys
+
+MOST_FILES, MOST_LINES = 15, 500
+SOURCES = {".cpp", ".hpp", ".inl", ".h", ".c", ".glsl", ".comp", ".vert", ".frag", ".py", ".sh"}
+TREES = ("engine", "shaders", "cli", "bindings", "tests", "tools", "include")
+
+
+def rules(readme):
+    """Folder -> folders that it may include; a folder stands for those below it that have no line of their own."""
+    text = readme.read_text().split("## Who may include whom", 1)[1].split("\n## ", 1)[0]
+    table = {}
+    for line in text.splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if line.startswith("| `") and len(cells) == 2:
+            table[cells[0].strip("`/")] = set(re.findall(r"`([^`]+?)/?`", cells[1]))
+    return table
+
+
+def room_of(path, rooms):
+    """The longest folder of the table that holds the path; "" for what lies loose in engine/."""
+    folder = pathlib.PurePosixPath(path).parent
+    while str(folder) != "." and str(folder) not in rooms:
+        folder = folder.parent
+    return "" if str(folder) == "." else str(folder)
+
+
+def may(allowed, room, header, target):
+    """allowed: folders and headers. A folder does not stand for one below it that has a line of its own."""
+    return target == room or header in allowed or any(
+        header.startswith(a + "/") and not target.startswith(a + "/") for a in allowed)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("source", type=pathlib.Path)
+    parser.add_argument("--include", action="append", default=[])
+    arguments = parser.parse_args()
+    source = arguments.source
+    table = rules(source / "engine/README.md")
+    engine = source / "engine"
+    names = subprocess.check_output(["git", "-C", str(source), "ls-files", *TREES], text=True).split()
+    files = [pathlib.PurePosixPath(n) for n in names if pathlib.PurePosixPath(n).suffix in SOURCES]
+    wrong = []
+
+    if len(table) < 8:
+        wrong.append("engine/README.md: the table of folders is not found")
+    for folder in table:
+        if not (engine / folder).is_dir():
+            wrong.append(f"engine/README.md: there is no folder engine/{folder}")
+
+    includes = [(f, i) for f in files if f.parts[0] in ("engine", "cli")
+                for i in re.findall(r'^\s*#\s*include "([^"]+)"', (source / f).read_text(), re.M)]
+    includes += [tuple(pair.split("=", 1)) for pair in arguments.include]
+    for file, header in includes:
+        file = pathlib.PurePosixPath(file)
+        if not (engine / header).is_file():
+            continue
+        if file.parts[0] == "cli":
+            if not (source / "cli" / header).is_file():
+                wrong.append(f"{file}: includes {header} of the engine; cli/ uses include/ alone")
+            continue
+        room = room_of(file.relative_to("engine"), table)
+        target = room_of(header, table)
+        # What lies loose may include all.
+        if room != "" and not may(table[room], room, header, target):
+            wrong.append(f"{file}: {room}/ may not include {header}")
+
+    beside = collections.Counter(str(f.parent) for f in files)
+    wrong += [f"{folder}: {n} files beside each other, more than {MOST_FILES}"
+              for folder, n in sorted(beside.items()) if n > MOST_FILES]
+    for file in files:
+        lines = (source / file).read_text().count("\n")
+        if lines > MOST_LINES:
+            wrong.append(f"{file}: {lines} lines, more than {MOST_LINES}")
+    print("\n".join(wrong) if wrong else f"{len(files)} files, {len(includes)} includes: as engine/README.md says")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
