@@ -20,7 +20,7 @@ struct PeriodicPart {
     std::vector<std::array<double, 3>> wraps;  // by seed: what carries it into the domain; empty when none is moved
 };
 
-// Nothing when that is more than `most_seeds`, or the box vectors are no whole numbers of units.
+// It returns nothing when that is more than `most_seeds`, or the box vectors are no whole numbers of units.
 std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_seeds);
 
 }  // namespace votess::gpu
