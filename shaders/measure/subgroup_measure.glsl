@@ -10,7 +10,7 @@
 
 // A number takes two words, SUBGROUP_PLANES apart, in an array of the store.
 #define FIRST_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + (i)]
-#define SECOND_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + SUBGROUP_PLANES + (i)]
+#define SECOND_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + (i) + SUBGROUP_PLANES]
 #define GET_NUMBER(array, i) of_words(uvec2(FIRST_WORD(array, i), SECOND_WORD(array, i)))
 #define PUT_NUMBER(array, i, number)           \
     {                                          \

@@ -147,7 +147,7 @@ bool push_near(bool near, uint level, uint node) {
     const uint group_rank = group_count + rank_among(near && is_group, groups);
     const uint box_rank = node_count + rank_among(near && !is_group, boxes);
     if (node_count + boxes > SUBGROUP_NODES || group_count + groups > SUBGROUP_GROUPS) return false;
-    if (near) SCRATCH(is_group ? SUBGROUP_NODES + group_rank : box_rank) = (level << NODE_BITS) | node;
+    if (near) SCRATCH((is_group ? SUBGROUP_NODES + group_rank : box_rank)) = (level << NODE_BITS) | node;
     group_count += groups;
     node_count += boxes;
     share();

@@ -17,14 +17,14 @@ shared uint scratch[SUBGROUP_SCRATCH * subgroups];
 // lies in the place of the groups, behind the words of cuts, which have three a plane: for a plane a the planes b with an
 // edge (a, b) of a killed vertex, those with (b, a), and the edges of the horizon. A cell that is measured has a list of
 // its vertices there. The first nodes of the levels stay.
-#define SCRATCH(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
-#define NODE_STACK(i) SCRATCH(i)
+#define SCRATCH(sum) scratch[SUBGROUP_SCRATCH * SUBGROUP + sum]  // its terms are added from the left
+#define NODE_STACK(i) SCRATCH((i))
 #define GROUP_STACK(i) SCRATCH(SUBGROUP_NODES + (i))
 #define EDGES_FROM(a) SCRATCH(2u * (a))
 #define EDGES_TO(a) SCRATCH(2u * (a) + 1u)
 #define HORIZON(i) SCRATCH(2u * SUBGROUP_PLANES + (i))
 #define SORTED(i) SCRATCH(3u * SUBGROUP_PLANES + (i))
-#define VERTEX_LIST(i) SCRATCH(i)
+#define VERTEX_LIST(i) SCRATCH((i))
 #define LEVEL_FIRST(level) SCRATCH(3u * SUBGROUP_PLANES + SUBGROUP_STORE + (level))
 
 #endif
