@@ -6,48 +6,26 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#include "shared/bindings.h"
+#include "clip/cell_results.glsl"
+#include "clip/filter.glsl"
+#include "clip/invocation_cell.glsl"
+#include "clip/relative_to_seed.glsl"
+#include "invocations/index.glsl"
+#include "invocations/loop_guard.glsl"
+#include "numbers/int64.glsl"
+#include "search/seeds.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
-layout(constant_id = CONSTANT_MOST_PLANES) const int most_planes = 32;
-layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
 layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
-layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
-layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e-8;
 layout(constant_id = CONSTANT_LIST_OF_TODO) const uint list_of_todo = 0u;
 layout(push_constant) uniform Push { ClipPush push; };
-#include "search/node.glsl"
-layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
-layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
-layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
-layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
-layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
-layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
-// A column for each cell of the chunk, or of those to do.
+// It has a column for each cell of the chunk, or of those to do.
 layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo list_info[]; };
-layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
-layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
-layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
-layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
-layout(std430, binding = BINDING_TODO) buffer Todo { uint todo[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
 
-#include "numbers/real.glsl"
-#include "numbers/number.glsl"
-layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
-layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
-
+#include "measure/invocation_measure.glsl"
 #include "search/hierarchy.glsl"
-#include "numbers/int64.glsl"
-#include "shared/linear.glsl"
-#include "shared/loop_guard.glsl"
-#include "clip/relative.glsl"
-#include "clip/filter.glsl"
-#include "clip/cell.glsl"
-#include "measure/corner.glsl"
-#include "measure/geometry.glsl"
 
 void test_next(uint q) {
     tested = bisector(difference(seeds_x[q], px), difference(seeds_y[q], py), difference(seeds_z[q], pz));
@@ -58,13 +36,13 @@ real security() {
 }
 
 // Clips by the list's neighbors. What follows a neighbor lies in its bucket of squared distances or beyond; the first
-// ones are without order. True when the list is complete up to the security radius.
+// ones have no order. True when the list is complete up to the security radius.
 bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
     uint next = 0u;
     measure_radius_and_error();
     real beyond = security();
     for (;;) {
-        // Up to the next plane that cuts; then all invocations cut side by side.
+        // Each goes up to the next plane that cuts; then all invocations cut side by side.
         bool cuts = false;
         uint q = 0u;
         while (next < count && !cuts && status == STATUS_CERTIFIED) {
@@ -134,7 +112,7 @@ void clip_by_group(uint group, uint self, real listed) {
     for (uint q = group * GROUP_SEEDS; q < end && status == STATUS_CERTIFIED; ++q) {
         if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
         test_next(q);
-        // What is surely in the list is done; what may be in it is a face, or tested twice.
+        // A seed that is surely in the list is done; one that may be in it is a face already, or is tested twice.
         if (real(2) * tested.h < listed || is_plane_of_cell(int(q))) continue;
         if (is_too_near(tested)) {
             status = STATUS_NEEDS_EXACT;
@@ -245,7 +223,7 @@ void main() {
     const uint count = found.lengths & 0xffffu, unsorted = found.lengths >> 16;
     uint exponent = COORDINATE_BITS - 1;
     if (count > 0u) {
-        float nearest = UNBOUNDED;  // but for the width of a bucket
+        float nearest = UNBOUNDED;  // right but for the width of a bucket
         for (uint i = 0u; i < max(unsorted, 1u); ++i) {
             const uint q = list[i * push.list_stride + column];
             nearest = min(nearest, max(abs(rough_difference(seeds_x[q], px)),

@@ -6,7 +6,7 @@
 // Subgroups do not wait for each other. What is read from push constants, shared memory by one index or a subgroup's
 // vote is the same in all its lanes; branches on it are uniform, all others contain no subgroup operation.
 //
-// Variants: as of clip_cells, and as of shared/subgroup.glsl.
+// It has the variants of clip_cells.comp and of invocations/subgroup.glsl.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -17,57 +17,24 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
-#include "shared/bindings.h"
+#include "clip/cell_results.glsl"
+#include "clip/filter.glsl"
+#include "clip/relative_to_seed.glsl"
+#include "invocations/index.glsl"
+#include "invocations/loop_guard.glsl"
+#include "invocations/subgroup.glsl"
+#include "search/seeds.glsl"
+#include "search/subgroup_state.glsl"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
-layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
-layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
-layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e-8;
-layout(constant_id = CONSTANT_LANES) const int lanes = 32;
-layout(constant_id = CONSTANT_SUBGROUPS) const int subgroups = 2;
-layout(constant_id = CONSTANT_FIRST_COUNT) const int first_count = 48;
-layout(constant_id = CONSTANT_LOCKSTEP) const bool lockstep = false;
 layout(push_constant) uniform Push { CellsPush push; };
-#include "search/node.glsl"
-layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
-layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
-layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
-layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
-layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
-layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three a Node: fewer loads
-layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
-layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
-layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
-layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
-layout(std430, binding = BINDING_TODO) writeonly buffer Todo { uint todo[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
-#include "numbers/real.glsl"
-#include "numbers/number.glsl"
-layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
-layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
 
-// Of each subgroup of the work-group one after the other.
-shared uint candidate_key[SUBGROUP_STORE * subgroups];  // squared distance, in its last bits the place here
-shared uint candidate_seed[SUBGROUP_STORE * subgroups];
-shared uint scratch[SUBGROUP_SCRATCH * subgroups];
-
-uint self;  // sorted seed
-uint status;
-
-#include "numbers/int64.glsl"
-#include "shared/linear.glsl"
-#include "shared/loop_guard.glsl"
-#include "shared/subgroup.glsl"
-#include "clip/relative.glsl"
-#include "clip/filter.glsl"
-#include "search/reach.glsl"
-#include "search/subgroup_search.glsl"
 #include "clip/subgroup_cell.glsl"
-#include "measure/corner.glsl"
-#include "measure/subgroup_geometry.glsl"
+#include "measure/subgroup_measure.glsl"
+#include "search/distances.glsl"
+#include "search/subgroup_search.glsl"
 
-// Without a vote: where subgroups are not what this was made for, too.
+// Leaves the cell to the second tier. There is no vote in it, for where subgroups are not what this was made for.
 void leave(uint cell) {
     info[cell] = status;
     row_length[cell] = 0u;
@@ -96,8 +63,8 @@ void clip_by_candidates() {
         }
         for (uint i = 0u; i < end; ++i) {
             const Plane p = plane_to_test(i);
-            // No order within what distances err by, 1e-6 or 1.4e-5 (search/reach.glsl), of two seeds, and the seven bits
-            // that the keys lack, 1.6e-5.
+            // Two seeds have no certain order within what their distances err by, 1e-6 or 1.4e-5 (search/distances.glsl), and
+            // the seven bits that the keys lack, 1.6e-5.
             if (real(2) * p.h * real(0.9998) >= security) return;
             if (test_plane(p)) cut(p, int(candidate_at(first + i)));
             if (status != STATUS_CERTIFIED) return;
@@ -106,7 +73,7 @@ void clip_by_candidates() {
     }
 }
 
-// The cell's unit of length, from its nearest neighbor; false when the search was too coarse to tell.
+// Takes the cell's unit of length from its nearest neighbor; false when the search was too coarse to tell.
 bool find_unit(out uint exponent) {
     exponent = COORDINATE_BITS - 1;
     if (candidate_count > 0u) {
@@ -161,7 +128,7 @@ uint make_cell() {
     return exponent;
 }
 
-// Rows and areas: a lane has a face.
+// Writes the row and its areas, a lane for each face.
 uint write_row(uint cell, uint used) {
     uint length = 0u;
     for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes)) {

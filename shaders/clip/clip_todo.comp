@@ -1,10 +1,10 @@
-// clip: arguments for the second tier's indirect dispatches.
+// clip: writes the arguments of the second tier's indirect dispatches.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(constant_id = CONSTANT_TODO_GROUP) const uint group = 64u;
 layout(push_constant) uniform Push { ClipPush push; };
 layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };

@@ -1,7 +1,7 @@
-// What the cells of both kernels are decided by, relative to the seed and in units of about the distance to its nearest
-// neighbor.
+// Planes and vertices of the cells of both kernels, and what decides on them, relative to the seed and in units of about
+// the distance to its nearest neighbor.
 //
-// Filter. A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to
+// A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to
 // 5u. With P = |na||nb||nc|, d = h/|n| and condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
 //     |x - X| <= u (condition (13.9 (da + db + dc) + 9.3 |x|) + 6 |x|):
 // a numerator's terms are right to 12u (5 of h, 4 of a cross product, 3 of the sum), its products of absolute values at
@@ -16,8 +16,10 @@
 // Both bounds are of first order in u condition and in quantum condition. With these at most 5e-4 and 1e-3 what is left
 // out is less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01 times as much, for which there are factors of 1.05 and of 4 for 3; and
 // the determinant has the right sign. A test inside its bound makes the cell uncertain: nothing is decided by rounding.
-//
-// Needs real and unit.
+#ifndef VOTESS_CLIP_FILTER_GLSL
+#define VOTESS_CLIP_FILTER_GLSL
+
+#include "numbers/real.glsl"
 
 real quantum;
 
@@ -31,25 +33,33 @@ struct Vertex {
     real error;  // |x - X| + 6u |x|
 };
 
-// With the seed at (x, y, z).
+// Cells keep the three planes of a vertex, of 8 bits each, in positive orientation: det(na,nb,nc) > 0.
+uint pack_planes(uint a, uint b, uint c) {
+    return a | (b << 8) | (c << 16);
+}
+uint plane_of(uint packed, int k) {
+    return (packed >> (8 * k)) & 0xffu;
+}
+
+// The bisector with a seed at (x, y, z).
 Plane bisector(real x, real y, real z) {
     precise const real square = fma(x, x, fma(y, y, z * z));
     const real norm = sqrt(square);
     return Plane(x, y, z, real(0.5) * square, norm, real(0.5) * norm);
 }
 
-// Equal in units, or nearer than the neighbor that the cell's unit of length was taken from.
+// Whether the seed is equal in units, or nearer than the neighbor that the cell's unit of length was taken from.
 bool is_too_near(Plane p) {
     return !(p.h > real(0.4));
 }
 
-// Positive outside. A fused fma only leaves roundings out.
+// It is positive outside. A fused fma only leaves roundings out.
 real side_of(Plane p, real x, real y, real z) {
     precise const real side = fma(p.x, x, fma(p.y, y, fma(p.z, z, -p.h)));
     return side;
 }
 
-// Bound of the error of side_of for a vertex with this error; for the largest error, of all vertices.
+// A bound of the error of side_of() for a vertex with this error; with the largest error, for all vertices.
 real side_bound(Plane p, real error) {
     precise const real bound = fma(p.norm, error, real(10.5) * unit * p.h);
     return bound;
@@ -83,8 +93,8 @@ bool is_in_reach(real x, real y, real z, real error, real lower_x, real upper_x,
     return dx * dx + dy * dy + dz * dz <= radius * radius;
 }
 
-// Adds how far that ball reaches along the axes, down and up from the seed. In float32: what a difference of such
-// lengths loses is 2e-7 of the radius, of which 1e-5 are to spare.
+// Adds how far that ball reaches along the axes, down and up from the seed. Float32 does for it: what a difference of
+// such lengths loses is 2e-7 of the radius, of which 1e-5 are to spare.
 void extend_reach(vec3 at, float error, inout vec3 down, inout vec3 up) {
     const vec3 radius = vec3((length(at) + 2.0 * error) * 1.00001);
     down = max(down, radius - at);
@@ -121,3 +131,5 @@ bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
     vertex = Vertex(x, y, z, fma(quantum, fma(real(4), condition, real(1)) * (length + real(1)), rounding));
     return det * real(0.0005) > product * max(unit, real(0.5) * quantum);
 }
+
+#endif

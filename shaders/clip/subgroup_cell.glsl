@@ -1,13 +1,23 @@
-// One Voronoi cell of a subgroup: as clip/cell.glsl, but every lane holds a few of the vertices, and the planes are in
-// shared memory. A free vertex lies in the seed itself, which no plane cuts off.
-//
-// Needs status, scratch, and what shared/subgroup.glsl and clip/filter.glsl define.
+// One Voronoi cell of a subgroup, as in clip/invocation_cell.glsl; but every lane holds a few of the vertices, and the
+// planes are in shared memory. A free vertex lies in the seed itself, which no plane cuts off. The .comp declares `push`,
+// with extent, before.
+#ifndef VOTESS_CLIP_SUBGROUP_CELL_GLSL
+#define VOTESS_CLIP_SUBGROUP_CELL_GLSL
+
+#include "clip/filter.glsl"
+#include "clip/relative_to_seed.glsl"
+#include "invocations/subgroup.glsl"
+#include "search/subgroup_state.glsl"
+#include "shared/interface.h"
+
+layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
 
 const int slots = (most_vertices + lanes - 1) / lanes;  // vertices of a lane
+const uint all_planes = 0xffffffffu >> (32 - SUBGROUP_PLANES);
 
 real vertex_x[slots], vertex_y[slots], vertex_z[slots];
 real vertex_error[slots];
-uint vertex_planes[slots];  // three of 8 bits, in positive orientation
+uint vertex_planes[slots];
 uint alive, killed;         // a bit for each slot
 uint planes_used;           // all that are in use, and maybe more
 real largest_error, security;  // over all vertices; security: squared radius
@@ -17,16 +27,6 @@ shared real plane_norm[SUBGROUP_PLANES * subgroups], plane_distance[SUBGROUP_PLA
 shared int plane_id[SUBGROUP_PLANES * subgroups];  // sorted seed, or wall id
 shared real4 test_equation[lanes * subgroups];
 shared real test_norm[lanes * subgroups];
-
-// While the cell is being cut, of each plane a: the planes b with an edge (a, b) of a killed vertex, and those with
-// (b, a).
-#define EDGES_FROM(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * (a)]
-#define EDGES_TO(a) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * (a) + 1u]
-#define HORIZON(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + 2u * SUBGROUP_PLANES + (i)]
-
-uint plane_of(uint packed, int k) {
-    return (packed >> (8 * k)) & 0xffu;
-}
 
 int id_of(uint plane) {
     return plane_id[SUBGROUP_PLANES * SUBGROUP + plane];
@@ -38,7 +38,7 @@ Plane plane_at(uint plane) {
     return Plane(e.x, e.y, e.z, e.w, plane_norm[at], plane_distance[at]);
 }
 
-// By one lane.
+// One lane calls it.
 void set_plane(uint plane, Plane p, int id) {
     const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
     plane_equation[at] = real4(p.x, p.y, p.z, p.h);
@@ -47,7 +47,7 @@ void set_plane(uint plane, Plane p, int id) {
     plane_id[at] = id;
 }
 
-// This lane's plane of those to test next.
+// Sets this lane's plane of those to test next.
 void prepare_test(Plane p) {
     const uint at = uint(lanes) * SUBGROUP + lane;
     test_equation[at] = real4(p.x, p.y, p.z, p.h);
@@ -88,7 +88,7 @@ void measure_reach(out vec3 down, out vec3 up) {
     up = vec3(largest(up.x), largest(up.y), largest(up.z));
 }
 
-// The vertex of planes a, b, c in a slot of this lane; false when it is uncertain.
+// Puts the vertex of planes a, b, c into a slot of this lane; false when it is uncertain.
 bool set_vertex(int s, uint a, uint b, uint c, Plane last) {
     Vertex vertex;
     const bool certain = find_vertex(plane_at(a), plane_at(b), last, vertex);
@@ -96,12 +96,12 @@ bool set_vertex(int s, uint a, uint b, uint c, Plane last) {
     vertex_y[s] = vertex.y;
     vertex_z[s] = vertex.z;
     vertex_error[s] = vertex.error;
-    vertex_planes[s] = a | (b << 8) | (c << 16);
+    vertex_planes[s] = pack_planes(a, b, c);
     alive |= 1u << s;
     return certain;
 }
 
-// The box: planes 0 .. 5 are the walls xmin, xmax, ymin, ymax, zmin, zmax.
+// Makes the box: planes 0 .. 5 are the walls xmin, xmax, ymin, ymax, zmin, zmax.
 void start_cell() {
     if (lane < 6u) {
         const uint axis = lane / 2u;
@@ -129,7 +129,7 @@ void start_cell() {
     measure_radius_and_error();
 }
 
-// Marks the vertices outside a plane; true when there are any. Uncertain: status changes.
+// Marks the vertices outside a plane; true when there are any. The status changes when that is uncertain.
 bool test_plane(Plane p) {
     const real most = side_bound(p, largest_error);
     real sides[slots];
@@ -162,7 +162,7 @@ uint planes_in_use() {
     return all_bits(mine);
 }
 
-// As find_horizon() leaves it; searches use the same memory.
+// find_horizon() leaves it so; searches use the same memory.
 void forget_edges(uint a) {
     EDGES_FROM(a) = 0u;
     EDGES_TO(a) = 0u;
@@ -188,7 +188,7 @@ uint find_horizon() {
             atomicOr(EDGES_TO(c), b_bit);
         }
     share();
-    // A ring: no two killed vertices have the same edge, so that all of them are counted here, and no plane has two
+    // The horizon is a ring: no two killed vertices have the same edge, so that all of them are counted here, and no plane has two
     // edges of the horizon from it. Then none has two to it, as every vertex adds one of both.
     uint count = 0u, faults = 0u - 3u * uint(bitCount(killed));
     for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes)) {
@@ -218,8 +218,8 @@ void cut(Plane p, int id) {
         return;
     }
     alive &= ~killed;
-    if (planes_used == 0xffffffffu) planes_used = planes_in_use();
-    if (planes_used == 0xffffffffu) {
+    if (planes_used == all_planes) planes_used = planes_in_use();
+    if (planes_used == all_planes) {
         status = STATUS_PLANE_OVERFLOW;
         return;
     }
@@ -247,3 +247,5 @@ void cut(Plane p, int id) {
         status = STATUS_NEEDS_EXACT;
     measure_radius_and_error();
 }
+
+#endif

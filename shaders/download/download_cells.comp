@@ -1,28 +1,26 @@
-// download: what a frame tells about each cell, in input order, and its counts.
+// download: writes what a frame tells about each cell, in input order, and its counts.
 //
-// Variant: GEOMETRY_FLOAT64, as that of the pass that measured.
+// Variant: GEOMETRY_FLOAT64 reads what a pass of that variant measured.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "download/row_fits.glsl"
+#include "invocations/index.glsl"
+#include "numbers/number.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { FramePush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
 layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
-#include "numbers/number.glsl"
 layout(std430, binding = BINDING_GEOMETRY) readonly buffer Geometry { Number geometry[]; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
 layout(std430, binding = BINDING_CELLS) writeonly buffer Cells { FrameCell cells[]; };
 layout(std430, binding = BINDING_GEOMETRY_OUT) writeonly buffer GeometryOut { vec4 geometry_out[]; };
 
-#include "shared/linear.glsl"
-#include "download/rows.glsl"
-
-// Of the work-group, which adds them to the header at once.
+// The work-group counts its own cells and adds them to the header at once.
 shared uint certified, unresolved, duplicates, outside, faces_of_all;
 
 void main() {
@@ -51,7 +49,7 @@ void main() {
             if (done)
                 g = vec4(rounded(geometry[4u * cell + 1u]), rounded(geometry[4u * cell + 2u]),
                          rounded(geometry[4u * cell + 3u]), rounded(geometry[4u * cell]));
-            // The volume in steps: devices may flush a power of two below float32's range.
+            // The volume is scaled in steps: devices may flush a power of two below float32's range.
             g.w = ldexp(ldexp(g.w, exponent), exponent);
             geometry_out[seed] = ldexp(g, ivec4(exponent));
         }

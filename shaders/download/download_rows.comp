@@ -1,13 +1,14 @@
-// download: the rows of a chunk one after the other, each in ascending order, and the areas beside them.
+// download: puts the rows of a chunk one after the other, each in ascending order.
 //
-// Variants: AREAS, which are moved as the two words that any Number takes. SHIFTS: images get the name of their seed, and
-// shifts stand beside the rows, which are in the order of both.
+// Variants: AREAS puts areas beside the rows; any Number moves as two words. SHIFTS gives images the index of their seed
+// and puts shifts beside the rows, which are in the order of both.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "download/row_fits.glsl"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { RowsPush push; };
 layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_PLACE) readonly buffer RowPlace { uint row_place[]; };
@@ -31,9 +32,6 @@ layout(std430, binding = BINDING_AREAS) readonly buffer Areas { uvec2 areas[]; }
 layout(std430, binding = BINDING_SECOND_AREAS) readonly buffer SecondAreas { uvec2 second_areas[]; };
 layout(std430, binding = BINDING_AREAS_OUT) writeonly buffer AreasOut { uvec2 areas_out[]; };
 #endif
-
-#include "shared/linear.glsl"
-#include "download/rows.glsl"
 
 int entry(uint place, uint i) {
     const uint column = place & ~SECOND_TIER_BIT;

@@ -1,11 +1,11 @@
-// download: where the rows of the next chunk begin, which is what the rows need so far. Stays at the largest number
-// when it would pass that.
+// download: tells where the rows of the next chunk begin, which is what the rows need so far. That stays at the largest
+// number when it would pass it.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { FramePush push; };
 layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };

@@ -1,4 +1,6 @@
-// Whole numbers of 64 bits as two words (x low, y high), modulo 2^64: not every device has them.
+// Whole numbers of 64 bits as two words (x low, y high), modulo 2^64, since not every device has them.
+#ifndef VOTESS_NUMBERS_INT64_GLSL
+#define VOTESS_NUMBERS_INT64_GLSL
 
 uvec2 add64(uvec2 a, uvec2 b) {
     uint carry;
@@ -28,7 +30,7 @@ uvec2 max64(uvec2 a, uvec2 b) {
     return less64(a, b) ? b : a;
 }
 
-// 0 <= n; zero from 64 on.
+// For n >= 0; the result is zero from n = 64 on.
 uvec2 shift_left64(uvec2 a, uint n) {
     if (n >= 64u) return uvec2(0);
     if (n >= 32u) return uvec2(0u, a.x << (n - 32u));
@@ -53,7 +55,7 @@ uvec2 shift_right64(uvec2 a, uint n, inout bool lost) {
     return uvec2((a.x >> n) | (a.y << (32u - n)), (a.y >> n) | (sign << (32u - n)));
 }
 
-// q - p in two's complement, to a few roundings. For searches: without branches.
+// q - p in two's complement, right to a few roundings. Searches call it often, so it has no branches.
 float rough_difference(uvec2 q, uvec2 p) {
     const uvec2 d = subtract64(q, p);
     const uint sign = uint(int(d.y) >> 31);  // all ones when negative
@@ -71,3 +73,5 @@ float round64(uvec2 m) {
     const float high = float(kept) * uintBitsToFloat((159u - shift) << 23);
     return mix(high, float(m.x), small);
 }
+
+#endif

@@ -5,12 +5,14 @@
 // to 2^-42; another rounding to one of the two neighbors costs less than two bits (Boldo, Graillat, Muller 2017).
 //
 // Variant: GEOMETRY_FLOAT64.
+#ifndef VOTESS_NUMBERS_NUMBER_GLSL
+#define VOTESS_NUMBERS_NUMBER_GLSL
 
 #ifdef GEOMETRY_FLOAT64
 
 #define Number double
 const float number_unit = 1.1102230246251565e-16;  // unit roundoff
-const float farthest_of_range = 3.0e38;            // squared radius of a cell that it holds for
+const float farthest_of_range = 3.0e38;            // it holds for cells of a smaller squared radius
 
 Number number(float a) {
     return Number(a);
@@ -18,7 +20,7 @@ Number number(float a) {
 float rounded(Number a) {
     return float(a);
 }
-// Of a whole number below 2^64.
+// Takes a whole number below 2^64.
 Number number64(uvec2 m) {
     return Number(m.y) * 4294967296.0LF + Number(m.x);
 }
@@ -74,7 +76,7 @@ Number exact_sum(float a, float b) {
     precise const float rest = (a - (sum - of_b)) + (b - of_b);
     return Number(sum, rest);
 }
-// With 12 bits, so that products of two are exact; what is left of a has 12 at most.
+// It has 12 bits, so that products of two are exact, and what is left of a has at most 12.
 float leading_half(float a) {
     return uintBitsToFloat((floatBitsToUint(a) + 0x800u) & 0xfffff000u);
 }
@@ -106,7 +108,7 @@ Number number64(uvec2 m) {
 Number times_power(Number a, float power_of_two) {
     return Number(a.high * power_of_two, a.low * power_of_two);
 }
-// One step of Newton's method from the float32 result; as for roots.
+// One step of Newton's method improves the float32 result; root() does the same.
 Number reciprocal(Number a) {
     const float first = 1.0 / a.high;
     const Number rest = minus(number(1.0), times(a, number(first)));
@@ -144,3 +146,5 @@ Vector cross(Vector a, Vector b) {
     return Vector(minus(times(a.y, b.z), times(a.z, b.y)), minus(times(a.z, b.x), times(a.x, b.z)),
                   minus(times(a.x, b.y), times(a.y, b.x)));
 }
+
+#endif

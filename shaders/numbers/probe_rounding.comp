@@ -1,10 +1,11 @@
-// Sums, products, conversions, quotients and roots of given numbers, for the host to see how the device rounds. FLOAT64: in float64.
+// Takes sums, products, conversions, quotients and roots of given numbers, for the host to see how the device rounds.
+// Variant: FLOAT64.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { ScanPush push; };
 #ifdef FLOAT64
 #define real double
@@ -13,8 +14,6 @@ layout(push_constant) uniform Push { ScanPush push; };
 #endif
 layout(std430, binding = BINDING_RAW) readonly buffer Operands { real operands[]; };
 layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Results { real results[]; };
-
-#include "shared/linear.glsl"
 
 void main() {
     const uint i = linear_invocation();

@@ -1,4 +1,12 @@
-// The numbers that a cell is clipped in, and their unit roundoff. Variant: CLIP_FLOAT64. Needs float_unit.
+// The numbers that a cell is clipped in, and their unit roundoff. Variant: CLIP_FLOAT64.
+#ifndef VOTESS_NUMBERS_REAL_GLSL
+#define VOTESS_NUMBERS_REAL_GLSL
+
+#include "shared/interface.h"
+
+// Every variant declares it, so that the host need not know which one it has.
+layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e-8;
+
 #ifdef CLIP_FLOAT64
 #define real double
 #define real4 dvec4
@@ -7,4 +15,6 @@ const double unit = 1.1102230246251565e-16LF;
 #define real float
 #define real4 vec4
 const float unit = float_unit;
+#endif
+
 #endif

@@ -1,4 +1,4 @@
-// picture_depth: what occlusion is computed from: the normal of the surface in a pixel, and its distance.
+// picture_depth: writes the normal of the surface in a pixel and its distance, from which occlusion is computed.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/picture.h"

@@ -1,4 +1,4 @@
-// picture_fill: a polygon with lines along its edges; with LIT as a surface in space, else in its plain color.
+// picture_fill: draws a polygon with lines along its edges; with LIT as a surface in space, else in its plain color.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/picture.h"

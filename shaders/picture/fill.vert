@@ -1,5 +1,5 @@
-// picture_fill: corners of triangles, in space or, with another matrix, on the picture. With PLACE_ONLY their places
-// alone.
+// picture_fill: places corners of triangles in space or, with another matrix, on the picture. With PLACE_ONLY that is all
+// it does.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/picture.h"

@@ -1,4 +1,4 @@
-// picture_occlusion: how much of the light from all around nearby surfaces leave to a pixel.
+// picture_occlusion: tells how much of the light from all around nearby surfaces leave to a pixel.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/picture.h"
@@ -25,7 +25,7 @@ void main() {
     const vec3 place = place_of(pixel, here.w);
     const float radius = push.sky.w;
     const float pixels = min(radius * push.lens.z / here.w, most_pixels);
-    // Another spiral in each pixel of blocks of 4 x 4, over which the light is then averaged.
+    // Each pixel of a block of 4 x 4, over which the light is then averaged, has another spiral.
     const int step = (pixel.x & 3) * 4 + ((pixel.y & 3) * 7 & 15);
     const float first = float(step & 15) * (6.2831853 / 16.0);
     float hidden = 0.0;

@@ -1,4 +1,4 @@
-// picture_stroke: a rectangle around each line, one line an instance.
+// picture_stroke: makes a rectangle around each line; an instance is a line.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/picture.h"

@@ -1,4 +1,4 @@
-// picture_whole: one triangle over the whole picture.
+// picture_whole: puts one triangle over the whole picture.
 #version 450
 
 void main() {

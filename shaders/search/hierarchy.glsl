@@ -1,7 +1,14 @@
-// Walking the boxes over groups of sorted seeds without a stack: a node's number tells its parent and its siblings.
-// Needs push.level_first and push.level_count.
+// A walk through the boxes over groups of sorted seeds that needs no stack: a node's number tells its parent and its
+// siblings. The .comp declares `push`, with level_first, before.
+#ifndef VOTESS_SEARCH_HIERARCHY_GLSL
+#define VOTESS_SEARCH_HIERARCHY_GLSL
 
-// Nodes of a level below the root.
+#include "shared/interface.h"
+#include "shared/layout.h"
+
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+
+// The number of nodes of a level below the root.
 uint nodes_of(uint level) {
     return push.level_first[level + 1u] - push.level_first[level];
 }
@@ -11,13 +18,13 @@ struct Walk {
     uint level, node;
 };
 
-// To the children of the current node.
+// Goes to the children of the current node.
 void descend(inout Walk walk) {
     --walk.level;
     walk.node *= FAN;
 }
 
-// To the next node that is not below the current one; false at the end.
+// Goes to the next node that is not below the current one; false at the end.
 bool advance(inout Walk walk) {
     for (;;) {
         if (walk.level == walk.root_level) return false;
@@ -27,3 +34,5 @@ bool advance(inout Walk walk) {
         ++walk.level;
     }
 }
+
+#endif

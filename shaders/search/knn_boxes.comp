@@ -1,17 +1,13 @@
-// knn: one level of the hierarchy, from the seeds or from the level below.
+// knn: makes one level of the hierarchy, from the seeds or from the level below.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "numbers/int64.glsl"
+#include "search/seeds.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { BoxesPush push; };
-#include "numbers/int64.glsl"
-#include "shared/linear.glsl"
-#include "search/node.glsl"
-layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
-layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
-layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
 layout(std430, binding = BINDING_NODES) buffer Nodes { Node nodes[]; };
 
 void main() {

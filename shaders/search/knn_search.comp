@@ -1,4 +1,4 @@
-// knn: the nearest seeds of each cell's seed, nearest first, and the distance up to which the list is complete.
+// knn: lists the nearest seeds of each cell's seed, nearest first, and tells the distance up to which the list is complete.
 //
 // The search climbs from the seed's own group towards the root and descends into every box that is nearer than the
 // farthest neighbor of interest; sorted along a Hilbert curve, what is near comes early. Neighbors are collected as
@@ -6,28 +6,24 @@
 // buckets a sixteenth of an octave wide; within a bucket the order is free. The first bucket takes whatever is nearer.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "invocations/loop_guard.glsl"
+#include "numbers/int64.glsl"
+#include "search/seeds.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(constant_id = CONSTANT_K) const int k = 64;
-layout(constant_id = CONSTANT_OF_TODO) const uint of_todo = 0u;
+layout(constant_id = CONSTANT_LIST_OF_TODO) const uint list_of_todo = 0u;
 layout(push_constant) uniform Push { KnnPush push; };
-#include "search/hierarchy.glsl"
-#include "numbers/int64.glsl"
-#include "shared/linear.glsl"
-#include "shared/loop_guard.glsl"
-#include "search/node.glsl"
-#include "search/reach.glsl"
-layout(std430, binding = BINDING_SEEDS_X) readonly buffer SeedsX { uvec2 seeds_x[]; };
-layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
-layout(std430, binding = BINDING_SEEDS_Z) readonly buffer SeedsZ { uvec2 seeds_z[]; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
-layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
 layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInfo list_info[]; };
+
+#include "search/distances.glsl"
+#include "search/hierarchy.glsl"
 
 #define BUCKET_OF(d) (max(int((floatBitsToUint(d) >> BUCKET_SHIFT) - lowest_bucket), 0))
 
@@ -45,7 +41,7 @@ bool coarse;  // high words are enough
 uint visits = 0u;
 
 int counts[buckets];
-int places[buckets];  // apart from counts: llvmpipe (Mesa 22.3) mixed up reads and writes of one element in one step
+int places[buckets];  // not in counts: llvmpipe (Mesa 22.3) mixed up reads and writes of one element in one step
 uint lowest_bucket;
 
 float farthest_in_store() {
@@ -54,10 +50,10 @@ float farthest_in_store() {
     return farthest;
 }
 
-// Neighbors by bucket, up to the farthest.
+// Counts the neighbors in each bucket, up to the farthest.
 void count_by_bucket() {
     const float farthest = farthest_in_store();
-    lowest_bucket = (max(floatBitsToUint(farthest), 64u << BUCKET_SHIFT) >> BUCKET_SHIFT) - uint(buckets - 1);
+    lowest_bucket = (max(floatBitsToUint(farthest), uint(buckets) << BUCKET_SHIFT) >> BUCKET_SHIFT) - uint(buckets - 1);
     for (int b = 0; b < buckets; ++b) counts[b] = 0;
     for (int i = 0; i < size; ++i) ++counts[BUCKET_OF(distances[i])];
 }
@@ -127,7 +123,7 @@ bool is_near(uint level, uint node) {
     return (dx * dx + dy * dy + dz * dz) * box_slack < worst;
 }
 
-// Everything near below a node.
+// Visits everything near below a node.
 void explore(uint root_level, uint root) {
     Walk walk = Walk(root_level, root, root_level, root);
     do {
@@ -162,7 +158,7 @@ float expected_reach() {
 void main() {
     const uint column = linear_invocation();
     uint cell = column;
-    if (of_todo == 0u) {
+    if (list_of_todo == 0u) {
         if (column >= push.cell_count) return;
     } else {
         if (column >= min(chunk.todo_count, push.cell_count)) return;
@@ -198,7 +194,7 @@ void main() {
     }
     truncated = truncated || visits > push.most_visits;
 
-    // Places in the list: buckets that fit into it whole.
+    // The list takes buckets that fit into it whole.
     count_by_bucket();
     const int in_first_bucket = counts[0];
     int listed = 0, fitting = 0;

@@ -5,30 +5,37 @@
 //
 // The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
 // buckets taken by atomics would.
-//
-// Needs self, status, first_count, the shared arrays, and what shared/subgroup.glsl and search/reach.glsl define.
+// The .comp declares `push` (CellsPush) before.
+#ifndef VOTESS_SEARCH_SUBGROUP_SEARCH_GLSL
+#define VOTESS_SEARCH_SUBGROUP_SEARCH_GLSL
+
+#include "clip/relative_to_seed.glsl"
+#include "invocations/subgroup.glsl"
+#include "numbers/int64.glsl"
+#include "search/distances.glsl"
+#include "search/seeds.glsl"
+#include "search/subgroup_state.glsl"
+#include "shared/interface.h"
+#include "shared/layout.h"
+
+layout(constant_id = CONSTANT_FIRST_COUNT) const int first_count = 48;
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three a Node: fewer loads
 
 float done, next;
 bool coarse;  // high words are enough
 uint candidate_count;
 uint visits;
-float nearest_beyond;  // of this lane: at most the squared distance of any seed left out for being too far
+float nearest_beyond;  // at most the squared distance of any seed that this lane left out for being too far
 // Bounds, relative to the seed, of all places whose seeds can cut the cell. Where a cell is long, most of its security
 // sphere lies beyond them.
 vec3 reach_lower, reach_upper;
 uint node_count, group_count;
 
-const uint lanes_each = FAN;  // of a box and of a group
+const uint lanes_each = FAN;  // lanes for a box, and for a group, as GROUP_SEEDS == FAN
 const uint side_by_side = uint(lanes) / lanes_each;
 const uint key_place_mask = SUBGROUP_STORE - 1u;
 
-#define STACKS(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
-#define NODE_STACK(i) STACKS(i)
-#define GROUP_STACK(i) STACKS(SUBGROUP_NODES + (i))
-// Not in the memory of cuts. When the store is sorted, the stacks are not needed any more.
-#define SORTED(i) STACKS(3u * SUBGROUP_PLANES + (i))
-#define LEVEL_FIRST(level) STACKS(3u * SUBGROUP_PLANES + SUBGROUP_STORE + (level))
-#define NODE_BITS 28
+#define NODE_BITS 28  // a stack's word holds a node's number, and its level above that
 
 Node node_at(uint n) {
     const uvec4 a = node_words[3u * n], b = node_words[3u * n + 1u], c = node_words[3u * n + 2u];
@@ -78,7 +85,7 @@ void set_reach(vec3 down, vec3 up) {
     reach_upper = up * 1.0001 + slack;
 }
 
-// Outwards, at most to where no seed can cut the cell.
+// Sets the next search outwards, at most to where no seed can cut the cell.
 void search_on(float needed) {
     next = min(needed, done * (candidate_count < 16u ? 4.0 : 2.0));
     if (!(next < UNBOUNDED)) next = UNBOUNDED;
@@ -92,7 +99,7 @@ vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
     return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
 }
 
-// The lanes do the same in what follows, without branches, whatever they find.
+// The lanes do the same in the next two functions, without branches, whatever they find.
 
 // Whether a box may hold candidates.
 bool is_near(uint level, uint node) {
@@ -133,14 +140,14 @@ bool is_candidate(uint seed, out float d) {
     return possible && near && fresh;
 }
 
-// Boxes that are near, one a lane at most; false when there are too many.
+// Pushes boxes that are near, one a lane at most; false when there are too many.
 bool push_near(bool near, uint level, uint node) {
     const bool is_group = level == 0u;
     uint groups, boxes;
     const uint group_rank = group_count + rank_among(near && is_group, groups);
     const uint box_rank = node_count + rank_among(near && !is_group, boxes);
     if (node_count + boxes > SUBGROUP_NODES || group_count + groups > SUBGROUP_GROUPS) return false;
-    if (near) STACKS(is_group ? SUBGROUP_NODES + group_rank : box_rank) = (level << NODE_BITS) | node;
+    if (near) SCRATCH((is_group ? SUBGROUP_NODES + group_rank : box_rank)) = (level << NODE_BITS) | node;
     group_count += groups;
     node_count += boxes;
     share();
@@ -212,10 +219,10 @@ bool collect() {
     return true;
 }
 
-// By distance: a key's place is the number of smaller ones.
+// Sorts by distance: a key's place is the number of smaller ones.
 void sort_candidates() {
     const uint base = SUBGROUP_STORE * SUBGROUP;
-    // Up to a multiple of four, for those that are read together.
+    // Keys fill up to a multiple of four, since four are read together.
     const uint quads = (candidate_count + 3u) / 4u;
     if (candidate_count + lane < 4u * quads) candidate_key[base + candidate_count + lane] = 0xffffffffu;
     share();
@@ -244,13 +251,13 @@ bool search() {
         done = beyond >= UNBOUNDED ? UNBOUNDED : max(next, beyond * reach_slack);
         return true;
     }
-    // Those found first are near.
+    // Those found first are near. Of a full store the next search aims at four fifths of first_count.
     candidate_count = min(candidate_count, SUBGROUP_STORE);
     sort_candidates();
     const float shorter =
         candidate_count == 0u
             ? 0.5 * (done + next)
-            : distance_at(candidate_count * uint(first_count) / 160u);
+            : distance_at(candidate_count * uint(first_count) / (5u * SUBGROUP_STORE / 4u));
     if (shorter > done && shorter < next)
         next = shorter;
     else
@@ -258,3 +265,5 @@ bool search() {
     if (done == 0.0) coarse = coarse && next >= coarse_from;
     return false;
 }
+
+#endif

@@ -18,16 +18,16 @@
 #define KEY_BITS_PER_AXIS 20
 #define KEY_WORD_BITS 30
 #define DIGIT_BITS 4
-#define DIGITS 16
+#define DIGITS (1 << DIGIT_BITS)
 #define TILE_GROUP 128     // invocations per tile, in sort and scan; every Vulkan device has 128
 #define TILE_ITEMS_EACH 8  // items of one invocation, at most 15: four bits count them
-#define TILE_ITEMS 1024    // TILE_GROUP * TILE_ITEMS_EACH
+#define TILE_ITEMS (TILE_GROUP * TILE_ITEMS_EACH)
 #define MOST_LOOK_BACK 64  // seeds of equal key compared in search of a duplicate
 
 // knn: boxes over groups of consecutive sorted seeds, each level above covers FAN nodes of the level below.
 #define GROUP_SEEDS 8
-#define FAN 8
 #define FAN_BITS 3
+#define FAN (1 << FAN_BITS)
 #define MOST_LEVELS 12
 #define UNBOUNDED 3.0e38  // beyond all squared distances, which are below 2^126 units
 
@@ -39,22 +39,21 @@
 #define EXPECTED_REACH 0.002  // cubed radius of the first search over volume of 64 seeds' box and k
 #define BUCKET_SHIFT 19       // of a float's bits: lists are sorted by squared distance to 16 buckets an octave
 // Neighbors in a bucket differ by at most the factor 16/17 in squared distance; a smaller one by 8e-5, for distances
-// right to 1e-6, or from coarse_from on to 1.4e-5 (search/reach.glsl).
+// right to 1e-6, or from coarse_from on to 1.4e-5 (search/distances.glsl).
 #define BUCKET_SLACK 0.9411
 
 // clip: a cell's unit of length is 2^k units, its nearest neighbor 0.9 to 4 of them away. Beside a box of 2^25 such
 // lengths no product of a vertex (five lengths) leaves the range of float32.
 #define SMALLEST_CELL_EXPONENT 37
 
-// clip_subgroup: words of shared memory that a subgroup has. Beside them are the planes of its cell, 6 numbers and an
-// id each, and a plane being tested for each lane, of 5 numbers.
-#define SUBGROUP_PLANES 32
+// clip_subgroup: words of shared memory that a subgroup has, see search/subgroup_state.glsl. Beside them are the planes
+// of its cell, 6 numbers and an id each, and a plane being tested for each lane, of 5 numbers.
+#define SUBGROUP_PLANES 32  // a set of planes is one word
 #define SUBGROUP_STORE 128  // candidates; a power of two
 #define SUBGROUP_NODES 96   // boxes to open
 #define SUBGROUP_GROUPS 80  // groups to look into, at least 64 + 64 / GROUP_SEEDS
-// Boxes and groups, or three words a plane and the order of the store; and MOST_LEVELS numbers.
 #define SUBGROUP_SCRATCH 240
-#define SUBGROUP_SEARCHES 24  // of a cell, before it is left to the second tier
+#define SUBGROUP_SEARCHES 24  // searches for a cell before it is left to the second tier
 
 // clip: where a row is; rows of the second tier have the bit set.
 #define SECOND_TIER_BIT 0x80000000u
@@ -79,21 +78,5 @@
 #define INFO_FACES_SHIFT 8
 #define INFO_VERTICES_SHIFT 16
 #define INFO_EXPONENT_SHIFT 24
-
-// Specialization constants. 0 is the local size of every pass.
-#define CONSTANT_LOCAL_SIZE 0
-#define CONSTANT_K 1              // knn: most neighbors listed
-#define CONSTANT_OF_TODO 2        // knn: 1 makes lists for the cells left to the second tier alone
-#define CONSTANT_MOST_PLANES 1    // clip: a multiple of 32
-#define CONSTANT_MOST_VERTICES 2  // clip: a multiple of 32
-#define CONSTANT_TIER 3           // clip: 0 or 1
-#define CONSTANT_GEOMETRY 4       // clip: 1 computes volume and centroid, 2 areas too
-#define CONSTANT_UNIT_ROUNDOFF 5  // clip: float32's, as float bits
-#define CONSTANT_LIST_OF_TODO 6   // clip: 1 when the list has a column for each cell of the second tier alone
-#define CONSTANT_LOCKSTEP 3       // clip_subgroup: 1 where lanes cannot run ahead of each other
-#define CONSTANT_LANES 6          // clip_subgroup: invocations of a subgroup, 8 to 64; it has no tier, no list
-#define CONSTANT_SUBGROUPS 7      // clip_subgroup: of a work-group
-#define CONSTANT_FIRST_COUNT 8    // clip_subgroup: seeds that the first search aims at
-#define CONSTANT_TODO_GROUP 1     // todo: local size of the second tier
 
 #endif

@@ -129,6 +129,13 @@ struct FramePush {
     uint own_count;  // as in RowsPush
 };
 
+// A node of the hierarchy: bounds of the seeds below it, in units. Without seeds its lower bounds are the largest
+// numbers.
+struct Node {
+    uvec2 lower[3];
+    uvec2 upper[3];
+};
+
 // What the sort found out about the points.
 struct RunState {
     uint lossy;       // LOSSY_ bits: coordinates that are no whole number of units

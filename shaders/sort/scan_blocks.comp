@@ -1,15 +1,13 @@
-// Exclusive prefix sums inside blocks of TILE_ITEMS, in place, and each block's total.
+// Makes exclusive prefix sums inside blocks of TILE_ITEMS, in place, and each block's total.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { ScanPush push; };
 layout(std430, binding = BINDING_SCAN_DATA) buffer Data { uint data[]; };
 layout(std430, binding = BINDING_SCAN_SUMS) writeonly buffer Sums { uint block_sums[]; };
-
-#include "shared/linear.glsl"
 
 shared uint sums[TILE_GROUP];
 

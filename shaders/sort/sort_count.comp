@@ -1,16 +1,11 @@
-// sort: how often each digit occurs in each tile.
+// sort: counts how often each digit occurs in each tile.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
-#include "shared/layout.h"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
+#include "sort/radix_tile.glsl"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
-layout(push_constant) uniform Push { SortPush push; };
-layout(std430, binding = BINDING_KEYS_IN) readonly buffer KeysIn { uvec2 keys_in[]; };
 layout(std430, binding = BINDING_SCAN_DATA) writeonly buffer Counts { uint counts[]; };
-
-#include "shared/linear.glsl"
-#include "sort/tile.glsl"
 
 shared uint totals[DIGITS];
 

@@ -1,11 +1,11 @@
-// sort: coordinates in sorted order. Of equal points the one of lowest index stays; the others are marked, and put
+// sort: puts coordinates into sorted order. Of equal points the one of lowest index stays; the others are marked, and put
 // where no search finds them.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { KeyPush push; };
 layout(std430, binding = BINDING_POINTS_X) readonly buffer PointsX { uvec2 points_x[]; };
 layout(std430, binding = BINDING_POINTS_Y) readonly buffer PointsY { uvec2 points_y[]; };
@@ -17,8 +17,6 @@ layout(std430, binding = BINDING_SEEDS_Y) writeonly buffer SeedsY { uvec2 seeds_
 layout(std430, binding = BINDING_SEEDS_Z) writeonly buffer SeedsZ { uvec2 seeds_z[]; };
 layout(std430, binding = BINDING_SEED_INPUT) writeonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
-
-#include "shared/linear.glsl"
 
 void main() {
     const uint seed = linear_invocation();

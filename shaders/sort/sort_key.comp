@@ -1,11 +1,11 @@
-// sort: place of each point along a Hilbert curve through a grid of 2^bits blocks along the box's
-// longest side. Rounding moves the blocks' borders, but equal points have equal keys.
+// sort: finds the place of each point along a Hilbert curve through a grid of 2^bits blocks along the box's longest side.
+// Rounding moves the blocks' borders, but equal points have equal keys.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { KeyPush push; };
 layout(std430, binding = BINDING_POINTS_X) readonly buffer PointsX { uvec2 points_x[]; };
 layout(std430, binding = BINDING_POINTS_Y) readonly buffer PointsY { uvec2 points_y[]; };
@@ -13,9 +13,7 @@ layout(std430, binding = BINDING_POINTS_Z) readonly buffer PointsZ { uvec2 point
 layout(std430, binding = BINDING_KEYS_OUT) writeonly buffer Keys { uvec2 keys[]; };
 layout(std430, binding = BINDING_INDEX_OUT) writeonly buffer Index { uint index[]; };
 
-#include "shared/linear.glsl"
-
-// Ten bits of each axis, interleaved.
+// Interleaves ten bits of each axis, half of KEY_BITS_PER_AXIS.
 uint interleave(uvec3 axes) {
     uvec3 v = axes & 0x3ffu;
     v = (v | (v << 16)) & 0x030000ffu;
@@ -52,7 +50,7 @@ void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
     const uint most = (1u << push.bits) - 1u;
-    uvec3 block = uvec3(most);  // of what has no coordinates: at the end, where the curve is
+    uvec3 block = uvec3(most);  // points without coordinates go to the end of the curve
     if (points_x[point].y != NO_COORDINATE) {
         const vec3 high = vec3(points_x[point].y, points_y[point].y, points_z[point].y);
         block = min(uvec3(high * push.blocks_per_unit), uvec3(most));

@@ -1,21 +1,16 @@
-// sort: each item to its place, in the order of the items where digits are equal.
+// sort: brings each item to its place; items of equal digit stay in their order.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
-#include "shared/layout.h"
+#include "invocations/index.glsl"
+#include "shared/interface.h"
+#include "sort/radix_tile.glsl"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
-layout(push_constant) uniform Push { SortPush push; };
-layout(std430, binding = BINDING_KEYS_IN) readonly buffer KeysIn { uvec2 keys_in[]; };
 layout(std430, binding = BINDING_INDEX_IN) readonly buffer IndexIn { uint index_in[]; };
 layout(std430, binding = BINDING_KEYS_OUT) writeonly buffer KeysOut { uvec2 keys_out[]; };
 layout(std430, binding = BINDING_INDEX_OUT) writeonly buffer IndexOut { uint index_out[]; };
 layout(std430, binding = BINDING_SCAN_DATA) readonly buffer Offsets { uint offsets[]; };
 
-#include "shared/linear.glsl"
-#include "sort/tile.glsl"
-
-// Items of digit 2w (low half) and 2w + 1 (high half) up to and including an invocation's own.
+// How many items have digit 2w (low half) and 2w + 1 (high half), up to and including an invocation's own.
 shared uint sums[DIGITS / 2][TILE_GROUP];
 
 void main() {

@@ -130,7 +130,7 @@ bool Commands::wait_for(std::chrono::nanoseconds timeout) {
 }
 
 void Commands::wait() {
-    // In slices: some drivers notice a lost device only when they are asked again.
+    // It waits in slices: some drivers notice a lost device only when they are asked again.
     while (!wait_for(std::chrono::milliseconds{500})) {
     }
 }

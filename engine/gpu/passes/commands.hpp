@@ -10,7 +10,7 @@ namespace votess::gpu::vulkan {
 
 class Commands : public Recorder {
 public:
-    // Up to `timestamps` of them in one recording; 0 = none.
+    // One recording may hold up to `timestamps` of them; 0 = none.
     explicit Commands(Device& device, std::uint32_t timestamps = 0);
     ~Commands();  // waits for submitted work
 
@@ -21,16 +21,16 @@ public:
     // the pool is full it is `no_timestamp`.
     static constexpr std::uint32_t no_timestamp = UINT32_MAX;
     std::uint32_t timestamp();
-    // Between two timestamps of the finished submission; 0 when one of them is no_timestamp.
+    // The time between two timestamps of the finished submission; 0 when one of them is no_timestamp.
     [[nodiscard]] double seconds(std::uint32_t from, std::uint32_t to) const;
 
-    // While it is recorded.
+    // The buffer, while it is recorded.
     [[nodiscard]] VkCommandBuffer handle() const { return commands_; }
 
     void submit();
     // True when nothing is running. Throws device_lost as the waits do.
     [[nodiscard]] bool finished();
-    // Waits at most so long; whether it has finished.
+    // Waits at most so long, and tells whether the work has finished.
     bool wait_for(std::chrono::nanoseconds timeout);
     void wait();
 

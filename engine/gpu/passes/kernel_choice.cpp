@@ -32,7 +32,7 @@ std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
     for (const auto& operations : needed)
         if ((adapter.subgroup_operations & operations.bit) == 0)
             return std::string(operations.name) + " operations of subgroups";
-    // Where sizes vary, drivers may tell a nominal one that no shader runs with; not AMD's.
+    // Where sizes vary, drivers other than AMD's may tell a nominal one that no shader runs with.
     constexpr std::uint32_t amd = 0x1002;
     if (!adapter.subgroup_size_control && adapter.min_subgroup_size != adapter.max_subgroup_size &&
         adapter.vendor_id != amd)

@@ -1,7 +1,10 @@
 #include "gpu/passes/pass.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
+
+#include "shared/interface.h"
 
 namespace votess::gpu::vulkan {
 namespace {
@@ -12,12 +15,40 @@ void require(bool good, const Device& device, const std::string& pass, const std
                 "the pass " + pass + " needs " + what + ", which is above the limits of " + device.adapter().name);
 }
 
+// The values that a shader's declarations have for a decoration, ascending. A word of SPIR-V that begins an instruction
+// holds its length and what it does; all decorations stand before the first function.
+enum class Decoration : std::uint32_t { constant_id = 1, binding = 33 };
+
+std::vector<std::uint32_t> declared(std::span<const std::uint32_t> spirv, Decoration decoration) {
+    constexpr std::uint32_t header_words = 5, decorate = 71, function = 54;
+    std::vector<std::uint32_t> ids;
+    for (std::size_t at = header_words; at < spirv.size(); at += spirv[at] >> 16) {
+        const std::uint32_t operation = spirv[at] & 0xffffu;
+        if (operation == function) break;
+        if (operation == decorate && spirv[at + 2] == static_cast<std::uint32_t>(decoration))
+            ids.push_back(spirv[at + 3]);
+    }
+    std::ranges::sort(ids);
+    return ids;
+}
+
+// The constants of the info and the local size; throws unless the shader declares just these.
+std::vector<Constant> all_constants(const PassInfo& info) {
+    std::vector<Constant> constants{{CONSTANT_LOCAL_SIZE, info.local_size}};
+    constants.insert(constants.end(), info.constants.begin(), info.constants.end());
+    std::ranges::sort(constants, {}, &Constant::id);
+    if (!std::ranges::equal(constants, declared(info.spirv, Decoration::constant_id), {}, &Constant::id))
+        throw Error(ErrorCode::internal,
+                    std::string("the pass ") + info.name + " sets other constants than its shader declares");
+    return constants;
+}
+
 }  // namespace
 
 Pass::Pass(Device& device, const PassInfo& info)
     : device_(&device),
       name_(info.name),
-      bindings_(info.bindings),
+      bindings_(declared(info.spirv, Decoration::binding)),
       push_bytes_(info.push_bytes),
       local_size_(info.local_size) {
     const VkPhysicalDeviceLimits& limits = device.adapter().limits;
@@ -64,7 +95,7 @@ Pass::~Pass() {
 
 void Pass::destroy() noexcept {
     const VolkDeviceTable& table = device_->table();
-    // Null handles are fine here.
+    // Vulkan ignores null handles here.
     table.vkDestroyPipeline(device_->handle(), pipeline_, nullptr);
     table.vkDestroyPipelineLayout(device_->handle(), layout_, nullptr);
     table.vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
@@ -101,11 +132,11 @@ void Pass::make_pipeline(const PassInfo& info) {
     code.codeSize = info.spirv.size_bytes();
     code.pCode = info.spirv.data();
 
-    std::vector<std::uint32_t> constants{local_size_};
-    constants.insert(constants.end(), info.constants.begin(), info.constants.end());
+    const std::vector<Constant> constants = all_constants(info);
     std::vector<VkSpecializationMapEntry> entries;
-    for (std::uint32_t id = 0; id < constants.size(); ++id) {
-        entries.push_back({id, id * static_cast<std::uint32_t>(sizeof(std::uint32_t)), sizeof(std::uint32_t)});
+    for (std::size_t i = 0; i < constants.size(); ++i) {
+        const std::size_t offset = i * sizeof(Constant) + offsetof(Constant, value);
+        entries.push_back({constants[i].id, static_cast<std::uint32_t>(offset), sizeof(Constant::value)});
     }
     VkSpecializationInfo specialization{};
     specialization.mapEntryCount = static_cast<std::uint32_t>(entries.size());

@@ -10,17 +10,22 @@
 
 namespace votess::gpu::vulkan {
 
+// A specialization constant, its value as raw bits.
+struct Constant {
+    std::uint32_t id, value;
+};
+
 struct PassInfo {
     const char* name = "";
-    std::span<const std::uint32_t> spirv;
-    std::vector<std::uint32_t> bindings;   // numbers of the storage buffers in set 0; gaps are fine
-    std::uint32_t push_bytes = 0;          // of push constants, a multiple of 4
-    std::uint32_t local_size = 64;         // invocations of a work-group, all along x: specialization constant 0
-    std::vector<std::uint32_t> constants;  // raw 32-bit values of specialization constants 1, 2, ...
+    std::span<const std::uint32_t> spirv;  // declares storage buffers of set 0, which the pass binds
+    std::uint32_t push_bytes = 0;          // size of the push constants, a multiple of 4
+    std::uint32_t local_size = 64;         // invocations of a work-group, all along x: CONSTANT_LOCAL_SIZE
+    std::vector<Constant> constants = {};  // all others that the shader declares
     std::uint32_t subgroup_size = 0;       // asked for where the device lets one ask; 0 = any
 };
 
-// Throws `unsupported` when the device's limits are too small for it.
+// Throws `unsupported` when the device's limits are too small for it, `internal` when the constants are not those of
+// the shader.
 class Pass {
 public:
     Pass(Device& device, const PassInfo& info);
@@ -32,7 +37,7 @@ public:
     [[nodiscard]] VkPipeline pipeline() const { return pipeline_; }
     [[nodiscard]] VkPipelineLayout layout() const { return layout_; }
     [[nodiscard]] VkDescriptorSetLayout set_layout() const { return set_layout_; }
-    [[nodiscard]] std::span<const std::uint32_t> bindings() const { return bindings_; }
+    [[nodiscard]] std::span<const std::uint32_t> bindings() const { return bindings_; }  // ascending
     [[nodiscard]] std::uint32_t push_bytes() const { return push_bytes_; }
     [[nodiscard]] std::uint32_t local_size() const { return local_size_; }
 

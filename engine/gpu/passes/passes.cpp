@@ -5,7 +5,7 @@
 
 #include "gpu/passes/kernel_choice.hpp"
 #include "shaders.hpp"
-#include "shared/bindings.h"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
 namespace votess::gpu {
@@ -15,19 +15,24 @@ using vulkan::Device;
 using vulkan::Pass;
 
 template <class Push>
-Pass make(Device& device, const char* name, std::span<const std::uint32_t> spirv, std::vector<std::uint32_t> bindings,
-          std::uint32_t local_size, std::vector<std::uint32_t> constants = {}, std::uint32_t subgroup_size = 0) {
-    return Pass(device, {name, spirv, std::move(bindings), static_cast<std::uint32_t>(sizeof(Push)), local_size,
-                         std::move(constants), subgroup_size});
+Pass make(Device& device, const char* name, std::span<const std::uint32_t> spirv, std::uint32_t local_size,
+          std::vector<vulkan::Constant> constants = {}, std::uint32_t subgroup_size = 0) {
+    return Pass(device, {name, spirv, static_cast<std::uint32_t>(sizeof(Push)), local_size, std::move(constants),
+                         subgroup_size});
 }
 
 // An operation errs by half a unit in the last place where the device rounds to nearest, else by one.
-float float_unit(const Device& device) {
-    return device.rounds_to_nearest() ? 0x1p-24f : 0x1p-23f;
+vulkan::Constant unit_roundoff(const Device& device) {
+    return {CONSTANT_UNIT_ROUNDOFF, std::bit_cast<std::uint32_t>(device.rounds_to_nearest() ? 0x1p-24f : 0x1p-23f)};
 }
 
-std::uint32_t wanted_geometry(const PassSettings& settings) {
-    return settings.measure ? (settings.areas ? 2u : 1u) : 0u;
+vulkan::Constant wanted_geometry(const PassSettings& settings) {
+    return {CONSTANT_GEOMETRY, settings.measure ? (settings.areas ? 2u : 1u) : 0u};
+}
+
+// Where subgroups make the cells of the first tier, only those of the second need lists.
+vulkan::Constant list_of_todo(const PassSettings& settings) {
+    return {CONSTANT_LIST_OF_TODO, settings.subgroup_size != 0 ? 1u : 0u};
 }
 
 Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier) {
@@ -35,17 +40,22 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
     const auto spirv =
         limits.float64 ? shaders::clip_f64
                        : (device.has_float64() && settings.measure ? shaders::clip_f32_measure_f64 : shaders::clip_f32);
-    return make<ClipPush>(
-        device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv,
-        {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE, BINDING_NODES,
-         BINDING_LIST, BINDING_LIST_INFO, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_PLACE, BINDING_ROWS,
-         BINDING_GEOMETRY, BINDING_TODO, BINDING_CHUNK_STATE, BINDING_AREAS},
-        settings.local_size,
-        {limits.planes, limits.vertices, tier, wanted_geometry(settings),
-         std::bit_cast<std::uint32_t>(float_unit(device)), settings.subgroup_size != 0 ? 1u : 0u});
+    return make<ClipPush>(device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv, settings.local_size,
+                          {{CONSTANT_MOST_PLANES, limits.planes},
+                           {CONSTANT_MOST_VERTICES, limits.vertices},
+                           {CONSTANT_TIER, tier},
+                           wanted_geometry(settings),
+                           unit_roundoff(device),
+                           list_of_todo(settings)});
 }
 
-// Of the shared arrays of clip_subgroup.comp and its includes.
+// What clip_subgroup.comp and its includes rely on: a set of planes is one word; the store of candidates takes two
+// numbers a plane in each array; and the users of scratch memory leave each other room.
+static_assert(SUBGROUP_PLANES <= 32 && 4 * SUBGROUP_PLANES <= SUBGROUP_STORE && GROUP_SEEDS == FAN);
+static_assert(SUBGROUP_NODES + SUBGROUP_GROUPS <= 3 * SUBGROUP_PLANES + SUBGROUP_STORE &&
+              3 * SUBGROUP_PLANES + SUBGROUP_STORE + MOST_LEVELS <= SUBGROUP_SCRATCH);
+
+// The size of its shared arrays for one subgroup.
 std::uint32_t shared_bytes(const PassSettings& settings) {
     const std::uint32_t number = settings.tiers[0].float64 ? 8 : 4;
     return (2 * SUBGROUP_STORE + SUBGROUP_SCRATCH) * 4 + SUBGROUP_PLANES * (6 * number + 4) +
@@ -63,15 +73,15 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
         std::min(settings.subgroups, adapter.limits.maxComputeSharedMemorySize / shared_bytes(settings));
     if (adapter.subgroup_size_control) subgroups = std::min(subgroups, adapter.max_subgroups);
     subgroups = std::max(subgroups, 1u);
-    return make<CellsPush>(
-        device, "clip_subgroup", spirv,
-        {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE, BINDING_NODES,
-         BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_PLACE, BINDING_ROWS, BINDING_GEOMETRY, BINDING_TODO,
-         BINDING_CHUNK_STATE, BINDING_AREAS},
-        subgroups * settings.subgroup_size,
-        {limits.planes, limits.vertices, adapter.lockstep ? 1u : 0u, wanted_geometry(settings),
-         std::bit_cast<std::uint32_t>(float_unit(device)), settings.subgroup_size, subgroups, settings.first_count},
-        settings.subgroup_size);
+    return make<CellsPush>(device, "clip_subgroup", spirv, subgroups * settings.subgroup_size,
+                           {{CONSTANT_MOST_VERTICES, limits.vertices},
+                            {CONSTANT_LANES, settings.subgroup_size},
+                            {CONSTANT_SUBGROUPS, subgroups},
+                            {CONSTANT_LOCKSTEP, adapter.lockstep ? 1u : 0u},
+                            {CONSTANT_FIRST_COUNT, settings.first_count},
+                            wanted_geometry(settings),
+                            unit_roundoff(device)},
+                           settings.subgroup_size);
 }
 
 Pass first_tier(Device& device, const PassSettings& settings) {
@@ -79,25 +89,17 @@ Pass first_tier(Device& device, const PassSettings& settings) {
 }
 
 Pass download_rows(Device& device, const PassSettings& settings) {
-    std::vector<std::uint32_t> bindings{BINDING_ROW_LENGTH,  BINDING_ROW_PLACE,   BINDING_ROWS,     BINDING_SECOND_ROWS,
-                                        BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_ROWS_OUT, BINDING_ROWS_OUT_1,
-                                        BINDING_ROWS_OUT_2,  BINDING_ROWS_OUT_3};
-    if (settings.images) {
-        bindings.insert(bindings.end(), {BINDING_IMAGE_HOME, BINDING_SHIFTS_OUT, BINDING_SHIFTS_OUT_1,
-                                         BINDING_SHIFTS_OUT_2, BINDING_SHIFTS_OUT_3});
-        return make<RowsPush>(device, "download_rows shifts", shaders::download_rows_shifts, bindings,
-                              settings.local_size);
-    }
-    if (!settings.areas)
-        return make<RowsPush>(device, "download_rows", shaders::download_rows, bindings, settings.local_size);
-    bindings.insert(bindings.end(), {BINDING_AREAS, BINDING_SECOND_AREAS, BINDING_AREAS_OUT});
-    return make<RowsPush>(device, "download_rows areas", shaders::download_rows_areas, bindings, settings.local_size);
+    if (settings.images)
+        return make<RowsPush>(device, "download_rows shifts", shaders::download_rows_shifts, settings.local_size);
+    if (settings.areas)
+        return make<RowsPush>(device, "download_rows areas", shaders::download_rows_areas, settings.local_size);
+    return make<RowsPush>(device, "download_rows", shaders::download_rows, settings.local_size);
 }
 
 }  // namespace
 
 PassSettings usual_settings(const Device& device, std::uint32_t k, Kernel kernel) {
-    constexpr std::uint32_t usual_k = 112, most_first_count = 96;  // of SUBGROUP_STORE
+    constexpr std::uint32_t usual_k = 112, most_first_count = 3 * SUBGROUP_STORE / 4;
     constexpr std::uint32_t software_walk = 512, usual_walk = 20000;
     PassSettings s;
     s.k = k == 0 ? usual_k : k;
@@ -105,60 +107,35 @@ PassSettings usual_settings(const Device& device, std::uint32_t k, Kernel kernel
     if (k != 0) s.first_count = std::min(k, most_first_count);
     // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
     s.most_walk_visits = device.adapter().software() ? software_walk : usual_walk;
-    s.tiers[0] = {.planes = 32, .vertices = 64, .float64 = false};
+    s.tiers[0] = {.planes = SUBGROUP_PLANES, .vertices = 64, .float64 = false};
     s.tiers[1] = {.planes = 64, .vertices = 128, .float64 = device.has_float64()};
     return s;
 }
 
 Passes::Passes(Device& device, const PassSettings& s)
     : settings(s),
-      upload(make<UploadPush>(device, "upload", shaders::upload,
-                              {BINDING_RAW, BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_RUN_STATE},
-                              s.local_size)),
-      sort_key(make<KeyPush>(
-          device, "sort_key", shaders::sort_key,
-          {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_KEYS_OUT, BINDING_INDEX_OUT}, s.local_size)),
-      sort_count(
-          make<SortPush>(device, "sort_count", shaders::sort_count, {BINDING_KEYS_IN, BINDING_SCAN_DATA}, TILE_GROUP)),
-      sort_scatter(make<SortPush>(
-          device, "sort_scatter", shaders::sort_scatter,
-          {BINDING_KEYS_IN, BINDING_INDEX_IN, BINDING_KEYS_OUT, BINDING_INDEX_OUT, BINDING_SCAN_DATA}, TILE_GROUP)),
-      sort_gather(
-          make<KeyPush>(device, "sort_gather", shaders::sort_gather,
-                        {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_KEYS_IN, BINDING_INDEX_IN,
-                         BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_RUN_STATE},
-                        s.local_size)),
-      scan_blocks(make<ScanPush>(device, "scan_blocks", shaders::scan_blocks, {BINDING_SCAN_DATA, BINDING_SCAN_SUMS},
-                                 TILE_GROUP)),
-      scan_add(
-          make<ScanPush>(device, "scan_add", shaders::scan_add, {BINDING_SCAN_DATA, BINDING_SCAN_SUMS}, s.local_size)),
-      knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes,
-                                {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_NODES}, s.local_size)),
-      knn_search(make<KnnPush>(device, "knn_search", shaders::knn_search,
-                               {BINDING_SEEDS_X, BINDING_SEEDS_Y, BINDING_SEEDS_Z, BINDING_SEED_INPUT, BINDING_NODES,
-                                BINDING_LIST, BINDING_LIST_INFO, BINDING_TODO, BINDING_CHUNK_STATE},
-                               s.local_size, {s.k, s.subgroup_size != 0 ? 1u : 0u})),
+      upload(make<UploadPush>(device, "upload", shaders::upload, s.local_size)),
+      sort_key(make<KeyPush>(device, "sort_key", shaders::sort_key, s.local_size)),
+      sort_count(make<SortPush>(device, "sort_count", shaders::sort_count, TILE_GROUP)),
+      sort_scatter(make<SortPush>(device, "sort_scatter", shaders::sort_scatter, TILE_GROUP)),
+      sort_gather(make<KeyPush>(device, "sort_gather", shaders::sort_gather, s.local_size)),
+      scan_blocks(make<ScanPush>(device, "scan_blocks", shaders::scan_blocks, TILE_GROUP)),
+      scan_add(make<ScanPush>(device, "scan_add", shaders::scan_add, s.local_size)),
+      knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes, s.local_size)),
+      knn_search(
+          make<KnnPush>(device, "knn_search", shaders::knn_search, s.local_size, {{CONSTANT_K, s.k}, list_of_todo(s)})),
       clip_cells{first_tier(device, s), gpu::clip_cells(device, s, 1)},
-      clip_todo(make<ClipPush>(device, "clip_todo", shaders::clip_todo, {BINDING_CHUNK_STATE}, 1, {s.local_size})),
+      clip_todo(make<ClipPush>(device, "clip_todo", shaders::clip_todo, 1, {{CONSTANT_TODO_GROUP, s.local_size}})),
       download_rows(gpu::download_rows(device, s)) {
     if (!s.frames) return;
     download_cells = std::make_unique<Pass>(make<FramePush>(
         device, "download_cells", device.has_float64() ? shaders::download_cells_f64 : shaders::download_cells_f32,
-        {BINDING_SEED_INPUT, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE,
-         BINDING_GEOMETRY, BINDING_HEADER, BINDING_CELLS, BINDING_GEOMETRY_OUT},
         s.local_size));
-    download_total = std::make_unique<Pass>(
-        make<FramePush>(device, "download_total", shaders::download_total,
-                        {BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_HEADER}, 1));
+    download_total = std::make_unique<Pass>(make<FramePush>(device, "download_total", shaders::download_total, 1));
     if (!s.images) return;
-    upload_wrap = std::make_unique<Pass>(
-        make<ImagesPush>(device, "upload_wrap", shaders::upload_wrap,
-                         {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_SCAN_DATA}, s.local_size));
-    upload_images = std::make_unique<Pass>(
-        make<ImagesPush>(device, "upload_images", shaders::upload_images,
-                         {BINDING_POINTS_X, BINDING_POINTS_Y, BINDING_POINTS_Z, BINDING_SCAN_DATA, BINDING_RUN_STATE,
-                          BINDING_IMAGE_HOME, BINDING_HEADER},
-                         s.local_size));
+    upload_wrap = std::make_unique<Pass>(make<ImagesPush>(device, "upload_wrap", shaders::upload_wrap, s.local_size));
+    upload_images =
+        std::make_unique<Pass>(make<ImagesPush>(device, "upload_images", shaders::upload_images, s.local_size));
 }
 
 }  // namespace votess::gpu

@@ -8,8 +8,8 @@
 
 namespace votess::gpu {
 
-// What one tier of clip may use. With a subgroup per cell the first tier has 32 planes. A cell that needs more goes to
-// the next tier, in the end to the CPU.
+// These limits are one tier's of clip. With a subgroup per cell the first tier has SUBGROUP_PLANES planes. A cell that
+// needs more goes to the next tier, in the end to the CPU.
 struct TierLimits {
     std::uint32_t planes = 32;    // alive at once; a multiple of 32
     std::uint32_t vertices = 64;  // alive at once; a multiple of 32
@@ -22,21 +22,22 @@ struct PassSettings {
     TierLimits tiers[2];
     std::uint32_t most_visits = 4000;        // boxes looked at in a search
     std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
-    bool measure = true;                     // volumes and centroids
-    bool areas = false;                      // and areas beside the rows
-    bool frames = false;                     // the passes of recorded frames too
-    bool images = false;                     // and those of periodic ones; areas are not for them
-    std::uint32_t local_size = 64;           // of passes that do not rely on theirs
-    // Invocations that make a cell of the first tier together, searching as they clip; 0: each makes one, from a list.
+    bool measure = true;                     // volumes and centroids are wanted
+    bool areas = false;                      // areas beside the rows are wanted too
+    bool frames = false;                     // there are passes for recorded frames
+    bool images = false;                     // and for periodic ones, which have no areas
+    std::uint32_t local_size = 64;           // work-groups of all passes that do not rely on a size
+    // So many invocations make a cell of the first tier together, searching as they clip; 0: each makes one, from a
+    // list.
     std::uint32_t subgroup_size = 0;
-    // Of a work-group. With one, what is uniform in a subgroup is so in the work-group, and only there SPIR-V promises
-    // that lanes are together again behind a branch that parted them.
+    // A work-group has so many. With one, what is uniform in a subgroup is so in the work-group, and only there SPIR-V
+    // promises that lanes are together again behind a branch that parted them.
     std::uint32_t subgroups = 1;
     std::uint32_t first_count = 48;  // seeds that the subgroup's first search aims at
     bool operator==(const PassSettings&) const = default;
 };
 
-// Those that suit the device; k = 0: the usual number. Throws `unsupported` for a kernel that it cannot run.
+// Settings that suit the device; k = 0 lists the usual number. Throws `unsupported` for a kernel that it cannot run.
 [[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k, Kernel kernel);
 
 struct Passes {

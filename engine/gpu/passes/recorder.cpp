@@ -25,7 +25,7 @@ std::array<std::uint32_t, 3> group_counts(std::uint64_t invocations, std::uint32
     const auto& most = limits.maxComputeWorkGroupCount;
     const std::uint64_t groups = ceil_div(invocations, local_size);
     if (groups == 0) return {0, 0, 0};
-    // As few layers and rows as will do, then of equal length: the surplus is less than a row and a layer of columns.
+    // As few layers and rows as will do are made equally long: the surplus is less than a row and a layer of columns.
     const std::uint64_t z = ceil_div(ceil_div(groups, most[0]), most[1]);
     const std::uint64_t y = ceil_div(ceil_div(groups, z), most[0]);
     const std::uint64_t x = ceil_div(groups, y * z);

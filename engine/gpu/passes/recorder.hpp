@@ -39,7 +39,7 @@ public:
 
     // infos: one for each binding of the pass, in its order.
     [[nodiscard]] VkDescriptorSet get(const Pass& pass, std::span<const VkDescriptorBufferInfo> infos);
-    // None is in use any more, and buffers may be others.
+    // Forgets all sets: none is in use any more, and buffers may be others.
     void forget();
 
 private:
@@ -70,7 +70,7 @@ public:
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    // Between these two, calls record into `commands`; null: they only make their descriptor sets.
+    // Between these two, calls record into `commands`; when it is null they only make their descriptor sets.
     void open(VkCommandBuffer commands);
     void close() { open_ = false; }
 
@@ -86,11 +86,11 @@ public:
     void dispatch_indirect(const Pass& pass, std::span<const BufferBinding> buffers, std::span<const std::byte> push,
                            const Slice& args, VkDeviceSize offset = 0);
 
-    // What shaders and copies have written becomes visible to later shaders, copies and indirect dispatches.
+    // Makes what shaders and copies have written visible to later shaders, copies and indirect dispatches.
     void barrier();
-    // ... and to the host after the wait. Needed once before the end when the host is to read anything.
+    // Makes it visible to the host after the wait; it is needed once before the end when the host is to read anything.
     void barrier_to_host();
-    // ... to all later commands, of any kind.
+    // Makes it visible to all later commands, of any kind.
     void barrier_to_all();
 
     // Notes the time at which all before it is done.

@@ -54,7 +54,7 @@ void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, s
         recorder.barrier();
         if (count <= TILE_ITEMS) break;
     }
-    // From the level below the last one down.
+    // The sums go down from the level below the last one.
     for (std::size_t level = levels - 1; level-- > 0;) {
         bindings.set(BINDING_SCAN_DATA, level == 0 ? data : sums_[level - 1]);
         bindings.set(BINDING_SCAN_SUMS, sums_[level]);
@@ -86,7 +86,7 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     scan_.reserve(workspace, counts);
     bindings_.set(BINDING_SEED_INPUT, workspace.take_words(n, "seed input"));
     const VkDeviceSize nodes = level_first_[level_count_ - 1] + VkDeviceSize{1};
-    bindings_.set(BINDING_NODES, workspace.take(nodes * node_bytes, "nodes"));
+    bindings_.set(BINDING_NODES, workspace.take(nodes * sizeof(Node), "nodes"));
     bindings_.set(BINDING_RUN_STATE, workspace.take(sizeof(RunState), "run state"));
 }
 

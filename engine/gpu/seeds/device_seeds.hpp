@@ -10,7 +10,7 @@
 #include "gpu/passes/recorder.hpp"
 #include "gpu/seeds/units.hpp"
 #include "gpu/workspace.hpp"
-#include "shared/bindings.h"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
 namespace votess::gpu {
@@ -44,12 +44,11 @@ private:
 
 class DeviceSeeds {
 public:
-    // Bytes of a struct Node of shaders/search/node.glsl, and of a coordinate.
-    static constexpr VkDeviceSize node_bytes = 48, coordinate_bytes = 8;
+    static constexpr VkDeviceSize coordinate_bytes = 8;
 
     // Arrays for up to `capacity` seeds, and for the images of those of a periodic box.
     void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0);
-    // What to record from now on. count: with all places for images.
+    // Says how many seeds to record for from now on, with all places for images.
     void set_count(std::uint32_t count);
     void set_box(const Box& box);
     // Along these axes the box repeats: images up to `margin` outside of it count. Throws `unsupported` when the sides
@@ -80,11 +79,10 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> level_first() const {
         return std::span(level_first_).first(level_count_);
     }
-    // What knn and clip read.
+    // The arrays that knn and clip read.
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
     [[nodiscard]] Slice run_state() const { return bindings_.get(BINDING_RUN_STATE); }
     [[nodiscard]] Slice seed_input() const { return bindings_.get(BINDING_SEED_INPUT); }
-    [[nodiscard]] Slice image_home() const { return bindings_.get(BINDING_IMAGE_HOME); }
     [[nodiscard]] Slice sorted_keys() const { return keys_[0]; }
     [[nodiscard]] Slice sorted_index() const { return index_[0]; }
 
@@ -104,7 +102,7 @@ private:
     Bindings bindings_;
 };
 
-// Of the items in blocks of `block`.
+// How many blocks of `block` items there are.
 [[nodiscard]] constexpr std::uint32_t blocks_of(std::uint32_t count, std::uint32_t block) {
     return count / block + (count % block != 0 ? 1 : 0);
 }

@@ -21,7 +21,7 @@ struct PeriodicPart {
     std::vector<std::array<double, 3>> wraps;  // by seed: what carries it into the domain; empty when none is moved
 };
 
-// Nothing when there are no periodic_units(), or that is more than `most_seeds`.
+// It returns nothing when there are no periodic_units(), or that is more than `most_seeds`.
 std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_seeds);
 
 }  // namespace votess::gpu

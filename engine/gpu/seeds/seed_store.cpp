@@ -19,7 +19,7 @@ SeedStore::SeedStore(vulkan::Device& device, vulkan::Memory& memory)
 std::uint32_t SeedStore::most_seeds(const vulkan::Device& device, const vulkan::Memory& memory) {
     const auto range = std::min<VkDeviceSize>(device.adapter().limits.maxStorageBufferRange, memory.max_buffer_bytes());
     // Seven seeds have at most one node on level 0 and a seventh of that above.
-    const VkDeviceSize by_nodes = range / DeviceSeeds::node_bytes * 7 - 8 * MOST_LEVELS;
+    const VkDeviceSize by_nodes = range / sizeof(Node) * 7 - 8 * MOST_LEVELS;
     // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, and as much again is free.
     const VkDeviceSize by_memory = device.adapter().device_memory / 2 / 84;
     return static_cast<std::uint32_t>(

@@ -11,7 +11,7 @@
 
 namespace votess::gpu {
 
-// As shaders have numbers of 64 bits.
+// Numbers of 64 bits in the two words that shaders have for them.
 inline uvec2 words(std::uint64_t value) {
     return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32)};
 }

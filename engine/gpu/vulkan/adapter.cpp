@@ -4,12 +4,14 @@
 #include <string_view>
 #include <vector>
 
+#include "shared/config.h"
+
 namespace votess::gpu::vulkan {
 namespace {
 
-constexpr std::uint32_t least_storage_buffers = 16;  // of clip_cells
+constexpr std::uint32_t least_storage_buffers = 16;  // clip_cells has the most
 constexpr std::uint32_t least_push_bytes = 128;
-constexpr std::uint32_t least_invocations = 128;  // TILE_GROUP of the shaders
+constexpr std::uint32_t least_invocations = TILE_GROUP;
 
 std::string version_text(std::uint32_t version) {
     return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
@@ -31,7 +33,7 @@ std::string_view type_text(VkPhysicalDeviceType type) {
     }
 }
 
-// What a physical device supports: its extensions, and its version as far as the instance may use it.
+// Knows what a physical device supports: its extensions, and its version as far as the instance may use it.
 class Support {
 public:
     Support(const InstanceCalls& calls, VkPhysicalDevice device, std::uint32_t version) : version_(version) {
@@ -49,7 +51,7 @@ public:
         return std::any_of(extensions_.begin(), extensions_.end(),
                            [&](const auto& e) { return e.extensionName == extension; });
     }
-    // In the core of `version`, before that an extension.
+    // Whether it has what is in the core of `version`, and was an extension before.
     [[nodiscard]] bool has(std::uint32_t version, std::string_view extension) const {
         return version_ >= version || has(extension);
     }
@@ -144,23 +146,14 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
 
 void query_features(Adapter& a, const InstanceCalls& calls, const Support& support) {
     auto all = structure<VkPhysicalDeviceFeatures2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2);
-    auto bits16 =
-        structure<VkPhysicalDevice16BitStorageFeatures>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_16BIT_STORAGE_FEATURES);
-    auto bits8 =
-        structure<VkPhysicalDevice8BitStorageFeatures>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_8BIT_STORAGE_FEATURES);
     auto sizes = structure<VkPhysicalDeviceSubgroupSizeControlFeatures>(
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES);
 
     Chain chain(all);
-    chain.add(bits16);
-    if (support.has(VK_API_VERSION_1_2, VK_KHR_8BIT_STORAGE_EXTENSION_NAME)) chain.add(bits8);
     if (support.has(VK_API_VERSION_1_3, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME)) chain.add(sizes);
     calls.vkGetPhysicalDeviceFeatures2(a.handle, &all);
 
     a.float64 = all.features.shaderFloat64;
-    a.int64 = all.features.shaderInt64;
-    a.storage16 = bits16.storageBuffer16BitAccess;
-    a.storage8 = bits8.storageBuffer8BitAccess;
     a.subgroup_size_control = a.subgroup_size_control && sizes.subgroupSizeControl && sizes.computeFullSubgroups;
 }
 
@@ -185,7 +178,7 @@ Adapter query_adapter(const InstanceCalls& calls, VkPhysicalDevice device, std::
     const std::uint32_t usable = std::min(a.api_version, instance_version);
     if (usable < VK_API_VERSION_1_1) return a;
     const Support support(calls, device, usable);
-    // Named in a header of provisional extensions that volk does not include.
+    // The name's macro is in a header of provisional extensions that volk does not include.
     a.portability_subset = support.has("VK_KHR_portability_subset");
     a.subgroup_size_extension = support.has(VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
     query_properties(a, calls, support);
@@ -204,7 +197,8 @@ std::string Adapter::missing() const {
     if (buffers < least_storage_buffers)
         return needs(std::to_string(least_storage_buffers) + " storage buffers per stage", std::to_string(buffers));
     if (limits.maxPushConstantsSize < least_push_bytes) {
-        return needs("128 bytes of push constants", std::to_string(limits.maxPushConstantsSize));
+        return needs(std::to_string(least_push_bytes) + " bytes of push constants",
+                     std::to_string(limits.maxPushConstantsSize));
     }
     const std::uint32_t invocations =
         std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);

@@ -1,4 +1,4 @@
-// What one physical device is and can do. Everything is asked for, nothing is assumed.
+// Tells what one physical device is and can do. Everything is asked for, nothing is assumed.
 #pragma once
 
 #include <array>
@@ -39,16 +39,13 @@ struct Adapter {
     bool lockstep = false;
 
     bool float64 = false;
-    bool int64 = false;
-    bool storage8 = false;
-    bool storage16 = false;
 
     std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;     // with compute, and with timestamps if there is one
     std::uint32_t graphics_family = VK_QUEUE_FAMILY_IGNORED;  // with graphics, the above where it has that
     std::uint32_t timestamp_bits = 0;                         // 0: no timestamps
     bool portability_subset = false;                          // must be enabled where it exists
 
-    // Runs on the CPU (lavapipe).
+    // The device is the CPU (lavapipe).
     [[nodiscard]] bool software() const { return type == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     // Host and device share their memory.
     [[nodiscard]] bool unified() const { return software() || type == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU; }
@@ -58,8 +55,8 @@ struct Adapter {
     [[nodiscard]] std::string description() const;
 };
 
-// Asks the device, with the means of the lower of its version and the instance's. One that is older than Vulkan 1.1
-// gets only what 1.0 can tell, and says so in missing().
+// Asks the device by the lower of its version and the instance's. A device older than Vulkan 1.1 is only asked what 1.0
+// can tell, and missing() says so.
 [[nodiscard]] Adapter query_adapter(const InstanceCalls& calls, VkPhysicalDevice device,
                                     std::uint32_t instance_version);
 

@@ -57,13 +57,13 @@ void check(VkResult result, const char* call) {
                 ErrorCode::device_lost,
                 "the device was lost" + where +
                     ": it crashed, was reset or unplugged, or its driver stopped work that took too long; try a "
-                    "smaller --chunk-size or another --device");
+                    "smaller chunk_size or another device");
         case VK_ERROR_OUT_OF_HOST_MEMORY:
             throw Error(ErrorCode::out_of_memory, "the driver is out of host memory" + where);
         case VK_ERROR_OUT_OF_DEVICE_MEMORY:
         case VK_ERROR_OUT_OF_POOL_MEMORY:
             throw Error(ErrorCode::out_of_memory,
-                        "the device is out of memory" + where + "; try a smaller --chunk-size or another --device");
+                        "the device is out of memory" + where + "; try a smaller chunk_size or another device");
         case VK_ERROR_INITIALIZATION_FAILED:
         case VK_ERROR_INCOMPATIBLE_DRIVER:
         case VK_ERROR_LAYER_NOT_PRESENT:
@@ -73,7 +73,7 @@ void check(VkResult result, const char* call) {
         case VK_ERROR_INVALID_SHADER_NV:
         case VK_ERROR_UNKNOWN:
             throw Error(ErrorCode::unsupported, "the driver refuses, " + result_name(result) + where +
-                                                    "; try another --device, or a newer driver");
+                                                    "; try another device, or a newer driver");
         default:
             throw Error(ErrorCode::internal, result_name(result) + where);
     }

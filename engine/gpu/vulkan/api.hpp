@@ -1,5 +1,6 @@
-// The only file that includes Vulkan's headers, through volk. Nothing here uses volk's global function pointers: a host
-// program may carry its own. Calls on a device go through its VolkDeviceTable, all others through the structs below.
+// Vulkan's headers, which the engine includes through here alone, and its functions. Nothing uses volk's global
+// function pointers, since a host program may carry its own: calls on a device go through its VolkDeviceTable, all
+// others through the structs below.
 #pragma once
 
 #include <volk.h>
@@ -8,11 +9,11 @@
 
 namespace votess::gpu::vulkan {
 
-// "VK_ERROR_DEVICE_LOST"; "VkResult -123" for one unknown here.
+// The name as in "VK_ERROR_DEVICE_LOST", or "VkResult -123" for one unknown here.
 [[nodiscard]] std::string result_name(VkResult result);
 // Throws for a negative result: device_lost, out_of_memory, else internal. `call` is the function's name.
 void check(VkResult result, const char* call);
-// "128 MiB", for messages.
+// A size as in "128 MiB", for messages.
 [[nodiscard]] std::string bytes_text(VkDeviceSize bytes);
 
 // Functions of the loader that need no instance.
@@ -24,7 +25,7 @@ struct LoaderCalls {
     PFN_vkCreateInstance vkCreateInstance = nullptr;
 };
 
-// Functions of an instance. Those of VK_EXT_debug_utils are null unless it is enabled.
+// Functions of an instance; those of VK_EXT_debug_utils are null unless that is enabled.
 struct InstanceCalls {
     PFN_vkDestroyInstance vkDestroyInstance = nullptr;
     PFN_vkEnumeratePhysicalDevices vkEnumeratePhysicalDevices = nullptr;

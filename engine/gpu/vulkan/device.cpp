@@ -116,7 +116,7 @@ void Device::set_name(std::uint64_t object, VkObjectType type, const char* text)
     info.objectType = type;
     info.objectHandle = object;
     info.pObjectName = text;
-    // A name is a courtesy: its failure is none of ours.
+    // All works without a name, so a failure does not matter.
     instance_->calls().vkSetDebugUtilsObjectNameEXT(handle_, &info);
 }
 

@@ -15,7 +15,7 @@ namespace votess::gpu::vulkan {
 // Features to use where the device has them.
 struct DeviceOptions {
     bool float64 = true;
-    bool graphics = false;  // draw instead of compute: a queue of Adapter::graphics_family, float64 not asked about
+    bool graphics = false;  // draws instead of computing, in a queue of Adapter::graphics_family and without float64
 };
 
 // A device that a host program has made.
@@ -34,7 +34,7 @@ public:
     // Throws `unsupported` with Adapter::missing() when that is not empty, and for graphics where there are none.
     [[nodiscard]] static std::shared_ptr<Device> create(std::shared_ptr<Instance> instance, const Adapter& adapter,
                                                         const DeviceOptions& options = {});
-    // The host's device stays the host's. Throws as create().
+    // Borrows the device, which the host destroys. Throws as create() does.
     [[nodiscard]] static std::shared_ptr<Device> adopt(std::shared_ptr<Instance> instance, const Adapter& adapter,
                                                        const HostDevice& host);
     ~Device();
@@ -46,10 +46,10 @@ public:
     [[nodiscard]] VolkDeviceTable& table() { return table_; }
     [[nodiscard]] const Adapter& adapter() const { return adapter_; }  // queue_family: that of the queue
     [[nodiscard]] Instance& instance() { return *instance_; }
-    // Only where it is rounded to nearest: bounds of float64 arithmetic rely on it.
+    // It counts only where it is rounded to nearest: bounds of float64 arithmetic rely on that.
     [[nodiscard]] bool has_float64() const { return float64_ && rounding_.nearest64; }
     [[nodiscard]] bool rounds_to_nearest() const { return rounding_.nearest32; }
-    // What is kept on disk; not of a host's device.
+    // Pipelines that are kept on disk; a host's device has none.
     [[nodiscard]] const PipelineCache& pipeline_cache() const { return *cache_; }
     [[nodiscard]] VkPipelineCache cache_handle() const { return cache_ ? cache_->handle() : host_cache_; }
 

@@ -94,7 +94,7 @@ std::shared_ptr<Instance> Instance::adopt(const HostInstance& host) {
 Instance::Instance(const HostInstance& host)
     : handle_(host.handle), version_(std::min(host.version, newest_version)), debug_utils_(host.debug_utils) {
     load_calls(host.get);
-    // The host may have enabled the extension by mistake of a flag only.
+    // The host may have set the flag without having enabled the extension.
     debug_utils_ = debug_utils_ && calls_.vkCmdBeginDebugUtilsLabelEXT && calls_.vkCmdEndDebugUtilsLabelEXT &&
                    calls_.vkSetDebugUtilsObjectNameEXT;
 }
@@ -153,8 +153,8 @@ void Instance::create_handle(const InstanceOptions& options) {
             info.pNext = &features;
         }
     }
-    // Only where somebody looks: for names and labels the loader walks the devices of all instances without a lock, and
-    // crashes when another thread, not even of ours, destroys one (1.3.239).
+    // It is enabled only where somebody looks: for names and labels the loader walks the devices of all instances
+    // without a lock, and crashes when any other thread destroys one (1.3.239).
     debug_utils_ = validation_ && has(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (debug_utils_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (has(available, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
@@ -222,7 +222,7 @@ std::vector<Adapter> Instance::adapters() const {
     for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
         std::uint32_t count = 0;
         result = calls_.vkEnumeratePhysicalDevices(handle_, &count, nullptr);
-        // Drivers that find no device of theirs.
+        // Drivers say so when they find no device of theirs.
         if (result == VK_ERROR_INITIALIZATION_FAILED || result == VK_ERROR_INCOMPATIBLE_DRIVER) return adapters;
         check(result, "vkEnumeratePhysicalDevices");
         devices.resize(count);

@@ -49,7 +49,7 @@ public:
     // Throws `unsupported` without a loader for Vulkan 1.1 and when validation is asked for but its layer is missing.
     // A loader without any driver is no error: there are no adapters then.
     [[nodiscard]] static std::shared_ptr<Instance> create(const InstanceOptions& options = {});
-    // The host's stays the host's.
+    // Borrows the instance, which the host destroys.
     [[nodiscard]] static std::shared_ptr<Instance> adopt(const HostInstance& host);
     ~Instance();
     Instance(const Instance&) = delete;
@@ -64,7 +64,8 @@ public:
 
     // All physical devices in the loader's order, also those votess cannot use (Adapter::missing).
     [[nodiscard]] std::vector<Adapter> adapters() const;
-    // What the validation layer has said since the last call, each "error: ..." or "warning: ...". From any thread.
+    // Tells what the validation layer has said since the last call, each "error: ..." or "warning: ...". Any thread may
+    // ask.
     [[nodiscard]] std::vector<std::string> take_messages();
 
 private:

@@ -25,7 +25,7 @@ VkDeviceSize round_up(VkDeviceSize value, VkDeviceSize step) {
     return (value + step - 1) / step * step;
 }
 
-// First fit; the offset, or no_room.
+// Takes the first gap that fits; returns the offset, or no_room.
 VkDeviceSize take(MemoryBlock& block, VkDeviceSize bytes, VkDeviceSize alignment) {
     for (auto gap = block.gaps.begin(); gap != block.gaps.end(); ++gap) {
         const auto [start, size] = *gap;
@@ -56,7 +56,7 @@ void give_back(MemoryBlock& block, VkDeviceSize offset, VkDeviceSize bytes) {
     }
 }
 
-// Lower is better; negative: unusable.
+// Ranks a type of memory: lower is better, negative is unusable.
 int rank(VkMemoryPropertyFlags flags, MemoryKind kind, bool unified) {
     constexpr VkMemoryPropertyFlags known = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                             VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
@@ -139,7 +139,7 @@ std::vector<std::uint32_t> Memory::candidate_types(std::uint32_t allowed, Memory
         if (r >= 0) ranked.emplace_back(r, type);
     }
     std::sort(ranked.begin(), ranked.end());
-    // Shaders that work across the bus would be slower than smaller chunks of work: better fail.
+    // Shaders that work across the bus would be slower than smaller chunks of work: it is better to fail.
     const bool has_fast = !ranked.empty() && ranked.front().first < 8;
     std::vector<std::uint32_t> types;
     for (const auto& [r, type] : ranked) {
@@ -207,7 +207,7 @@ Memory::Place Memory::allocate(const VkMemoryRequirements& needs, MemoryKind kin
     }
     throw Error(ErrorCode::out_of_memory, "no memory for a buffer of " + bytes_text(bytes) + " on " +
                                               device_.adapter().name + ", where votess has " + bytes_text(reserved_) +
-                                              " now; try a smaller --chunk-size or another --device");
+                                              " now; try a smaller chunk_size or another device");
 }
 
 void Memory::release(const Place& place) noexcept {
@@ -223,7 +223,7 @@ Buffer Memory::buffer(VkDeviceSize bytes, MemoryKind kind, const char* name) {
     if (bytes > max_buffer_bytes()) {
         throw Error(ErrorCode::out_of_memory, "a buffer of " + std::to_string(bytes) + " bytes is above the limit of " +
                                                   device_.adapter().name + ", " + std::to_string(max_buffer_bytes()) +
-                                                  " bytes; try a smaller --chunk-size or another --device");
+                                                  " bytes; try a smaller chunk_size or another device");
     }
     Buffer buffer;
     buffer.memory_ = this;

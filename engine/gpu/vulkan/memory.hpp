@@ -38,7 +38,7 @@ public:
     ~Buffer();
 
     [[nodiscard]] VkBuffer handle() const { return handle_; }
-    // As asked for; the VkBuffer is at least as large, and a multiple of 16 bytes.
+    // The size as asked for; the VkBuffer is at least as large, and a multiple of 16 bytes.
     [[nodiscard]] VkDeviceSize size() const { return size_; }
     [[nodiscard]] explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
     [[nodiscard]] operator Slice() const { return {handle_, 0, size_}; }
@@ -50,8 +50,8 @@ public:
     [[nodiscard]] std::span<T> as() const {
         return {reinterpret_cast<T*>(mapped_.data()), mapped_.size() / sizeof(T)};
     }
-    // After the host has written and before submit; before the host reads and after the wait. Nothing to do, and cheap,
-    // where memory is coherent.
+    // flush() goes between the host's writing and submit, invalidate() between the wait and the host's reading. Where
+    // memory is coherent they do nothing.
     void flush() const;
     void invalidate() const;
 
@@ -85,7 +85,7 @@ public:
     // The largest buffer that buffer() would try to make.
     [[nodiscard]] VkDeviceSize max_buffer_bytes() const;
 
-    // In buffers now, and the most there ever were; in blocks now.
+    // Bytes that buffers hold now, and the most they ever held; bytes that blocks hold now.
     [[nodiscard]] VkDeviceSize used_bytes() const { return used_; }
     [[nodiscard]] VkDeviceSize peak_bytes() const { return peak_; }
     [[nodiscard]] VkDeviceSize block_bytes() const { return reserved_; }

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Drivers check the device, but not all of them survive a file cut short: so there is a header of our own.
+// Drivers check the device, but not all of them survive a file cut short; so a file has a header of our own.
 struct FileHeader {
     std::array<char, 8> magic{'v', 'o', 't', 'e', 's', 's', 'p', '1'};
     std::uint64_t bytes = 0;
@@ -37,7 +37,7 @@ std::string hex(std::uint64_t value, int digits) {
     return text;
 }
 
-// Empty for a variable that is unset or relative: what it means would change with the current directory.
+// Empty for a variable that is unset or relative, as the latter would change with the current directory.
 fs::path directory_from(const char* variable) {
     const char* value = std::getenv(variable);
     const fs::path path = value ? value : "";
@@ -79,7 +79,7 @@ std::vector<std::byte> read_cache(const fs::path& file, const Adapter& adapter) 
         FileHeader header;
         in.read(reinterpret_cast<char*>(&header), sizeof header);
         if (!in || header.magic != FileHeader{}.magic || header.bytes > max_bytes) return {};
-        // The size first: a damaged header must not make us reserve memory.
+        // The size is checked first: a damaged header must not make us reserve memory.
         if (fs::file_size(file, error) != sizeof header + header.bytes || error) return {};
         std::vector<std::byte> data(header.bytes);
         in.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(data.size()));
@@ -94,7 +94,7 @@ bool write_cache(const fs::path& file, std::span<const std::byte> data) noexcept
     try {
         std::error_code error;
         fs::create_directories(file.parent_path(), error);
-        // Unique among processes by the process, and among its devices by the address of the data.
+        // The number of the process makes the name unique among processes, the address of the data among its devices.
         fs::path temporary = file;
         temporary += ".tmp" + std::to_string(getpid()) + "-" + hex(reinterpret_cast<std::uintptr_t>(data.data()), 16);
         bool good = false;

@@ -19,7 +19,7 @@ namespace votess::gpu::vulkan {
 
 // The data in a file that write_cache made for this device and driver; empty for any other file.
 [[nodiscard]] std::vector<std::byte> read_cache(const std::filesystem::path& file, const Adapter& adapter) noexcept;
-// Replaces the file as one step; false, and no trace, when that cannot be done.
+// Replaces the file in one step; where that cannot be done it returns false and leaves no trace.
 bool write_cache(const std::filesystem::path& file, std::span<const std::byte> data) noexcept;
 
 // A VkPipelineCache that begins with the data of the file, and on destruction writes it back when it has grown.

@@ -7,13 +7,13 @@
 
 #include "gpu/passes/commands.hpp"
 #include "shaders.hpp"
-#include "shared/bindings.h"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
 namespace votess::gpu::vulkan {
 namespace {
 
-// Pairs whose sums and products need rounding, in both directions and of both signs.
+// Makes pairs whose sums and products need rounding, in both directions and of both signs.
 template <class Real>
 std::vector<Real> operand_pairs(std::uint32_t count) {
     std::vector<Real> pairs;
@@ -31,7 +31,8 @@ template <class Real>
 bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
     constexpr std::uint32_t count = 256;
     Memory memory(device, 1 << 16);
-    const Pass pass(device, {"probe_rounding", spirv, {BINDING_RAW, BINDING_GEOMETRY}, sizeof(ScanPush), 32, {}});
+    const Pass pass(device,
+                    {.name = "probe_rounding", .spirv = spirv, .push_bytes = sizeof(ScanPush), .local_size = 32});
     const Buffer operands = memory.buffer(2 * count * sizeof(Real), MemoryKind::upload, "operands");
     const Buffer results = memory.buffer(5 * count * sizeof(Real), MemoryKind::download, "results");
     const auto pairs = operand_pairs<Real>(count);
@@ -52,7 +53,7 @@ bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
         const auto* const result = &found[5 * i];
         if (result[0] != a + b || result[1] != a * b || result[2] != static_cast<Real>(0x01000001u + 2 * i))
             return false;
-        // What the filter's bounds allow for; Vulkan promises no more than that of float32, for float64 too.
+        // The filter's bounds allow for so much; Vulkan promises no more than that of float32, for float64 too.
         constexpr Real ulp = std::numeric_limits<Real>::epsilon();
         const Real quotient = a / b, root = std::sqrt(std::abs(a));
         if (!(std::abs(result[3] - quotient) <= 3 * ulp * std::abs(quotient) &&

@@ -1,4 +1,5 @@
-// Vulkan lets a device round sums and products to nearest or toward zero, and does not tell which. So it is tried out.
+// Vulkan lets a device round sums and products to nearest or toward zero, and does not tell which. So this tries it
+// out.
 #pragma once
 
 namespace votess::gpu::vulkan {

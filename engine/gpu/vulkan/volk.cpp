@@ -2,7 +2,7 @@
 // third_party/CMakeLists.txt. A program that links votess statically may define volk's names itself, or mean the
 // loader's functions by them.
 #include <volk_names.h>
-// After the names.
+// These come after the names.
 #include <mutex>
 #include <volk.c>
 

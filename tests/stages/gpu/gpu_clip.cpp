@@ -138,14 +138,18 @@ void check_by_work_groups(std::uint32_t lanes) {
                                                      : votess::gpu::shaders::test_clip_by_work_group_f32;
     kernels.use([&](PassSettings& s) { s.subgroup_size = lanes; });
     auto& pass = gpu.passes->clip_cells[0];
-    const std::vector<std::uint32_t> bindings(pass.bindings().begin(), pass.bindings().end());
     const std::uint32_t unit = std::bit_cast<std::uint32_t>(0x1p-23f);
     pass = votess::gpu::vulkan::Pass(*gpu.gpu.device, {.name = "clip_subgroup by work-groups",
                                                        .spirv = spirv,
-                                                       .bindings = bindings,
                                                        .push_bytes = pass.push_bytes(),
                                                        .local_size = lanes,
-                                                       .constants = {32, 64, 0, 1, unit, lanes, 1, 48}});
+                                                       .constants = {{CONSTANT_MOST_VERTICES, 64},
+                                                                     {CONSTANT_LANES, lanes},
+                                                                     {CONSTANT_SUBGROUPS, 1},
+                                                                     {CONSTANT_LOCKSTEP, 0},
+                                                                     {CONSTANT_FIRST_COUNT, 48},
+                                                                     {CONSTANT_GEOMETRY, 1},
+                                                                     {CONSTANT_UNIT_ROUNDOFF, unit}}});
     const std::size_t n = test::by_size(70, 40);
     CHECK(fraction(check_cells(gpu, test::uniform(n, 34), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
     CHECK(fraction(check_cells(gpu, test::clustered(n, 35), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);

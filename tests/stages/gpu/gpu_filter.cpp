@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "shared/config.h"
+#include "shared/interface.h"
 #include "support/check.hpp"
 #include "support/gpu/vulkan.hpp"
 #include "support/random.hpp"
@@ -187,10 +188,10 @@ std::vector<std::uint32_t> verdicts_on(test::Gpu& gpu, const std::vector<Case>& 
     PassInfo info;
     info.name = "test_filter";
     info.spirv = float64 ? votess::gpu::shaders::test_filter_f64 : votess::gpu::shaders::test_filter_f32;
-    info.bindings = {2, 5};
     info.push_bytes = sizeof(CountPush);
     info.local_size = 64;
-    info.constants = {std::bit_cast<std::uint32_t>(gpu.device->rounds_to_nearest() ? 0x1p-24f : 0x1p-23f)};
+    info.constants = {
+        {CONSTANT_UNIT_ROUNDOFF, std::bit_cast<std::uint32_t>(gpu.device->rounds_to_nearest() ? 0x1p-24f : 0x1p-23f)}};
     const Pass pass(*gpu.device, info);
     const Buffer in = memory.buffer(count * words_each * 8, MemoryKind::upload, "cases");
     const Buffer out = memory.buffer(count * 4, MemoryKind::download, "verdicts");

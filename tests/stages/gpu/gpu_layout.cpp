@@ -55,10 +55,8 @@ public:
         source.flush();
         const Pass pass(*gpu_.device, {.name = "test_layout",
                                        .spirv = spirv,
-                                       .bindings = {0, 1},
                                        .push_bytes = static_cast<std::uint32_t>(push.size()),
-                                       .local_size = 1,
-                                       .constants = {}});
+                                       .local_size = 1});
         Commands commands(*gpu_.device);
         commands.begin();
         commands.fill(target, 0, bytes, 0);
@@ -176,7 +174,8 @@ TEST_SUITE("stages") {
 
     TEST_CASE("gpu layout: nodes of the hierarchy are 48 bytes, one after the other") {
         Reader reader;
-        Words words(3 * 48 / 4);
+        static_assert(sizeof(Node) == 48);
+        Words words(3 * sizeof(Node) / 4);
         for (std::size_t i = 0; i < words.size(); ++i) words[i] = word(i);
         CHECK(reader.buffer(shaders::test_layout_node, std::as_bytes(std::span(words))) == words);
     }

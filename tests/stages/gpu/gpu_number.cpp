@@ -36,7 +36,6 @@ std::vector<std::uint64_t> results_of(test::Gpu& gpu, const std::vector<std::uin
     PassInfo info;
     info.name = "test_number";
     info.spirv = float64 ? votess::gpu::shaders::test_number_f64 : votess::gpu::shaders::test_number_f32;
-    info.bindings = {2, 5};
     info.push_bytes = sizeof(CountPush);
     info.local_size = 64;
     const Pass pass(*gpu.device, info);

@@ -79,10 +79,9 @@ TEST_SUITE("stages") {
         const Buffer target = memory.buffer(source.size(), MemoryKind::device);
         const Pass pass(*with.device, {.name = "test_doubles",
                                        .spirv = votess::gpu::shaders::test_doubles,
-                                       .bindings = {2, 5},
                                        .push_bytes = sizeof(ScalePush),
                                        .local_size = 32,
-                                       .constants = {1, 4}});
+                                       .constants = {{1, 1}, {2, 4}}});
         Commands commands(*with.device);
         commands.begin();
         const BufferBinding buffers[] = {{2, &source}, {5, &target}};
@@ -232,10 +231,9 @@ TEST_SUITE("stages") {
         const Buffer arguments = memory.buffer(512, MemoryKind::device, "arguments");
         const Pass decide(*gpu.device, {.name = "test_arguments",
                                         .spirv = votess::gpu::shaders::test_arguments,
-                                        .bindings = {2, 5},
                                         .push_bytes = sizeof(ScalePush),
                                         .local_size = 64,
-                                        .constants = {}});
+                                        .constants = {{1, 1}, {2, 1}}});
         const Pass pass = scale_pass(*gpu.device, 64);
         Commands commands(*gpu.device);
         commands.begin();

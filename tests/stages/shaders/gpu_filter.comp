@@ -3,20 +3,13 @@
 // low word, and in the high word 1 when coordinates have been rounded to units. Variant: CLIP_FLOAT64.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/config.h"
+#include "clip/filter.glsl"
+#include "clip/relative_to_seed.glsl"
+#include "invocations/index.glsl"
 
-layout(local_size_x_id = 0) in;
-layout(constant_id = 1) const float float_unit = 5.9604645e-8;
 layout(push_constant) uniform Push { uint count; };
 layout(std430, set = 0, binding = 2) readonly buffer Cases { uvec2 cases[]; };
 layout(std430, set = 0, binding = 5) writeonly buffer Verdicts { uint verdicts[]; };
-
-#include "numbers/real.glsl"
-#include "numbers/number.glsl"
-#include "numbers/int64.glsl"
-#include "shared/linear.glsl"
-#include "clip/relative.glsl"
-#include "clip/filter.glsl"
 
 Plane plane_of(uint seed) {
     return bisector(difference(cases[seed], px), difference(cases[seed + 1u], py), difference(cases[seed + 2u], pz));

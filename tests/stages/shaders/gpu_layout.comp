@@ -3,7 +3,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/layout.h"
-#include "search/node.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(std430, binding = 1) writeonly buffer Words { uint words[]; };

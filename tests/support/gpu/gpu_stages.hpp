@@ -7,7 +7,7 @@
 #include "gpu/passes/passes.hpp"
 #include "gpu/seeds/seed_store.hpp"
 #include "input/options.hpp"
-#include "shared/bindings.h"
+#include "shared/interface.h"
 #include "support/generators.hpp"
 #include "support/gpu/vulkan.hpp"
 

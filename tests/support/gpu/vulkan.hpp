@@ -69,10 +69,9 @@ inline vk::Pass scale_pass(vk::Device& device, std::uint32_t local_size, std::ui
     vk::PassInfo info;
     info.name = "test_scale";
     info.spirv = votess::gpu::shaders::test_scale;
-    info.bindings = {2, 5};
     info.push_bytes = sizeof(ScalePush);
     info.local_size = local_size;
-    info.constants = {factor, divisor};
+    info.constants = {{1, factor}, {2, divisor}};
     return vk::Pass(device, info);
 }
 

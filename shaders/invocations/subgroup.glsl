@@ -1,17 +1,25 @@
-// What the lanes of a subgroup do together. To be called by all of them.
+// Operations that the lanes of a subgroup do together; all of them must call them. The .comp enables the GL_KHR_shader_subgroup
+// extensions.
 //
 // Variant: LANES_OF_WORK_GROUP takes the invocations of a work-group instead, by shared memory, and any number of them;
 // so a device tests the kernels for subgroups that it does not have.
-//
-// Needs lanes, subgroups, lockstep and numbers/number.glsl.
+#ifndef VOTESS_INVOCATIONS_SUBGROUP_GLSL
+#define VOTESS_INVOCATIONS_SUBGROUP_GLSL
+
+#include "numbers/number.glsl"
+#include "shared/interface.h"
+
+layout(constant_id = CONSTANT_LANES) const int lanes = 32;
+layout(constant_id = CONSTANT_SUBGROUPS) const int subgroups = 2;
+layout(constant_id = CONSTANT_LOCKSTEP) const bool lockstep = false;
 
 uint lane;
 
 #ifdef LANES_OF_WORK_GROUP
 
 #define SUBGROUP 0u
-shared uint exchange[64];
-shared Number exchange_numbers[64];
+shared uint exchange[lanes];
+shared Number exchange_numbers[lanes];
 
 bool enter_subgroup() {
     lane = gl_LocalInvocationID.x;
@@ -93,13 +101,13 @@ Number sum(Number value) {
 
 #else
 
-// Of the work-group. Its lanes take the number of the first one: compilers that reckon gl_SubgroupID from the
-// invocation cannot know that it is the same in all, and then take every branch on what is read from shared memory for
-// one that may part the lanes.
+// The subgroup's number in the work-group. All lanes take that of the first one: compilers that reckon gl_SubgroupID from
+// the invocation cannot know that it is the same in all, and then take every branch on what is read from shared memory
+// for one that may part the lanes.
 uint subgroup_index;
 #define SUBGROUP subgroup_index
 
-// False when subgroups are not those that the kernel was made for: so many, of so many invocations in a row.
+// False when subgroups are not as many, or not of as many invocations in a row, as the kernel was made for.
 bool enter_subgroup() {
     lane = gl_SubgroupInvocationID;
     const uint mine = gl_LocalInvocationID.x / uint(lanes);
@@ -107,12 +115,12 @@ bool enter_subgroup() {
     return subgroupAll(mine == subgroup_index && gl_SubgroupSize == uint(lanes) && gl_NumSubgroups == uint(subgroups));
 }
 
-// What the lanes have written to shared memory becomes visible to all of the subgroup.
+// Makes what the lanes have written to shared memory visible to all of the subgroup.
 void share() {
     if (lockstep)
         subgroupMemoryBarrierShared();
     else
-        subgroupBarrier();  // of control and of memory
+        subgroupBarrier();  // for control and memory
 }
 
 bool any_lane(bool yes) {
@@ -134,7 +142,7 @@ uint all_bits(uint value) {
     return subgroupOr(value);
 }
 
-// Of numbers that are not negative; their bits are in the same order, and whole numbers are quicker on some devices.
+// The numbers must not be negative; then their bits are in the same order, and whole numbers are quicker on some devices.
 float largest(float number) {
     return uintBitsToFloat(subgroupMax(floatBitsToUint(number)));
 }
@@ -147,7 +155,8 @@ float sum(float value) {
     return subgroupAdd(value);
 }
 
-// In pairs of lanes, then of pairs: a sum of two does not depend on their order, so it is the same in all lanes.
+// Lanes are summed in pairs, then in pairs of pairs: a sum of two does not depend on their order, so that all lanes get
+// the same one.
 Number sum(Number value) {
     for (uint step = 1u; step < uint(lanes); step *= 2u) {
         const uvec2 words = words_of(value);
@@ -155,5 +164,7 @@ Number sum(Number value) {
     }
     return value;
 }
+
+#endif
 
 #endif

@@ -1,20 +1,24 @@
 // Measures a cell of a subgroup: a lane measures at its vertices, and the sums are over all lanes. The store of
-// candidates, which is not needed any more, takes the planes in the precision of geometry.
-//
-// Needs what clip/subgroup_cell.glsl, measure/corner.glsl and lib/relative.glsl define.
+// candidates, which is not needed any more, takes the planes in the precision of what is measured.
+#ifndef VOTESS_MEASURE_SUBGROUP_MEASURE_GLSL
+#define VOTESS_MEASURE_SUBGROUP_MEASURE_GLSL
 
-// A number takes two words, SUBGROUP_PLANES apart.
-#define PUT_NUMBER(array, i, number)                              \
-    {                                                             \
-        const uvec2 words = words_of(number);                     \
-        array[SUBGROUP_STORE * SUBGROUP + (i)] = words.x;         \
-        array[SUBGROUP_STORE * SUBGROUP + (i) + 32] = words.y;    \
+#include "clip/subgroup_cell.glsl"
+#include "invocations/subgroup.glsl"
+#include "measure/tetrahedra.glsl"
+#include "search/subgroup_state.glsl"
+
+// A number takes two words, SUBGROUP_PLANES apart, in an array of the store.
+#define FIRST_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + (i)]
+#define SECOND_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + (i) + SUBGROUP_PLANES]
+#define GET_NUMBER(array, i) of_words(uvec2(FIRST_WORD(array, i), SECOND_WORD(array, i)))
+#define PUT_NUMBER(array, i, number)           \
+    {                                          \
+        const uvec2 words = words_of(number);  \
+        FIRST_WORD(array, i) = words.x;        \
+        SECOND_WORD(array, i) = words.y;       \
     }
-#define GET_NUMBER(array, i)                                      \
-    of_words(uvec2(array[SUBGROUP_STORE * SUBGROUP + (i)],        \
-                   array[SUBGROUP_STORE * SUBGROUP + (i) + 32]))
-
-#define VERTEX_LIST(i) scratch[SUBGROUP_SCRATCH * SUBGROUP + (i)]
+const uint second_number = 2u * SUBGROUP_PLANES;  // each array of the store holds two numbers of a plane
 const int planes_of_lane = (SUBGROUP_PLANES + lanes - 1) / lanes;
 
 void share_exact_planes(uint used) {
@@ -28,17 +32,17 @@ void share_exact_planes(uint used) {
         else
             plane = exact_bisector(uint(id));
         PUT_NUMBER(candidate_key, p, plane.n.x)
-        PUT_NUMBER(candidate_key, p + 64u, plane.n.y)
+        PUT_NUMBER(candidate_key, p + second_number, plane.n.y)
         PUT_NUMBER(candidate_seed, p, plane.n.z)
-        PUT_NUMBER(candidate_seed, p + 64u, plane.foot)
+        PUT_NUMBER(candidate_seed, p + second_number, plane.foot)
     }
     share();
 }
 
 ExactPlane exact_plane_at(uint p) {
-    return ExactPlane(Vector(GET_NUMBER(candidate_key, p), GET_NUMBER(candidate_key, p + 64u),
+    return ExactPlane(Vector(GET_NUMBER(candidate_key, p), GET_NUMBER(candidate_key, p + second_number),
                              GET_NUMBER(candidate_seed, p)),
-                      GET_NUMBER(candidate_seed, p + 64u));
+                      GET_NUMBER(candidate_seed, p + second_number));
 }
 
 Number area_of(uint plane) {
@@ -91,3 +95,5 @@ void measure_cell(uint used, uint vertices) {
     }
     share();
 }
+
+#endif

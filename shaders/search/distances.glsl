@@ -1,5 +1,10 @@
-// Distances of searches: squared, in units, right to 8 roundings of float32 of 2^-23 each at most, to 1e-6.
-// Needs numbers/int64.glsl, search/node.glsl, push.lower, push.upper and push.bounded.
+// The distances that searches compare: squared, in units, right to 8 roundings of float32 of 2^-23 each at most, to 1e-6.
+// The .comp declares `push`, with lower, upper and bounded, before.
+#ifndef VOTESS_SEARCH_DISTANCES_GLSL
+#define VOTESS_SEARCH_DISTANCES_GLSL
+
+#include "numbers/int64.glsl"
+#include "shared/layout.h"
 
 // A box and a seed in it are both right to 1e-6, and a seed nearer than `worst` is never in a box left out.
 const float box_slack = 1.0 - 1e-5;
@@ -16,7 +21,7 @@ float coarse_offset(uint q, uint p) {
     return float(int(q - p)) * 4294967296.0;
 }
 
-// Of p to the interval [lower, upper].
+// The distance of p from the interval [lower, upper].
 float gap(uvec2 p, uvec2 lower, uvec2 upper) {
     if (less64(p, lower)) return rough_difference(lower, p);
     if (less64(upper, p)) return rough_difference(p, upper);
@@ -45,8 +50,8 @@ float distance_to_bounds(uvec2 x, uvec2 y, uvec2 z) {
     return min(distance_to_bounds(0, x), min(distance_to_bounds(1, y), distance_to_bounds(2, z)));
 }
 
-// Of a ball with about `count` seeds, from the density of the 64 seeds around in memory. Their box is about twice as
-// large as their share of space.
+// The squared radius of a ball with about `count` seeds, from the density of the 64 seeds around in memory. Their box is
+// about twice as large as their share of space.
 float expected_reach_in(Node box, int count) {
     float volume = 1.0;
     for (int axis = 0; axis < 3; ++axis)
@@ -54,3 +59,5 @@ float expected_reach_in(Node box, int count) {
     const float radius = pow(volume * float(count) * EXPECTED_REACH, 1.0 / 3.0);
     return max(radius * radius * exp2(2.0 * COORDINATE_BITS), 1.0);
 }
+
+#endif

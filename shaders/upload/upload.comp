@@ -1,11 +1,12 @@
-// upload: the coordinates as given become whole numbers of units, exactly or rounded down with a note that they were.
-// Where that is asked for, points outside of the box, or not finite, become NO_COORDINATE.
+// upload: makes whole numbers of units of the coordinates as given, exactly or rounded down with a note that they were.
+// On request it makes NO_COORDINATE of points that are outside of the box or not finite.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "numbers/int64.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
 layout(push_constant) uniform Push { UploadPush push; };
 layout(std430, binding = BINDING_RAW) readonly buffer Raw { uint raw[]; };
 layout(std430, binding = BINDING_POINTS_X) writeonly buffer PointsX { uvec2 points_x[]; };
@@ -13,16 +14,13 @@ layout(std430, binding = BINDING_POINTS_Y) writeonly buffer PointsY { uvec2 poin
 layout(std430, binding = BINDING_POINTS_Z) writeonly buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
 
-#include "numbers/int64.glsl"
-#include "shared/linear.glsl"
-
 // (-1)^negative mantissa 2^exponent in units.
 uvec2 in_units(bool negative, uvec2 mantissa, int exponent, inout bool lost) {
     const uvec2 value = negative ? negate64(mantissa) : mantissa;
     return exponent >= 0 ? shift_left64(value, uint(exponent)) : shift_right64(value, uint(-exponent), lost);
 }
 
-// Bits of a double as a whole number of the same order; -0 as 0.
+// The bits of a double as a whole number of the same order; -0 counts as 0.
 uvec2 ordered_bits(uvec2 bits) {
     if (bits == uvec2(0u, 0x80000000u)) bits = uvec2(0);
     return (bits.y & 0x80000000u) != 0u ? ~bits : uvec2(bits.x, bits.y | 0x80000000u);

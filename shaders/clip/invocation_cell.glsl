@@ -1,9 +1,15 @@
-// One Voronoi cell in private memory: a simple polytope, every vertex on exactly three planes, relative to its seed and
-// in units of about the distance to its nearest neighbor.
-//
-// Needs what clip/filter.glsl defines, most_planes, most_vertices.
+// One Voronoi cell in the private memory of an invocation: a simple polytope, every vertex on exactly three planes,
+// relative to its seed and in units of about the distance to its nearest neighbor.
+#ifndef VOTESS_CLIP_INVOCATION_CELL_GLSL
+#define VOTESS_CLIP_INVOCATION_CELL_GLSL
 
-// Vertices in a step of a loop, for the loads to overlap; beyond the last one there is room to read.
+#include "clip/filter.glsl"
+#include "shared/interface.h"
+
+layout(constant_id = CONSTANT_MOST_PLANES) const int most_planes = 32;
+layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
+
+// A step of a loop takes so many vertices, for the loads to overlap; beyond the last one there is room to read.
 const int side_by_side = 4;
 const int plane_words = most_planes / 32;
 const int vertex_words = most_vertices / 32;
@@ -15,7 +21,7 @@ uint planes_used[plane_words];
 
 real vertex_x[most_vertices], vertex_y[most_vertices], vertex_z[most_vertices];
 real vertex_error[most_vertices];    // |x - X| + 6u |x|
-uint vertex_planes[most_vertices];   // three of 8 bits, in positive orientation: det(na,nb,nc) > 0
+uint vertex_planes[most_vertices];
 int vertex_count;
 
 uint killed[vertex_words];                       // vertices outside the plane tested last
@@ -26,10 +32,6 @@ real radius_squared;  // over all vertices, as of the last test
 real largest_error;   // at least that of any vertex
 
 Plane tested;  // last
-
-uint plane_of(uint packed, int k) {
-    return (packed >> (8 * k)) & 0xffu;
-}
 
 void set_plane(uint slot, Plane p, int id) {
     plane_x[slot] = p.x;
@@ -62,11 +64,11 @@ void add_vertex(uint a, uint b, uint c) {
     vertex_z[vertex_count] = vertex.z;
     vertex_error[vertex_count] = vertex.error;
     largest_error = max(largest_error, vertex.error);
-    vertex_planes[vertex_count] = a | (b << 8) | (c << 16);
+    vertex_planes[vertex_count] = pack_planes(a, b, c);
     ++vertex_count;
 }
 
-// The box: planes 0 .. 5 are the walls xmin, xmax, ymin, ymax, zmin, zmax at distances `wall`.
+// Makes the box: planes 0 .. 5 are the walls xmin, xmax, ymin, ymax, zmin, zmax at distances `wall`.
 void start_cell(real wall[6]) {
     status = STATUS_CERTIFIED;
     for (int w = 0; w < plane_words; ++w) planes_used[w] = 0u;
@@ -87,7 +89,7 @@ void start_cell(real wall[6]) {
     }
 }
 
-// Marks the vertices outside the new plane; true when there are any. Uncertain: status changes.
+// Marks the vertices outside the new plane; true when there are any. The status changes when that is uncertain.
 bool test_plane() {
     for (int w = 0; w < vertex_words; ++w) killed[w] = 0u;
     bool cuts = false;
@@ -188,7 +190,7 @@ void cut(int id) {
             }
         }
 
-    // From the last to the first, so that what moves into a hole is alive.
+    // Holes are filled from the last to the first, so that what moves into one is alive.
     for (int w = vertex_words - 1; w >= 0; --w)
         for (uint rest = killed[w]; rest != 0u;) {
             const int bit = findMSB(rest), v = 32 * w + bit;
@@ -213,3 +215,5 @@ void cut(int id) {
     set_plane(slot, tested, id);
     for (int i = 0; i < horizon_count; ++i) add_vertex(horizon[i] & 0xffu, horizon[i] >> 8, slot);
 }
+
+#endif

@@ -1,23 +1,17 @@
-// upload: the images of all seeds, behind the seeds. Places that are left have no coordinates; when there are too few
-// for all images there are none at all, and no cell is certified.
+// upload: puts the images of all seeds behind the seeds. Places that are left get no coordinates; when there are too few
+// places, all stay empty and no cell is certified.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "numbers/int64.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
+#include "upload/images.glsl"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
-layout(push_constant) uniform Push { ImagesPush push; };
-layout(std430, binding = BINDING_POINTS_X) buffer PointsX { uvec2 points_x[]; };
-layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
-layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_SCAN_DATA) readonly buffer Offsets { uint offsets[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
 layout(std430, binding = BINDING_IMAGE_HOME) writeonly buffer ImageHome { uint image_home[]; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
-
-#include "numbers/int64.glsl"
-#include "shared/linear.glsl"
-#include "sort/images.glsl"
 
 uvec2 moved(uvec2 x, int by, int axis) {
     return by == 0 ? x : (by < 0 ? subtract64(x, push.side[axis]) : add64(x, push.side[axis]));
@@ -26,7 +20,7 @@ bool has_image(uvec2 x, int by, int axis) {
     return by == 0 || (by < 0 ? has_lower_image(x, axis) : has_upper_image(x, axis));
 }
 
-// Image `number` of a seed, in the order of shifts.
+// Puts image `number` of a seed, in the order of shifts, into a place.
 void put_image(uint place, uint seed, uint number) {
     const uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
     for (int code = 0; code < 27; ++code) {

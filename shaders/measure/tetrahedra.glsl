@@ -7,13 +7,30 @@
 //     6 V = (foot_a beta + foot_b alpha) X.t ,
 // and add beta X.t / (2 |n_a|) to the area of face a, alpha X.t / (2 |n_b|) to that of b.
 //
-// R the farthest vertex, u the unit roundoff: alpha |n_a| <= R / sin(a,b) is right to 41u R / sin^2, X.t to
+// With R the farthest vertex, u the unit roundoff: alpha |n_a| <= R / sin(a,b) is right to 41u R / sin^2, X.t to
 // |n_a||n_b| (sin |x - X| + 9u R), X to u R (51 condition + 6) as in clip/filter.glsl; so 6 V of an edge is right to
 //     u R^3 (100 / sin^2(a,b) + 102 condition + 50) ,
 // the last for its sum with all others. The areas are right to volume_error 3 / R altogether: relative to the surface
 // that is better than the volume, which is at most surface R / 3.
 //
-// Needs want_geometry, quantum, plane_of, numbers/number.glsl and clip/relative.glsl.
+// The .comp declares `push`, with extent, before.
+#ifndef VOTESS_MEASURE_TETRAHEDRA_GLSL
+#define VOTESS_MEASURE_TETRAHEDRA_GLSL
+
+#include "clip/cell_results.glsl"
+#include "clip/filter.glsl"
+#include "clip/relative_to_seed.glsl"
+#include "numbers/int64.glsl"
+#include "numbers/number.glsl"
+#include "search/seeds.glsl"
+
+// q - p in units of the cell, in the numbers that measure it.
+Number exact_difference(uvec2 q, uvec2 p) {
+    const uvec2 d = subtract64(q, p);
+    const bool negative = (d.y & 0x80000000u) != 0u;
+    const uvec2 m = negative ? negate64(d) : d;
+    return times_power(number64(m), negative ? -scale : scale);
+}
 
 struct ExactPlane {
     Vector n;
@@ -50,7 +67,7 @@ Moments no_moments() {
     return Moments(zero, Vector(zero, zero, zero), 0.0, 0.0);
 }
 
-// Of the cell that is measured; defined where the planes are kept.
+// A plane of the cell that is measured; defined where the planes are kept.
 ExactPlane exact_plane_at(uint plane);
 
 // The vertex of three planes.
@@ -90,8 +107,8 @@ void add_edge(ExactPlane a, ExactPlane b, Vector vertex, inout Moments all, inou
     area_b = plus(area_b, times(on_b, reciprocal(times(root(square_b), number(2.0)))));
 }
 
-// Adds the tetrahedra of the vertex of three planes, of 8 bits each. areas: what it adds to the areas of their faces.
-// The loop is not unrolled: of all that is measured it needs the most registers.
+// Adds the tetrahedra of the vertex of three packed planes, and tells what it adds to the areas of their faces. The loop
+// is not unrolled, since it needs the most registers of all that measures.
 void add_corner(uint planes, inout Moments all, out Number areas[3]) {
     const Vector vertex = exact_vertex(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)),
                                        exact_plane_at(plane_of(planes, 2)), all);
@@ -99,7 +116,7 @@ void add_corner(uint planes, inout Moments all, out Number areas[3]) {
     [[dont_unroll]] for (int k = 0; k < 3; ++k) {
         add_edge(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)), vertex, all, area_a, area_b);
         // The next edge; after three all is where it was.
-        planes = plane_of(planes, 1) | (plane_of(planes, 2) << 8) | (plane_of(planes, 0) << 16);
+        planes = pack_planes(plane_of(planes, 1), plane_of(planes, 2), plane_of(planes, 0));
         const Number first = area_a;
         area_a = area_b;
         area_b = area_c;
@@ -114,7 +131,7 @@ void conclude(Moments all) {
     mass_center = times(all.first, times(reciprocal(all.sum), number(0.25)));
     const float radius = sqrt(all.farthest);
     is_in_range = all.farthest < farthest_of_range;
-    // Some more than the bound, for the roundings in it.
+    // This is somewhat more than the bound, for the roundings in it.
     volume_error = (number_unit + 8.0 * float(quantum)) * all.error * radius * radius * radius * 0.334;
 }
 
@@ -126,3 +143,5 @@ Number not_negative(Number area) {
 bool is_measured(float tolerance) {
     return volume_error <= tolerance * rounded(volume) && is_in_range;
 }
+
+#endif

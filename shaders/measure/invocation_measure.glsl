@@ -1,5 +1,9 @@
-// Measures a cell in private memory.
-// Needs what clip/cell.glsl, measure/corner.glsl and lib/relative.glsl define.
+// Measures a cell in the private memory of an invocation.
+#ifndef VOTESS_MEASURE_INVOCATION_MEASURE_GLSL
+#define VOTESS_MEASURE_INVOCATION_MEASURE_GLSL
+
+#include "clip/invocation_cell.glsl"
+#include "measure/tetrahedra.glsl"
 
 ExactPlane exact_plane[most_planes];
 Number area[most_planes];  // when want_geometry is 2
@@ -30,3 +34,5 @@ void measure_cell() {
     }
     conclude(all);
 }
+
+#endif

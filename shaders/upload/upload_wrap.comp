@@ -1,21 +1,15 @@
-// upload: seeds into the periodic box, by whole sides, and how many images each has.
+// upload: brings seeds into the periodic box, by whole sides, and counts the images of each.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/bindings.h"
+#include "invocations/index.glsl"
+#include "numbers/int64.glsl"
+#include "shared/interface.h"
 #include "shared/layout.h"
+#include "upload/images.glsl"
 
-layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
-layout(push_constant) uniform Push { ImagesPush push; };
-layout(std430, binding = BINDING_POINTS_X) buffer PointsX { uvec2 points_x[]; };
-layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
-layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_SCAN_DATA) writeonly buffer Counts { uint counts[]; };
 
-#include "numbers/int64.glsl"
-#include "shared/linear.glsl"
-#include "sort/images.glsl"
-
-// Upload has refused what is farther away than a side, both rounded as doubles: so it may be two sides, nearly.
+// Upload has refused seeds that are farther away than a side, both rounded as doubles; so it may be nearly two sides.
 uvec2 wrapped(uvec2 x, int axis) {
     if (!is_periodic(axis)) return x;
     uvec2 from = subtract64(x, push.lower[axis]);

@@ -1,5 +1,9 @@
 // Coordinates relative to a cell's seed, in units of the cell.
-// Needs numbers/int64.glsl, numbers/real.glsl and numbers/number.glsl.
+#ifndef VOTESS_CLIP_RELATIVE_TO_SEED_GLSL
+#define VOTESS_CLIP_RELATIVE_TO_SEED_GLSL
+
+#include "numbers/int64.glsl"
+#include "numbers/real.glsl"
 
 uvec2 px, py, pz;  // the seed
 float scale;       // 2^-k: units to units of the cell
@@ -17,10 +21,4 @@ real difference(uvec2 q, uvec2 p) {
     return negative ? -magnitude : magnitude;
 }
 
-// The same in the numbers of geometry.
-Number exact_difference(uvec2 q, uvec2 p) {
-    const uvec2 d = subtract64(q, p);
-    const bool negative = (d.y & 0x80000000u) != 0u;
-    const uvec2 m = negative ? negate64(d) : d;
-    return times_power(number64(m), negative ? -scale : scale);
-}
+#endif

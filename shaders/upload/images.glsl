@@ -1,11 +1,20 @@
 // Images of the seeds of a periodic box, by one side along each axis, inside of the larger box around it.
-//
-// Needs ImagesPush push.
+#ifndef VOTESS_UPLOAD_IMAGES_GLSL
+#define VOTESS_UPLOAD_IMAGES_GLSL
+
+#include "numbers/int64.glsl"
+#include "shared/interface.h"
+#include "shared/layout.h"
+
+layout(push_constant) uniform Push { ImagesPush push; };
+layout(std430, binding = BINDING_POINTS_X) buffer PointsX { uvec2 points_x[]; };
+layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
+layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
 
 bool is_periodic(int axis) {
     return (push.periodic & (1u << axis)) != 0u;
 }
-// By a side down, by a side up.
+// Whether the seed moved down, or up, by a side lies in the larger box.
 bool has_lower_image(uvec2 x, int axis) {
     return is_periodic(axis) && !less64(x, push.side[axis]);
 }
@@ -21,3 +30,5 @@ uint images_of(uvec2 x, uvec2 y, uvec2 z) {
     if (x.y == NO_COORDINATE) return 0u;
     return (1u + images_along(x, 0)) * (1u + images_along(y, 1)) * (1u + images_along(z, 2)) - 1u;
 }
+
+#endif

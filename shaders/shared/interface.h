@@ -1,8 +1,25 @@
-// Binding numbers of all passes, in set 0. A pass binds those it uses. Included by GLSL and by C++.
-#ifndef VOTESS_SHADERS_BINDINGS_H
-#define VOTESS_SHADERS_BINDINGS_H
+// The ids by which C++ hands things to shaders: specialization constants, and bindings of set 0. GLSL and C++ include
+// this; a pass sets the constants, and binds the buffers, that its shader declares (engine/gpu/passes/pass.cpp).
+#ifndef VOTESS_SHADERS_INTERFACE_H
+#define VOTESS_SHADERS_INTERFACE_H
 
-// N: points; M: items being sorted or scanned; C: cells of a chunk; T: cells of the second tier.
+#define CONSTANT_LOCAL_SIZE 0     // all passes: invocations of a work-group
+#define CONSTANT_K 1              // knn: most neighbors listed
+#define CONSTANT_LIST_OF_TODO 2   // knn, clip: 1 when only cells of the second tier have a column in the list
+#define CONSTANT_MOST_PLANES 3    // clip: a multiple of 32
+#define CONSTANT_MOST_VERTICES 4  // clip: a multiple of 32
+#define CONSTANT_TIER 5           // clip: 0 or 1
+#define CONSTANT_GEOMETRY 6       // clip: 1 computes volume and centroid, 2 areas too
+#define CONSTANT_UNIT_ROUNDOFF 7  // clip: float32's, as float bits
+#define CONSTANT_LANES 8          // clip_subgroup: invocations of a subgroup, 8 to 64
+#define CONSTANT_SUBGROUPS 9      // clip_subgroup: subgroups of a work-group
+#define CONSTANT_LOCKSTEP 10      // clip_subgroup: 1 where lanes cannot run ahead of each other
+#define CONSTANT_FIRST_COUNT 11   // clip_subgroup: seeds that the first search aims at
+#define CONSTANT_TODO_GROUP 12    // clip_todo: local size of the second tier
+#define CONSTANT_COUNT 13
+
+// N is the number of points, M that of items being sorted or scanned, C that of cells of a chunk, T that of cells of
+// the second tier.
 #define BINDING_RAW 0       // upload: 3 float64 or float32 a point
 #define BINDING_POINTS_X 1  // N uvec2, units, input order
 #define BINDING_POINTS_Y 2
@@ -34,10 +51,10 @@
 #define BINDING_AREAS 28         // as ROWS: areas, units of the cell squared; float32, or float64 as geometry is
 #define BINDING_SECOND_AREAS 29  // as AREAS, of the second tier
 #define BINDING_AREAS_OUT 30     // beside ROWS_OUT
-#define BINDING_HEADER 31        // of a frame: FrameHeader
+#define BINDING_HEADER 31        // FrameHeader of a frame
 #define BINDING_CELLS 32         // N FrameCell, input order
 #define BINDING_GEOMETRY_OUT 33  // N vec4, input order: centroid relative to the seed, volume
-// Rows out beyond the first window; all windows but the last have 2^RowsPush.window_bits entries.
+// The rows out lie in windows; all but the last have 2^RowsPush.window_bits entries.
 #define BINDING_ROWS_OUT_1 34
 #define BINDING_ROWS_OUT_2 35
 #define BINDING_ROWS_OUT_3 36

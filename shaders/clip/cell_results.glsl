@@ -1,0 +1,21 @@
+// The buffers that both kernels read about the run and write about a cell.
+#ifndef VOTESS_CLIP_CELL_RESULTS_GLSL
+#define VOTESS_CLIP_CELL_RESULTS_GLSL
+
+#include "numbers/number.glsl"
+#include "shared/interface.h"
+#include "shared/layout.h"
+
+layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
+layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
+layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
+layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
+layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
+layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
+layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
+layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
+layout(std430, binding = BINDING_TODO) buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
+
+#endif

@@ -1,0 +1,9 @@
+// Whether a row of the chunk has room among the rows out, which hold `capacity` entries.
+#ifndef VOTESS_DOWNLOAD_ROW_FITS_GLSL
+#define VOTESS_DOWNLOAD_ROW_FITS_GLSL
+
+bool row_fits(uint base, uint offset, uint length, uint capacity) {
+    return base <= capacity && offset <= capacity - base && length <= capacity - base - offset;
+}
+
+#endif

@@ -1,0 +1,18 @@
+// The size of work-groups, and the number of a work-group and of an invocation in a dispatch whose work-groups are spread
+// over x, y and z.
+#ifndef VOTESS_INVOCATIONS_INDEX_GLSL
+#define VOTESS_INVOCATIONS_INDEX_GLSL
+
+#include "shared/interface.h"
+
+layout(local_size_x_id = CONSTANT_LOCAL_SIZE) in;
+
+uint linear_group() {
+    return gl_WorkGroupID.x + gl_NumWorkGroups.x * (gl_WorkGroupID.y + gl_NumWorkGroups.y * gl_WorkGroupID.z);
+}
+
+uint linear_invocation() {
+    return linear_group() * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+}
+
+#endif

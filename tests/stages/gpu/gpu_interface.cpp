@@ -1,0 +1,153 @@
+// Shaders and C++ agree on shaders/shared/interface.h: what Vulkan is given for each pipeline is what its SPIR-V
+// declares.
+#include <doctest/doctest.h>
+
+#include <set>
+
+#include "gpu/passes/passes.hpp"
+#include "shaders.hpp"
+#include "shared/interface.h"
+#include "support/gpu/gpu_stages.hpp"
+
+using test::Gpu;
+using votess::gpu::PassSettings;
+using Ids = std::multiset<std::uint32_t>;
+
+namespace {
+
+// The ids that a shader declares.
+struct Declared {
+    Ids sets, bindings, constants;
+};
+
+Declared read_spirv(std::span<const std::uint32_t> words) {
+    constexpr std::uint32_t magic = 0x07230203, op_decorate = 71, spec_id = 1, binding = 33, descriptor_set = 34;
+    Declared found;
+    REQUIRE(words[0] == magic);
+    for (std::size_t at = 5; at < words.size(); at += words[at] >> 16) {
+        REQUIRE((words[at] >> 16) != 0);
+        if ((words[at] & 0xffff) != op_decorate) continue;
+        const std::uint32_t value = words[at + 3];
+        switch (words[at + 2]) {
+            case spec_id:
+                found.constants.insert(value);
+                break;
+            case binding:
+                found.bindings.insert(value);
+                break;
+            case descriptor_set:
+                found.sets.insert(value);
+                break;
+            default:
+                break;
+        }
+    }
+    return found;
+}
+
+// What the calls for one pipeline gave, in their order, and what all did together. Nothing is compiled.
+struct Calls {
+    Ids bindings;
+    Declared declared;
+    std::size_t most_bindings = 0;
+    std::set<std::uint32_t> all_bindings, all_constants;
+} calls;
+
+VKAPI_ATTR VkResult VKAPI_CALL note_set_layout(VkDevice, const VkDescriptorSetLayoutCreateInfo* info,
+                                               const VkAllocationCallbacks*, VkDescriptorSetLayout* layout) {
+    calls.bindings.clear();
+    for (const auto& slot : std::span(info->pBindings, info->bindingCount)) calls.bindings.insert(slot.binding);
+    *layout = VK_NULL_HANDLE;
+    return VK_SUCCESS;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL note_layout(VkDevice, const VkPipelineLayoutCreateInfo* info,
+                                           const VkAllocationCallbacks*, VkPipelineLayout* layout) {
+    CHECK(info->setLayoutCount == 1);
+    *layout = VK_NULL_HANDLE;
+    return VK_SUCCESS;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL note_module(VkDevice, const VkShaderModuleCreateInfo* info, const VkAllocationCallbacks*,
+                                           VkShaderModule* module) {
+    calls.declared = read_spirv({info->pCode, info->codeSize / 4});
+    *module = VK_NULL_HANDLE;
+    return VK_SUCCESS;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL compare(VkDevice, VkPipelineCache, std::uint32_t,
+                                       const VkComputePipelineCreateInfo* info, const VkAllocationCallbacks*,
+                                       VkPipeline* pipeline) {
+    const VkSpecializationInfo& given = *info->stage.pSpecializationInfo;
+    Ids constants;
+    for (const auto& entry : std::span(given.pMapEntries, given.mapEntryCount)) {
+        constants.insert(entry.constantID);
+        CHECK(entry.size == 4);
+        CHECK(entry.offset + entry.size <= given.dataSize);
+    }
+    CHECK(constants == calls.declared.constants);
+    CHECK(calls.bindings == calls.declared.bindings);
+    CHECK(calls.declared.sets.size() == calls.declared.sets.count(0));  // in set 0, all of them
+    // Ids are declared once.
+    const std::set<std::uint32_t> once(constants.begin(), constants.end());
+    CHECK(once.size() == constants.size());
+    calls.most_bindings = std::max(calls.most_bindings, calls.bindings.size());
+    calls.all_bindings.insert(calls.bindings.begin(), calls.bindings.end());
+    calls.all_constants.insert(constants.begin(), constants.end());
+    *pipeline = VK_NULL_HANDLE;
+    return VK_SUCCESS;
+}
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("gpu interface: all pipelines get the constants and the bindings that their shaders declare") {
+        calls = {};
+        // Without the validation layer, which cannot know of what is not made.
+        const auto instance = test::vk::Instance::create({.validation = false});
+        const auto device = test::vk::Device::create(instance, Gpu::first(*instance));
+        VolkDeviceTable& table = device->table();
+        table.vkCreateDescriptorSetLayout = note_set_layout;
+        table.vkCreatePipelineLayout = note_layout;
+        table.vkCreateShaderModule = note_module;
+        table.vkCreateComputePipelines = compare;
+        for (unsigned bits = 0; bits < 64; ++bits) {
+            const auto bit = [&](unsigned at) { return (bits >> at & 1) != 0; };
+            PassSettings s = test::pass_settings();
+            s.measure = bit(0);
+            s.areas = bit(1);
+            s.frames = bit(2);
+            s.images = bit(3);
+            s.subgroup_size = bit(4) ? 32 : 0;
+            s.tiers[0].float64 = bit(5) && device->has_float64();
+            s.tiers[1].float64 = device->has_float64();
+            CAPTURE(bits);
+            const votess::gpu::Passes passes(*device, s);
+        }
+        // No id of the table is left over.
+        CHECK(calls.all_bindings.size() == BINDING_COUNT);
+        CHECK(*calls.all_bindings.rbegin() == BINDING_COUNT - 1);
+        CHECK(calls.all_constants.size() == CONSTANT_COUNT);
+        CHECK(*calls.all_constants.rbegin() == CONSTANT_COUNT - 1);
+        // Adapter::missing() asks for so many.
+        CHECK(calls.most_bindings == 16);
+    }
+
+    TEST_CASE("gpu interface: a pass with other constants than its shader's is refused") {
+        Gpu gpu;
+        const auto with = [&](std::vector<votess::gpu::vulkan::Constant> constants) {
+            return test::error_of([&] {
+                const votess::gpu::vulkan::Pass pass(*gpu.device, {.name = "clip_todo",
+                                                                   .spirv = votess::gpu::shaders::clip_todo,
+                                                                   .push_bytes = sizeof(votess::gpu::ClipPush),
+                                                                   .local_size = 1,
+                                                                   .constants = std::move(constants)});
+            });
+        };
+        CHECK(!with({{CONSTANT_TODO_GROUP, 64}}));
+        CHECK(with({}) == votess::ErrorCode::internal);
+        CHECK(with({{CONSTANT_K, 64}}) == votess::ErrorCode::internal);
+        CHECK(with({{CONSTANT_TODO_GROUP, 64}, {CONSTANT_K, 64}}) == votess::ErrorCode::internal);
+        CHECK(with({{CONSTANT_TODO_GROUP, 64}, {CONSTANT_TODO_GROUP, 64}}) == votess::ErrorCode::internal);
+    }
+}
