@@ -61,7 +61,14 @@ Typed split_command_line(int count, const char* const* values) {
     add_flag("-h,--help", typed.help);
     add_flag("--version", typed.version);
     add_flag("--list-devices", typed.list_devices);
-    add_picture_options(app, typed.picture);
+    app.add_option("--image", typed.picture.image);
+    app.add_option("--slice", typed.picture.slice);
+    app.add_option("--image-size", typed.picture.size);
+    app.add_option("--color", typed.picture.color);
+    app.add_option("--colormap", typed.picture.colormap);
+    app.add_option("--cut", typed.picture.cut);
+    app.add_option("--view", typed.picture.view);
+    add_flag("--seeds", typed.picture.seeds);
     try {
         app.parse(count, values);
     } catch (const CLI::ExtrasError&) {

@@ -1,6 +1,5 @@
 #include "picture.hpp"
 
-#include <CLI/CLI.hpp>
 #include <string_view>
 
 #include "failure.hpp"
@@ -120,17 +119,6 @@ std::vector<double> values_of(Column column, const Input& input, const votess::T
 }
 
 }  // namespace
-
-void add_picture_options(CLI::App& app, TypedPicture& typed) {
-    app.add_option("--image", typed.image);
-    app.add_option("--slice", typed.slice);
-    app.add_option("--image-size", typed.size);
-    app.add_option("--color", typed.color);
-    app.add_option("--colormap", typed.colormap);
-    app.add_option("--cut", typed.cut);
-    app.add_option("--view", typed.view);
-    app.add_flag("--seeds", typed.seeds)->disable_flag_override();
-}
 
 std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
                                              const std::vector<std::string>& outputs) {

@@ -8,10 +8,6 @@
 
 #include "read/input.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace clvotess {
 
 // What to color the cells by.
@@ -23,12 +19,11 @@ struct PictureArguments {
     votess::PictureOptions options;  // without its values
 };
 
-// As typed.
+// The words as typed.
 struct TypedPicture {
     std::optional<std::string> image, slice, size, color, colormap, cut, view;
     bool seeds = false;
 };
-void add_picture_options(CLI::App& app, TypedPicture& typed);
 
 // Nothing without --image. Checks the file's name against the other files of the run.
 [[nodiscard]] std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,

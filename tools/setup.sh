@@ -26,7 +26,6 @@ need_command ninja-build ninja
 for part in "$@"; do
     case $part in
         run)
-            need libboost-dev
             need libcli11-dev
             need zlib1g-dev
             need libhdf5-dev

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "failure.hpp"
+#include "files/formats/hdf5_module.hpp"
 #include "files/line_reader.hpp"
 #include "files/mapped_file.hpp"
 
@@ -55,7 +56,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     const std::string extension = kind_of(path);
     const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
-    if (hdf5) return read_hdf5(path, request);
+    if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
     if (extension == ".npy") {
         if (!request.column.empty()) throw bad_input(path + ": one array has no column " + in_quotes(request.column));
         return read_npy(path);

@@ -56,7 +56,6 @@ enum class TextKind {
 [[nodiscard]] Input parse_vtk(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input read_npy(const std::string& path);
-[[nodiscard]] Input read_hdf5(const std::string& path, const ReadRequest& request);
 
 // `count` seeds in the unit box, the same on every machine for the same `rng_seed`.
 [[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed);

@@ -8,6 +8,7 @@
 
 #include "failure.hpp"
 #include "files/formats/hdf5_handles.hpp"
+#include "files/formats/hdf5_module.hpp"
 #include "files/numbers.hpp"
 #include "interrupt.hpp"
 #include "read/input.hpp"
@@ -314,11 +315,16 @@ private:
     Input input_;
 };
 
-}  // namespace
-
-Input read_hdf5(const std::string& path, const ReadRequest& request) {
+Input read(const std::string& path, const ReadRequest& request) {
     begin_hdf5();
     return Hdf5Reader(request).read(path);
 }
 
+}  // namespace
+
+void write_hdf5(OutputFile& file, const OutputData& data);
+
 }  // namespace clvotess
+
+extern "C" const clvotess::Hdf5Module clvotess_hdf5;
+const clvotess::Hdf5Module clvotess_hdf5{clvotess::read, clvotess::write_hdf5};

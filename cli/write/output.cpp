@@ -6,6 +6,7 @@
 
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
+#include "files/formats/hdf5_module.hpp"
 
 namespace clvotess {
 namespace {
@@ -15,6 +16,10 @@ struct Kind {
     void (*write)(OutputFile&, const OutputData&);
     bool mesh;  // holds the polygons of the faces
 };
+
+void write_hdf5(OutputFile& file, const OutputData& data) {
+    load_hdf5("cannot write HDF5").write(file, data);
+}
 
 constexpr std::array<Kind, 7> kinds{{{".txt", write_text, false},
                                      {".npz", write_npz, false},
@@ -55,10 +60,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::string& inp
                             ": known are .txt .npz .h5 .hdf5 .vtu .ply .obj, and text on stdout as -");
         }
         if (kind->write == write_hdf5) {
-            if (!has_hdf5()) {
-                throw bad_input("cannot write " + in_quotes(path) +
-                                ": this build of clvotess has no HDF5 (build it where libhdf5-dev is installed)");
-            }
+            load_hdf5("cannot write " + in_quotes(path));
             if (is_special_file(path)) {
                 throw bad_input("cannot write " + in_quotes(path) + ": HDF5 needs a regular file, no device or pipe");
             }

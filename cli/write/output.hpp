@@ -33,12 +33,8 @@ void write_outputs(const std::vector<std::string>& paths, const OutputData& data
 
 void write_text(OutputFile& file, const OutputData& data);
 void write_npz(OutputFile& file, const OutputData& data);
-void write_hdf5(OutputFile& file, const OutputData& data);
 void write_vtu(OutputFile& file, const OutputData& data);
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
-
-// Whether this build can read and write .h5.
-[[nodiscard]] bool has_hdf5();
 
 }  // namespace clvotess

@@ -89,10 +89,6 @@ private:
 
 }  // namespace
 
-bool has_hdf5() {
-    return true;
-}
-
 void write_hdf5(OutputFile& file, const OutputData& data) {
     begin_hdf5();
     Hdf5Writer writer(file);

@@ -104,22 +104,35 @@ Real scale_by_power(Real x, int exponent) {
 template <class Real, int W>
 Scaled<Real> scaled(const WideInt<W>& a) {
     if constexpr (std::is_same_v<Real, WideFloat>) {
-        const WideInt<W> m = a.negative() ? -a : a;
-        WideFloat x = 0;
-        for (int i = W - 1; i >= 0; --i) x = ldexp(x, 64) + m.limb[i];
-        return {a.negative() ? WideFloat(-x) : x, 0};
+        return {WideFloat(a, 0), 0};
     } else {
         return to_scaled<Real>(a);
     }
 }
 
+// The vertex is numerator / (2 determinant), in quanta.
+template <int W>
+struct Fractions {
+    std::array<WideInt<4 * W>, 3> numerator;
+    WideInt<3 * W> determinant;
+};
+
+// The same for all types of positions, hence compiled once a width.
+template <int W>
+[[gnu::noinline]] Fractions<W> fractions(const WideRow<W>& a, const WideRow<W>& b, const WideRow<W>& c) {
+    const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);
+    Fractions<W> result{{}, dot(a.n, bc)};
+    for (int k = 0; k < 3; ++k) result.numerator[k] = a.s * bc[k] + b.s * ca[k] + c.s * ab[k];
+    return result;
+}
+
 template <class Real, int W>
 std::array<Real, 3> position(const WideRow<W>& a, const WideRow<W>& b, const WideRow<W>& c, int quantum) {
-    const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);
-    const auto determinant = scaled<Real>(dot(a.n, bc));
+    const Fractions<W> vertex = fractions<W>(a, b, c);
+    const auto determinant = scaled<Real>(vertex.determinant);
     std::array<Real, 3> x{};
     for (int k = 0; k < 3; ++k) {
-        const auto numerator = scaled<Real>(a.s * bc[k] + b.s * ca[k] + c.s * ab[k]);
+        const auto numerator = scaled<Real>(vertex.numerator[k]);
         x[k] = scale_by_power<Real>(numerator.mantissa / determinant.mantissa,
                                     numerator.exponent - determinant.exponent - 1 + quantum);
     }
@@ -199,18 +212,25 @@ std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane&
     const auto solve = [&]<int W>() {
         return position<Real, W>(wide_row<W>(p, a, q), wide_row<W>(p, b, q), wide_row<W>(p, c, q), q);
     };
-    if (range.span() > middle_bits) return solve.template operator()<widest>();
-    if (range.span() > 124) return solve.template operator()<middle>();
-    const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
-    if (!a.plain() || !b.plain() || !c.plain())
-        return position<Real, 2>(narrow_row(p, seed, a, q), narrow_row(p, seed, b, q), narrow_row(p, seed, c, q), q);
-    const Difference da = int_difference(seed, a, q), db = int_difference(seed, b, q), dc = int_difference(seed, c, q);
-    const Int128 m = std::max({largest(da), largest(db), largest(dc)});
-    auto at_width = [&]<int W>() {
-        return position<Real, W>(wide_row<W>(da, a.is_bisector()), wide_row<W>(db, b.is_bisector()),
-                                 wide_row<W>(dc, c.is_bisector()), q);
-    };
-    return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>() : at_width.template operator()<2>();
+    if constexpr (std::is_same_v<Real, WideFloat>) {  // rare, so that one width is enough
+        return solve.template operator()<widest>();
+    } else {
+        if (range.span() > middle_bits) return solve.template operator()<widest>();
+        if (range.span() > 124) return solve.template operator()<middle>();
+        const std::array<Int128, 3> seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
+        if (!a.plain() || !b.plain() || !c.plain())
+            return position<Real, 2>(narrow_row(p, seed, a, q), narrow_row(p, seed, b, q), narrow_row(p, seed, c, q),
+                                     q);
+        const Difference da = int_difference(seed, a, q), db = int_difference(seed, b, q),
+                         dc = int_difference(seed, c, q);
+        const Int128 m = std::max({largest(da), largest(db), largest(dc)});
+        auto at_width = [&]<int W>() {
+            return position<Real, W>(wide_row<W>(da, a.is_bisector()), wide_row<W>(db, b.is_bisector()),
+                                     wide_row<W>(dc, c.is_bisector()), q);
+        };
+        return m < (static_cast<Int128>(1) << 61) ? at_width.template operator()<1>()
+                                                  : at_width.template operator()<2>();
+    }
 }
 
 template <class Real>

@@ -1,13 +1,50 @@
-// Floating point of 2304 bits: relative rounding so small that even a cell as thin as the smallest subnormal in a box
+// Floating point of 2367 bits: relative rounding so small that even a cell as thin as the smallest subnormal in a box
 // of order one keeps a correct volume.
 #pragma once
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <algorithm>
+
+#include "exact/integer/wide_int.hpp"
 
 namespace votess::exact {
 
-using WideFloat =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<2304, boost::multiprecision::digit_base_2>,
-                                  boost::multiprecision::et_off>;
+class WideFloat {
+public:
+    WideFloat(double x = 0);  // NOLINT(google-explicit-constructor): a number as any other
+
+    // integer * 2^exponent, truncated.
+    template <int W>
+    WideFloat(const WideInt<W>& integer, int exponent) {
+        if (integer.zero()) return;
+        constexpr int width = std::max(W, limbs);
+        const WideInt<width> size = resize<width>(integer.negative() ? -integer : integer);
+        const int shift = 64 * width - 1 - bit_length(size);
+        const WideInt<width> aligned = shift_left(size, shift);
+        std::copy_n(aligned.limb.end() - limbs, limbs, mantissa_.limb.begin());
+        if (integer.negative()) mantissa_ = -mantissa_;
+        exponent_ = exponent - shift + 64 * (width - limbs);
+    }
+
+    explicit operator double() const;
+
+    WideFloat operator-() const;
+    friend WideFloat operator+(const WideFloat& a, const WideFloat& b);
+    friend WideFloat operator-(const WideFloat& a, const WideFloat& b) { return a + -b; }
+    friend WideFloat operator*(const WideFloat& a, const WideFloat& b);
+    friend WideFloat operator/(const WideFloat& a, const WideFloat& b);  // b is not 0
+    friend WideFloat ldexp(WideFloat x, int exponent) {
+        x.exponent_ += exponent;
+        return x;
+    }
+    WideFloat& operator+=(const WideFloat& other) { return *this = *this + other; }
+    WideFloat& operator-=(const WideFloat& other) { return *this = *this - other; }
+
+private:
+    static constexpr int limbs = 37;
+
+    // The number is mantissa * 2^exponent, the mantissa as long as it can be, or 0.
+    WideInt<limbs> mantissa_;
+    int exponent_ = 0;
+};
 
 }  // namespace votess::exact

@@ -2,18 +2,52 @@
 
 import os
 import resource
+import shutil
 import signal
+import subprocess
 import unittest
 
 import numpy as np
 
-from cli_test import random_points
+from cli_test import CLI, CliTest, random_points
 from reader_cases import ReaderTest
 
 try:
     import h5py
 except ImportError:
     h5py = None
+
+
+class Hdf5Module(CliTest):
+    """The module that brings HDF5 is loaded for files that need it, and missed with a clear word."""
+
+    def test_other_runs_do_without_it(self):
+        traced = subprocess.run([shutil.which(CLI)], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"}, text=True,
+                                capture_output=True, check=True)
+        self.assertIn("libc.so", traced.stdout)
+        self.assertNotIn("hdf5", traced.stdout)
+
+    def test_missing(self):
+        program = self.folder / "bin" / "clvotess"
+        module = self.folder / "lib" / "votess" / "clvotess_hdf5.so"
+        for folder in [program.parent, module.parent]:
+            folder.mkdir(parents=True)
+        shutil.copy(shutil.which(CLI), program)
+
+        def refuse(*arguments, says):
+            done = subprocess.run([program, *arguments], cwd=self.folder, text=True, capture_output=True, check=False)
+            self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
+            for text in ["lib/votess/clvotess_hdf5.so: ", "(build clvotess where libhdf5-dev is installed", *says]:
+                self.assertIn(text, done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assertFalse((self.folder / "out.h5").exists())
+        refuse("a.h5", says=["cannot read 'a.h5': ", "No such file"])
+        refuse("--random", "50", "-o", "out.h5", says=["cannot write 'out.h5': ", "No such file"])
+        module.write_bytes(b"no module")
+        refuse("a.h5", says=["file too short"])
+        done = subprocess.run([program, "--random", "50", "-o", "out.npz"], cwd=self.folder, check=False,
+                              capture_output=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
 
 
 @unittest.skipUnless(h5py, "NO h5py: HDF5 FILES ARE NOT TESTED (Debian: python3-h5py)")
