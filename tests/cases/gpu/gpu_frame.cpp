@@ -209,7 +209,7 @@ PlanOptions options_for(const PointSet& set) {
 
 votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan) {
     votess::Options options = test::all_options(plan.box);
-    options.walls = plan.walls;
+    options.list_walls = plan.list_walls;
     options.periodic = plan.periodic;
     options.device = "cpu";
     return votess::tessellate(std::span<const double>(set.points), options);
@@ -244,7 +244,7 @@ TEST_SUITE("cases") {
             const PointSet set = test::uniform(n, n);
             CAPTURE(n);
             PlanOptions options = options_for(set);
-            options.walls = true;
+            options.list_walls = true;
             CHECK(check(host, set, options) == "");
         }
     }
@@ -263,12 +263,12 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu frame: a subgroup per cell") {
         Host host;
+        const test::UseKernel chosen(test::by_subgroup());
         PlanOptions options;
         for (const PointSet& set :
              {test::uniform(300, 15), test::clustered(300, 16), test::with_duplicates(130, 20, 17), test::bcc(3)}) {
             CAPTURE(set.name);
             options = options_for(set);
-            options.kernel = test::by_subgroup();
             options.chunk_size = 100;
             CHECK(check(host, set, options) == "");
         }
@@ -276,7 +276,6 @@ TEST_SUITE("cases") {
         host.subgroup_size_control = requirements(host.instance(), host.gpu.adapter.handle).subgroup_size_control;
         const PointSet set = test::uniform(300, 18);
         options = options_for(set);
-        options.kernel = test::by_subgroup();
         CHECK(check(host, set, options) == "");
         options.box = test::unit_box();
         options.periodic = {true, false, true};
@@ -332,7 +331,7 @@ TEST_SUITE("cases") {
                 PlanOptions options = options_for(set);
                 options.box = box;
                 options.periodic = axes(bits);
-                options.walls = n == 9;
+                options.list_walls = n == 9;
                 options.chunk_size = n == 9 ? 5 : 0;
                 const Plan plan(host.device(), options);
                 Target target(host, plan);
@@ -550,7 +549,7 @@ TEST_SUITE("cases") {
         PlanOptions options = options_for(set);
         const Plan plan(host.device(), options);
         PlanOptions other = options;
-        other.walls = true;
+        other.list_walls = true;
         other.chunk_size = 200;
         const Plan second(host.device(), other);
         Target target(host, plan), beside(host, second);
@@ -650,10 +649,11 @@ TEST_SUITE("cases") {
         options.format = static_cast<SeedFormat>(2);
         CHECK(refused([&] { Plan(host.device(), options); }));
         CHECK(said == "format = 2 is neither float32 nor float64");
-        options = good;
-        options.kernel = static_cast<votess::Kernel>(7);
-        CHECK(refused([&] { Plan(host.device(), options); }));
-        CHECK(said == "kernel = 7 is neither automatic nor invocation nor subgroup");
+        {
+            const test::Environment environment("VOTESS_VULKAN_KERNEL", "warp");
+            CHECK(refused([&] { Plan(host.device(), good); }));
+            CHECK(said == "VOTESS_VULKAN_KERNEL is 'warp': give automatic, invocation or subgroup");
+        }
         options = good;
         options.k_init = 1025;
         CHECK(refused([&] { Plan(host.device(), options); }));

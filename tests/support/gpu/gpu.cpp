@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "gpu/passes/kernel_choice.hpp"
 #include "pipeline.hpp"
 #include "support/text.hpp"
 
@@ -118,10 +117,15 @@ std::string device_name() {
     return name != nullptr && *name != '\0' ? name : "lavapipe";
 }
 
-votess::Kernel by_subgroup() {
+votess::gpu::Kernel by_subgroup() {
     static const bool can = votess::gpu::missing_for_subgroups(Gpu().adapter).empty();
-    return can ? votess::Kernel::subgroup : votess::Kernel::invocation;
+    return can ? votess::gpu::Kernel::subgroup : votess::gpu::Kernel::invocation;
 }
+
+UseKernel::UseKernel(votess::gpu::Kernel kernel)
+    : Environment("VOTESS_VULKAN_KERNEL", kernel == votess::gpu::Kernel::subgroup     ? "subgroup"
+                                          : kernel == votess::gpu::Kernel::invocation ? "invocation"
+                                                                                      : nullptr) {}
 
 votess::Precision double_precision() {
     static const bool can = Gpu().device->has_float64();
