@@ -300,8 +300,8 @@ class ArrayOutput(CliTest):
             self.skipTest("no compiler")
         self.put("driver.cpp", """
             #include <array>
-            #include "atomic_file.hpp"
-            #include "zip_writer.hpp"
+            #include "files/atomic_file.hpp"
+            #include "files/formats/zip_writer.hpp"
             int main() {
                 const std::string small(99, 's'), large(100, 'l');
                 clvotess::OutputFile file("out.npz");
@@ -313,8 +313,8 @@ class ArrayOutput(CliTest):
                 file.finish();
                 file.publish();
             }""")
-        sources = [ROOT / "cli" / name for name in ["zip_writer.cpp", "atomic_file.cpp", "interrupt.cpp",
-                                                    "numbers.cpp"]]
+        sources = [ROOT / "cli" / name for name in ["files/formats/zip_writer.cpp", "files/atomic_file.cpp",
+                                                    "interrupt.cpp", "files/numbers.cpp"]]
         subprocess.run([compiler, "-std=c++20", f"-I{ROOT / 'cli'}", "driver.cpp", *map(str, sources), "-lz", "-o",
                         "driver"],
                        cwd=self.folder, check=True)
