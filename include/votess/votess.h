@@ -80,7 +80,7 @@ typedef int (*votess_progress_callback)(double fraction, void* user);
 // message: zero-terminated, valid during the call.
 typedef void (*votess_log_callback)(const char* message, void* user);
 
-// The fields of Options in votess.hpp, in its order.
+// The fields of Options in votess.hpp, where their meaning is told.
 typedef struct votess_options {
     uint32_t struct_size;  // set by votess_options_init
     uint32_t want;         // VOTESS_WANT_* bits; default neighbors and volumes
@@ -184,12 +184,12 @@ VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
-// Of a power diagram the weights; of a polyhedron 4 numbers for each wall as in votess_options.
+// A power diagram has weights, a polyhedron walls: 4 numbers each, as in votess_options.
 VOTESS_API const double* votess_result_weights(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_walls(const votess_result* result, size_t* length);
 VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
-VOTESS_API votess_status votess_result_periodic(const votess_result* result,
-                                                int32_t periodic[3]);  // 1 or 0 for an axis
+// Each axis, or edge of a triclinic box, gets 1 when the domain repeats along it, else 0.
+VOTESS_API votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]);
 // *has_cell becomes 1 for a triclinic box, whose vectors are written, else 0.
 VOTESS_API votess_status votess_result_cell(const votess_result* result, int32_t* has_cell, double origin[3],
                                             double a[3], double b[3], double c[3]);
