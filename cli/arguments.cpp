@@ -16,10 +16,10 @@ struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
     std::optional<std::string> periodic, cell, origin, outside, min_face;
     std::optional<std::string> dataset, frame, weights, radii;
-    std::vector<std::string> planes;
+    std::vector<std::string> walls;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
-    bool walls = false, verify = false, json = false, quiet = false;
+    bool list_walls = false, verify = false, json = false, quiet = false;
     bool help = false, version = false, list_devices = false;
     TypedPicture picture;
 };
@@ -40,7 +40,7 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--periodic", typed.periodic)->expected(0, 1)->default_str("xyz");
     app.add_option("--cell", typed.cell);
     app.add_option("--origin", typed.origin);
-    app.add_option("--wall", typed.planes)->allow_extra_args(false);
+    app.add_option("--wall", typed.walls)->allow_extra_args(false);
     app.add_option("--outside", typed.outside);
     app.add_option("--min-face", typed.min_face);
     app.add_option("--weights", typed.weights);
@@ -54,7 +54,7 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--precision", typed.precision);
     app.add_option("--duplicates", typed.duplicates);
     const auto add_flag = [&app](const char* names, bool& flag) { app.add_flag(names, flag)->disable_flag_override(); };
-    add_flag("--walls", typed.walls);
+    add_flag("--list-walls", typed.list_walls);
     add_flag("--verify", typed.verify);
     add_flag("--json", typed.json);
     add_flag("-q,--quiet", typed.quiet);
@@ -101,6 +101,12 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
     return *value;
 }
 
+// The library knows how large it may be.
+void read_count(const char* option, const std::optional<std::string>& text, unsigned& number) {
+    constexpr unsigned largest = std::numeric_limits<unsigned>::max();
+    if (text) number = static_cast<unsigned>(whole_number(option, *text, largest));
+}
+
 votess::Want read_want(const std::string& list) {
     struct Word {
         std::string_view name;
@@ -123,8 +129,6 @@ votess::Want read_want(const std::string& list) {
         }
         want.*(word->wish) = true;
     }
-    want.vertices |= want.faces;
-    want.neighbors |= want.areas || want.normals || want.faces;
     return want;
 }
 
@@ -178,8 +182,7 @@ void read_domain(const Typed& typed, votess::Options& options) {
     if (typed.box) options.box = read_box(*typed.box);
     if (typed.periodic) options.periodic = read_periodic(typed.periodic->empty() ? "xyz" : *typed.periodic);
     if (typed.cell) {
-        if (typed.box) throw bad_input("--cell and --box are both given: the cell is the periodic box");
-        options.box.reset();
+        if (!typed.box) options.box.reset();
         const auto n = read_numbers<9>("--cell", "ax,ay,az,bx,by,bz,cx,cy,cz", *typed.cell);
         votess::TriclinicBox& cell = options.cell.emplace();
         cell.a = {n[0], n[1], n[2]};
@@ -189,28 +192,14 @@ void read_domain(const Typed& typed, votess::Options& options) {
     } else if (typed.origin) {
         throw bad_input("--origin goes with --cell only: --box has its corners");
     }
-    for (const std::string& plane : typed.planes) options.planes.push_back(read_wall(plane));
-    if (!typed.planes.empty() && typed.random && !typed.box) options.box.reset();
+    for (const std::string& wall : typed.walls) options.walls.push_back(read_wall(wall));
+    if (!typed.walls.empty() && typed.random && !typed.box) options.box.reset();
     if (typed.outside) options.outside = read_outside(*typed.outside);
     if (typed.min_face) {
         const auto share = read_double(*typed.min_face);
         if (!share) throw bad_input("--min-face must be a number, not " + in_quotes(*typed.min_face));
         options.min_face = *share;
     }
-}
-
-std::string read_device(const std::string& device) {
-    constexpr std::size_t most_digits = 6;
-    const bool index =
-        !device.empty() && device.size() <= most_digits && device.find_first_not_of("0123456789") == std::string::npos;
-    if (index || device == "auto" || device == "cpu" || device == "gpu" || device == "lavapipe") return device;
-    throw bad_input("--device must be auto, cpu, gpu, lavapipe or an index out of --list-devices, not " +
-                    in_quotes(device));
-}
-
-std::string read_instructions(const std::string& word) {
-    if (word == "baseline" || word == "avx2" || word == "avx512") return word;
-    throw bad_input("--instructions must be baseline, avx2 or avx512, not " + in_quotes(word));
 }
 
 votess::Precision read_precision(const std::string& word) {
@@ -291,21 +280,15 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.json = typed.json;
     arguments.quiet = typed.quiet;
     votess::Options& options = arguments.options;
-    if (typed.device) options.device = read_device(*typed.device);
-    if (typed.threads) options.threads = static_cast<unsigned>(whole_number("--threads", *typed.threads, 1024));
-    if (typed.grid_resolution) {
-        options.grid_resolution =
-            static_cast<unsigned>(whole_number("--grid-resolution", *typed.grid_resolution, 1u << 20));
-    }
-    if (typed.k_init) options.k_init = static_cast<unsigned>(whole_number("--k-init", *typed.k_init, 1024));
-    if (typed.chunk_size) {
-        options.chunk_size = static_cast<unsigned>(
-            whole_number("--chunk-size", *typed.chunk_size, std::numeric_limits<std::uint32_t>::max()));
-    }
-    if (typed.instructions) options.instructions = read_instructions(*typed.instructions);
+    if (typed.device) options.device = *typed.device;
+    read_count("--threads", typed.threads, options.threads);
+    read_count("--grid-resolution", typed.grid_resolution, options.grid_resolution);
+    read_count("--k-init", typed.k_init, options.k_init);
+    read_count("--chunk-size", typed.chunk_size, options.chunk_size);
+    if (typed.instructions) options.instructions = *typed.instructions;
     if (typed.precision) options.precision = read_precision(*typed.precision);
     if (typed.duplicates) options.duplicates = read_duplicates(*typed.duplicates);
-    options.walls = typed.walls;
+    options.list_walls = typed.list_walls;
     read_source(typed, arguments);
     read_domain(typed, options);
     read_outputs(typed, arguments);
@@ -316,6 +299,9 @@ Arguments read_arguments(int count, const char* const* values) {
     }
 
     options.want = arguments.wanted;
+    votess::Options to_write = options;
+    to_write.min_face = 0;  // it measures areas, which no file is to hold for that
+    arguments.wanted = votess::implied_want(to_write);
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
     return arguments;
 }

@@ -38,7 +38,8 @@ domain
   --periodic [xyz]       the box repeats along these axes; alone: along all three. Points beyond it
                          are wrapped into it
   --cell ax,ay,az,bx,by,bz,cx,cy,cz
-                         a triclinic box, periodic along its edges a, b and c, instead of --box
+                         a triclinic box, periodic along its edges a, b and c, instead of --box;
+                         --periodic beside it, or beside that of a file, names all three axes
   --origin x,y,z         the corner of --cell; default 0,0,0
                          The box of a LAMMPS file is taken, with its tilt and its periodic axes (in
                          a data file all three), unless --box or --cell is given; --periodic alone
@@ -90,8 +91,9 @@ output
                          Numbers have the fewest digits that read back as the same float64.
   --want LIST            of neighbors,volumes,centroids,counts,areas,normals,surfaces,radii,
                          vertices,faces; default neighbors,volumes; an output that needs more adds
-                         it. Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add --walls
-  --walls                list the walls of the box too, as neighbors -1 to -6 = xmin, xmax, ymin,
+                         it. Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add
+                         --list-walls
+  --list-walls           list the walls of the box too, as neighbors -1 to -6 = xmin, xmax, ymin,
                          ymax, zmin, zmax
   --json                 the summary as one JSON object on stdout
   -q, --quiet            no summary, no progress bar

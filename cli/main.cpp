@@ -79,7 +79,6 @@ std::string take_domain(const FileDomain& domain, votess::Options& options) {
     const bool own_axes = std::ranges::count(options.periodic, true) > 0;
     if (domain.cell) {
         options.cell = domain.cell;
-        options.periodic = {};
         return "triclinic periodic domain of the file";
     }
     if (!domain.box) return {};
@@ -120,7 +119,7 @@ int run(const Arguments& arguments) {
         summary.input_note += (input.note.empty() ? "" : ", ") + taken;
     }
     // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
-    const bool once = !arguments.picture || options.walls || arguments.outputs.empty();
+    const bool once = !arguments.picture || options.list_walls || arguments.outputs.empty();
     votess::Options for_picture = options;
     if (arguments.picture) add_needs(*arguments.picture, for_picture.want);
     const votess::Tessellation tessellation =

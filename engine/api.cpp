@@ -107,8 +107,8 @@ const std::array<bool, 3>& Tessellation::periodic() const noexcept {
 const std::optional<TriclinicBox>& Tessellation::cell() const noexcept {
     return result_->cell;
 }
-std::span<const Wall> Tessellation::planes() const noexcept {
-    return result_->planes;
+std::span<const Wall> Tessellation::walls() const noexcept {
+    return result_->walls;
 }
 std::span<const double> Tessellation::weights() const noexcept {
     return result_->weights;

@@ -60,7 +60,7 @@ Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std
 
     Options options;
     options.box = how.box.value_or(plan.box);
-    options.walls = plan.walls;
+    options.list_walls = plan.list_walls;
     options.periodic = plan.periodic;
     options.threads = how.threads;
     options.want = {.neighbors = true, .volumes = true, .centroids = true};

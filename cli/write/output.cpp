@@ -47,7 +47,7 @@ bool is_text_output(const std::string& path) {
 void add_output_needs(const std::string& path, votess::Want& want) {
     const Kind* const kind = kind_of(path);
     if (!kind || !kind->mesh) return;
-    want.faces = want.vertices = want.neighbors = true;
+    want.faces = true;
     if (kind->write == write_vtu) want.volumes = want.centroids = true;
 }
 

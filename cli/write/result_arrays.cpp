@@ -22,8 +22,7 @@ std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const 
         const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
         arrays.push_back({name, type_of<Number>(), columns, bytes});
     };
-    const bool faces = wanted.faces, vertices = wanted.vertices || faces;
-    if (wanted.neighbors || wanted.areas || wanted.normals || faces) {
+    if (wanted.neighbors) {
         add("indptr", cells.indptr());
         add("indices", cells.indices());
         if (!cells.shifts().empty()) add("shifts", cells.shifts(), 3);
@@ -39,12 +38,12 @@ std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const 
         add("edge_counts", cells.edge_counts());
         add("vertex_counts", cells.vertex_counts());
     }
-    if (vertices) {
+    if (wanted.vertices) {
         add("vertices", cells.vertices(), 3);
         add("cell_vertex_indptr", cells.cell_vertex_indptr());
         add("cell_vertex_indices", cells.cell_vertex_indices());
     }
-    if (faces) {
+    if (wanted.faces) {
         add("face_offsets", cells.face_offsets());
         add("face_vertices", cells.face_vertices());
     }

@@ -46,13 +46,13 @@ void TextFormat::add_needs(votess::Want& want) const {
                 want.centroids = true;
                 break;
             case 'f':
-                want.areas = want.neighbors = true;
+                want.areas = true;
                 break;
             case 'F':
                 want.surfaces = true;
                 break;
             case 'l':
-                want.normals = want.neighbors = true;
+                want.normals = true;
                 break;
             case 'm':
                 want.radii = true;
@@ -72,7 +72,7 @@ void TextFormat::add_needs(votess::Want& want) const {
             case 'A':
             case 'a':
             case 't':
-                want.faces = want.vertices = want.neighbors = true;
+                want.faces = true;
                 break;
             default:
                 break;

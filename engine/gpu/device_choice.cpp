@@ -52,7 +52,7 @@ const Adapter* choose(const std::string& device, const std::vector<Adapter>& ada
         const std::string same = with_reasons(adapters, software), others = with_reasons(adapters, !software);
         if (!same.empty()) refuse(device, same);
         refuse(device, software ? "no Vulkan device is software, there is " + others
-                                : "no Vulkan device is a GPU, there is " + others + " (use -x lavapipe or -x cpu)");
+                                : "no Vulkan device is a GPU, there is " + others + " (use lavapipe or cpu)");
     }
     const auto index = static_cast<std::size_t>(std::stoul(device));
     if (index >= adapters.size()) refuse(device, "the Vulkan devices are 0 to " + std::to_string(adapters.size() - 1));

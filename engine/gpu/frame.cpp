@@ -48,7 +48,6 @@ void check(const PlanOptions& options) {
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
                " is neither float32 nor float64");
     check_k_init(options.k_init);
-    check_kernel(options.kernel);
     check_box(options.box);
 }
 
@@ -108,7 +107,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
          host.subgroup_size_control, host.pipeline_cache});
     state->options = options;
     gpu::vulkan::Device& device = *state->device;
-    gpu::PassSettings settings = gpu::usual_settings(device, options.k_init, options.kernel);
+    gpu::PassSettings settings = gpu::usual_settings(device, options.k_init);
     settings.measure = options.geometry;
     settings.frames = true;
     settings.most_walk_visits = std::min(settings.most_walk_visits, most_walk_visits);
@@ -268,7 +267,7 @@ void detail::FrameState::record_cells(std::uint32_t count) {
     const gpu::Passes& passes = *plan->passes;
     gpu::ChunkJob job;
     job.neighbors = plan->options.neighbors;
-    job.walls = plan->options.walls;
+    job.walls = plan->options.list_walls;
     job.volume_tolerance = volume_tolerance;
     job.own_count = count;
     for (std::size_t k = 0; k < 3; ++k) {

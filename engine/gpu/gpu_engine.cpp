@@ -29,7 +29,7 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     if (measured_double && !float64)
         throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name +
                                                 "' has no float64 arithmetic: use precision single, or the CPU");
-    PassSettings s = usual_settings(*device_, options.k_init, options.kernel);
+    PassSettings s = usual_settings(*device_, options.k_init);
     if (limits_.most_walk_visits != 0) s.most_walk_visits = limits_.most_walk_visits;
     s.tiers[0].float64 = measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
@@ -154,7 +154,7 @@ void GpuEngine::clip_part(std::size_t index) {
     ChunkJob job;
     const Options& options = job_.options;
     job.neighbors = options.want.neighbors || lists_only_;
-    job.walls = options.walls;
+    job.walls = options.list_walls;
     job.volume_tolerance = options.precision == Precision::double_ ? 0.5e-10 : 0.5e-5;
     job.own_count = part_.own_count;
     std::copy_n(part_.lower, 3, job.lower);

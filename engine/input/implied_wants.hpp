@@ -5,12 +5,13 @@
 
 namespace votess {
 
-inline void add_implied(Options& options) {
-    Want& want = options.want;
+// options.want, and the arrays that these and min_face need.
+inline Want with_implied(const Options& options) {
+    Want want = options.want;
     want.areas |= options.min_face > 0;
     want.vertices |= want.faces;
-    options.walls |= want.faces;
     want.neighbors |= want.areas || want.normals || want.vertices;
+    return want;
 }
 
 // What needs polytopes, and not only lists, volumes, centroids, counts and areas.

@@ -141,14 +141,18 @@ void check_domain(const Options& options) {
     if (options.box) check_box(*options.box);
     if (options.cell) {
         if (options.box) refuse("box and cell are both given: the cell is the periodic box");
+        if (std::ranges::count(options.periodic, true) % 3 != 0)
+            refuse(
+                "cell and periodic contradict each other: a cell repeats along all three edges, so periodic names all "
+                "axes or none");
         for (const auto& [name, numbers] : vectors_of(*options.cell))
             for (const double x : numbers)
                 if (!std::isfinite(x)) refuse("cell: it holds " + number(x) + ", which is not finite");
     }
-    if (!options.planes.empty() && (periodic || options.cell))
-        refuse("planes and a periodic domain are both given: walls go with a box that is not periodic");
-    for (std::size_t w = 0; w < options.planes.size(); ++w)
-        (void)domain_wall(options.planes[w], 1, "wall " + std::to_string(w));
+    if (!options.walls.empty() && (periodic || options.cell))
+        refuse("walls and a periodic domain are both given: walls go with a box that is not periodic");
+    for (std::size_t w = 0; w < options.walls.size(); ++w)
+        (void)domain_wall(options.walls[w], 1, "wall " + std::to_string(w));
     if (options.outside != Outside::error && options.outside != Outside::drop)
         refuse("outside = " + std::to_string(static_cast<int>(options.outside)) + " is neither error nor drop");
     if (!options.weights.empty() && !options.radii.empty())
@@ -208,13 +212,13 @@ void take_weights(const Job& job, Domain& domain) {
 }
 
 void take_walls(Job& job, Domain& domain) {
-    const auto& planes = job.options.planes;
-    for (std::size_t w = 0; w < planes.size(); ++w)
-        domain.walls.push_back(domain_wall(planes[w], job.scale, "wall " + std::to_string(w)));
-    if (planes.empty()) return;
+    const auto& walls = job.options.walls;
+    for (std::size_t w = 0; w < walls.size(); ++w)
+        domain.walls.push_back(domain_wall(walls[w], job.scale, "wall " + std::to_string(w)));
+    if (walls.empty()) return;
     // Seeds are compared as given: of those far outside, scaling might leave nothing finite.
     std::vector<exact::Plane> as_given;
-    for (const Wall& plane : planes) as_given.push_back(domain_wall(plane, 1, {}));
+    for (const Wall& wall : walls) as_given.push_back(domain_wall(wall, 1, {}));
     std::optional<exact::Point> any_inside;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
@@ -270,12 +274,6 @@ void check_k_init(std::uint32_t k_init) {
                ", or 0 for automatic");
 }
 
-void check_kernel(Kernel kernel) {
-    if (kernel != Kernel::automatic && kernel != Kernel::invocation && kernel != Kernel::subgroup)
-        refuse("kernel = " + std::to_string(static_cast<int>(kernel)) +
-               " is neither automatic nor invocation nor subgroup");
-}
-
 void check_box(const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double lower = box.lower[k], upper = box.upper[k];
@@ -299,7 +297,7 @@ void check_options(const Options& options) {
         refuse("threads = " + std::to_string(options.threads) + " is too many: give at most " +
                std::to_string(most_threads) + ", or 0 for all");
     if (options.grid_resolution > most_resolution)
-        refuse("grid resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
+        refuse("grid_resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
                std::to_string(most_resolution) + ", or 0 for automatic");
     check_k_init(options.k_init);
     check_instructions(options.instructions);
@@ -308,12 +306,16 @@ void check_options(const Options& options) {
                " is not known: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
     if (options.precision != Precision::single && options.precision != Precision::double_)
         refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
-    check_kernel(options.kernel);
     if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
         refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
     if (!(options.min_face >= 0 && std::isfinite(options.min_face)))
         refuse("min_face = " + number(options.min_face) + " is no share of the mean face: give a number from 0 on");
     check_domain(options);
+}
+
+Want implied_want(const Options& options) {
+    check_options(options);
+    return with_implied(options);
 }
 
 Job validate(const Points& points, const Options& options) {
@@ -327,12 +329,13 @@ Job validate(const Points& points, const Options& options) {
     const Box bounds = check_points(points, options, job.outside);
     job.points = points;
     job.options = options;
-    add_implied(job.options);
+    job.options.want = with_implied(options);
+    job.options.list_walls |= options.want.faces;
     if (options.cell) {
         job.scale = scale_for(largest_number(*options.cell));
     } else {
         job.box = options.box ? *options.box : default_box(bounds, points.count());
-        if (!options.box && !options.planes.empty()) check_box(job.box = bounds_of(options.planes, job.box));
+        if (!options.box && !options.walls.empty()) check_box(job.box = bounds_of(options.walls, job.box));
         job.scale = scale_for(largest_coordinate(job.box));
     }
     check_scaled(job);

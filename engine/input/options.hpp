@@ -9,7 +9,6 @@ namespace votess {
 void check_options(const Options& options);
 void check_box(const Box& box);
 void check_k_init(std::uint32_t k_init);
-void check_kernel(Kernel kernel);
 // Options and points.
 Job validate(const Points& points, const Options& options);
 

@@ -96,7 +96,7 @@ std::vector<Color> color_cells(std::span<const double> values, const Scale& scal
 
 // The domain's corners, bit k of the index telling the end along edge k; none for a polyhedron.
 std::vector<Vec3> domain_corners(const Tessellation& t) {
-    if (!t.planes().empty()) return {};
+    if (!t.walls().empty()) return {};
     std::vector<Vec3> corners;
     const Box& box = t.box();
     for (unsigned corner = 0; corner < 8; ++corner) {

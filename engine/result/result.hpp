@@ -12,7 +12,7 @@ struct Result {
     Box box;
     std::array<bool, 3> periodic{};
     std::optional<TriclinicBox> cell;
-    std::vector<Wall> planes;
+    std::vector<Wall> walls;
     std::vector<double> weights;
     bool lists_walls = false;
     double least_face = 0;

@@ -71,7 +71,7 @@ double accurate_sum(std::span<const double> values) {
 }
 
 std::size_t wall_count(const Options& options) {
-    return 6 + options.planes.size();
+    return 6 + options.walls.size();
 }
 
 void read_wide(const std::byte* from, std::size_t count, std::int32_t* ids) {
@@ -106,11 +106,11 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     result_.box = job.box;
     result_.periodic = job.options.cell ? std::array{true, true, true} : job.options.periodic;
     result_.cell = job.options.cell;
-    result_.planes = job.options.planes;
+    result_.walls = job.options.walls;
     result_.weights.assign(job.options.weights.begin(), job.options.weights.end());
     for (const double radius : job.options.radii) result_.weights.push_back(radius * radius);
     box_volume_ = job.box_volume;
-    result_.lists_walls = job.options.walls;
+    result_.lists_walls = job.options.list_walls;
     result_.least_face = 0;
     min_face_ = job.options.min_face;
     fill(result_.status, count, CellStatus::certified, pool);

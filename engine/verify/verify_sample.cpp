@@ -263,7 +263,7 @@ std::string check_sample(const Tessellation& t, std::span<const double> points, 
         as_before.cell = t.cell();
     else
         as_before.box = t.box(), as_before.periodic = t.periodic();
-    as_before.planes.assign(t.planes().begin(), t.planes().end());
+    as_before.walls.assign(t.walls().begin(), t.walls().end());
     as_before.outside = Outside::drop;
     as_before.weights = t.weights();
     const Job job = validate({points, {}}, as_before);

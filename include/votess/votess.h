@@ -75,52 +75,43 @@ typedef enum votess_precision {
     VOTESS_PRECISION_DOUBLE = 1   // relative error 1e-10
 } votess_precision;
 
-// Tuning of a GPU; see Kernel in votess.hpp.
-typedef enum votess_kernel {
-    VOTESS_KERNEL_AUTOMATIC = 0,
-    VOTESS_KERNEL_INVOCATION = 1,
-    VOTESS_KERNEL_SUBGROUP = 2
-} votess_kernel;
-
 // Called from the thread inside votess_tessellate, some ten times a second; return 0 to cancel, else nonzero.
 typedef int (*votess_progress_callback)(double fraction, void* user);
 // message: zero-terminated, valid during the call.
 typedef void (*votess_log_callback)(const char* message, void* user);
 
+// The fields of Options in votess.hpp, where their meaning is told.
 typedef struct votess_options {
     uint32_t struct_size;  // set by votess_options_init
     uint32_t want;         // VOTESS_WANT_* bits; default neighbors and volumes
+    int32_t list_walls;    // nonzero: list wall ids in the rows: -1..-6 of the box, -7, -8, ... of walls
     int32_t has_box;       // 0: default box (see Options::box in votess.hpp), else box_lower, box_upper count
-    int32_t walls;         // nonzero: list wall ids in the rows: -1..-6 of the box, -7, -8, ... of planes
     double box_lower[3];
     double box_upper[3];
-    int32_t duplicates;                 // VOTESS_DUPLICATES_*
-    uint32_t threads;                   // CPU threads, 0 = all; at most 1024
-    uint32_t grid_resolution;           // 0 = automatic; at most 2^20
-    uint32_t reserved;                  // 0
-    const char* device;                 // "auto", "cpu", "gpu", "lavapipe" or an id of votess_device_info; NULL = auto
-    votess_progress_callback progress;  // may be NULL
-    void* progress_user;
-    votess_log_callback log;  // may be NULL
-    void* log_user;
-    int32_t precision;         // VOTESS_PRECISION_*; default single
-    uint32_t k_init;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
-    uint32_t chunk_size;       // GPU: cells in flight at once, 0 = automatic
-    int32_t kernel;            // GPU: VOTESS_KERNEL_*; default automatic
-    const char* instructions;  // CPU: "baseline", "avx2", "avx512"; NULL or "" = the best that the processor has
-    double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
-    int32_t periodic[3];       // nonzero: the box repeats along x, y, z
-    int32_t has_cell;          // nonzero: a triclinic periodic box, instead of box and periodic
+    int32_t periodic[3];  // nonzero: the box repeats along x, y, z
+    int32_t has_cell;     // nonzero: a triclinic periodic box instead of box
     double cell_origin[3];
     double cell_a[3];
     double cell_b[3];
     double cell_c[3];
-    const double* planes;  // 4 * plane_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
-    uint64_t plane_count;
-    const double* weights;  // as many as points, or NULL: a power diagram; read only during the call
-    const double* radii;    // the same as radii, whose squares are the weights; not both
-    int32_t outside;        // VOTESS_OUTSIDE_*: seeds outside of box or planes
-    uint32_t reserved3;     // 0
+    const double* walls;  // 4 * wall_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
+    uint64_t wall_count;
+    const double* weights;     // as many as points, or NULL: a power diagram; read only during the call
+    const double* radii;       // the same as radii, whose squares are the weights; not both
+    double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
+    int32_t outside;           // VOTESS_OUTSIDE_*: seeds outside of box or walls
+    int32_t duplicates;        // VOTESS_DUPLICATES_*
+    const char* device;        // "auto", "cpu", "gpu", "lavapipe" or an id of votess_device_info; NULL = auto
+    int32_t precision;         // VOTESS_PRECISION_*; default single
+    uint32_t threads;          // CPU threads, 0 = all; at most 1024
+    uint32_t grid_resolution;  // 0 = automatic; at most 2^20
+    uint32_t k_init;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
+    uint32_t chunk_size;       // GPU: cells in flight at once, 0 = automatic
+    const char* instructions;  // CPU: "baseline", "avx2", "avx512"; NULL or "" = the best that it has
+    votess_progress_callback progress;  // may be NULL
+    void* progress_user;
+    votess_log_callback log;  // may be NULL
+    void* log_user;
 } votess_options;
 
 typedef struct votess_stats {
@@ -129,9 +120,8 @@ typedef struct votess_stats {
     uint64_t points, faces, duplicates, empty_cells, fallback_cells, exact_cells, peak_memory_bytes;
     double mean_faces, volume_sum, box_volume;
     double seconds_upload, seconds_sort, seconds_knn, seconds_clip, seconds_fallback, seconds_download, seconds_total;
-    char device[256];   // zero-terminated
     int32_t precision;  // VOTESS_PRECISION_*: what volumes, centroids and areas hold; the CPU always gives double
-    uint32_t reserved;  // 0
+    char device[252];   // zero-terminated
 } votess_stats;
 
 typedef struct votess_tessellator votess_tessellator;
@@ -150,6 +140,9 @@ VOTESS_API const char* votess_last_error(void);
 // Fills in the defaults, struct_size too. options: not NULL. size: sizeof(votess_options) as the caller compiled it;
 // the library writes no byte beyond it.
 VOTESS_API votess_status votess_options_init(votess_options* options, size_t size);
+// *want becomes the VOTESS_WANT_* bits of what a result holds: options->want, and the arrays that these and min_face
+// need. Fails for options that are wrong whatever the points are. The lengths of weights and radii are not looked at.
+VOTESS_API votess_status votess_options_implied_want(const votess_options* options, uint32_t* want);
 
 // Keeps device, threads and buffers between calls, and the memory of a result that was freed for the next one:
 // keep one for seeds that move from call to call. votess_tessellator_free gives all of it back. Results that are held
@@ -191,7 +184,15 @@ VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
+// A power diagram has weights, a polyhedron walls: 4 numbers each, as in votess_options.
+VOTESS_API const double* votess_result_weights(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_walls(const votess_result* result, size_t* length);
 VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
+// Each axis, or edge of a triclinic box, gets 1 when the domain repeats along it, else 0.
+VOTESS_API votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]);
+// *has_cell becomes 1 for a triclinic box, whose vectors are written, else 0.
+VOTESS_API votess_status votess_result_cell(const votess_result* result, int32_t* has_cell, double origin[3],
+                                            double a[3], double b[3], double c[3]);
 VOTESS_API votess_status votess_result_stats(const votess_result* result, votess_stats* stats);
 
 // The dual of the cells, see delaunay() in votess.hpp; result needs faces. It does not need the result afterwards.

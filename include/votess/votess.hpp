@@ -67,7 +67,7 @@ enum class CellStatus : std::uint8_t {
     candidates_exhausted = 4,  // the candidate list ended before the security radius
     duplicate = 5,             // same coordinates as a seed of lower index, which keeps the cell; this one is empty
     empty = 6,                 // power diagrams: the cell has no interior
-    outside = 7,               // the seed lies outside of box or planes and was dropped, see Options::outside
+    outside = 7,               // the seed lies outside of box or walls and was dropped, see Options::outside
 };
 
 // A triclinic box, periodic along its three edge vectors, which may have any direction and handedness; its volume is
@@ -82,27 +82,20 @@ struct Wall {
     double offset = 0;
 };
 
-enum class Outside : std::uint8_t {
+enum class Outside : std::int32_t {
     error = 0,  // refuse the input
-    drop = 1,   // seeds outside of box or planes get an empty cell with status `outside`
+    drop = 1,   // seeds outside of box or walls get an empty cell with status `outside`
 };
 
-enum class Duplicates : std::uint8_t {
+enum class Duplicates : std::int32_t {
     merge = 0,  // the lowest index keeps the cell, the others are empty with status `duplicate`
     error = 1,  // refuse the input
 };
 
-// Of volumes, centroids and areas: the relative error that is promised. The lists are exact either way.
-enum class Precision : std::uint8_t {
+// The relative error that is promised of volumes, centroids and areas. The lists are exact either way.
+enum class Precision : std::int32_t {
     single = 0,   // 1e-5 on a GPU; the CPU gives 1e-10 always
     double_ = 1,  // 1e-10; on a GPU that lacks float64 arithmetic `unsupported`
-};
-
-// Who makes a cell on a GPU. Changes speed and memory, never the answer.
-enum class Kernel : std::uint8_t {
-    automatic = 0,   // `subgroup` on GPUs that can, `invocation` on software devices
-    invocation = 1,  // each shader invocation one cell, from a list of its neighbors in memory
-    subgroup = 2,    // the invocations of a subgroup together, searching as they clip; needs subgroups of 8 to 64
 };
 
 // Which arrays to compute and store.
@@ -132,15 +125,15 @@ struct Options {
     // Axes along which the box repeats. Seeds beyond it are wrapped into it, by a whole number of periods and without
     // any rounding; an image of a seed is the exact sum of its coordinates and box vectors.
     std::array<bool, 3> periodic{};
-    // Instead of box and periodic.
+    // Instead of box. It repeats along its three edges: `periodic` names all axes or none beside it.
     std::optional<TriclinicBox> cell;
     // A convex polyhedron: walls that cut the box, ids -7, -8, ... in this order. Not with a periodic domain. Without a
     // box the polyhedron bounds itself; on sides where it has no end within a million times the size of the default
     // box, that one does.
-    std::vector<Wall> planes;
+    std::vector<Wall> walls;
     Outside outside = Outside::error;
     // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) and -7, -8, ... in the rows too.
-    bool walls = false;
+    bool list_walls = false;
     // Power diagram: N weights w, length unit squared, any sign; read only during the call. The cell of seed i is where
     // |x - p_i|^2 - w_i is least. Empty: all weights are 0, the Voronoi diagram. Or N radii: weights are their squares,
     // rounded to float64.
@@ -162,19 +155,20 @@ struct Options {
     unsigned grid_resolution = 0;  // blocks along an axis of the sorting grid, 0 = automatic; at most 2^20
     unsigned k_init = 0;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
     unsigned chunk_size = 0;       // GPU: cells in flight at once, 0 = automatic
-    // GPU: who makes a cell. `subgroup` where subgroups cannot is `unsupported`.
-    Kernel kernel = Kernel::automatic;
     // CPU: "baseline", "avx2" or "avx512"; one that the processor lacks is `unsupported`. "" = the best it has.
     std::string instructions;
 
     ProgressCallback progress;
     LogCallback log;
 };
+// What a result holds: options.want, and the arrays that these and min_face need. Throws invalid_argument or
+// unsupported for options that are wrong whatever the seeds are.
+[[nodiscard]] VOTESS_API Want implied_want(const Options& options);
 
 // Seconds of wall clock per stage of the pipeline. On the CPU `knn` builds the search structure, and `clip` pulls the
 // candidates and decides uncertain signs exactly on the spot, so that nothing is left for `fallback`. On a GPU, where
 // chunks of cells pass through knn, clip and download while the CPU does its share of the chunk before (`fallback`),
-// that stretch is divided by what each took; Kernel::subgroup searches within `clip`.
+// that stretch is divided by what each took; where a subgroup of the device makes a cell, it searches within `clip`.
 struct StageSeconds {
     double upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
     double total = 0;
@@ -256,7 +250,7 @@ public:
     [[nodiscard]] const Box& box() const noexcept;  // the domain that was used; of a triclinic one the bounds
     [[nodiscard]] const std::array<bool, 3>& periodic() const noexcept;
     [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
-    [[nodiscard]] std::span<const Wall> planes() const noexcept;
+    [[nodiscard]] std::span<const Wall> walls() const noexcept;
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
     [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
     [[nodiscard]] const Stats& stats() const noexcept;

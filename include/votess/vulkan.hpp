@@ -68,7 +68,7 @@ struct HostDevice {
     VkPhysicalDeviceFeatures features{};  // those that the device was made with
     // The device was made with subgroupSizeControl and computeFullSubgroups of
     // VkPhysicalDeviceSubgroupSizeControlFeatures; below Vulkan 1.3 with VK_EXT_subgroup_size_control for them.
-    // Without, devices whose subgroups vary in size (Intel's) make each cell by an invocation, see Kernel.
+    // Without, devices whose subgroups vary in size (Intel's) make each cell by one invocation.
     bool subgroup_size_control = false;
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // may be null
     // VK_EXT_debug_utils is enabled: stages get labels, objects names. Loaders (1.3.239) may crash in these calls while
@@ -97,11 +97,10 @@ struct PlanOptions {
     std::uint32_t stride = 3;        // numbers from one seed to the next, at least 3: 4 for a vec4
     bool neighbors = true;           // rows of neighbors
     bool geometry = true;            // volumes and centroids
-    bool walls = false;              // list the wall ids -1 .. -6 in the rows too
+    bool list_walls = false;         // list the wall ids -1 .. -6 in the rows too
     std::uint32_t most_entries = 0;  // of all rows together; 0 = 20 a seed. See Header::entries
     std::uint32_t chunk_size = 0;    // cells worked on at once: more workspace, more speed. 0 = automatic: 2^20 on GPUs
     std::uint32_t k_init = 0;        // as Options::k_init
-    Kernel kernel = Kernel::automatic;  // as Options::kernel
 };
 
 // A part of a buffer. The offset must be a multiple of minStorageBufferOffsetAlignment. One buffer may hold several.

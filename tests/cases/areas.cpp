@@ -134,7 +134,7 @@ TEST_SUITE("cases") {
         const test::PointSet set = test::uniform(test::by_size(1000, 200), 32);
         const auto full = test::run(set);
         votess::Options options = test::all_options();
-        options.walls = false;
+        options.list_walls = false;
         options.want = {.neighbors = false, .volumes = false, .areas = true};
         const auto t = test::run(set, options);
         CHECK(t.indptr().size() == set.size() + 1);

@@ -255,13 +255,13 @@ TEST_SUITE("cases") {
                 votess::Wall wall{{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}, 0};
                 for (const double n : wall.normal) wall.offset += 0.5 * n;
                 wall.offset += random.uniform(0.05, 0.4);
-                options.planes.push_back(wall);
+                options.walls.push_back(wall);
             }
             options.outside = votess::Outside::error;
             Coordinates inside;
             while (inside.size() < 21) {
                 const Coordinates x = random_points(random, 1);
-                const bool kept = std::ranges::all_of(options.planes, [&](const votess::Wall& w) {
+                const bool kept = std::ranges::all_of(options.walls, [&](const votess::Wall& w) {
                     return w.normal[0] * x[0] + w.normal[1] * x[1] + w.normal[2] * x[2] < w.offset - 1e-9;
                 });
                 if (kept) inside.insert(inside.end(), x.begin(), x.end());
@@ -273,13 +273,13 @@ TEST_SUITE("cases") {
         options.box = test::cube(-2, 2);
         for (const double x : {-1, 1})
             for (const double y : {-1, 1})
-                for (const double z : {-1, 1}) options.planes.push_back({{x, y, z}, 1});
+                for (const double z : {-1, 1}) options.walls.push_back({{x, y, z}, 1});
         CHECK(check({0, 0, 0, 0.5, 0, 0, 0, 0.5, 0, 0.25, 0.25, 0.5, -0.5, 0, 0, 1, 0, 0}, options, 0) == "");
     }
 
     TEST_CASE("domains: a seed outside a wall is refused or dropped") {
         Options options = domain_options();
-        options.planes.push_back({{1, 1, 1}, 1.5});
+        options.walls.push_back({{1, 1, 1}, 1.5});
         const Coordinates points{0.1, 0.1, 0.1, 0.9, 0.9, 0.9, 0.5, 0.5, 0.5, 0.3, 0.6, 0.2};
         CHECK_THROWS_WITH_AS((void)votess::tessellate(std::span<const double>(points), options),
                              "point 1: (0.9, 0.9, 0.9) is outside wall 0: move it, or drop seeds that are outside",
@@ -331,7 +331,7 @@ TEST_SUITE("cases") {
     TEST_CASE("domains: seeds outside of a box with more walls") {
         Options options = domain_options();
         options.outside = votess::Outside::drop;
-        options.planes.push_back({{1, 0, 0}, 0.75});
+        options.walls.push_back({{1, 0, 0}, 0.75});
         const Coordinates points{-0.5, 0.5, 0.5, 0.9, 0.5, 0.5, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5};
         const auto t = votess::tessellate(std::span<const double>(points), options);
         CHECK(t.stats().empty_cells == 2);
@@ -346,7 +346,7 @@ TEST_SUITE("cases") {
             for (std::size_t k = 0; k < 3; ++k) {
                 votess::Wall wall{{0, 0, 0}, 5};
                 wall.normal[k] = sign;
-                options.planes.push_back(wall);
+                options.walls.push_back(wall);
             }
         const Coordinates points{0.1, 0.1, 0.1, 0.2, -0.1, 0};
         const auto t = votess::tessellate(std::span<const double>(points), options);

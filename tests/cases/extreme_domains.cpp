@@ -99,11 +99,11 @@ TEST_SUITE("cases") {
         CHECK(has(refusal({1, 1, -1}, options), "box: upper z"));
         options.box = test::cube(0, 0x1p100);
         CHECK(has(refusal({1, 1, 0x1p-1000}, options), "point 0: z"));
-        options.planes = {{{-1, 0, 0}, -0x1p-1000}};
+        options.walls = {{{-1, 0, 0}, -0x1p-1000}};
         CHECK(has(refusal({1, 1, 1}, options), "wall 0"));
-        options.planes = {{{0, 0, 1}, 0x1p99}, {{0x1p1000, 0x1p-1074, 0}, 0x1p1020}};
+        options.walls = {{{0, 0, 1}, 0x1p99}, {{0x1p1000, 0x1p-1074, 0}, 0x1p1020}};
         CHECK(has(refusal({1, 1, 1}, options), "wall 1"));
-        options.planes.clear();
+        options.walls.clear();
         const std::vector<double> weights{0, 0x1p-1000};
         options.weights = weights;
         CHECK(has(refusal({1, 1, 1, 2, 2, 2}, options), "weight 1"));
@@ -120,7 +120,7 @@ TEST_SUITE("cases") {
             for (const double sign : {-1, 1}) {
                 votess::Wall wall{{0, 0, 0}, 0x1p-300};
                 wall.normal[k] = sign;
-                options.planes.push_back(wall);
+                options.walls.push_back(wall);
             }
         const auto t = tessellate({0, 0, 0, 0x1p900, 0, 0, 0, -0x1p1000, 0, 0x1p-301, 0, 0}, options);
         const std::vector<votess::CellStatus> status(t.status().begin(), t.status().end());
@@ -205,7 +205,7 @@ TEST_SUITE("cases") {
         for (const double e : {1e-3, 1e-8, 1e-9, 1e-10, 1e-15, 0x1p-70, 0x1p-105}) {
             CAPTURE(e);
             Options options = test::all_options();
-            options.planes = wedge(e);
+            options.walls = wedge(e);
             const Coordinates points{0.5, 0, 0, 0.75, 0.25, 0};  // whose own bounds end far from the edge
             const auto t = tessellate(points, options);
             const double exact = 8 * e;  // 2 * integral of 2 e (1 + x)
@@ -230,14 +230,14 @@ TEST_SUITE("cases") {
         const Coordinates points{0.5, 0, 0, -0.5, 0.25, 0};
         Options options = test::all_options();
         const auto otherwise = tessellate(points, options).box();
-        options.planes = wedge(1e-10);
-        options.planes.erase(options.planes.begin() + 2);  // x <= 1
+        options.walls = wedge(1e-10);
+        options.walls.erase(options.walls.begin() + 2);  // x <= 1
         const auto t = tessellate(points, options);
         CHECK(t.box().lower[0] <= -1);
         CHECK(t.box().upper[0] == otherwise.upper[0]);
         CHECK(t.box().upper[1] == doctest::Approx(1).epsilon(0.01));
         // Two walls that are one plane but for the last bit: beyond their line there is room without end.
-        options.planes = {{{std::nextafter(1.0, 2), 0, 1}, 1}, {{1, 0, 1}, 1}, {{0, 0, -1}, 1}};
+        options.walls = {{{std::nextafter(1.0, 2), 0, 1}, 1}, {{1, 0, 1}, 1}, {{0, 0, -1}, 1}};
         const auto open = tessellate(points, options);
         CHECK(open.box().lower[0] == otherwise.lower[0]);
         CHECK(open.box().upper[0] == doctest::Approx(2).epsilon(0.01));
@@ -245,7 +245,7 @@ TEST_SUITE("cases") {
         CHECK(open.box().lower[2] < -1);
         CHECK(open.box().upper[2] == otherwise.upper[2]);
         // A plane between two walls leaves no room at all.
-        options.planes = {{{0, 0, 1}, 0}, {{0, 0, -1}, 0}};
+        options.walls = {{{0, 0, 1}, 0}, {{0, 0, -1}, 0}};
         const auto flat = tessellate(points, options);
         CHECK(flat.stats().box_volume == 0);
         CHECK(flat.stats().empty_cells == 2);
@@ -261,8 +261,8 @@ TEST_SUITE("cases") {
         for (std::size_t k = 0; k < 3; ++k) {
             votess::Wall below{{0, 0, 0}, -1}, above{{0, 0, 0}, 1 + 4 * ulp};
             below.normal[k] = -1, above.normal[k] = 1;
-            options.planes.push_back(below);
-            options.planes.push_back(above);
+            options.walls.push_back(below);
+            options.walls.push_back(above);
         }
         const Coordinates points{1 + ulp, 1 + ulp, 1 + ulp, 1 + 3 * ulp, 1 + 3 * ulp, 1 + 2 * ulp};
         const auto t = tessellate(points, options);

@@ -135,7 +135,7 @@ TEST_SUITE("cases") {
         const test::PointSet set = test::uniform(500, 12);
         votess::Options options = test::all_options();
         const auto with = test::run(set, options);
-        options.walls = false;
+        options.list_walls = false;
         const auto without = test::run(set, options);
         CHECK(with.lists_walls());
         CHECK_FALSE(without.lists_walls());

@@ -19,7 +19,7 @@ JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum",
              "verified_cells"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--output", "--format", "--want",
-           "--walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--outside", "--min-face", "--image",
+           "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--outside", "--min-face", "--image",
            "--image-size", "--slice", "--cut", "--view", "--color", "--colormap", "--seeds", "--device", "--threads",
            "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
            "--json", "--list-devices", "--version", "--quiet", "--help"]

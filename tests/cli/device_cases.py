@@ -76,7 +76,7 @@ class Devices(CliTest):
 
     def test_same_files(self):
         scale = 600 if SANITIZED else 1500
-        options = [[], ["-k", 8], ["-k", 200], ["--chunk-size", 1000], ["--walls", "--precision", "double"]]
+        options = [[], ["-k", 8], ["-k", 200], ["--chunk-size", 1000], ["--list-walls", "--precision", "double"]]
         for name, points in inputs(scale).items():
             self.put("in.npy", points)
             for chosen in options[:: 3 if SANITIZED else 1]:

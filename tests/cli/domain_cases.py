@@ -58,6 +58,8 @@ class FileDomains(CliTest):
         name = self.dump("a.dump", points, [[float(x) for x in row] for row in bounds], "xy xz yz pp pp pp")
         self.assertEqual(self.rows(name, "--format", "%n"), expected)
         self.assertIn("triclinic periodic domain of the file", self.run_cli(name).stdout)
+        self.assertEqual(self.rows(name, "--periodic", "--format", "%n"), expected)
+        self.refuse(name, "--periodic", "xy", "-o", "out.txt", says="cell and periodic contradict each other")
         rows = "".join(f"{i} 1 {row}\n" for i, row in enumerate(text_of(points).splitlines()))
         self.put("a.data",
                  "comment\n\n150 atoms\n1 3 xlo xhi\n-2 -1 ylo yhi\n0.5 2 zlo zhi\n0.5 -0.25 0.125 xy xz yz\n\n"

@@ -164,7 +164,7 @@ class Hdf5Files(ReaderTest):
     def test_output_equals_npz(self):
         words = "neighbors,volumes,centroids,areas,normals,surfaces,radii,counts,vertices,faces"
         duplicates = self.put("d.txt", "0 0 0\n1 0 0\n0 0 0\n0 1 0.5\n")
-        for source in [["--random", 3000], ["--random", 0], [duplicates], ["--random", 50, "--walls"]]:
+        for source in [["--random", 3000], ["--random", 0], [duplicates], ["--random", 50, "--list-walls"]]:
             for want in [[], ["--want", words], ["--want", "volumes"]]:
                 self.run_cli(*source, *want, "-o", "out.npz", "-o", "out.h5", "-o", "out.hdf5")
                 with np.load(self.folder / "out.npz") as arrays, h5py.File(self.folder / "out.h5") as file:

@@ -39,11 +39,11 @@ class TextOutput(CliTest):
 
     def test_walls(self):
         self.put("a.txt", CUBE)
-        rows = self.rows("a.txt", "--box", CUBE_BOX, "--walls", "--format", "%n")
+        rows = self.rows("a.txt", "--box", CUBE_BOX, "--list-walls", "--format", "%n")
         for i, row in enumerate(rows):
             walls = [-5 - (i >> 2), -3 - (i >> 1 & 1), -1 - (i & 1)]
             self.assertEqual([int(j) for j in row.split()], walls + CUBE_NEIGHBORS[i])
-        self.run_cli("a.txt", "--box", CUBE_BOX, "--walls", "-o", "out.npz")
+        self.run_cli("a.txt", "--box", CUBE_BOX, "--list-walls", "-o", "out.npz")
         with np.load(self.folder / "out.npz") as arrays:
             self.assertEqual(arrays["indices"][:6].tolist(), [-5, -3, -1, 1, 2, 4])
 
@@ -53,7 +53,7 @@ class TextOutput(CliTest):
         rows = self.rows("a.txt", "--box", CUBE_BOX, "--format", "%i:%n")
         self.assertEqual(rows, [f"{ids[i]}:" + " ".join(map(str, sorted(ids[j] for j in row)))
                                 for i, row in enumerate(CUBE_NEIGHBORS)])
-        rows = self.rows("a.txt", "--box", CUBE_BOX, "--format", "%n", "--walls")
+        rows = self.rows("a.txt", "--box", CUBE_BOX, "--format", "%n", "--list-walls")
         self.assertEqual(rows[0], "-5 -3 -1 " + " ".join(map(str, sorted(ids[j] for j in CUBE_NEIGHBORS[0]))))
         # Arrays are about rows: indices, not ids.
         self.run_cli("a.txt", "--box", CUBE_BOX, "-o", "out.npz")
@@ -74,7 +74,7 @@ class TextOutput(CliTest):
         with np.load(self.folder / "out.npz") as arrays:
             np.testing.assert_allclose(arrays["face_areas"][:2], [1.5, 1.25], rtol=1e-13)
             self.assertEqual(arrays["indices"][:2].tolist(), [1, 2])
-        rows = self.rows("a.txt", *box, "--walls", "--format", "%F %f")
+        rows = self.rows("a.txt", *box, "--list-walls", "--format", "%F %f")
         for row in rows:
             total, *parts = map(float, row.split())
             self.assertAlmostEqual(total, sum(parts), places=12)
@@ -138,7 +138,7 @@ class TextOutput(CliTest):
         self.put("v", rows)
         self.put("v.txt", rows)
         form = "|".join("%" + code for code in self.CODES)
-        for theirs, domain in [([], ["--walls"]), (["-p"], ["--periodic"]), (["-px"], ["--periodic", "x", "--walls"])]:
+        for theirs, domain in [([], ["--list-walls"]), (["-p"], ["--periodic"]), (["-px"], ["--periodic", "x", "--list-walls"])]:
             sides = [self.rows("v.txt", *domain, "--box", "0,0,0,1,1,1", "--format", form),
                      self.voropp(*theirs, "-c", form)]
             mine, other = ({int(row[0]): dict(zip(self.CODES, row, strict=True))
@@ -178,7 +178,7 @@ class TextOutput(CliTest):
         self.put("v", rows)
         self.put("v.txt", rows)
         form = "%i|%r|%s|%v|%n"
-        mine = self.rows("v.txt", "--radii", "5", "--walls", "--box", "0,0,0,1,1,1", "--format", form)
+        mine = self.rows("v.txt", "--radii", "5", "--list-walls", "--box", "0,0,0,1,1,1", "--format", form)
         other = {row.split("|")[0]: row.split("|") for row in self.voropp("-r", "-c", form)}
         self.assertEqual(len(other), count)
         for row in mine:
@@ -271,7 +271,8 @@ class ArrayOutput(CliTest):
                             (["--want=counts"], ["face_counts", "edge_counts", "vertex_counts", "status"]),
                             (["--want=normals"], ["indptr", "indices", "face_normals", "status"]),
                             (["--want=surfaces,radii"], ["surface_areas", "security_radii", "status"]),
-                            (["--want=vertices"], ["vertices", "cell_vertex_indptr", "cell_vertex_indices", "status"]),
+                            (["--want=vertices"], ["indptr", "indices", "vertices", "cell_vertex_indptr", "cell_vertex_indices",
+                                                   "status"]),
                             (["--want=faces"], ["indptr", "indices", "vertices", "cell_vertex_indptr",
                                                 "cell_vertex_indices", "face_offsets", "face_vertices", "status"])]:
             self.assertEqual(sorted(self.load("--random", "50", *want)), sorted(names))
@@ -299,8 +300,8 @@ class ArrayOutput(CliTest):
             self.skipTest("no compiler")
         self.put("driver.cpp", """
             #include <array>
-            #include "atomic_file.hpp"
-            #include "zip_writer.hpp"
+            #include "files/atomic_file.hpp"
+            #include "files/formats/zip_writer.hpp"
             int main() {
                 const std::string small(99, 's'), large(100, 'l');
                 clvotess::OutputFile file("out.npz");
@@ -312,8 +313,8 @@ class ArrayOutput(CliTest):
                 file.finish();
                 file.publish();
             }""")
-        sources = [ROOT / "cli" / name for name in ["zip_writer.cpp", "atomic_file.cpp", "interrupt.cpp",
-                                                    "numbers.cpp"]]
+        sources = [ROOT / "cli" / name for name in ["files/formats/zip_writer.cpp", "files/atomic_file.cpp",
+                                                    "interrupt.cpp", "files/numbers.cpp"]]
         subprocess.run([compiler, "-std=c++20", f"-I{ROOT / 'cli'}", "driver.cpp", *map(str, sources), "-lz", "-o",
                         "driver"],
                        cwd=self.folder, check=True)

@@ -75,7 +75,7 @@ Case random_case(std::uint64_t seed) {
                 farthest = std::max(farthest, at);
             }
             wall.offset = farthest + (kind == 0 ? 0.1 : 0.25);
-            c.options.planes.push_back(wall);
+            c.options.walls.push_back(wall);
         }
     return c;
 }

@@ -129,12 +129,13 @@ TEST_SUITE("fuzz") {
         for (std::uint64_t seed = first; seed < first + sets && failures < 5; ++seed) {
             const test::PointSet set = make(seed);
             votess::Options options = test::all_options(set.box);
-            options.walls = seed % 3 != 0;
+            options.list_walls = seed % 3 != 0;
             // Other pipelines take long to make: one kind of them after the other.
             options.k_init = seed - first < sets / 4 ? 12 : 0;
             options.precision = seed - first > sets / 4 * 3 ? test::double_precision() : votess::Precision::single;
             const auto quarter = std::max<std::uint64_t>(sets / 4, 1);
-            options.kernel = (seed - first) % quarter < quarter / 2 ? test::by_subgroup() : votess::Kernel::invocation;
+            const test::UseKernel chosen((seed - first) % quarter < quarter / 2 ? test::by_subgroup()
+                                                                                : votess::gpu::Kernel::invocation);
             constexpr unsigned grids[] = {0, 0, 1, 2, 5, 50}, chunks[] = {0, 0, 0, 64, 150};
             options.grid_resolution = grids[seed % 6];
             options.chunk_size = chunks[seed % 5];

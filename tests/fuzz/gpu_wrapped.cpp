@@ -131,10 +131,10 @@ struct Tally {
 };
 
 // "" when the rows are right.
-std::string judge(votess::Tessellator& tessellator, const Case& c, votess::Kernel kernel, bool few, Tally& tally) {
+std::string judge(votess::Tessellator& tessellator, const Case& c, votess::gpu::Kernel kernel, bool few, Tally& tally) {
     votess::Options options = c.options;
     options.device = test::device_name();
-    options.kernel = kernel;
+    const test::UseKernel chosen(kernel);
     const auto t = tessellator.tessellate(std::span<const double>(c.points), options);
     std::string wrong = test::check_domain(t);
     if (wrong.empty()) wrong = votess::verify(t, c.points).failure;
@@ -157,7 +157,8 @@ void run_sets(std::uint64_t sets, bool clusters, const auto& size) {
         const std::size_t n = size(random);
         const Case c = random_case(random, n, clusters);
         // Other pipelines take long to make: one kernel after the other.
-        const votess::Kernel kernel = seed - first < sets / 4 ? test::by_subgroup() : votess::Kernel::invocation;
+        const votess::gpu::Kernel kernel =
+            seed - first < sets / 4 ? test::by_subgroup() : votess::gpu::Kernel::invocation;
         const std::string wrong = judge(tessellator, c, kernel, n < 10, tally);
         if (wrong.empty()) continue;
         votess::Options on_cpu = c.options;

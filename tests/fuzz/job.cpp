@@ -60,7 +60,7 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
         job.cell = votess::TriclinicBox{part(&x[0]), part(&x[3]), part(&x[6]), part(&x[9])};
     } else if (word == "wall") {
         const auto x = read_numbers<4>(in);
-        job.planes.push_back({part(&x[0]), x[3]});
+        job.walls.push_back({part(&x[0]), x[3]});
     } else if (word == "seed") {
         const auto x = read_numbers<3>(in);
         job.points.insert(job.points.end(), x.begin(), x.end());
@@ -75,8 +75,8 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
         in >> job.instructions;
     } else if (word == "drop") {
         job.drop = true;
-    } else if (word == "walls") {
-        job.walls = true;
+    } else if (word == "list_walls") {
+        job.list_walls = true;
     } else if (word == "may_refuse") {
         job.may_refuse = true;
     } else if (word == "closed") {
@@ -93,9 +93,9 @@ votess::Options Job::options(const std::string& device) const {
     options.device = device;
     options.periodic = periodic;
     options.cell = cell;
-    options.planes = planes;
-    options.outside = drop ? votess::Outside::drop : votess::Outside::error;
     options.walls = walls;
+    options.outside = drop ? votess::Outside::drop : votess::Outside::error;
+    options.list_walls = list_walls;
     bool* const wants[] = {&options.want.neighbors, &options.want.volumes, &options.want.centroids,
                            &options.want.counts,    &options.want.areas,   &options.want.normals,
                            &options.want.surfaces,  &options.want.radii,   &options.want.vertices,
@@ -133,7 +133,7 @@ void write(const Case& c, std::ostream& out) {
             for (const auto* v : {&job.cell->origin, &job.cell->a, &job.cell->b, &job.cell->c}) write_numbers(out, *v);
             out << '\n';
         }
-        for (const votess::Wall& wall : job.planes) {
+        for (const votess::Wall& wall : job.walls) {
             out << "wall";
             write_numbers(out, wall.normal);
             write_numbers(out, std::array{wall.offset});
@@ -141,7 +141,7 @@ void write(const Case& c, std::ostream& out) {
         }
         out << "want " << job.want << "\ngrid " << job.grid_resolution << "\nthreads " << job.threads << '\n';
         if (!job.instructions.empty()) out << "instructions " << job.instructions << '\n';
-        for (const auto& [name, on] : {std::pair{"drop", job.drop}, std::pair{"walls", job.walls},
+        for (const auto& [name, on] : {std::pair{"drop", job.drop}, std::pair{"list_walls", job.list_walls},
                                        std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed}})
             if (on) out << name << '\n';
         for (std::size_t i = 0; i < job.size(); ++i) {

@@ -22,14 +22,14 @@ struct Job {
     std::optional<votess::Box> box;
     std::array<bool, 3> periodic{};
     std::optional<votess::TriclinicBox> cell;
-    std::vector<votess::Wall> planes;
-    bool drop = false;   // seeds outside
-    bool walls = false;  // are listed
+    std::vector<votess::Wall> walls;
+    bool drop = false;  // seeds outside
+    bool list_walls = false;
     unsigned want = want_all;
     unsigned grid_resolution = 0, threads = 1;
     std::string instructions;  // where the processor has them; "" = the best
     bool may_refuse = false;   // invalid_argument and unsupported are answers too
-    bool closed = false;       // the planes alone bound the domain, so walls of the box touch no cell
+    bool closed = false;       // the walls alone bound the domain, so those of the box touch no cell
 
     [[nodiscard]] std::size_t size() const { return points.size() / 3; }
     // The weights stay the job's.

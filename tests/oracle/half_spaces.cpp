@@ -206,11 +206,11 @@ std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess:
             all.push_back(std::move(s));
         }
     }
-    for (std::size_t w = 0; w < options.planes.size(); ++w) {
+    for (std::size_t w = 0; w < options.walls.size(); ++w) {
         HalfSpace s;
         s.face.id = -7 - static_cast<std::int32_t>(w);
-        s.n = exact(options.planes[w].normal);
-        s.h = mpq_class(options.planes[w].offset) - dot(s.n, p);
+        s.n = exact(options.walls[w].normal);
+        s.h = mpq_class(options.walls[w].offset) - dot(s.n, p);
         all.push_back(std::move(s));
     }
     return all;
@@ -240,7 +240,7 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
         const HalfSpace& s = all[index];
         // Of equal planes the face is the wall's, of walls the first one's; of seeds that of the farthest behind:
         // beyond the plane it is the nearest.
-        const bool may_coincide = !options.weights.empty() || !options.planes.empty();
+        const bool may_coincide = !options.weights.empty() || !options.walls.empty();
         const bool hidden = may_coincide && std::ranges::any_of(all, [&](const HalfSpace& other) {
                                 if (&other == &s || !coincide(s, other)) return false;
                                 if (other.bisector != s.bisector) return s.bisector;

@@ -76,7 +76,7 @@ IntegerDomain::IntegerDomain(std::span<const double> points, const votess::Optio
         upper_ = whole(options.box->upper.data(), quantum_);
         for (std::size_t k = 0; k < 3; ++k) vector_[k][k] = upper_[k] - lower_[k];
     }
-    for (const votess::Wall& wall : options.planes) {
+    for (const votess::Wall& wall : options.walls) {
         // Multiplied by a power of two, which leaves the half-space as it is.
         int low =
             lowest_bit(wall.offset) == std::numeric_limits<int>::max() ? 1 << 20 : lowest_bit(wall.offset) - quantum_;

@@ -117,7 +117,7 @@ TEST_SUITE("stages") {
             CAPTURE(bits);
             auto options = test::all_options();
             options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0, (bits & 32) != 0};
-            options.walls = (bits & 16) != 0;
+            options.list_walls = (bits & 16) != 0;
             CHECK(compare(test::run(set, options),
                           clip_parts(clipper, set, options, random_parts(set.size(), 3, bits))) == "");
         }

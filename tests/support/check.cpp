@@ -116,7 +116,7 @@ votess::Options all_options(const std::optional<votess::Box>& box) {
     votess::Options options;
     options.device = "cpu";
     options.box = box;
-    options.walls = true;
+    options.list_walls = true;
     options.want = {true, true, true, true, true};
     options.threads = 1;
     return options;

@@ -8,20 +8,11 @@ See :func:`tessellate` for the options and :class:`Tessellation` for the arrays.
 """
 
 from ._c_api import CellStatus, ErrorCode
+from ._call import VotessError
 from ._library import VERSION as __version__
 from .mesh import Delaunay, Faces, Lists
-from .tessellation import (
-    DeviceInfo,
-    Neighbors,
-    StageSeconds,
-    Stats,
-    Tessellation,
-    Tessellator,
-    VerifyReport,
-    VotessError,
-    devices,
-    tessellate,
-)
+from .tessellation import Neighbors, StageSeconds, Stats, Tessellation, VerifyReport
+from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 
 __all__ = [
     "CellStatus",

@@ -62,7 +62,6 @@ WANT_BITS: Dict[str, int] = {
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
 OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
-KERNELS: Dict[str, int] = {"automatic": 0, "invocation": 1, "subgroup": 2}
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 
@@ -76,37 +75,34 @@ class Options(ctypes.Structure):
     _fields_ = [
         ("struct_size", c_uint32),
         ("want", c_uint32),
+        ("list_walls", c_int32),
         ("has_box", c_int32),
-        ("walls", c_int32),
         ("box_lower", c_double * 3),
         ("box_upper", c_double * 3),
-        ("duplicates", c_int32),
-        ("threads", c_uint32),
-        ("grid_resolution", c_uint32),
-        ("reserved", c_uint32),
-        ("device", c_char_p),
-        ("progress", ProgressCallback),
-        ("progress_user", c_void_p),
-        ("log", LogCallback),
-        ("log_user", c_void_p),
-        ("precision", c_int32),
-        ("k_init", c_uint32),
-        ("chunk_size", c_uint32),
-        ("kernel", c_int32),
-        ("instructions", c_char_p),
-        ("min_face", c_double),
         ("periodic", c_int32 * 3),
         ("has_cell", c_int32),
         ("cell_origin", c_double * 3),
         ("cell_a", c_double * 3),
         ("cell_b", c_double * 3),
         ("cell_c", c_double * 3),
-        ("planes", c_void_p),
-        ("plane_count", c_uint64),
+        ("walls", c_void_p),
+        ("wall_count", c_uint64),
         ("weights", c_void_p),
         ("radii", c_void_p),
+        ("min_face", c_double),
         ("outside", c_int32),
-        ("reserved3", c_uint32),
+        ("duplicates", c_int32),
+        ("device", c_char_p),
+        ("precision", c_int32),
+        ("threads", c_uint32),
+        ("grid_resolution", c_uint32),
+        ("k_init", c_uint32),
+        ("chunk_size", c_uint32),
+        ("instructions", c_char_p),
+        ("progress", ProgressCallback),
+        ("progress_user", c_void_p),
+        ("log", LogCallback),
+        ("log_user", c_void_p),
     ]
 
 
@@ -133,9 +129,8 @@ class Stats(ctypes.Structure):
         ("seconds_fallback", c_double),
         ("seconds_download", c_double),
         ("seconds_total", c_double),
-        ("device", c_char * 256),
         ("precision", c_int32),
-        ("reserved", c_uint32),
+        ("device", c_char * 252),
     ]
 
 
@@ -151,6 +146,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_sizeof_stats": (c_size_t, ()),
     "votess_last_error": (c_char_p, ()),
     "votess_options_init": (c_int, (POINTER(Options), c_size_t)),
+    "votess_options_implied_want": (c_int, (POINTER(Options), POINTER(c_uint32))),
     "votess_tessellator_new": (c_int, (POINTER(_HANDLE),)),
     "votess_tessellator_free": (None, (_HANDLE,)),
     "votess_tessellate": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
@@ -178,7 +174,11 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_duplicate_of": _ARRAY,  # int32
     "votess_result_lists_walls": (c_int, (_HANDLE,)),
     "votess_result_least_face": (c_double, (_HANDLE,)),
+    "votess_result_weights": _ARRAY,  # float64
+    "votess_result_walls": _ARRAY,  # float64
     "votess_result_box": (c_int, (_HANDLE, POINTER(c_double), POINTER(c_double))),
+    "votess_result_periodic": (c_int, (_HANDLE, POINTER(c_int32))),
+    "votess_result_cell": (c_int, (_HANDLE, POINTER(c_int32), *(POINTER(c_double),) * 4)),
     "votess_result_stats": (c_int, (_HANDLE, POINTER(Stats))),
     "votess_delaunay_new": (c_int, (_HANDLE, POINTER(_HANDLE))),
     "votess_delaunay_free": (None, (_HANDLE,)),

@@ -64,23 +64,21 @@ def as_count(value: Any, name: str, bits: int) -> int:
     return number
 
 
-#: What belongs to entries of the rows, or refers to what another word asks for.
-_IMPLIED: Dict[str, Tuple[str, ...]] = {
-    "areas": ("neighbors",),
-    "normals": ("neighbors",),
-    "vertices": ("neighbors",),
-    "faces": ("vertices", "neighbors"),
-}
-
-
-def as_want(want: Union[str, Iterable[str]]) -> Tuple[str, ...]:
+def as_want(want: Union[str, Iterable[str]]) -> int:
+    """The bits of these words; what they imply the library adds."""
     words = [word.strip() for word in want.split(",")] if isinstance(want, str) else list(want)
+    bits = 0
     for word in words:
         if word not in _c_api.WANT_BITS:
             raise ValueError(f"want has {word!r}: the words are {', '.join(_c_api.WANT_BITS)}")
-    for word in tuple(words):
-        words.extend(_IMPLIED.get(word, ()))
-    return tuple(word for word in _c_api.WANT_BITS if word in words)
+        bits |= _c_api.WANT_BITS[word]
+    return bits
+
+
+def as_word(word: Any, name: str, words: Dict[str, int]) -> int:
+    if word not in words:
+        raise ValueError(f"{name} is {word!r}: the words are {', '.join(words)}")
+    return words[word]
 
 
 def as_text(text: Any, name: str) -> bytes:
@@ -89,18 +87,6 @@ def as_text(text: Any, name: str) -> bytes:
     if "\0" in text:
         raise ValueError(f"{name} is {text!r}: it must hold no zero character")
     return text.encode()
-
-
-def as_precision(precision: str) -> int:
-    if precision not in _c_api.PRECISIONS:
-        raise ValueError(f"precision is {precision!r}: the words are {', '.join(_c_api.PRECISIONS)}")
-    return _c_api.PRECISIONS[precision]
-
-
-def as_kernel(kernel: str) -> int:
-    if kernel not in _c_api.KERNELS:
-        raise ValueError(f"kernel is {kernel!r}: the words are {', '.join(_c_api.KERNELS)}")
-    return _c_api.KERNELS[kernel]
 
 
 def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Float64Array:
@@ -133,7 +119,7 @@ class Domain:
     radii: Any = None
     cell: Any = None
     origin: Any = None
-    planes: Any = None
+    walls: Any = ()
     outside: str = "error"
 
     def fill(self, options: _c_api.Options, count: int) -> List[Any]:
@@ -152,15 +138,12 @@ class Domain:
             if self.cell is None:
                 raise ValueError("origin goes with cell only: a box has its corners")
             options.cell_origin[:] = _as_numbers(self.origin, "origin", (3,), "(x, y, z)").tolist()
-        if self.outside not in _c_api.OUTSIDE:
-            raise ValueError(f"outside is {self.outside!r}: the words are {', '.join(_c_api.OUTSIDE)}")
-        options.outside = _c_api.OUTSIDE[self.outside]
+        options.outside = as_word(self.outside, "outside", _c_api.OUTSIDE)
         kept: List[Any] = []
-        if self.planes is not None and len(self.planes) > 0:
-            walls = np.ascontiguousarray(
-                _as_numbers(self.planes, "planes", (len(self.planes), 4), "(M, 4) rows nx, ny, nz, d")
-            )
-            options.planes, options.plane_count = walls.ctypes.data, len(walls)
+        if len(self.walls) > 0:
+            rows = _as_numbers(self.walls, "walls", (len(self.walls), 4), "(M, 4) rows nx, ny, nz, d")
+            walls = np.ascontiguousarray(rows)
+            options.walls, options.wall_count = walls.ctypes.data, len(walls)
             kept.append(walls)
         for name in ("weights", "radii"):
             values = getattr(self, name)

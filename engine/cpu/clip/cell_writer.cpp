@@ -30,7 +30,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     kernels_ = &kernels;
     out_ = &out;
     want_ = job.options.want;
-    walls_ = job.options.walls;
+    walls_ = job.options.list_walls;
     periodic_ = job.domain->is_periodic();
     measure_ = needs_geometry(want_);
     plain_rows_ = !periodic_ && !want_.normals && !want_.vertices;

@@ -17,6 +17,11 @@ std::uint32_t lanes_of(const vulkan::Adapter& adapter) {
     return std::clamp(best_lanes, adapter.min_subgroup_size, adapter.max_subgroup_size);
 }
 
+std::string_view environment(const char* name) {
+    const char* text = std::getenv(name);
+    return text == nullptr ? "" : text;
+}
+
 }  // namespace
 
 std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
@@ -55,10 +60,18 @@ std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel
                 "device '" + adapter.name + "' cannot run kernel subgroup: it lacks " + missing);
 }
 
+Kernel kernel_from_environment() {
+    const std::string_view word = environment("VOTESS_VULKAN_KERNEL");
+    if (word.empty() || word == "automatic") return Kernel::automatic;
+    if (word == "invocation") return Kernel::invocation;
+    if (word == "subgroup") return Kernel::subgroup;
+    throw Error(ErrorCode::invalid_argument,
+                "VOTESS_VULKAN_KERNEL is '" + std::string(word) + "': give automatic, invocation or subgroup");
+}
+
 std::uint32_t local_size_from_environment() {
-    const char* text = std::getenv("VOTESS_VULKAN_LOCAL_SIZE");
-    if (text == nullptr || *text == '\0') return 0;
-    const std::string_view word(text);
+    const std::string_view word = environment("VOTESS_VULKAN_LOCAL_SIZE");
+    if (word.empty()) return 0;
     std::uint32_t size = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), size);
     if (error != std::errc() || end != word.data() + word.size() || size > 1024 || !std::has_single_bit(size))

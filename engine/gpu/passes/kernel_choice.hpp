@@ -5,9 +5,14 @@
 #include <string>
 
 #include "gpu/vulkan/adapter.hpp"
-#include "votess/votess.hpp"
 
 namespace votess::gpu {
+
+enum class Kernel {
+    automatic,   // `subgroup` on GPUs that can, `invocation` on software devices
+    invocation,  // each shader invocation one cell, from a list of its neighbors in memory
+    subgroup,    // the invocations of a subgroup together, searching as they clip; needs subgroups of 8 to 64
+};
 
 // Empty when subgroups can make cells, else what the device lacks: "subgroups of 8 to 64 invocations, it has 4".
 [[nodiscard]] std::string missing_for_subgroups(const vulkan::Adapter& adapter);
@@ -15,6 +20,10 @@ namespace votess::gpu {
 // PassSettings::subgroup_size, 0 for the invocation kernel. Throws `unsupported` when the subgroup kernel is asked for
 // where it cannot run.
 [[nodiscard]] std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel);
+
+// VOTESS_VULKAN_KERNEL of the environment, for measurements and tests: "automatic" (also when it is not set),
+// "invocation" or "subgroup". Throws `invalid_argument`.
+[[nodiscard]] Kernel kernel_from_environment();
 
 // VOTESS_VULKAN_LOCAL_SIZE of the environment, for measurements: invocations of a work-group, a power of two up to
 // 1024. 0 when it is not set. Throws `invalid_argument`.

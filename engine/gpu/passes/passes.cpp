@@ -98,12 +98,12 @@ Pass download_rows(Device& device, const PassSettings& settings) {
 
 }  // namespace
 
-PassSettings usual_settings(const Device& device, std::uint32_t k, Kernel kernel) {
+PassSettings usual_settings(const Device& device, std::uint32_t k) {
     constexpr std::uint32_t usual_k = 112, most_first_count = 3 * SUBGROUP_STORE / 4;
     constexpr std::uint32_t software_walk = 512, usual_walk = 20000;
     PassSettings s;
     s.k = k == 0 ? usual_k : k;
-    s.subgroup_size = choose_subgroup_size(device.adapter(), kernel);
+    s.subgroup_size = choose_subgroup_size(device.adapter(), kernel_from_environment());
     if (k != 0) s.first_count = std::min(k, most_first_count);
     // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
     s.most_walk_visits = device.adapter().software() ? software_walk : usual_walk;

@@ -37,8 +37,9 @@ struct PassSettings {
     bool operator==(const PassSettings&) const = default;
 };
 
-// Settings that suit the device; k = 0 lists the usual number. Throws `unsupported` for a kernel that it cannot run.
-[[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k, Kernel kernel);
+// Settings that suit the device; k = 0 lists the usual number. Throws as kernel_from_environment(), and `unsupported`
+// for a kernel that the device cannot run.
+[[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k);
 
 struct Passes {
     Passes(vulkan::Device& device, const PassSettings& settings);

@@ -36,10 +36,10 @@ struct Counts {
     std::string failure;
 };
 
-Counts compare_kernel(const Coordinates& points, Options options, votess::Kernel kernel) {
+Counts compare_kernel(const Coordinates& points, Options options, votess::gpu::Kernel kernel) {
     const auto cpu = votess::tessellate(std::span<const double>(points), options);
     options.device = test::device_name();
-    options.kernel = kernel;
+    const test::UseKernel chosen(kernel);
     const auto gpu = votess::tessellate(std::span<const double>(points), options);
     Counts counts{gpu.stats().fallback_cells, test::check_domain(gpu)};
     if (!counts.failure.empty()) return counts;
@@ -62,7 +62,7 @@ Counts compare_kernel(const Coordinates& points, Options options, votess::Kernel
 
 // With both kernels where seeds are few; the larger number of cells left to the CPU.
 Counts compare(const Coordinates& points, const Options& options) {
-    const Counts by_invocation = compare_kernel(points, options, votess::Kernel::invocation);
+    const Counts by_invocation = compare_kernel(points, options, votess::gpu::Kernel::invocation);
     const std::size_t most = test::by_size(600, 60);  // coordinates: on software devices the other kernel is slow
     if (!by_invocation.failure.empty() || points.size() > most) return by_invocation;
     Counts by_subgroup = compare_kernel(points, options, test::by_subgroup());
@@ -125,10 +125,10 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu domains: walls and weights, seeds that are dropped") {
         const std::size_t many = test::by_size(1000, 200);
         Options options = domain_options();
-        options.planes.push_back({{1, 1, 1}, 1.5});
+        options.walls.push_back({{1, 1, 1}, 1.5});
         options.outside = votess::Outside::drop;
         CHECK(compare(random_points(many, 5), options).failure == "");
-        options.planes.clear();
+        options.walls.clear();
         CHECK(compare(random_points(many, 6, -0.2, 1.2), options).failure == "");
         options = domain_options();
         test::Random random(7);

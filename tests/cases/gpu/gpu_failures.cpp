@@ -243,7 +243,7 @@ TEST_SUITE("cases") {
         dropped.outside = votess::Outside::drop;
         CHECK(device_of(dropped) == "cpu");
         Options walls = usual;
-        walls.planes.push_back({{1, 1, 1}, 4});
+        walls.walls.push_back({{1, 1, 1}, 4});
         CHECK(device_of(walls) == "cpu");
         const std::vector<double> radii(set.points.size() / 3, 0.01);
         Options weighted = usual;

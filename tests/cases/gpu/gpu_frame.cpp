@@ -34,7 +34,7 @@ TEST_SUITE("cases") {
             const PointSet set = test::uniform(n, n);
             CAPTURE(n);
             PlanOptions options = options_for(set);
-            options.walls = true;
+            options.list_walls = true;
             CHECK(check(host, set, options) == "");
         }
     }
@@ -53,12 +53,12 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu frame: a subgroup per cell") {
         Host host;
+        const test::UseKernel chosen(test::by_subgroup());
         PlanOptions options;
         for (const PointSet& set :
              {test::uniform(300, 15), test::clustered(300, 16), test::with_duplicates(130, 20, 17), test::bcc(3)}) {
             CAPTURE(set.name);
             options = options_for(set);
-            options.kernel = test::by_subgroup();
             options.chunk_size = 100;
             CHECK(check(host, set, options) == "");
         }
@@ -66,7 +66,6 @@ TEST_SUITE("cases") {
         host.subgroup_size_control = requirements(host.instance(), host.gpu.adapter.handle).subgroup_size_control;
         const PointSet set = test::uniform(300, 18);
         options = options_for(set);
-        options.kernel = test::by_subgroup();
         CHECK(check(host, set, options) == "");
         options.box = test::unit_box();
         options.periodic = {true, false, true};
@@ -176,7 +175,7 @@ TEST_SUITE("cases") {
         PlanOptions options = options_for(set);
         const Plan plan(host.device(), options);
         PlanOptions other = options;
-        other.walls = true;
+        other.list_walls = true;
         other.chunk_size = 200;
         const Plan second(host.device(), other);
         Target target(host, plan), beside(host, second);
@@ -243,6 +242,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu frame: the workspace is as large as the header says") {
         Host host;
+        const test::UseKernel chosen(test::by_subgroup());
         PlanOptions options;
         options.box = test::unit_box();
         for (const std::uint32_t seeds : {1000u, 100000u, 5000000u})
@@ -276,10 +276,11 @@ TEST_SUITE("cases") {
         options.format = static_cast<SeedFormat>(2);
         CHECK(refused([&] { Plan(host.device(), options); }));
         CHECK(said == "format = 2 is neither float32 nor float64");
-        options = good;
-        options.kernel = static_cast<votess::Kernel>(7);
-        CHECK(refused([&] { Plan(host.device(), options); }));
-        CHECK(said == "kernel = 7 is neither automatic nor invocation nor subgroup");
+        {
+            const test::Environment environment("VOTESS_VULKAN_KERNEL", "warp");
+            CHECK(refused([&] { Plan(host.device(), good); }));
+            CHECK(said == "VOTESS_VULKAN_KERNEL is 'warp': give automatic, invocation or subgroup");
+        }
         options = good;
         options.k_init = 1025;
         CHECK(refused([&] { Plan(host.device(), options); }));

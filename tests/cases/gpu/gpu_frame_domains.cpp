@@ -63,7 +63,7 @@ TEST_SUITE("cases") {
                 PlanOptions options = options_for(set);
                 options.box = box;
                 options.periodic = axes(bits);
-                options.walls = n == 9;
+                options.list_walls = n == 9;
                 options.chunk_size = n == 9 ? 5 : 0;
                 const Plan plan(host.device(), options);
                 Target target(host, plan);

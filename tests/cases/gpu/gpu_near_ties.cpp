@@ -9,7 +9,7 @@
 #include "support/gpu/gpu.hpp"
 
 using test::PointSet;
-using votess::Kernel;
+using votess::gpu::Kernel;
 
 namespace {
 
@@ -19,13 +19,13 @@ void check_on_device(const std::vector<PointSet>& sets) {
     votess::Tessellator tessellator;
     std::vector<votess::Tessellation> on_cpu;
     for (const PointSet& set : sets) on_cpu.push_back(votess::tessellate(set.points, test::all_options(set.box)));
-    for (const Kernel kernel : {Kernel::invocation, test::by_subgroup()})
+    for (const Kernel kernel : {Kernel::invocation, test::by_subgroup()}) {
+        const test::UseKernel chosen(kernel);
         for (const unsigned k_init : {0u, 24u})
             for (std::size_t i = 0; i < sets.size(); ++i) {
                 votess::Options options = test::all_options(sets[i].box);
                 options.device = test::device_name();
                 options.k_init = k_init;
-                options.kernel = kernel;
                 CAPTURE(sets[i].name);
                 CAPTURE(i);
                 CAPTURE(k_init);
@@ -33,6 +33,7 @@ void check_on_device(const std::vector<PointSet>& sets) {
                 const auto gpu = tessellator.tessellate(sets[i].points, options);
                 CHECK(test::check_same(gpu, on_cpu[i], sets[i].points, test::tolerance(options)) == "");
             }
+    }
 }
 
 }  // namespace

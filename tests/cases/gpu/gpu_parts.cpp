@@ -10,6 +10,7 @@ namespace {
 using test::PointSet;
 using votess::Options;
 using votess::gpu::EngineLimits;
+using votess::gpu::Kernel;
 
 std::string compare(test::GpuRunner& runner, const PointSet& set, Options options = test::all_options()) {
     const auto gpu = runner.run(set, options);
@@ -22,14 +23,13 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu: seeds in parts, every family") {
         test::Gpu gpu;
         test::GpuRunner small(gpu, {.most_seeds = 300});
-        for (const auto kernel : {votess::Kernel::invocation, test::by_subgroup()})
+        for (const auto kernel : {Kernel::invocation, test::by_subgroup()})
             for (const PointSet& set :
-                 test::families(kernel == votess::Kernel::invocation ? test::by_size(800, 350) : 350, 91)) {
+                 test::families(kernel == Kernel::invocation ? test::by_size(800, 350) : 350, 91)) {
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
-                Options options = test::all_options();
-                options.kernel = kernel;
-                CHECK(compare(small, set, options) == "");
+                const test::UseKernel chosen(kernel);
+                CHECK(compare(small, set) == "");
             }
         test::GpuRunner large(gpu, {.most_seeds = 1000});
         const std::size_t n = test::by_size(2500, 1100);
@@ -54,9 +54,10 @@ TEST_SUITE("cases") {
         Options options = test::all_options();
         options.threads = 0;
         options.chunk_size = 500;
-        options.kernel = test::by_subgroup();
-        CHECK(runner.run(set, options).stats().fallback_cells < set.size() / 3);
-        options.kernel = votess::Kernel::automatic;
+        {
+            const test::UseKernel chosen(test::by_subgroup());
+            CHECK(runner.run(set, options).stats().fallback_cells < set.size() / 3);
+        }
         std::vector<double> fractions;
         options.progress = [&](double fraction) {
             fractions.push_back(fraction);
@@ -80,7 +81,7 @@ TEST_SUITE("cases") {
                 CAPTURE(set.name);
                 CAPTURE(most);
                 CHECK(compare(runner, set, options) == "");
-                options.walls = false;
+                options.list_walls = false;
                 options.want = {true, false, true, false, set.name != "cubic"};
                 options.chunk_size = 16;
                 options.threads = 2;
@@ -125,9 +126,8 @@ TEST_SUITE("cases") {
                 CAPTURE(local_size);
                 CAPTURE(set.name);
                 CHECK(compare(runner, set) == "");
-                Options options = test::all_options();
-                options.kernel = test::by_subgroup();
-                if (local_size >= 32) CHECK(compare(second, set, options) == "");
+                const test::UseKernel chosen(test::by_subgroup());
+                if (local_size >= 32) CHECK(compare(second, set) == "");
             }
         }
     }
@@ -136,13 +136,12 @@ TEST_SUITE("cases") {
         test::Gpu gpu({.float64 = false});
         CHECK_FALSE(gpu.device->has_float64());
         test::GpuRunner runner(gpu);
-        for (const auto kernel : {votess::Kernel::invocation, test::by_subgroup()})
+        for (const auto kernel : {Kernel::invocation, test::by_subgroup()})
             for (const PointSet& set : test::families(test::by_size(300, 100), 106)) {
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
-                Options options = test::all_options();
-                options.kernel = kernel;
-                CHECK(compare(runner, set, options) == "");
+                const test::UseKernel chosen(kernel);
+                CHECK(compare(runner, set) == "");
             }
         Options options = test::all_options();
         const PointSet set = test::uniform(test::by_size(3000, 500), 107);

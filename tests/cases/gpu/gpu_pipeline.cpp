@@ -42,19 +42,18 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu: every family equals the CPU") {
         votess::Tessellator tessellator;
         struct Variant {
-            votess::Kernel kernel;
+            votess::gpu::Kernel kernel;
             std::size_t n;
         };
-        for (const auto& [kernel, n] : {Variant{votess::Kernel::invocation, test::by_size(200, 60)},
-                                        {votess::Kernel::invocation, test::by_size(1200, 100)},
+        for (const auto& [kernel, n] : {Variant{votess::gpu::Kernel::invocation, test::by_size(200, 60)},
+                                        {votess::gpu::Kernel::invocation, test::by_size(1200, 100)},
                                         {test::by_subgroup(), test::by_size(200, 60)}})
             for (const PointSet& set : test::families(n, n + 1)) {
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
                 CAPTURE(n);
-                Options options = test::all_options();
-                options.kernel = kernel;
-                CHECK(compare(tessellator, set, options) == "");
+                const test::UseKernel chosen(kernel);
+                CHECK(compare(tessellator, set) == "");
             }
     }
 
@@ -66,9 +65,9 @@ TEST_SUITE("cases") {
         options.device = "cpu";
         const Tessellation cpu = votess::tessellate(set.points, options);
         options.device = test::device_name();
-        for (const auto kernel : {votess::Kernel::invocation, test::by_subgroup()}) {
+        for (const auto kernel : {votess::gpu::Kernel::invocation, test::by_subgroup()}) {
             CAPTURE(static_cast<int>(kernel));
-            options.kernel = kernel;
+            const test::UseKernel chosen(kernel);
             const Tessellation gpu = tessellator.tessellate(set.points, options);
             CHECK(gpu.stats().fallback_cells < set.size() / 100);
             CHECK(gpu.stats().precision == votess::Precision::single);
@@ -96,15 +95,24 @@ TEST_SUITE("cases") {
                 CAPTURE(exponent);
                 CAPTURE(k);
                 CHECK(compare(tessellator, set, options) == "");
-                options.kernel = test::by_subgroup();
+                const test::UseKernel chosen(test::by_subgroup());
                 if (k == 64) CHECK(compare(second, set, options) == "");
             }
     }
 
     TEST_CASE("gpu: tuning options change nothing") {
-        std::vector<std::pair<std::string, Options>> variants;
+        struct Variant {
+            std::string name;
+            Options options = test::all_options();
+            votess::gpu::Kernel kernel = votess::gpu::Kernel::automatic;
+        };
+        std::vector<Variant> variants;
         const auto vary = [&](std::string name, auto&& change) {
-            change(variants.emplace_back(std::move(name), test::all_options()).second);
+            change(variants.emplace_back(Variant{std::move(name)}).options);
+        };
+        const auto vary_subgroup = [&](const std::string& name, auto&& change) {
+            vary("kernel subgroup" + name, change);
+            variants.back().kernel = test::by_subgroup();
         };
         vary("k_init 1", [](Options& o) { o.k_init = 1; });
         vary("k_init 1024", [](Options& o) { o.k_init = 1024; });
@@ -115,19 +123,18 @@ TEST_SUITE("cases") {
         vary("grid_resolution 64", [](Options& o) { o.grid_resolution = 64; });
         vary("grid_resolution 1025", [](Options& o) { o.grid_resolution = 1025; });
         vary("grid_resolution 2^20", [](Options& o) { o.grid_resolution = 1u << 20; });
-        const auto by_subgroup = [](Options& o) { o.kernel = test::by_subgroup(); };
-        vary("kernel subgroup", by_subgroup);
-        vary("kernel subgroup, k_init 1", [&](Options& o) { by_subgroup(o), o.k_init = 1; });
-        vary("kernel subgroup, precision double",
-             [&](Options& o) { by_subgroup(o), o.precision = test::double_precision(); });
-        vary("kernel subgroup, chunk_size 7", [&](Options& o) { by_subgroup(o), o.chunk_size = 7; });
+        vary_subgroup("", [](Options&) {});
+        vary_subgroup(", k_init 1", [](Options& o) { o.k_init = 1; });
+        vary_subgroup(", precision double", [](Options& o) { o.precision = test::double_precision(); });
+        vary_subgroup(", chunk_size 7", [](Options& o) { o.chunk_size = 7; });
         vary("3 threads", [](Options& o) { o.threads = 3, o.chunk_size = 64; });
-        vary("no walls", [](Options& o) { o.walls = false; });
+        vary("no walls", [](Options& o) { o.list_walls = false; });
         votess::Tessellator tessellator;
-        for (const auto& [name, options] : variants)
+        for (const auto& [name, options, kernel] : variants)
             for (const PointSet& set : samples(test::by_size(150, 40))) {
                 CAPTURE(name);
                 CAPTURE(set.name);
+                const test::UseKernel chosen(kernel);
                 CHECK(compare(tessellator, set, options) == "");
             }
         Options one;
@@ -142,9 +149,9 @@ TEST_SUITE("cases") {
             CAPTURE(bits);
             Options options = test::all_options();
             options.want = {(bits & 1) != 0, (bits & 8) != 0, (bits & 16) != 0, (bits & 2) != 0, (bits & 32) != 0};
-            options.walls = (bits & 4) != 0;
+            options.list_walls = (bits & 4) != 0;
             CHECK(compare(tessellator, set, options) == "");
-            options.kernel = test::by_subgroup();
+            const test::UseKernel chosen(test::by_subgroup());
             if (bits % 9 == 0) CHECK(compare(second, set, options) == "");
         }
     }
@@ -208,9 +215,8 @@ TEST_SUITE("cases") {
                 PointSet set = test::uniform(n, n + 80);
                 if (!with_box) set.box.reset();
                 CHECK(compare(tessellator, set) == "");
-                Options options = test::all_options();
-                options.kernel = test::by_subgroup();
-                CHECK(compare(second, set, options) == "");
+                const test::UseKernel chosen(test::by_subgroup());
+                CHECK(compare(second, set) == "");
             }
         PointSet same{"same", {}, std::nullopt};
         for (int i = 0; i < 300; ++i) {
@@ -225,14 +231,14 @@ TEST_SUITE("cases") {
         for (const std::size_t full : {500, 3, 1000, 0, 1, 64, 2000, 2, 700, 1500}) {
             const std::size_t n = test::by_size(full, full / 10);
             Options options = test::all_options();
-            options.walls = random.chance(0.5);
+            options.list_walls = random.chance(0.5);
             options.want = {random.chance(0.8), random.chance(0.8), random.chance(0.5), random.chance(0.5),
                             random.chance(0.5)};
             options.threads = 1 + static_cast<unsigned>(random.below(3));
             options.k_init = random.chance(0.3) ? 20 : 0;
             options.chunk_size = random.chance(0.3) ? 300 : 0;
             if (random.chance(0.3)) options.precision = test::double_precision();
-            if (random.chance(0.5)) options.kernel = test::by_subgroup();
+            const test::UseKernel chosen(random.chance(0.5) ? test::by_subgroup() : votess::gpu::Kernel::automatic);
             CAPTURE(n);
             CHECK(compare(tessellator, random.chance(0.5) ? test::uniform(n, n) : test::clustered(n, n), options) ==
                   "");

@@ -122,14 +122,58 @@ TEST_SUITE("api") {
         options.precision = static_cast<votess::Precision>(2);
         CHECK(has(refusal({0, 0, 0}, options), "precision = 2"));
         options = {};
-        options.kernel = static_cast<votess::Kernel>(3);
-        CHECK(has(refusal({0, 0, 0}, options), "kernel = 3"));
-        options = {};
         options.duplicates = static_cast<votess::Duplicates>(9);
         CHECK(refusal({0, 0, 0}, options) != "");
         options = {};
         options.device = "cpu";
         CHECK(refusal({0, 0, 0}, options) == "");
+    }
+
+    TEST_CASE("a cell repeats along all axes: periodic along some contradicts it") {
+        votess::Options options;
+        options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0.25, 1, 0}, {0, 0, 1}};
+        for (unsigned axes = 0; axes < 8; ++axes) {
+            CAPTURE(axes);
+            options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
+            const std::string message = refusal({0.5, 0.5, 0.5}, options);
+            if (axes == 0 || axes == 7)
+                CHECK(message == "");
+            else
+                CHECK(has(message, "cell and periodic contradict each other"));
+        }
+    }
+
+    TEST_CASE("what is wanted with what it implies") {
+        const auto implied = [](votess::Want want, double min_face = 0) {
+            votess::Options options;
+            options.want = want;
+            options.min_face = min_face;
+            const votess::Want w = votess::implied_want(options);
+            const auto t = votess::tessellate(test::uniform(20, 75).points, options);
+            CHECK(t.indptr().empty() == !w.neighbors);
+            CHECK(t.volumes().empty() == !w.volumes);
+            CHECK(t.face_areas().empty() == !w.areas);
+            CHECK(t.face_normals().empty() == !w.normals);
+            CHECK(t.vertices().empty() == !w.vertices);
+            CHECK(t.face_vertices().empty() == !w.faces);
+            CHECK(t.lists_walls() == w.faces);
+            return w;
+        };
+        const votess::Want none{.neighbors = false, .volumes = false};
+        auto want = none;
+        CHECK_FALSE(implied(want).neighbors);
+        CHECK(implied(want, 0.1).areas);
+        want.faces = true;
+        CHECK(implied(want).vertices);
+        for (bool votess::Want::*array : {&votess::Want::areas, &votess::Want::normals, &votess::Want::vertices}) {
+            want = none;
+            want.*array = true;
+            CHECK(implied(want).neighbors);
+            CHECK_FALSE(implied(want).volumes);
+        }
+        votess::Options wrong;
+        wrong.threads = 1025;
+        CHECK_THROWS_AS((void)votess::implied_want(wrong), votess::Error);
     }
 
     TEST_CASE("the largest values of the tuning options change nothing") {

@@ -64,7 +64,7 @@ std::vector<Call> all_kinds(std::size_t n) {
     one_heavy.weights[n / 2] = 10;
     add("periodic").options.periodic = {true, false, true};
     Call& wall = add("a wall, some are dropped");
-    wall.options.planes.push_back({{1, 1, 1}, 2});
+    wall.options.walls.push_back({{1, 1, 1}, 2});
     wall.options.outside = votess::Outside::drop;
     add("larger box").options.box = test::cube(-3, 40);  // another scale
     add("no box").options.box.reset();
@@ -75,7 +75,7 @@ std::vector<Call> all_kinds(std::size_t n) {
     baseline.options.grid_resolution = 2;
     Call& rows = add("rows of seeds alone");
     rows.options.want = {.volumes = false};
-    rows.options.walls = false;
+    rows.options.list_walls = false;
     add("volumes alone").options.want = {.neighbors = false};
     return calls;
 }

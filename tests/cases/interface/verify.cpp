@@ -61,7 +61,7 @@ votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& part
 votess::Options rows_only() {
     votess::Options options = test::all_options();
     options.want = {true, false, false, false};
-    options.walls = false;
+    options.list_walls = false;
     return options;
 }
 

@@ -26,7 +26,7 @@ std::vector<votess::vulkan::Plan> make_plans(const HostDevice& device, const Arg
                                                                 .box = {{0, 0, 0}, {1, 1, 0.5}},
                                                                 .stride = 4,
                                                                 .geometry = false,
-                                                                .walls = true,
+                                                                .list_walls = true,
                                                                 .chunk_size = 512,
                                                                 .k_init = 20});
     }

@@ -91,7 +91,7 @@ std::vector<Job> changing_jobs(Random& random) {
             job.weights[random.below(job.size())] += decades(random, -3, 1);
         }
         if (random.chance(0.5)) job.want = static_cast<unsigned>(random.below(want_all + 1));
-        job.walls = random.chance(0.5);
+        job.list_walls = random.chance(0.5);
         constexpr unsigned grids[] = {0, 0, 1, 2, 7};
         job.grid_resolution = grids[random.below(std::size(grids))];
         job.threads = 1 + static_cast<unsigned>(random.below(3) / 2);

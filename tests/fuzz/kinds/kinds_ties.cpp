@@ -120,7 +120,7 @@ std::vector<Job> walls_through(Random& random) {
         } else if (random.chance(0.2)) {  // in the plane of a face
             const auto a = random.below(n), b = random.below(n);
             if (seed_of(job, a) != seed_of(job, b)) {
-                job.planes.push_back(bisector(seed_of(job, a), seed_of(job, b)));
+                job.walls.push_back(bisector(seed_of(job, a), seed_of(job, b)));
                 continue;
             }
         }
@@ -131,7 +131,7 @@ std::vector<Job> walls_through(Random& random) {
             for (double& value : wall.normal) value *= factor;
             wall.offset *= factor;
         }
-        job.planes.push_back(wall);
+        job.walls.push_back(wall);
     }
     if (random.chance(0.3))
         for (std::size_t i = 0; i < n; ++i) job.weights.push_back(random.uniform(-0.1, 0.2));
@@ -150,7 +150,7 @@ std::vector<Job> wedges(Random& random) {
     const auto add = [&](const Vector& n, double offset) {
         votess::Wall wall{{}, offset};
         for (std::size_t k = 0; k < 3; ++k) wall.normal[(k + turn) % 3] = n[k];
-        job.planes.push_back(wall);
+        job.walls.push_back(wall);
     };
     for (const double sign : {-1.0, 1.0}) add({slab ? 0 : -e, 0, sign}, e);
     add({1, 0, 0}, size[0]);
@@ -207,7 +207,7 @@ std::vector<Job> lattices(Random& random) {
     if (random.chance(0.2))
         for (std::size_t i = 0; i < job.size(); ++i)
             job.weights.push_back(static_cast<double>(random.below(3)) * step * step / 8);
-    job.walls = random.chance(0.5);
+    job.list_walls = random.chance(0.5);
     return {job};
 }
 

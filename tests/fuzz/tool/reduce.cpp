@@ -69,15 +69,15 @@ private:
         reset(&Job::grid_resolution, 0u);
         reset(&Job::threads, 1u);
         reset(&Job::drop, false);
-        reset(&Job::walls, false);
+        reset(&Job::list_walls, false);
         reset(&Job::want, want_rows_and_volumes);
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (case_.jobs[k].periodic[axis]) changed |= attempt([&](Case& c) { c.jobs[k].periodic[axis] = false; });
         // A domain that is left open is another matter.
-        for (std::size_t w = case_.jobs[k].closed ? 0 : case_.jobs[k].planes.size(); w-- > 0;)
+        for (std::size_t w = case_.jobs[k].closed ? 0 : case_.jobs[k].walls.size(); w-- > 0;)
             changed |= attempt([&](Case& c) {
-                auto& planes = c.jobs[k].planes;
-                planes.erase(planes.begin() + static_cast<std::ptrdiff_t>(w));
+                auto& walls = c.jobs[k].walls;
+                walls.erase(walls.begin() + static_cast<std::ptrdiff_t>(w));
             });
         for (std::size_t i = 0; i < case_.jobs[k].weights.size(); ++i)
             if (case_.jobs[k].weights[i] != 0) changed |= attempt([&](Case& c) { c.jobs[k].weights[i] = 0; });
@@ -94,7 +94,7 @@ private:
             if (job.cell)
                 for (auto* v : {&job.cell->origin, &job.cell->a, &job.cell->b, &job.cell->c})
                     for (double& x : *v) all.push_back(&x);
-            for (votess::Wall& wall : job.planes) {
+            for (votess::Wall& wall : job.walls) {
                 if (job.closed) break;
                 for (double& x : wall.normal) all.push_back(&x);
                 all.push_back(&wall.offset);

@@ -15,9 +15,9 @@
 
 using test::GpuStages;
 using test::PointSet;
-using votess::Kernel;
 using votess::gpu::Chunk;
 using votess::gpu::ChunkJob;
+using votess::gpu::Kernel;
 using votess::gpu::PassSettings;
 
 namespace {
@@ -41,7 +41,7 @@ Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {
     CAPTURE(set.name);
     CAPTURE(set.size());
     auto options = test::all_options();
-    options.walls = wanted.walls;
+    options.list_walls = wanted.walls;
     const auto cpu = test::run(set, options);
     gpu.upload_and_sort(set);
     const auto order = gpu.seeds.order();
@@ -360,6 +360,15 @@ TEST_SUITE("stages") {
         using votess::gpu::choose_subgroup_size;
         using votess::gpu::missing_for_subgroups;
         CHECK(missing_for_subgroups(adapter) == "");
+        using votess::gpu::kernel_from_environment;
+        for (const Kernel kernel : {Kernel::automatic, Kernel::invocation, Kernel::subgroup}) {
+            const test::UseKernel chosen(kernel);
+            CHECK(kernel_from_environment() == kernel);
+        }
+        {
+            const test::Environment unknown("VOTESS_VULKAN_KERNEL", "warp");
+            CHECK(test::error_of([] { (void)kernel_from_environment(); }) == votess::ErrorCode::invalid_argument);
+        }
         CHECK(choose_subgroup_size(adapter, Kernel::invocation) == 0);
         CHECK(choose_subgroup_size(adapter, Kernel::subgroup) >= 8);
         adapter.type = VK_PHYSICAL_DEVICE_TYPE_CPU;

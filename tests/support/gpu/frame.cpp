@@ -128,7 +128,7 @@ PlanOptions options_for(const PointSet& set) {
 
 votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan) {
     votess::Options options = test::all_options(plan.box);
-    options.walls = plan.walls;
+    options.list_walls = plan.list_walls;
     options.periodic = plan.periodic;
     options.device = "cpu";
     return votess::tessellate(std::span<const double>(set.points), options);

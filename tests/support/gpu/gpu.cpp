@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "engines.hpp"
-#include "gpu/passes/kernel_choice.hpp"
 #include "support/text.hpp"
 
 namespace test {
@@ -118,10 +117,15 @@ std::string device_name() {
     return name != nullptr && *name != '\0' ? name : "lavapipe";
 }
 
-votess::Kernel by_subgroup() {
+votess::gpu::Kernel by_subgroup() {
     static const bool can = votess::gpu::missing_for_subgroups(Gpu().adapter).empty();
-    return can ? votess::Kernel::subgroup : votess::Kernel::invocation;
+    return can ? votess::gpu::Kernel::subgroup : votess::gpu::Kernel::invocation;
 }
+
+UseKernel::UseKernel(votess::gpu::Kernel kernel)
+    : Environment("VOTESS_VULKAN_KERNEL", kernel == votess::gpu::Kernel::subgroup     ? "subgroup"
+                                          : kernel == votess::gpu::Kernel::invocation ? "invocation"
+                                                                                      : nullptr) {}
 
 votess::Precision double_precision() {
     static const bool can = Gpu().device->has_float64();

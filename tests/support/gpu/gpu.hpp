@@ -6,6 +6,7 @@
 
 #include "cpu/cpu_clipper.hpp"
 #include "gpu/gpu_engine.hpp"
+#include "gpu/passes/kernel_choice.hpp"
 #include "support/check.hpp"
 #include "support/gpu/vulkan.hpp"
 
@@ -27,8 +28,13 @@ std::string check_same(const votess::Tessellation& gpu, const votess::Tessellati
 std::string device_name();
 
 // Kernel::subgroup and Precision::double_ where the tests' device has what they need, else what every device can do.
-votess::Kernel by_subgroup();
+votess::gpu::Kernel by_subgroup();
 votess::Precision double_precision();
+
+// During its life this kernel makes the cells of engines and plans that are made or set up anew.
+struct UseKernel : Environment {
+    explicit UseKernel(votess::gpu::Kernel kernel);
+};
 
 // An engine of its own on the tests' device, and the pipeline on it.
 struct GpuRunner {

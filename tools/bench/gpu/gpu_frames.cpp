@@ -90,7 +90,7 @@ struct Frames::Device {
 Frames::Frames(const std::string& device_name) : device_(std::make_unique<Device>(device_name)) {}
 Frames::~Frames() = default;
 
-FrameRow Frames::measure(const Input& input, bool rows, votess::Kernel kernel, int repeats, bool to_compare) const {
+FrameRow Frames::measure(const Input& input, bool rows, int repeats, bool to_compare) const {
     const host::HostDevice& device = device_->device;
     FrameRow row;
     row.input = input.name;
@@ -100,7 +100,6 @@ FrameRow Frames::measure(const Input& input, bool rows, votess::Kernel kernel, i
     options.most_seeds = static_cast<std::uint32_t>(row.n);
     options.box = input.box;
     options.neighbors = rows;
-    options.kernel = kernel;
     options.most_entries = entries_each * options.most_seeds;
     const Plan plan(device.for_votess(true), options);
     const Buffers buffers(device, plan.sizes());

@@ -32,8 +32,7 @@ public:
     ~Frames();
 
     // compare: certified rows with the CPU's, and volumes.
-    [[nodiscard]] FrameRow measure(const Input& input, bool rows, votess::Kernel kernel, int repeats,
-                                   bool compare) const;
+    [[nodiscard]] FrameRow measure(const Input& input, bool rows, int repeats, bool compare) const;
 
 private:
     struct Device;

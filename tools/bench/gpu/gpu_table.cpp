@@ -53,10 +53,9 @@ void forget_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-votess::Kernel kernel_named(const std::string& name) {
-    return name == "subgroup"     ? votess::Kernel::subgroup
-           : name == "invocation" ? votess::Kernel::invocation
-                                  : votess::Kernel::automatic;
+// The library reads it when it makes its pipelines.
+void choose_kernel(const std::string& name) {
+    ::setenv("VOTESS_VULKAN_KERNEL", name.c_str(), 1);
 }
 
 bool is_full_of_ties(const std::string& input) {
@@ -113,7 +112,7 @@ void check(Row& row, const GpuTable& table, const Input& input, bool to_compare,
 // A Tessellator of its own, so that the memory is that of this row.
 void measure(Row& row, const GpuTable& table, const Input& input, bool to_compare) {
     votess::Options options = options_for(table, input, row.want, table.device);
-    options.kernel = kernel_named(row.kernel);
+    choose_kernel(row.kernel);
     ::setenv("VOTESS_VULKAN_LOCAL_SIZE", std::to_string(row.local_size).c_str(), 1);
     votess::Tessellation t;
     {
@@ -414,7 +413,8 @@ void measure_frames(Report& report, const GpuTable& table, const Frames& frames,
             row.rows = with_rows;
             row.kernel = kernel;
             report.add(report.frames, row, paces[input.name + " frame " + kernel], [&](FrameRow& measured) {
-                measured = frames.measure(input, with_rows, kernel_named(kernel), table.repeats,
+                choose_kernel(kernel);
+                measured = frames.measure(input, with_rows, table.repeats,
                                           static_cast<double>(input.size()) <= table.check_limit);
                 measured.kernel = kernel;
             });

@@ -41,7 +41,7 @@ votess::Tessellation expected_cells(const votess::vulkan::PlanOptions& plan, std
     options.device = "cpu";
     options.box = plan.box;
     options.outside = votess::Outside::drop;
-    options.walls = plan.walls;
+    options.list_walls = plan.list_walls;
     options.want.centroids = options.want.counts = options.want.radii = true;
     return votess::tessellate(points, options);
 }

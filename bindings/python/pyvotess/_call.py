@@ -1,0 +1,140 @@
+"""Calls of the library: errors, handles, arrays in its memory, and runs that can be interrupted."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import signal
+import threading
+from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Tuple
+
+import numpy as np
+
+from . import _c_api
+from ._c_api import ErrorCode
+from ._library import lib
+
+if TYPE_CHECKING:
+    from types import FrameType
+
+    import numpy.typing as npt
+
+
+class VotessError(RuntimeError):
+    """A failed run that is not the fault of the input. ``code`` says why."""
+
+    def __init__(self, message: str, code: ErrorCode) -> None:
+        super().__init__(message, code)
+        self.code = code
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+def raise_on_failure(status: int) -> None:
+    if status == _c_api.OK:
+        return
+    message = lib.votess_last_error().decode("utf-8", "replace")
+    if status == ErrorCode.INVALID_ARGUMENT:
+        raise ValueError(message)
+    if status == ErrorCode.OUT_OF_MEMORY:
+        raise MemoryError(message)
+    raise VotessError(message, ErrorCode(status))
+
+
+class Handle:
+    """Owns one object of the library."""
+
+    def __init__(self, free: Callable[[ctypes.c_void_p], None]) -> None:
+        self.pointer = ctypes.c_void_p()
+        self._free = free  # kept here: module globals may be gone when the interpreter ends
+
+    def free(self) -> None:
+        if self.pointer:
+            self._free(self.pointer)
+            self.pointer.value = None
+
+    def __del__(self) -> None:
+        self.free()
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a result of votess cannot be pickled or deep-copied: take its arrays")
+
+
+class _Memory:
+    """What NumPy needs to wrap an array of the library. It becomes the base of the ndarray and keeps the owner alive."""
+
+    def __init__(self, owner: Handle, address: int, shape: Tuple[int, ...], dtype: np.dtype[Any]) -> None:
+        self._owner = owner
+        self.__array_interface__ = {
+            "version": 3,
+            "shape": shape,
+            "typestr": dtype.str,
+            "data": (address, True),  # True: read-only
+        }
+
+
+def array_of(
+    result: Handle, name: str, dtype: Any, columns: int = 0, prefix: str = "votess_result_"
+) -> npt.NDArray[Any]:
+    """Read-only view, without a copy, of ``<prefix><name>``; shape (length,) or (length / columns, columns)."""
+    length = ctypes.c_size_t()
+    address = getattr(lib, prefix + name)(result.pointer, ctypes.byref(length))
+    shape = (length.value // columns, columns) if columns else (length.value,)
+    if not address:
+        array = np.empty(shape, dtype)
+        array.flags.writeable = False
+        return array
+    return np.asarray(_Memory(result, address, shape, np.dtype(dtype)))
+
+
+@contextlib.contextmanager
+def _storing_interrupts(raised: List[BaseException]) -> Iterator[bool]:
+    """While a run lasts, what the handler of Ctrl-C raises goes to ``raised``. Yields whether that is so.
+
+    Raised inside a ctypes callback it would be printed and lost. Only the main thread gets signals in Python.
+    """
+    previous = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(previous):
+        yield False
+        return
+
+    def handler(number: int, frame: Optional[FrameType]) -> None:
+        try:
+            previous(number, frame)
+        except BaseException as error:
+            raised.append(error)
+
+    try:
+        signal.signal(signal.SIGINT, handler)
+    except ValueError:  # a sub-interpreter has no signals
+        yield False
+        return
+    try:
+        yield True
+    finally:
+        signal.signal(signal.SIGINT, previous)
+
+
+def run(function: Any, arguments: Tuple[Any, ...], options: _c_api.Options, out: Any, progress: Any) -> None:
+    raised: List[BaseException] = []
+
+    def on_progress(fraction: float, _user: Any) -> int:
+        try:
+            if not raised and progress is not None:
+                answer = progress(fraction)
+                return 1 if answer is None or answer else 0
+        except BaseException as error:
+            raised.append(error)
+        return 0 if raised else 1
+
+    with _storing_interrupts(raised) as storing:
+        if storing or progress is not None:
+            options.progress = _c_api.ProgressCallback(on_progress)
+        status = function(*arguments, ctypes.byref(options), out)
+    if raised:
+        try:
+            raise raised[0]
+        finally:
+            raised.clear()  # the traceback holds this frame, which holds the list
+    raise_on_failure(status)

@@ -1,0 +1,262 @@
+"""Tessellate points: in one call, or by an object that is kept; and the devices that can."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import threading
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, List, Optional, Union
+
+import numpy as np
+
+from . import _c_api
+from ._c_api import ErrorCode
+from ._call import Handle, VotessError, raise_on_failure, run
+from ._input import Domain, as_count, as_points, as_text, as_want, as_word
+from ._library import lib
+from .tessellation import Tessellation
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    import numpy.typing as npt
+
+#: Called some ten times a second with the fraction done, 0 to 1. Return False to stop the run; None goes on.
+Progress = Callable[[float], Optional[bool]]
+
+
+def _new_options(
+    device: str,
+    threads: int,
+    precision: str,
+    grid_resolution: int,
+    k_init: int,
+    chunk_size: int,
+    instructions: str = "",
+) -> _c_api.Options:
+    options = _c_api.Options()
+    raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
+    options.device = as_text(device, "device")
+    options.threads = as_count(threads, "threads", 32)
+    options.precision = as_word(precision, "precision", _c_api.PRECISIONS)
+    options.grid_resolution = as_count(grid_resolution, "grid_resolution", 32)
+    options.k_init = as_count(k_init, "k_init", 32)
+    options.chunk_size = as_count(chunk_size, "chunk_size", 32)
+    options.instructions = as_text(instructions, "instructions")
+    return options
+
+
+def _tessellate(
+    tessellator: Optional[Handle],
+    options: _c_api.Options,
+    points: Any,
+    domain: Domain,
+    want: Union[str, Iterable[str]],
+    list_walls: bool,
+    duplicates: str,
+    progress: Optional[Progress],
+    min_face: float = 0.0,
+) -> Tessellation:
+    array = as_points(points)
+    options.want = as_want(want)
+    options.min_face = float(min_face)
+    options.list_walls = bool(list_walls)
+    options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
+    kept = domain.fill(options, len(array))
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress must be callable, not {type(progress).__name__}")
+
+    implied = ctypes.c_uint32()
+    raise_on_failure(lib.votess_options_implied_want(ctypes.byref(options), ctypes.byref(implied)))
+    wanted = tuple(word for word, bit in _c_api.WANT_BITS.items() if implied.value & bit)
+
+    function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
+    result = Handle(lib.votess_result_free)
+    arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
+    run(function, arguments, options, ctypes.byref(result.pointer), progress)
+    del kept
+    return Tessellation(result, array, wanted)
+
+
+def tessellate(
+    points: npt.ArrayLike,
+    box: Optional[npt.ArrayLike] = None,
+    periodic: Union[bool, str, Iterable[bool]] = False,
+    weights: Optional[npt.ArrayLike] = None,
+    radii: Optional[npt.ArrayLike] = None,
+    want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
+    cell: Optional[npt.ArrayLike] = None,
+    walls: npt.ArrayLike = (),
+    list_walls: bool = False,
+    device: str = "auto",
+    threads: int = 0,
+    precision: str = "single",
+    duplicates: str = "merge",
+    progress: Optional[Progress] = None,
+    origin: Optional[npt.ArrayLike] = None,
+    outside: str = "error",
+    min_face: float = 0.0,
+    grid_resolution: int = 0,
+    k_init: int = 0,
+    chunk_size: int = 0,
+    instructions: str = "",
+) -> Tessellation:
+    """Voronoi cells of ``points`` in a box. The neighbor lists are exact for the coordinates as given.
+
+    Parameters
+    ----------
+    points : (N, 3) array of real numbers, any length unit; N may be 0.
+        float64 and float32 in C order are read in place; other arrays are converted, without loss. Not to be
+        changed by another thread meanwhile.
+    box : (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1)), the domain.
+        Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
+        A point outside of it is an error.
+    periodic : True, or axes such as "xy", or three flags: the box repeats; points beyond it are wrapped into it.
+        ``shifts`` tells which image a neighbor is.
+    weights, radii : (N,) numbers: a power diagram, with these weights or the squares of these radii. A seed whose cell
+        is empty has status EMPTY.
+    want : words out of "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii",
+        "vertices", "faces", as a sequence or with commas in one string. What belongs to entries of the rows adds
+        "neighbors"; "faces" adds "vertices", and the walls to the rows.
+    cell, origin : a triclinic periodic box instead of ``box``: the vectors of its edges, a row each, and its corner.
+        It repeats along all three: ``periodic`` names all axes or none beside it.
+    walls : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
+    list_walls : list the walls in the rows too: -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, then those of ``walls``.
+    device : "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device
+        that is software; or an ``id`` out of :func:`devices`. One that cannot be had raises VotessError.
+    precision : of volumes, centroids and areas from a GPU: "single", relative error 1e-5, or "double", 1e-10. The CPU always
+        gives 1e-10; the neighbor lists are exact either way.
+    threads, grid_resolution, k_init, chunk_size : tuning, 0 = automatic. They change speed and memory, never the
+        answer. CPU threads, at most 1024; blocks along an axis of the sorting grid, at most 2**20; on a GPU nearest
+        neighbors tried first for each cell, at most 1024, and cells in flight at once.
+    instructions : of the CPU: "baseline", "avx2", "avx512", or "" for the best that it has; never changes the lists.
+        One that it lacks raises VotessError.
+    duplicates : "merge": the lowest index of equal points keeps the cell; "error": refuse them.
+    min_face : drop faces between two cells that are smaller than this times their mean area, from rows, areas,
+        normals, polygons and face_counts; decided once per pair of cells. 0 drops nothing.
+    outside : of points outside of ``box`` or ``walls``: "error" refuses them, "drop" gives them an empty cell, status OUTSIDE.
+    progress : called some ten times a second with the fraction done; returning False stops the run with
+        :class:`VotessError`, an exception stops it and goes on to the caller.
+
+    The GIL is released. Ctrl-C in the main thread stops the run and raises KeyboardInterrupt.
+
+    Raises
+    ------
+    ValueError : bad input; the message names the first offending index and value.
+    MemoryError, VotessError : the run failed; ``VotessError.code`` is UNSUPPORTED when the device cannot be had,
+        DEVICE_LOST when it failed.
+    """
+    options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
+    domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
+    return _tessellate(None, options, points, domain, want, list_walls, duplicates, progress, min_face)
+
+
+class Tessellator:
+    """Keeps device, threads and buffers between calls. A context manager; otherwise freed with the object.
+
+    The memory of a result that is gone, its arrays too, serves the next one: calls of the same size take no new memory.
+    Points that move from call to call are tessellated by one Tessellator that is kept.
+
+    The options are those of :func:`tessellate`; the limits of their values are checked at each call.
+
+    One call at a time: a second one, from another thread or from a progress callback, raises VotessError with code
+    INVALID_USE. Results do not need the tessellator and outlive it, and may be read by many threads.
+
+    After a fork (``os.fork``, multiprocessing with the start method "fork") the child may use and close its copy: the
+    CPU gets new threads. A GPU that was opened before cannot be used there: VotessError with code UNSUPPORTED, or with
+    device "auto" the CPU takes over.
+    """
+
+    def __init__(
+        self,
+        device: str = "auto",
+        threads: int = 0,
+        precision: str = "single",
+        grid_resolution: int = 0,
+        k_init: int = 0,
+        chunk_size: int = 0,
+        instructions: str = "",
+        ) -> None:
+        self._options = _new_options(
+            device, threads, precision, grid_resolution, k_init, chunk_size, instructions
+        )
+        self._lock = threading.Lock()
+        self._handle = Handle(lib.votess_tessellator_free)
+        raise_on_failure(lib.votess_tessellator_new(ctypes.byref(self._handle.pointer)))
+
+    @contextlib.contextmanager
+    def _alone(self) -> Iterator[None]:
+        if not self._lock.acquire(blocking=False):
+            raise VotessError(
+                "this Tessellator is in use by another call, or was when fork() made this process: use one per thread",
+                ErrorCode.INVALID_USE,
+            )
+        try:
+            yield
+        finally:
+            self._lock.release()
+
+    def tessellate(
+        self,
+        points: npt.ArrayLike,
+        box: Optional[npt.ArrayLike] = None,
+        periodic: Union[bool, str, Iterable[bool]] = False,
+        weights: Optional[npt.ArrayLike] = None,
+        radii: Optional[npt.ArrayLike] = None,
+        want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
+        cell: Optional[npt.ArrayLike] = None,
+        walls: npt.ArrayLike = (),
+        list_walls: bool = False,
+        duplicates: str = "merge",
+        progress: Optional[Progress] = None,
+        origin: Optional[npt.ArrayLike] = None,
+        outside: str = "error",
+        min_face: float = 0.0,
+    ) -> Tessellation:
+        """As :func:`tessellate`. ValueError after :meth:`close`."""
+        domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
+        with self._alone():
+            if not self._handle.pointer:
+                raise ValueError("this Tessellator is closed")
+            options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
+            return _tessellate(self._handle, options, points, domain, want, list_walls, duplicates, progress, min_face)
+
+    def close(self) -> None:
+        """Frees device and buffers. Harmless when repeated."""
+        with self._alone():
+            self._handle.free()
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Tessellator cannot be copied or pickled: make another one")
+
+    def __enter__(self) -> Tessellator:
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[type[BaseException]],
+        error: Optional[BaseException],
+        traceback: Optional[TracebackType],
+    ) -> None:
+        self.close()
+
+
+@dataclass(frozen=True)
+class DeviceInfo:
+    """A device that can run; ``id`` is what ``device=`` accepts."""
+
+    id: str
+    name: str
+    description: str  #: limits and features in one line
+
+
+def devices() -> List[DeviceInfo]:
+    """The devices of this machine that votess can use."""
+    found = []
+    for index in range(lib.votess_device_count()):
+        texts = [ctypes.create_string_buffer(size) for size in (256, 256, 4096)]
+        sized = [argument for text in texts for argument in (text, len(text))]
+        raise_on_failure(lib.votess_device_info(index, *sized))
+        found.append(DeviceInfo(*(text.value.decode("utf-8", "replace") for text in texts)))
+    return found

@@ -1,0 +1,259 @@
+"""What goes in, what is refused, and whose memory the results are."""
+
+import copy
+import ctypes
+import gc
+import pickle
+import unittest
+import weakref
+
+import numpy as np
+from helpers import EVERYTHING, UNIT_BOX, uniform
+
+import pyvotess as vt  # noqa: E402
+from pyvotess import _library  # noqa: E402
+
+
+class Input(unittest.TestCase):
+    def setUp(self):
+        self.points = uniform(200)
+        self.expected = vt.tessellate(self.points)
+
+    def assert_same(self, points):
+        t = vt.tessellate(points)
+        np.testing.assert_array_equal(t.neighbors.indptr, self.expected.neighbors.indptr)
+        np.testing.assert_array_equal(t.neighbors.indices, self.expected.neighbors.indices)
+        np.testing.assert_array_equal(t.volumes, self.expected.volumes)
+        return t
+
+    def test_float64_in_c_order_is_not_copied(self):
+        t = self.assert_same(self.points)
+        self.assertTrue(np.shares_memory(t.points, self.points))
+        self.assertEqual(t.points.ctypes.data, self.points.ctypes.data)
+
+    def test_what_needs_a_copy(self):
+        wide = np.zeros((200, 6))
+        wide[:, ::2] = self.points
+        raw = np.frombuffer(b"\0" + self.points.tobytes(), np.uint8)[1:].view(np.float64).reshape(200, 3)  # not aligned
+        for points in (
+            np.asfortranarray(self.points),
+            wide[:, ::2],
+            self.points.tolist(),
+            self.points.astype(">f8"),
+            raw,
+            np.ma.array(self.points),
+        ):
+            self.assert_same(points)
+        frozen = self.points.copy()
+        frozen.flags.writeable = False
+        self.assert_same(frozen)
+
+    def test_array_likes(self):
+        class ArrayLike:
+            def __array__(_, dtype=None, copy=None):
+                return self.points
+
+        self.assert_same(ArrayLike())
+
+    def test_float32(self):
+        narrow = self.points.astype(np.float32)
+        t = vt.tessellate(narrow)
+        wide = vt.tessellate(narrow.astype(np.float64))
+        self.assertEqual(t.points.ctypes.data, narrow.ctypes.data)
+        np.testing.assert_array_equal(t.neighbors.indices, wide.neighbors.indices)
+        np.testing.assert_array_equal(t.volumes, wide.volumes)
+        self.assertTrue(t.verify())
+
+    def test_narrow_numbers_are_widened(self):
+        integers = np.array([[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10], [3, 4, 5]])
+        expected = vt.tessellate(integers.astype(float))
+        for dtype in (np.int8, np.uint16, np.int32, np.int64, np.uint64, np.float16):
+            t = vt.tessellate(integers.astype(dtype))
+            np.testing.assert_array_equal(t.neighbors.indices, expected.neighbors.indices)
+            np.testing.assert_array_equal(t.volumes, expected.volumes)
+
+
+class BadInput(unittest.TestCase):
+    def refused(self, pattern, points, error=ValueError, **options):
+        with self.assertRaisesRegex(error, pattern) as caught:
+            vt.tessellate(points, **options)
+        text = str(caught.exception)
+        self.assertNotIn("\n", text)
+        self.assertTrue(text)
+
+    def test_coordinates_that_are_not_finite(self):
+        for value, text in ((np.nan, "nan"), (np.inf, "inf"), (-np.inf, "-inf")):
+            for dtype in (np.float64, np.float32):
+                points = uniform(10).astype(dtype)
+                points[7, 1] = value
+                points[8, 0] = np.nan
+                self.refused(f"(?i)7.*{text}", points)
+
+    def test_point_outside_the_box(self):
+        points = uniform(10)
+        points[4, 2] = 1.5
+        points[6, 2] = -3
+        self.refused(r"4.*1\.5", points, box=UNIT_BOX)
+
+    def test_boxes(self):
+        points = uniform(4)
+        self.refused("(?i)box", points, box=(0, 0, 0, 1, 0, 1))
+        self.refused("(?i)box", points, box=(0, 0, 0, 1, -1, 1))
+        self.refused("(?i)box.*nan", points, box=(0, 0, 0, 1, np.nan, 1))
+        self.refused("(?i)box.*inf", points, box=(0, 0, 0, 1, np.inf, 1))
+        self.refused(r"box has shape \(3, 2\)", points, box=np.zeros((3, 2)))
+        self.refused(r"box has shape \(5,\)", points, box=np.zeros(5))
+        self.refused("box has dtype", points, box="unit")
+
+    def test_shapes(self):
+        for shape in ((3,), (4, 2), (4, 4), (2, 2, 3), (0,), ()):
+            self.refused(f"points has shape .*{len(shape) and shape[0] or ''}", np.zeros(shape))
+        self.refused(r"\(4, 2\).*\(N, 3\)", np.zeros((4, 2)))
+        self.refused("points", [[1.0, 2.0, 3.0], [1.0, 2.0]])
+
+    def test_types(self):
+        self.refused("complex128", np.zeros((2, 3), complex))
+        self.refused("object", np.zeros((2, 3), object))
+        self.refused("bool", np.zeros((2, 3), bool))
+        self.refused("dtype", [["a", "b", "c"]])
+        self.refused("dtype", None)
+        if np.dtype(np.longdouble).itemsize > 8:
+            self.refused("dtype", np.zeros((2, 3), np.longdouble))
+        self.refused("masked", np.ma.array(uniform(2), mask=[[0, 0, 1], [0, 0, 0]]))
+
+    def test_integers_that_float64_cannot_hold(self):
+        for value in (2**53 + 1, -(2**53) - 1):
+            points = np.zeros((4, 3), np.int64)
+            points[2, 1] = value
+            self.refused(rf"points\[2\]\[1\] is {value}", points)
+        self.refused("18446744073709551615", np.full((1, 3), 2**64 - 1, np.uint64))
+        vt.tessellate(np.array([[2**53, 0, 0], [0, 0, -(2**53)]]))
+
+    def test_options(self):
+        points = uniform(4)
+        self.refused("'edges'.*neighbors, volumes", points, want=["edges"])
+        self.refused("'keep'.*merge, error", points, duplicates="keep")
+        self.refused("threads is -1", points, threads=-1)
+        self.refused("grid_resolution is 4294967296", points, grid_resolution=2**32)
+        self.refused("threads.*100000", points, threads=100000)
+        self.refused("grid_resolution.*2147483648", points, grid_resolution=2**31)
+        self.refused("k_init is -1", points, k_init=-1)
+        self.refused("k_init is 4294967296", points, k_init=2**32)
+        self.refused("k_init.*1025.*1024", points, k_init=1025)
+        self.refused("chunk_size is -1", points, chunk_size=-1)
+        self.refused("chunk_size is 4294967296", points, chunk_size=2**32)
+        self.refused("'sse'.*baseline, avx2 or avx512", points, instructions="sse")
+        self.refused("instructions.*zero character", points, instructions="avx2\0")
+        self.refused("instructions", points, instructions=None, error=TypeError)
+        self.refused("'half'.*single, double", points, precision="half")
+        self.refused("precision is 1", points, precision=1)
+        self.refused("precision is None", points, precision=None)
+        self.refused("", points, threads=1.5, error=TypeError)
+        self.refused("", points, k_init=1.5, error=TypeError)
+        self.refused("device", points, device=0, error=TypeError)
+        self.refused("zero character", points, device="cpu\0")
+        self.refused("progress", points, progress=1, error=TypeError)
+        with self.assertRaisesRegex(TypeError, "tilted"):
+            vt.tessellate(points, tilted=True)
+        for old in ("planes", "kernel"):
+            with self.assertRaisesRegex(TypeError, old):
+                vt.tessellate(points, **{old: None})
+
+    def test_unknown_device(self):
+        for device in ("abacus", "", "GPU", "-1", "1000000", "cpu\n"):
+            self.refused("auto, cpu, gpu, lavapipe", uniform(4), device=device)
+
+    def test_device_that_may_be_missing(self):
+        for device in ("gpu", "lavapipe", "0", "999999"):
+            try:
+                self.assertEqual(len(vt.tessellate(uniform(4), device=device)), 4)
+            except vt.VotessError as error:
+                self.assertEqual(error.code, vt.ErrorCode.UNSUPPORTED)
+
+    def test_duplicates_refused(self):
+        points = uniform(10)
+        points[8] = points[3]
+        self.refused("(?s)(8.*3|3.*8)", points, duplicates="error")
+        vt.tessellate(uniform(10), duplicates="error")
+
+
+class Memory(unittest.TestCase):
+    def arrays(self, t):
+        return {
+            "indptr": t.neighbors.indptr,
+            "indices": t.neighbors.indices,
+            "face_areas": t.face_areas,
+            "volumes": t.volumes,
+            "centroids": t.centroids,
+            "face_counts": t.face_counts,
+            "edge_counts": t.edge_counts,
+            "vertex_counts": t.vertex_counts,
+            "status": t.status,
+            "duplicate_of": t.duplicate_of,
+        }
+
+    def test_arrays_lie_in_the_librarys_memory(self):
+        t = vt.tessellate(np.concatenate((uniform(50), uniform(1))), want=EVERYTHING)
+        for name, array in self.arrays(t).items():
+            length = ctypes.c_size_t()
+            address = getattr(_library.lib, "votess_result_" + name)(t._result.pointer, ctypes.byref(length))
+            self.assertEqual(array.ctypes.data, address, name)
+            self.assertEqual(array.size, length.value, name)
+            self.assertFalse(array.flags.owndata, name)
+        self.assertIs(t.volumes, t.volumes)
+        self.assertTrue(np.shares_memory(t.neighbors[3], t.neighbors.indices))
+
+    def test_arrays_are_read_only(self):
+        t = vt.tessellate(np.concatenate((uniform(50), uniform(1))), want=EVERYTHING)
+        for name, array in (*self.arrays(t).items(), ("box", t.box), ("row", t.neighbors[0])):
+            with self.assertRaises(ValueError, msg=name):
+                array.flat[0] = 0
+        with self.assertRaises(ValueError):
+            t.volumes.flags.writeable = True
+        with self.assertRaises(AttributeError):
+            t.volumes = None
+
+    def test_any_array_keeps_the_memory(self):
+        points = uniform(20000)
+        for name in ("indptr", "indices", "volumes", "centroids", "status"):
+            t = vt.tessellate(points, want=EVERYTHING)
+            array = self.arrays(t)[name]
+            view = array[5:]
+            expected = np.array(view)
+            result = weakref.ref(t._result)
+            del t, array
+            gc.collect()
+            self.assertIsNotNone(result())
+            vt.tessellate(points[::-1].copy(), want=EVERYTHING)  # would reuse freed memory
+            np.testing.assert_array_equal(view, expected, name)
+            del view
+            gc.collect()
+            self.assertIsNone(result(), name)
+
+    def test_rows_keep_the_memory(self):
+        row = vt.tessellate(uniform(1000)).neighbors[17]
+        gc.collect()
+        np.testing.assert_array_equal(row, vt.tessellate(uniform(1000)).neighbors[17])
+
+    def test_no_cycle_delays_the_release(self):
+        gc.disable()
+        try:
+            t = vt.tessellate(uniform(10), progress=lambda fraction: True)
+            result = weakref.ref(t._result)
+            del t
+            self.assertIsNone(result())
+        finally:
+            gc.enable()
+
+    def test_copies(self):
+        t = vt.tessellate(uniform(10))
+        np.testing.assert_array_equal(copy.copy(t).volumes, t.volumes)
+        self.assertTrue(copy.deepcopy(t.volumes).flags.owndata)
+        for function in (copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "pickled"):
+                function(t)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(t.volumes)), t.volumes)
+
+
+if __name__ == "__main__":
+    unittest.main()

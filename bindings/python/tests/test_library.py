@@ -1,0 +1,199 @@
+"""verify(), facts about runs and devices, and the library behind the package."""
+
+import ctypes
+import dataclasses
+import os
+import pathlib
+import pickle
+import re
+import subprocess
+import sys
+import types
+import unittest
+
+import numpy as np
+from helpers import EVERYTHING, PACKAGE_PARENT, UNIT_BOX, uniform
+
+import pyvotess as vt  # noqa: E402
+from pyvotess import _c_api, _call, _library, tessellator  # noqa: E402
+
+
+class Verify(unittest.TestCase):
+    def test_fails_on_tampered_points(self):
+        points = uniform(500)
+        t = vt.tessellate(points, box=UNIT_BOX, want=EVERYTHING)
+        self.assertTrue(t.verify(sample=500))
+        points[123] = (0.5, 0.5, 0.5)  # t.points is this array
+        report = t.verify(sample=500)
+        self.assertFalse(report)
+        self.assertFalse(report.passed)
+        self.assertTrue(report.failure)
+        self.assertNotIn("\n", report.failure)
+
+    def test_arguments(self):
+        t = vt.tessellate(uniform(20))
+        self.assertTrue(t.verify(sample=0))
+        self.assertTrue(t.verify(sample=10**9, rng_seed=2**64 - 1))
+        self.assertEqual([t.verify(sample=n).sampled for n in (0, 7, 10**9)], [0, 7, 20])
+        self.assertEqual(t.verify().sampled, 20)
+        with self.assertRaisesRegex(ValueError, "sample is -1"):
+            t.verify(sample=-1)
+        with self.assertRaisesRegex(ValueError, "rng_seed"):
+            t.verify(rng_seed=2**64)
+        self.assertTrue(vt.tessellate(np.empty((0, 3))).verify())
+
+
+class Facts(unittest.TestCase):
+    def test_stats(self):
+        t = vt.tessellate(uniform(1000), box=(0, 0, 0, 1, 1, 2), want=EVERYTHING, threads=2)
+        stats = t.stats
+        self.assertEqual(stats.points, 1000)
+        self.assertEqual(stats.faces, t.face_counts.sum())
+        self.assertAlmostEqual(stats.mean_faces, t.face_counts.mean())
+        self.assertAlmostEqual(stats.volume_sum, 2.0, places=9)
+        self.assertAlmostEqual(stats.box_volume, 2.0, places=12)
+        self.assertEqual(stats.duplicates, 0)
+        self.assertEqual(stats.empty_cells, 0)
+        self.assertEqual(stats.fallback_cells, 0)
+        self.assertTrue(stats.device)
+        self.assertGreaterEqual(stats.threads, 1)
+        self.assertGreater(stats.peak_memory_bytes, 10**6)
+        self.assertGreater(stats.seconds.total, 0)
+        as_dict = dataclasses.asdict(stats)
+        self.assertEqual(
+            list(as_dict["seconds"]), ["upload", "sort", "knn", "clip", "fallback", "download", "total"]
+        )
+        parts = sum(as_dict["seconds"].values()) - stats.seconds.total
+        self.assertLessEqual(parts, stats.seconds.total * 1.01 + 1e-3)
+        with self.assertRaises(dataclasses.FrozenInstanceError):
+            stats.points = 1
+
+    def test_precision(self):
+        for precision in ("single", "double"):
+            t = vt.tessellate(uniform(100), device="cpu", precision=precision)
+            self.assertEqual(t.stats.precision, "double")  # the CPU has no other
+        self.assertIn(vt.tessellate(uniform(100)).stats.precision, ("single", "double"))
+
+    def test_devices(self):
+        devices = vt.devices()
+        self.assertIn("cpu", [device.id for device in devices])
+        for device in devices:
+            self.assertTrue(device.name)
+            self.assertTrue(vt.tessellate(uniform(20), device=device.id).verify())
+
+    def test_cell_status(self):
+        self.assertEqual([int(s) for s in vt.CellStatus], list(range(8)))
+        self.assertEqual(vt.CellStatus(5).name, "DUPLICATE")
+
+    def test_errors(self):
+        self.assertTrue(issubclass(vt.VotessError, RuntimeError))
+        error = pickle.loads(pickle.dumps(vt.VotessError("text", vt.ErrorCode.CANCELLED)))
+        self.assertEqual((str(error), error.code), ("text", vt.ErrorCode.CANCELLED))
+        for code in vt.ErrorCode:
+            kind = {"INVALID_ARGUMENT": ValueError, "OUT_OF_MEMORY": MemoryError}.get(code.name, vt.VotessError)
+            with self.assertRaises(kind) as caught:
+                _call.raise_on_failure(code)
+            if kind is vt.VotessError:
+                self.assertEqual(caught.exception.code, code)
+        self.assertEqual(vt.ErrorCode.DEVICE_LOST, 6)
+        self.assertEqual(vt.ErrorCode.INVALID_USE, 7)
+
+    def test_names(self):
+        for name in vt.__all__:
+            self.assertTrue(hasattr(vt, name), name)
+
+
+class Loading(unittest.TestCase):
+    def test_version(self):
+        self.assertEqual(vt.__version__, _library.lib.votess_version_string().decode())
+        major, minor, patch = (int(part) for part in vt.__version__.split("."))
+        self.assertEqual(_library.lib.votess_version(), major * 1000000 + minor * 1000 + patch)
+
+    def test_struct_sizes(self):
+        self.assertEqual(ctypes.sizeof(_c_api.Options), _library.lib.votess_sizeof_options())
+        self.assertEqual(ctypes.sizeof(_c_api.Stats), _library.lib.votess_sizeof_stats())
+
+    def test_options_lie_where_the_library_looks(self):
+        options = _c_api.Options()
+        _library.lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options))
+        self.assertEqual((options.precision, options.k_init, options.chunk_size, options.wall_count), (0, 0, 0, 0))
+        self.assertIsNone(options.instructions)
+        points = uniform(4)
+        for field, value, text in (
+            ("precision", 77, "precision = 77"),
+            ("k_init", 5000, "k_init = 5000"),
+            ("instructions", b"mmx", "instructions 'mmx'"),
+        ):
+            options = tessellator._new_options("cpu", 0, "single", 0, 0, 0)
+            setattr(options, field, value)
+            result = ctypes.c_void_p()
+            arguments = (None, points.ctypes.data, 4, ctypes.byref(options), ctypes.byref(result))
+            self.assertEqual(_library.lib.votess_tessellate(*arguments), vt.ErrorCode.INVALID_ARGUMENT)
+            self.assertIn(text, _library.lib.votess_last_error().decode())
+
+    def test_table_names_every_function_of_the_header(self):
+        header = pathlib.Path(PACKAGE_PARENT).parents[1] / "include" / "votess" / "votess.h"
+        if not header.is_file():
+            self.skipTest("not in the source tree")
+        declared = re.findall(r"^VOTESS_API [^;(]*?(votess_\w+)\(", header.read_text(), re.MULTILINE)
+        self.assertEqual(declared, list(_c_api.SIGNATURES))
+
+    @staticmethod
+    def pretend(version=_library.VERSION, options_size=None, stats_size=None):
+        sizes = ctypes.sizeof(_c_api.Options), ctypes.sizeof(_c_api.Stats)
+        return types.SimpleNamespace(
+            votess_version_string=lambda: version.encode(),
+            votess_sizeof_options=lambda: sizes[0] if options_size is None else options_size,
+            votess_sizeof_stats=lambda: sizes[1] if stats_size is None else stats_size,
+        )
+
+    def test_check_refuses_another_library(self):
+        _library.check(self.pretend(), "libvotess.so")
+        _library.check(self.pretend(options_size=4096), "libvotess.so")
+        major, minor, _ = _library.VERSION.split(".")
+        _library.check(self.pretend(version=f"{major}.{minor}.99"), "libvotess.so")
+        for version in ("99.0.0", f"{major}.99.0" if major == "0" else "0.1.0"):
+            with self.assertRaisesRegex(ImportError, f"libvotess.so is votess {version}.*{_library.VERSION}"):
+                _library.check(self.pretend(version=version), "libvotess.so")
+        with self.assertRaisesRegex(ImportError, "votess_options"):
+            _library.check(self.pretend(options_size=8), "libvotess.so")
+        with self.assertRaisesRegex(ImportError, "votess_stats"):
+            _library.check(self.pretend(stats_size=8), "libvotess.so")
+
+    def run_import(self, library):
+        environment = dict(os.environ, VOTESS_LIBRARY=library, PYTHONPATH=PACKAGE_PARENT)
+        return subprocess.run(
+            [sys.executable, "-c", "import pyvotess; print(pyvotess.__version__)"],
+            env=environment,
+            capture_output=True,
+            text=True,
+        )
+
+    def test_environment_names_the_library(self):
+        done = self.run_import(_library.path)
+        self.assertEqual((done.returncode, done.stdout.strip()), (0, vt.__version__), done.stderr)
+
+    def test_missing_library(self):
+        done = self.run_import("/nowhere/libvotess.so")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, "ImportError.*/nowhere/libvotess.so.*VOTESS_LIBRARY")
+
+    @unittest.skipUnless(sys.platform == "linux", "needs a library that is surely there")
+    def test_foreign_library(self):
+        done = self.run_import("libc.so.6")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, "ImportError: libc.so.6 is not the library of votess")
+
+    def test_interpreter_ends_quietly_with_results_alive(self):
+        code = (
+            "import numpy as np, pyvotess as vt\n"
+            "t = vt.tessellate(np.random.default_rng(1).random((100, 3)))\n"
+            "volumes = t.volumes; tessellator = vt.Tessellator()\n"
+        )
+        environment = dict(os.environ, VOTESS_LIBRARY=_library.path, PYTHONPATH=PACKAGE_PARENT)
+        done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+
+
+if __name__ == "__main__":
+    unittest.main()

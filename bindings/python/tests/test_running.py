@@ -1,0 +1,287 @@
+"""Runs: progress, interrupts, threads, Tessellator, forks."""
+
+import _thread
+import contextlib
+import copy
+import io
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import numpy as np
+from helpers import EVERYTHING, PACKAGE_PARENT, UNIT_BOX, long_run_points, uniform
+
+import pyvotess as vt  # noqa: E402
+
+
+class Running(unittest.TestCase):
+    def test_gil_is_released(self):
+        points = long_run_points()
+        ticks = [0]
+        done = threading.Event()
+
+        def tick():
+            while not done.is_set():
+                ticks[0] += 1
+                time.sleep(0.001)
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        try:
+            before = ticks[0]
+            start = time.perf_counter()
+            vt.tessellate(points, threads=1)
+            seconds = time.perf_counter() - start
+            during = ticks[0] - before
+        finally:
+            done.set()
+            thread.join()
+        # Held, the GIL would let through a tick or two per progress call.
+        self.assertGreater(during, 60 * seconds, f"{during} ticks in {seconds:.2f} s")
+
+    def test_progress(self):
+        fractions = []
+        vt.tessellate(long_run_points(), threads=1, progress=fractions.append)
+        self.assertTrue(fractions)
+        self.assertTrue(all(0 <= f <= 1 for f in fractions), fractions)
+        self.assertEqual(fractions, sorted(fractions))
+
+    def test_returning_false_cancels(self):
+        with self.assertRaises(vt.VotessError) as caught:
+            vt.tessellate(long_run_points(), threads=1, progress=lambda fraction: np.bool_(False))
+        self.assertEqual(caught.exception.code, vt.ErrorCode.CANCELLED)
+        self.assertTrue(str(caught.exception))
+
+    def test_exception_in_progress_cancels_and_is_raised(self):
+        class Mine(Exception):
+            pass
+
+        def progress(fraction):
+            raise Mine("stop here")
+
+        with self.assertRaisesRegex(Mine, "stop here"):
+            vt.tessellate(long_run_points(), threads=1, progress=progress)
+
+    def test_cancel_from_another_thread(self):
+        caught = []
+
+        def work():
+            try:
+                vt.tessellate(long_run_points(), threads=1, progress=lambda fraction: False)
+            except vt.VotessError as error:
+                caught.append(error.code)
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+        self.assertEqual(caught, [vt.ErrorCode.CANCELLED])
+
+    def test_keyboard_interrupt(self):
+        points = np.concatenate([long_run_points()] * 4)
+        points += 1e-3 * uniform(len(points), seed=9)
+        handler = signal.getsignal(signal.SIGINT)
+        errors = io.StringIO()
+        for progress in (None, lambda fraction: True):
+            timer = threading.Timer(0.2, _thread.interrupt_main)
+            start = time.perf_counter()
+            timer.start()
+            try:
+                with contextlib.redirect_stderr(errors), self.assertRaises(KeyboardInterrupt):
+                    vt.tessellate(points, threads=1, progress=progress)
+            finally:
+                timer.join()
+            self.assertLess(time.perf_counter() - start, 5)
+            self.assertIs(signal.getsignal(signal.SIGINT), handler)
+        self.assertEqual(errors.getvalue(), "")
+
+    def test_own_interrupt_handler_that_does_not_raise(self):
+        calls = []
+        before = signal.signal(signal.SIGINT, lambda number, frame: calls.append(number))
+        timer = threading.Timer(0.1, _thread.interrupt_main)
+        try:
+            timer.start()
+            t = vt.tessellate(long_run_points(), threads=1)
+            timer.join()
+            time.sleep(0.01)
+        finally:
+            signal.signal(signal.SIGINT, before)
+        self.assertEqual(calls, [signal.SIGINT])
+        self.assertEqual(t.stats.points, len(t))
+
+    def test_many_threads_at_once(self):
+        points = [uniform(2000, seed) for seed in range(6)]
+        expected = [vt.tessellate(p).neighbors.indices for p in points]
+        results = [None] * len(points)
+
+        def work(i):
+            results[i] = vt.tessellate(points[i]).neighbors.indices
+
+        threads = [threading.Thread(target=work, args=(i,)) for i in range(len(points))]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for result, right in zip(results, expected):
+            np.testing.assert_array_equal(result, right)
+
+    def test_messages_belong_to_their_thread(self):
+        texts = {}
+        barrier = threading.Barrier(2)
+
+        def work(index):
+            points = uniform(10)
+            points[index, 0] = np.nan
+            barrier.wait()
+            for _ in range(200):
+                try:
+                    vt.tessellate(points)
+                except ValueError as error:
+                    texts.setdefault(index, set()).add(str(error))
+
+        threads = [threading.Thread(target=work, args=(i,)) for i in (2, 7)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual({len(found) for found in texts.values()}, {1})
+        self.assertNotEqual(texts[2], texts[7])
+
+
+class TessellatorTest(unittest.TestCase):
+    def test_reuse(self):
+        options = {"precision": "double", "grid_resolution": 9, "k_init": 30, "chunk_size": 100, "instructions": ""}
+        with vt.Tessellator(device="cpu", threads=2, **options) as tessellator:
+            results = []
+            for count in (1000, 10, 0, 3000, 1, 1000):
+                t = tessellator.tessellate(uniform(count), box=UNIT_BOX, want=EVERYTHING, list_walls=True)
+                alone = vt.tessellate(uniform(count), box=UNIT_BOX, want=EVERYTHING, list_walls=True)
+                np.testing.assert_array_equal(t.neighbors.indices, alone.neighbors.indices)
+                np.testing.assert_allclose(t.volumes, alone.volumes, rtol=1e-12)  # another order of seeds
+                results.append((t, np.array(t.volumes)))
+        for t, volumes in results:  # later calls and the end of the tessellator leave results alone
+            np.testing.assert_array_equal(t.volumes, volumes)
+
+    def test_works_on_after_failures(self):
+        tessellator = vt.Tessellator()
+        with self.assertRaises(ValueError):
+            tessellator.tessellate([[np.nan, 0, 0]])
+        with self.assertRaises(ValueError):
+            tessellator.tessellate(uniform(3), want="edges")
+        with self.assertRaises(vt.VotessError):
+            tessellator.tessellate(long_run_points(), progress=lambda fraction: False)
+        self.assertTrue(tessellator.tessellate(uniform(500)).verify())
+
+    def test_close(self):
+        tessellator = vt.Tessellator()
+        t = tessellator.tessellate(uniform(5))
+        tessellator.close()
+        tessellator.close()
+        with self.assertRaisesRegex(ValueError, "closed"):
+            tessellator.tessellate(uniform(5))
+        self.assertTrue(t.verify())
+
+    def test_one_call_at_a_time(self):
+        tessellator = vt.Tessellator(threads=1)
+        texts = []
+
+        def progress(fraction):
+            for function in (tessellator.close, lambda: tessellator.tessellate(uniform(5))):
+                with self.assertRaisesRegex(vt.VotessError, "in use") as caught:
+                    function()
+                self.assertEqual(caught.exception.code, vt.ErrorCode.INVALID_USE)
+                texts.append(str(caught.exception))
+            return True
+
+        tessellator.tessellate(long_run_points(), progress=progress)
+        self.assertGreaterEqual(len(texts), 2)
+        for function in (copy.copy, copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "pickled"):
+                function(tessellator)
+
+    def test_bad_options(self):
+        with self.assertRaisesRegex(ValueError, "threads is -2"):
+            vt.Tessellator(threads=-2)
+        with self.assertRaisesRegex(ValueError, "k_init is -2"):
+            vt.Tessellator(k_init=-2)
+        with self.assertRaisesRegex(ValueError, "chunk_size is -2"):
+            vt.Tessellator(chunk_size=-2)
+        with self.assertRaisesRegex(ValueError, "'half'"):
+            vt.Tessellator(precision="half")
+        with self.assertRaises(TypeError):
+            vt.Tessellator(device=None)
+
+
+class Forks(unittest.TestCase):
+    """What a child made by fork() does with the Tessellator of its parent."""
+
+    def test_fork(self):
+        points = uniform(3000)
+        tessellator = vt.Tessellator(device="cpu", threads=3)
+        expected = tessellator.tessellate(points, box=UNIT_BOX)
+        for use in (False, True):
+            child = os.fork()
+            if child == 0:
+                signal.alarm(60)  # ends one that hangs
+                code = 1
+                try:
+                    if use:
+                        t = tessellator.tessellate(points, box=UNIT_BOX)
+                        np.testing.assert_array_equal(t.neighbors.indices, expected.neighbors.indices)
+                    tessellator.close()
+                    code = 0
+                finally:
+                    os._exit(code)
+            self.assertEqual(os.waitpid(child, 0)[1], 0)
+        np.testing.assert_array_equal(tessellator.tessellate(points, box=UNIT_BOX).volumes, expected.volumes)
+
+    def test_fork_at_work(self):
+        points = uniform(3000)
+        tessellator = vt.Tessellator(device="cpu", threads=2)
+        statuses = []
+
+        def progress(fraction):
+            child = os.fork()
+            if child == 0:
+                signal.alarm(60)
+                code = 1
+                try:
+                    tessellator.tessellate(points)
+                except vt.VotessError as error:
+                    code = 0 if error.code == vt.ErrorCode.INVALID_USE else 2
+                finally:
+                    os._exit(code)
+            statuses.append(os.waitpid(child, 0)[1])
+
+        self.assertTrue(tessellator.tessellate(points, progress=progress).verify())
+        self.assertTrue(statuses)
+        self.assertEqual(set(statuses), {0})
+
+    def test_multiprocessing(self):
+        # In a process of its own: a pool that hangs would hang this one.
+        program = (
+            "import multiprocessing, signal, numpy as np, pyvotess as vt\n"
+            "tessellator = vt.Tessellator(device='cpu', threads=2)\n"
+            "points = np.random.default_rng(1).random((2000, 3))\n"
+            "expected = tessellator.tessellate(points).neighbors.indices\n"
+            "def work(_):\n"
+            "    alone = vt.tessellate(points, device='cpu').neighbors.indices\n"
+            "    same = tessellator.tessellate(points).neighbors.indices\n"
+            "    return np.array_equal(same, expected) and np.array_equal(alone, expected)\n"
+            "with multiprocessing.get_context('fork').Pool(3, signal.alarm, (60,)) as pool:\n"
+            "    assert pool.map(work, range(6)) == [True] * 6\n"
+            "print('done')\n"
+        )
+        environment = dict(os.environ, PYTHONPATH=PACKAGE_PARENT)
+        done = subprocess.run(
+            [sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, timeout=120, env=environment
+        )
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "done\n", ""))
+
+
+if __name__ == "__main__":
+    unittest.main()

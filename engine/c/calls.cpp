@@ -1,0 +1,152 @@
+// Calls that work: tessellate, the dual, verify, and the devices.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "c/handles.hpp"
+
+using namespace votess::c;
+
+namespace {
+
+template <typename Coordinate>
+votess_status tessellate(votess_tessellator* tessellator, const Coordinate* points, std::size_t count,
+                         const votess_options* options, votess_result** out) noexcept {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        const std::span<const Coordinate> input = coordinates(points, count);
+        const votess::Options converted = convert_options(options, count);
+        *out = new votess_result{tessellator == nullptr ? votess::tessellate(input, converted)
+                                                        : tessellator->tessellator.tessellate(input, converted)};
+    });
+}
+
+template <typename Element>
+const Element* expose(const votess_delaunay* delaunay, std::size_t* length,
+                      std::vector<Element> votess::Delaunay::*array) noexcept {
+    if (delaunay == nullptr) set_last_error("delaunay is NULL");
+    return hand_out<Element>(
+        delaunay == nullptr ? std::span<const Element>() : std::span<const Element>(delaunay->delaunay.*array), length);
+}
+
+std::uint32_t check_bit(std::string_view name) {
+    if (name == "volumes") return VOTESS_CHECK_VOLUMES;
+    if (name == "symmetry") return VOTESS_CHECK_SYMMETRY;
+    if (name == "euler") return VOTESS_CHECK_EULER;
+    if (name == "sample") return VOTESS_CHECK_SAMPLE;
+    throw votess::Error(votess::ErrorCode::internal, "verify skipped an unknown check: " + std::string(name));
+}
+
+}  // namespace
+
+votess_status votess_tessellator_new(votess_tessellator** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        *out = new votess_tessellator{};
+    });
+}
+
+void votess_tessellator_free(votess_tessellator* tessellator) {
+    delete tessellator;
+}
+
+votess_status votess_tessellate(votess_tessellator* tessellator, const double* points, size_t count,
+                                const votess_options* options, votess_result** out) {
+    return tessellate(tessellator, points, count, options, out);
+}
+
+votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
+                                    const votess_options* options, votess_result** out) {
+    return tessellate(tessellator, points, count, options, out);
+}
+
+votess_status votess_delaunay_new(const votess_result* result, votess_delaunay** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(result, "result");
+        *out = new votess_delaunay{votess::delaunay(result->tessellation)};
+    });
+}
+
+void votess_delaunay_free(votess_delaunay* delaunay) {
+    delete delaunay;
+}
+
+const int32_t* votess_delaunay_tetrahedra(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::tetrahedra);
+}
+
+const int8_t* votess_delaunay_tetrahedra_shifts(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::tetrahedra_shifts);
+}
+
+const int32_t* votess_delaunay_tetrahedra_centers(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::tetrahedra_centers);
+}
+
+const int64_t* votess_delaunay_polytope_indptr(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::polytope_indptr);
+}
+
+const int32_t* votess_delaunay_polytope_indices(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::polytope_indices);
+}
+
+const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::polytope_shifts);
+}
+
+const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length) {
+    return expose(delaunay, length, &votess::Delaunay::polytope_centers);
+}
+
+votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
+                            uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled, char* failure,
+                            size_t failure_size) {
+    return guarded([&] {
+        require(passed, "passed");
+        *passed = 0;
+        if (skipped != nullptr) *skipped = 0;
+        if (sampled != nullptr) *sampled = 0;
+        require_text_buffer(failure, failure_size, "failure");
+        copy_text("", failure, failure_size);
+        require(result, "result");
+
+        votess::VerifyOptions options;
+        if (sample != VOTESS_SAMPLE_AUTOMATIC) options.sample = sample;
+        options.rng_seed = rng_seed;
+        const votess::VerifyReport report = votess::verify(result->tessellation, coordinates(points, count), options);
+        if (skipped != nullptr) {
+            for (const std::string& check : report.skipped) *skipped |= check_bit(check);
+        }
+        if (sampled != nullptr) *sampled = report.sampled;
+        copy_text(report.failure, failure, failure_size);
+        *passed = report.passed ? 1 : 0;
+    });
+}
+
+size_t votess_device_count(void) {
+    std::size_t count = 0;
+    guarded([&] { count = votess::devices().size(); });
+    return count;
+}
+
+votess_status votess_device_info(size_t index, char* id, size_t id_size, char* name, size_t name_size,
+                                 char* description, size_t description_size) {
+    return guarded([&] {
+        require_text_buffer(id, id_size, "id");
+        require_text_buffer(name, name_size, "name");
+        require_text_buffer(description, description_size, "description");
+        const std::vector<votess::DeviceInfo> devices = votess::devices();
+        if (index >= devices.size()) {
+            refuse("index is " + std::to_string(index) + ", but there are " + std::to_string(devices.size()) +
+                   " devices");
+        }
+        copy_text(devices[index].id, id, id_size);
+        copy_text(devices[index].name, name, name_size);
+        copy_text(devices[index].description, description, description_size);
+    });
+}

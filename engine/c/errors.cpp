@@ -1,0 +1,77 @@
+// The version of the library and its last error.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+
+#include "c/handles.hpp"
+
+namespace votess::c {
+namespace {
+
+static_assert(same(VOTESS_ERROR_INVALID_ARGUMENT, ErrorCode::invalid_argument));
+static_assert(same(VOTESS_ERROR_OUT_OF_MEMORY, ErrorCode::out_of_memory));
+static_assert(same(VOTESS_ERROR_CANCELLED, ErrorCode::cancelled));
+static_assert(same(VOTESS_ERROR_UNSUPPORTED, ErrorCode::unsupported));
+static_assert(same(VOTESS_ERROR_INTERNAL, ErrorCode::internal));
+static_assert(same(VOTESS_ERROR_DEVICE_LOST, ErrorCode::device_lost));
+static_assert(same(VOTESS_ERROR_INVALID_USE, ErrorCode::invalid_use));
+
+// The last failure of each thread: thread-local, so that no thread sees or changes another's, and of fixed size, so
+// that telling of exhausted memory takes none.
+thread_local char last_error[1024] = "";
+
+}  // namespace
+
+void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept {
+    if (out_size == 0) return;
+    std::size_t length = text.size();
+    if (length >= out_size) {
+        length = out_size - 1;
+        while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0u) == 0x80u) --length;
+    }
+    std::copy_n(text.data(), length, out);
+    out[length] = '\0';
+}
+
+void set_last_error(std::string_view message) noexcept {
+    copy_text(message, last_error, sizeof last_error);
+}
+
+void set_internal_error(const char* message) noexcept {
+    std::snprintf(last_error, sizeof last_error, "internal error, please report it: %s", message);
+}
+
+void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, message);
+}
+
+void require(const void* pointer, const char* name) {
+    if (pointer == nullptr) refuse(std::string(name) + " is NULL");
+}
+
+void require_text_buffer(const char* buffer, std::size_t size, const char* name) {
+    if (buffer == nullptr && size != 0) {
+        refuse(std::string(name) + " is NULL but its size is " + std::to_string(size) + ": give 0");
+    }
+}
+
+void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy) {
+    if (size >= smallest && size <= VOTESS_LARGEST_STRUCT) return;
+    const bool small = size < smallest;
+    refuse(std::string(name) + " is " + std::to_string(size) + ", but the " + (small ? "smallest" : "largest") +
+           " known is " + std::to_string(small ? smallest : VOTESS_LARGEST_STRUCT) + ": " + remedy);
+}
+
+}  // namespace votess::c
+
+uint32_t votess_version(void) {
+    return VOTESS_VERSION_MAJOR * 1000000u + VOTESS_VERSION_MINOR * 1000u + VOTESS_VERSION_PATCH;
+}
+
+const char* votess_version_string(void) {
+    return VOTESS_VERSION_STRING;
+}
+
+const char* votess_last_error(void) {
+    return votess::c::last_error;
+}

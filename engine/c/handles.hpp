@@ -1,0 +1,85 @@
+// What the files of the C interface share: its handles, the wall that no exception passes, and the last error.
+#pragma once
+
+#include <votess/votess.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <new>
+#include <span>
+#include <string>
+#include <string_view>
+#include <votess/votess.hpp>
+
+struct votess_tessellator {
+    votess::Tessellator tessellator;
+};
+
+struct votess_result {
+    votess::Tessellation tessellation;
+};
+
+struct votess_delaunay {
+    votess::Delaunay delaunay;
+};
+
+namespace votess::c {
+
+// Whether a constant of votess.h has the value of votess.hpp.
+template <typename Enum>
+constexpr bool same(int c_value, Enum value) {
+    return c_value == static_cast<int>(value);
+}
+
+// Copies what fits, never half a UTF-8 character.
+void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept;
+void set_last_error(std::string_view message) noexcept;
+void set_internal_error(const char* message) noexcept;
+
+[[noreturn]] void refuse(const std::string& message);
+void require(const void* pointer, const char* name);
+void require_text_buffer(const char* buffer, std::size_t size, const char* name);
+void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy);
+
+// given: NULL for the defaults. count: how many numbers weights and radii hold.
+[[nodiscard]] Options convert_options(const votess_options* given, std::size_t count);
+
+template <typename Coordinate>
+std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count) {
+    if (points == nullptr && count != 0) refuse("points is NULL but count is " + std::to_string(count));
+    if (count > std::numeric_limits<std::size_t>::max() / (3 * sizeof(Coordinate))) {
+        refuse("count is " + std::to_string(count) + ": so many points do not fit into memory");
+    }
+    return {points, 3 * count};
+}
+
+template <typename Function>
+votess_status guarded(Function&& function) noexcept {
+    try {
+        function();
+        return VOTESS_OK;
+    } catch (const votess::Error& error) {
+        set_last_error(error.what());
+        return static_cast<votess_status>(error.code());
+    } catch (const std::bad_alloc&) {
+        set_last_error("out of memory");
+        return VOTESS_ERROR_OUT_OF_MEMORY;
+    } catch (const std::exception& error) {
+        set_internal_error(error.what());
+        return VOTESS_ERROR_INTERNAL;
+    } catch (...) {
+        set_internal_error("an exception of unknown type");
+        return VOTESS_ERROR_INTERNAL;
+    }
+}
+
+// Sets *length, which may be NULL; NULL when there are no elements.
+template <typename Element>
+const Element* hand_out(std::span<const Element> elements, std::size_t* length) noexcept {
+    if (length != nullptr) *length = elements.size();
+    return elements.empty() ? nullptr : elements.data();
+}
+
+}  // namespace votess::c

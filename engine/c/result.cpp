@@ -1,0 +1,218 @@
+// Arrays and facts of a result.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "c/handles.hpp"
+
+using namespace votess::c;
+
+namespace {
+
+// These never change; fields added later lie beyond, and no padding at the end hides them.
+constexpr std::size_t first_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
+static_assert(sizeof(votess_stats) == first_size && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
+// Handed out as they lie in memory.
+static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t) && sizeof(votess::Wall) == 4 * sizeof(double));
+
+static_assert(same(VOTESS_CELL_CERTIFIED, votess::CellStatus::certified));
+static_assert(same(VOTESS_CELL_NEEDS_EXACT, votess::CellStatus::needs_exact));
+static_assert(same(VOTESS_CELL_PLANE_OVERFLOW, votess::CellStatus::plane_overflow));
+static_assert(same(VOTESS_CELL_VERTEX_OVERFLOW, votess::CellStatus::vertex_overflow));
+static_assert(same(VOTESS_CELL_CANDIDATES_EXHAUSTED, votess::CellStatus::candidates_exhausted));
+static_assert(same(VOTESS_CELL_DUPLICATE, votess::CellStatus::duplicate));
+static_assert(same(VOTESS_CELL_EMPTY, votess::CellStatus::empty));
+static_assert(same(VOTESS_CELL_OUTSIDE, votess::CellStatus::outside));
+
+template <typename Element>
+const Element* expose(const votess_result* result, std::size_t* length,
+                      std::span<const Element> (votess::Tessellation::*array)() const noexcept) noexcept {
+    if (result == nullptr) set_last_error("result is NULL");
+    return hand_out<Element>(result == nullptr ? std::span<const Element>() : (result->tessellation.*array)(), length);
+}
+
+}  // namespace
+
+size_t votess_sizeof_stats(void) {
+    return sizeof(votess_stats);
+}
+
+void votess_result_free(votess_result* result) {
+    delete result;
+}
+
+size_t votess_result_size(const votess_result* result) {
+    if (result != nullptr) return result->tessellation.size();
+    set_last_error("result is NULL");
+    return 0;
+}
+
+const int64_t* votess_result_indptr(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::indptr);
+}
+
+const int32_t* votess_result_indices(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::indices);
+}
+
+const double* votess_result_face_areas(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_areas);
+}
+
+const double* votess_result_face_normals(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_normals);
+}
+
+const int8_t* votess_result_shifts(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::shifts);
+}
+
+const double* votess_result_volumes(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::volumes);
+}
+
+const double* votess_result_centroids(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::centroids);
+}
+
+const uint32_t* votess_result_face_counts(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_counts);
+}
+
+const uint32_t* votess_result_edge_counts(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::edge_counts);
+}
+
+const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::vertex_counts);
+}
+
+const double* votess_result_surface_areas(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::surface_areas);
+}
+
+const double* votess_result_security_radii(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::security_radii);
+}
+
+const double* votess_result_vertices(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::vertices);
+}
+
+const int64_t* votess_result_face_offsets(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_offsets);
+}
+
+const int32_t* votess_result_face_vertices(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::face_vertices);
+}
+
+const int64_t* votess_result_cell_vertex_indptr(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::cell_vertex_indptr);
+}
+
+const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::cell_vertex_indices);
+}
+
+const uint8_t* votess_result_status(const votess_result* result, size_t* length) {
+    return reinterpret_cast<const std::uint8_t*>(expose(result, length, &votess::Tessellation::status));
+}
+
+const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::duplicate_of);
+}
+
+int votess_result_lists_walls(const votess_result* result) {
+    if (result != nullptr) return result->tessellation.lists_walls() ? 1 : 0;
+    set_last_error("result is NULL");
+    return 0;
+}
+
+double votess_result_least_face(const votess_result* result) {
+    if (result != nullptr) return result->tessellation.least_face();
+    set_last_error("result is NULL");
+    return 0;
+}
+
+const double* votess_result_weights(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::weights);
+}
+
+const double* votess_result_walls(const votess_result* result, size_t* length) {
+    const votess::Wall* walls = expose(result, length, &votess::Tessellation::walls);
+    if (length != nullptr) *length *= 4;
+    return reinterpret_cast<const double*>(walls);
+}
+
+votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]) {
+    return guarded([&] {
+        require(result, "result");
+        require(lower, "lower");
+        require(upper, "upper");
+        const votess::Box& box = result->tessellation.box();
+        std::copy(box.lower.begin(), box.lower.end(), lower);
+        std::copy(box.upper.begin(), box.upper.end(), upper);
+    });
+}
+
+votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]) {
+    return guarded([&] {
+        require(result, "result");
+        require(periodic, "periodic");
+        for (std::size_t k = 0; k < 3; ++k) periodic[k] = result->tessellation.periodic()[k] ? 1 : 0;
+    });
+}
+
+votess_status votess_result_cell(const votess_result* result, int32_t* has_cell, double origin[3], double a[3],
+                                 double b[3], double c[3]) {
+    return guarded([&] {
+        require(result, "result");
+        require(has_cell, "has_cell");
+        const std::pair<double*, const char*> vectors[] = {{origin, "origin"}, {a, "a"}, {b, "b"}, {c, "c"}};
+        for (const auto& [vector, name] : vectors) require(vector, name);
+        const auto& cell = result->tessellation.cell();
+        *has_cell = cell ? 1 : 0;
+        if (!cell) return;
+        std::ranges::copy(cell->origin, origin);
+        std::ranges::copy(cell->a, a);
+        std::ranges::copy(cell->b, b);
+        std::ranges::copy(cell->c, c);
+    });
+}
+
+votess_status votess_result_stats(const votess_result* result, votess_stats* out) {
+    return guarded([&] {
+        require(result, "result");
+        require(out, "stats");
+        const std::uint32_t size = out->struct_size;
+        require_struct_size(size, first_size, "stats.struct_size", "set it to sizeof(votess_stats)");
+
+        const votess::Stats& stats = result->tessellation.stats();
+        votess_stats c_stats{};
+        c_stats.struct_size = size;
+        c_stats.threads = stats.threads;
+        c_stats.points = stats.points;
+        c_stats.faces = stats.faces;
+        c_stats.duplicates = stats.duplicates;
+        c_stats.empty_cells = stats.empty_cells;
+        c_stats.fallback_cells = stats.fallback_cells;
+        c_stats.exact_cells = stats.exact_cells;
+        c_stats.peak_memory_bytes = stats.peak_memory_bytes;
+        c_stats.mean_faces = stats.mean_faces;
+        c_stats.volume_sum = stats.volume_sum;
+        c_stats.box_volume = stats.box_volume;
+        c_stats.seconds_upload = stats.seconds.upload;
+        c_stats.seconds_sort = stats.seconds.sort;
+        c_stats.seconds_knn = stats.seconds.knn;
+        c_stats.seconds_clip = stats.seconds.clip;
+        c_stats.seconds_fallback = stats.seconds.fallback;
+        c_stats.seconds_download = stats.seconds.download;
+        c_stats.seconds_total = stats.seconds.total;
+        copy_text(stats.device, c_stats.device, sizeof c_stats.device);
+        c_stats.precision = static_cast<std::int32_t>(stats.precision);
+        std::memcpy(out, &c_stats, std::min<std::size_t>(size, sizeof c_stats));
+    });
+}
