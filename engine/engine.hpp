@@ -1,40 +1,11 @@
-// A job, and what every engine does with it.
+// What every engine does with a job.
 #pragma once
 
-#include <cstddef>
-#include <memory>
-#include <span>
-#include <vector>
-
 #include "core/stage_clock.hpp"
-#include "domain/domain.hpp"
+#include "input/job.hpp"
 #include "result/result.hpp"
-#include "votess/votess.hpp"
 
 namespace votess {
-
-// The input as given; one of the two spans is in use.
-struct Points {
-    std::span<const double> f64;
-    std::span<const float> f32;
-
-    [[nodiscard]] std::size_t coordinates() const { return f64.size() + f32.size(); }
-    [[nodiscard]] std::size_t count() const { return coordinates() / 3; }
-    [[nodiscard]] double operator[](std::size_t i) const { return f32.empty() ? f64[i] : f32[i]; }
-};
-
-// Validated input: the domain and the power of two that brings it to order one. Copies share what the domain points to.
-struct Job {
-    Points points;
-    Options options;
-    Box box;                // as given
-    double box_volume = 0;  // of the domain, as given
-    double scale = 1;
-    std::shared_ptr<const Domain> domain;  // times scale
-    std::vector<CellStatus> outside;       // N when some seeds lie outside of a wall: `outside` for them
-    // Of an earlier run, to be used again; may be null. ResultBuilder::begin() takes them.
-    detail::Result* arrays = nullptr;
-};
 
 class Engine {
 public:

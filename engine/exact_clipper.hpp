@@ -7,7 +7,7 @@
 
 #include "core/progress.hpp"
 #include "core/thread_pool.hpp"
-#include "engine.hpp"
+#include "input/job.hpp"
 #include "result/result_builder.hpp"
 
 namespace votess {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <thread>
 
+#include "core/text.hpp"
 #include "cpu/sort/sort_inside.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"

@@ -105,8 +105,5 @@ exact::Shift shift_into_reduced(const Domain& domain, const exact::Point& x);
 exact::Plane domain_wall(const Wall& wall, double scale, const std::string& name);
 // Whether x fulfils wall.normal . x <= wall.offset, exactly.
 bool inside(const exact::Plane& wall, const exact::Point& x);
-// Bounds of where all walls leave room, moved out by a little; those of `otherwise` where the walls leave room without
-// bounds, which is what lies beyond a million times the size of `otherwise`, or none at all.
-Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise);
 
 }  // namespace votess

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine.hpp"
 #include "gpu/seeds/units.hpp"
+#include "input/job.hpp"
 
 namespace votess::gpu {
 

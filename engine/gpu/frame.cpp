@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/text.hpp"
 #include "input/options.hpp"
 
 namespace votess::vulkan {

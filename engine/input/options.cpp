@@ -1,20 +1,20 @@
 #include "input/options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
 
+#include "core/text.hpp"
 #include "cpu/clip/cell.hpp"
 #include "cpu/clip/cell_kernels.hpp"
+#include "input/default_box.hpp"
 #include "input/implied_wants.hpp"
 
 namespace votess {
 namespace {
 
-constexpr const char* axis_name[3] = {"x", "y", "z"};
 constexpr unsigned most_threads = 1024, most_resolution = 1u << 20;
 constexpr std::size_t most_index_digits = 6;
 constexpr double largest_scaled_weight = 0x1p500;  // so that no square overflows
@@ -44,28 +44,6 @@ void check_instructions(const std::string& name) {
     for (const cpu::Kernels* kernels : cpu::supported_kernels())
         available += (available.empty() ? "" : ", ") + std::string(kernels->name);
     throw Error(ErrorCode::unsupported, "instructions '" + name + "': this processor has only " + available);
-}
-
-// Bounds of the seeds, moved out by half of (longest side / cbrt(N)), at least to the next double.
-Box default_box(const Box& bounds, std::size_t count) {
-    if (count == 0) return {{0, 0, 0}, {1, 1, 1}};
-    double longest = 0, largest = 0;
-    for (int k = 0; k < 3; ++k) {
-        longest = std::max(longest, bounds.upper[k] - bounds.lower[k]);
-        largest = std::max({largest, std::abs(bounds.lower[k]), std::abs(bounds.upper[k])});
-    }
-    double margin = 0.5 * longest / std::cbrt(static_cast<double>(count));
-    if (longest == 0) margin = largest == 0 ? 0.5 : 0.5 * largest;
-    Box box;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) {
-        box.lower[k] = std::min(bounds.lower[k] - margin, std::nextafter(bounds.lower[k], -infinity));
-        box.upper[k] = std::max(bounds.upper[k] + margin, std::nextafter(bounds.upper[k], infinity));
-        if (!std::isfinite(box.lower[k]) || !std::isfinite(box.upper[k]))
-            refuse(std::string("the seeds span ") + axis_name[k] + " from " + number(bounds.lower[k]) + " to " +
-                   number(bounds.upper[k]) + ", too near the largest double for a default box: give a box");
-    }
-    return box;
 }
 
 // Power of two that brings the largest number of the domain to order one; 1 when it is ordinary already.
@@ -284,12 +262,6 @@ void check_box(const Box& box) {
             refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
                    (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
     }
-}
-
-std::string number(double value) {
-    char text[32];
-    const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-    return {text, end};
 }
 
 void check_options(const Options& options) {

@@ -1,7 +1,7 @@
 // Checks what the user gave and derives the domain. Throws Error(invalid_argument) naming the first offender.
 #pragma once
 
-#include "engine.hpp"
+#include "input/job.hpp"
 
 namespace votess {
 
@@ -11,8 +11,5 @@ void check_box(const Box& box);
 void check_k_init(std::uint32_t k_init);
 // Options and points.
 Job validate(const Points& points, const Options& options);
-
-// Shortest text that reads back as the same double.
-std::string number(double value);
 
 }  // namespace votess

@@ -13,8 +13,9 @@
 
 #include "core/arena.hpp"
 #include "core/thread_pool.hpp"
-#include "engine.hpp"
+#include "input/job.hpp"
 #include "mesh/mesh_record.hpp"
+#include "result/result.hpp"
 #include "mesh/vertex_sets.hpp"
 
 namespace votess {

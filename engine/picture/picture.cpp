@@ -4,6 +4,7 @@
 #include <string>
 #include <thread>
 
+#include "core/text.hpp"
 #include "input/options.hpp"
 #include "picture/colors.hpp"
 #include "picture/legend/layout.hpp"

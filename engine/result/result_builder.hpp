@@ -9,8 +9,9 @@
 
 #include "core/arena.hpp"
 #include "core/thread_pool.hpp"
-#include "engine.hpp"
+#include "input/job.hpp"
 #include "mesh/mesh_builder.hpp"
+#include "result/result.hpp"
 
 namespace votess {
 

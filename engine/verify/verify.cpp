@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/text.hpp"
 #include "input/options.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/text.hpp"
 #include "input/options.hpp"
 
 namespace votess {

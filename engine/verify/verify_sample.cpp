@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/text.hpp"
 #include "cpu/clip/cell.hpp"
 #include "input/options.hpp"
 #include "result/rows.hpp"

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -141,7 +142,10 @@ private:
     [[nodiscard]] bool same_position(int v, int w, int shared_edge);
     [[nodiscard]] bool alive(int slot) const { return (alive_[slot / word_slots] >> (slot % word_slots)) & 1; }
     template <class Visit>
-    void for_each_alive(Visit visit) const;
+    void for_each_alive(Visit visit) const {
+        for (int w = 0; w * word_slots < slots_; ++w)
+            for (std::uint64_t m = alive_[w]; m != 0; m &= m - 1) visit(w * word_slots + std::countr_zero(m));
+    }
 
     const Kernels& kernels_;
     exact::Point seed_{};

@@ -13,7 +13,7 @@
 #include "core/thread_pool.hpp"
 #include "cpu/sort/sort.hpp"
 #include "cpu/sort/sorted_seeds.hpp"
-#include "engine.hpp"
+#include "input/job.hpp"
 
 namespace votess::cpu {
 

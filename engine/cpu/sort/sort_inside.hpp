@@ -4,7 +4,7 @@
 #include <span>
 
 #include "cpu/sort/sort.hpp"
-#include "engine.hpp"
+#include "input/job.hpp"
 
 namespace votess::cpu {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "engine.hpp"
 #include "gpu/seeds/units.hpp"
+#include "input/job.hpp"
 
 namespace votess::gpu {
 

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
-#include "engine.hpp"
 #include "gpu/passes/commands.hpp"
 #include "gpu/seeds/device_seeds.hpp"
 #include "gpu/seeds/periodic_part.hpp"
+#include "input/job.hpp"
 
 namespace votess::gpu {
 
