@@ -24,8 +24,9 @@ Box default_box(const Box& bounds, std::size_t count) {
         box.lower[k] = std::min(bounds.lower[k] - margin, std::nextafter(bounds.lower[k], -infinity));
         box.upper[k] = std::max(bounds.upper[k] + margin, std::nextafter(bounds.upper[k], infinity));
         if (!std::isfinite(box.lower[k]) || !std::isfinite(box.upper[k]))
-            throw Error(ErrorCode::invalid_argument, std::string("the seeds span ") + axis_name[k] + " from " + number(bounds.lower[k]) + " to " +
-                   number(bounds.upper[k]) + ", too near the largest double for a default box: give a box");
+            throw Error(ErrorCode::invalid_argument, std::string("the seeds span ") + axis_name[k] + " from " +
+                                                         number(bounds.lower[k]) + " to " + number(bounds.upper[k]) +
+                                                         ", too near the largest double for a default box: give a box");
     }
     return box;
 }

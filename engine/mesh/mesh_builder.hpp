@@ -15,8 +15,8 @@
 #include "core/thread_pool.hpp"
 #include "input/job.hpp"
 #include "mesh/mesh_record.hpp"
-#include "result/result.hpp"
 #include "mesh/vertex_sets.hpp"
+#include "result/result.hpp"
 
 namespace votess {
 

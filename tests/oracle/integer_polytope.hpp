@@ -139,7 +139,7 @@ struct Face {
 
 // The corners of each face in order; the first face that is none in `wrong`.
 inline std::vector<Face> find_faces(const std::vector<IntegerPlane>& planes, const std::vector<Vertex>& vertices,
-                             std::string& wrong) {
+                                    std::string& wrong) {
     std::vector<std::vector<std::size_t>> on(planes.size());
     for (std::size_t v = 0; v < vertices.size(); ++v)
         for (const std::size_t p : vertices[v].on) on[p].push_back(v);
