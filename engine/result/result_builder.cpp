@@ -13,7 +13,6 @@
 
 #include "input/implied_wants.hpp"
 #include "result/face_filter.hpp"
-#include "result/packed_ids.hpp"
 
 namespace votess {
 namespace {
@@ -70,14 +69,6 @@ double accurate_sum(std::span<const double> values) {
     return std::isfinite(sum[0]) ? sum[0] : std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-std::size_t wall_count(const Options& options) {
-    return 6 + options.walls.size();
-}
-
-void read_wide(const std::byte* from, std::size_t count, std::int32_t* ids) {
-    std::memcpy(ids, from, count * sizeof *ids);
-}
-
 [[noreturn]] void bug(const std::string& what) {
     throw Error(ErrorCode::internal, "a bug in votess: " + what);
 }
@@ -100,8 +91,6 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     want_areas_ = want.areas;
     want_normals_ = want.normals;
     want_shifts_ = want.neighbors && job.domain->is_periodic();
-    narrow_ids_ = packed::possible(count, wall_count(job.options));
-    fast_ids_ = narrow_ids_ && packed::fast_possible();
     result_.stats = {};
     result_.box = job.box;
     result_.periodic = job.options.cell ? std::array{true, true, true} : job.options.periodic;
@@ -211,27 +200,19 @@ void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const st
                          std::span<const std::int32_t> ids, const RowValues& values, bool copy_cells) {
     if (ids.empty()) return;
     const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
+    const auto kept_ids = keep_copy(ids);
     RowValues kept;
     if (want_areas_) kept.areas = keep_copy(values.areas);
     if (want_normals_) kept.normals = keep_copy(values.normals);
     if (want_shifts_) kept.shifts = keep_copy(values.shifts);
     std::int32_t* own_cells = nullptr;
-    std::byte* kept_ids;
     {
         const std::lock_guard lock(mutex_);
         if (copy_cells) own_cells = reinterpret_cast<std::int32_t*>(memory_.take(rows * sizeof *own_cells));
-        kept_ids =
-            memory_.take(narrow_ids_ ? packed::bytes_per_id * ids.size() + packed::spare_bytes : ids.size_bytes());
         blocks_.push_back({copy_cells ? std::span<const std::int32_t>(own_cells, rows) : cells, kept_ids, kept});
     }
     for (std::size_t k = 0; copy_cells && k < cells.size(); ++k)
         if (lengths[k] > 0) *own_cells++ = cells[k];
-    if (fast_ids_)
-        packed::fast_write(ids.data(), ids.size(), kept_ids);
-    else if (narrow_ids_)
-        packed::write(ids.data(), ids.size(), kept_ids);
-    else
-        std::memcpy(kept_ids, ids.data(), ids.size_bytes());
 }
 
 void ResultBuilder::set_empty(std::size_t i, CellStatus status) {
@@ -311,19 +292,10 @@ void ResultBuilder::place_rows(ThreadPool& pool) {
     result_.face_areas.resize_uninitialized(want_areas_ ? size : 0);
     result_.face_normals.resize_uninitialized(want_normals_ ? 3 * size : 0);
     result_.shifts.resize_uninitialized(want_shifts_ ? 3 * size : 0);
-    pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
-        const Block& block = blocks_[index];
-        if (fast_ids_)
-            place_block(block, packed::bytes_per_id, packed::fast_read);
-        else if (narrow_ids_)
-            place_block(block, packed::bytes_per_id, packed::read);
-        else
-            place_block(block, sizeof(std::int32_t), read_wide);
-    });
+    pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_block(blocks_[index]); });
 }
 
-template <class Read>
-void ResultBuilder::place_block(const Block& block, std::size_t bytes_per_id, Read read) {
+void ResultBuilder::place_block(const Block& block) {
     const std::int64_t* const indptr = result_.indptr.data();
     const auto cells = block.cells;
     std::size_t entry = 0;
@@ -337,7 +309,7 @@ void ResultBuilder::place_block(const Block& block, std::size_t bytes_per_id, Re
         }
         const std::int64_t begin = indptr[cells[k]];
         const auto length = static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin);
-        read(block.ids + bytes_per_id * entry, length, result_.indices.data() + begin);
+        std::copy_n(block.ids.data() + entry, length, result_.indices.data() + begin);
         const RowValues& values = block.values;
         if (want_areas_) std::copy_n(values.areas.data() + entry, length, result_.face_areas.data() + begin);
         if (want_normals_)

@@ -1,4 +1,4 @@
-// The result while engines fill it: arrays in input order, and rows of neighbors that wait, packed, block by block and
+// The result while engines fill it: arrays in input order, and rows of neighbors that wait, block by block and
 // in the order of the engine, until all lengths are known. What is called from several threads says so.
 #pragma once
 
@@ -75,7 +75,7 @@ public:
 private:
     struct Block {
         std::span<const std::int32_t> cells;  // those that have a row here
-        const std::byte* ids;
+        std::span<const std::int32_t> ids;
         RowValues values;
     };
 
@@ -90,12 +90,10 @@ private:
     void check_status(ThreadPool& pool) const;
     void sum_lengths(ThreadPool& pool);
     void place_rows(ThreadPool& pool);
-    template <class Read>
-    void place_block(const Block& block, std::size_t bytes_per_id, Read read);
+    void place_block(const Block& block);
     void finish_stats(Stats& stats, ThreadPool& pool) const;
 
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
-    bool narrow_ids_ = false, fast_ids_ = false;
     double min_face_ = 0;
     double box_volume_ = 0;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()

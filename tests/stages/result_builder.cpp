@@ -8,38 +8,15 @@
 #include <cstring>
 #include <memory>
 
-#include "result/packed_ids.hpp"
+#include "domain/domain.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 
 using votess::Arena;
 using votess::ResultBuilder;
 using votess::ThreadPool;
-namespace packed = votess::packed;
 
 TEST_SUITE("stages") {
-    TEST_CASE("packed ids: every length, walls and the last seed") {
-        test::Random random(1);
-        std::vector<std::int32_t> ids{-packed::walls, -6, -1, 0, 1, static_cast<std::int32_t>(packed::most_seeds) - 1};
-        while (ids.size() < 100)
-            ids.push_back(static_cast<std::int32_t>(random.below(packed::most_seeds + packed::walls)) - packed::walls);
-        for (std::size_t count = 0; count <= ids.size(); ++count) {
-            const std::span given = std::span(ids).last(count);
-            // Exactly the room that is asked for, so that the sanitizer sees what goes beyond.
-            std::vector<std::byte> plain(packed::bytes_per_id * count + packed::spare_bytes), fast = plain;
-            packed::write(given.data(), count, plain.data());
-            std::vector<std::int32_t> back(count);
-            packed::read(plain.data(), count, back.data());
-            REQUIRE(std::ranges::equal(back, given));
-            if (!packed::fast_possible()) continue;
-            packed::fast_write(given.data(), count, fast.data());
-            REQUIRE(std::equal(plain.begin(), plain.end() - packed::spare_bytes, fast.begin()));
-            std::ranges::fill(back, -1000);
-            packed::fast_read(fast.data(), count, back.data());
-            REQUIRE(std::ranges::equal(back, given));
-        }
-    }
-
     TEST_CASE("arena: pieces do not overlap, and come from the same memory again") {
         Arena arena;
         test::Random random(2);
@@ -61,11 +38,12 @@ TEST_SUITE("stages") {
         CHECK(arena.take(10) == first);
     }
 
-    TEST_CASE("result builder: more seeds than three bytes can name") {
-        const std::size_t count = packed::most_seeds + (test::reduced() ? 0 : 1000);  // never looked at
-        const std::unique_ptr<float[]> points(new float[3 * count]);
+    TEST_CASE("result builder: rows wait in any order and come to their places") {
+        const std::size_t count = 1000;
+        const std::vector<float> points(3 * count);
         votess::Job job;
-        job.points.f32 = {points.get(), 3 * count};
+        job.domain = std::make_shared<const votess::Domain>();
+        job.points.f32 = points;
         job.options.want = {.neighbors = true, .volumes = false};
         ThreadPool pool(3);
         ResultBuilder builder;
@@ -90,6 +68,7 @@ TEST_SUITE("stages") {
         const std::size_t count = 300000;
         const std::vector<double> points(3 * count);
         votess::Job job;
+        job.domain = std::make_shared<const votess::Domain>();
         job.points.f64 = points;
         job.options.want = {.neighbors = false, .volumes = true};
         test::Random random(3);
@@ -120,6 +99,7 @@ TEST_SUITE("stages") {
         const std::size_t count = 500000;
         const std::vector<double> points(3 * count);
         votess::Job job;
+        job.domain = std::make_shared<const votess::Domain>();
         job.points.f64 = points;
         ThreadPool pool(4);
         for (int round = 0; round < 10; ++round) {
