@@ -25,7 +25,7 @@ struct TypedPicture {
     bool seeds = false;
 };
 
-// Nothing without --image. Checks the file's name against the other files of the run.
+// Returns nothing without --image. It checks the file's name against the other files of the run.
 [[nodiscard]] std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
                                                            const std::vector<std::string>& outputs);
 

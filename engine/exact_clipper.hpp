@@ -34,7 +34,7 @@ public:
     // Sorts the seeds and builds the search structure now, once a job: for a thread that would otherwise wait.
     // Throws invalid_argument when there are duplicates and the options refuse them.
     virtual void prepare() = 0;
-    // As in the result: N, or empty when no two seeds are equal. Valid until end().
+    // Returns what the result holds: N indices, or none when no two seeds are equal. They are valid until end().
     virtual std::span<const std::int32_t> duplicate_of() = 0;
     // Clips the cells of these seeds (input indices in any order, each once) and stores rows, geometry and counts;
     // their status becomes `certified` or `empty`, and they count as fallback cells. Seeds without a cell among them

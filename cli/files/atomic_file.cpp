@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// With links followed, also one whose target is still to be made.
+// Follows links, also one whose target is still to be made.
 std::string resolved(const std::string& path) {
     std::error_code problem;
     fs::path real = fs::absolute(path, problem);

@@ -64,7 +64,7 @@ auto with_number(NumberType type, const char* from, bool swapped, Use use) {
     return with_number(type, from, swapped, [](auto value) { return static_cast<double>(value); });
 }
 
-// Nothing when the number is not whole, or too large.
+// Returns nothing when the number is not whole, or too large.
 [[nodiscard]] inline std::optional<std::int64_t> load_whole(NumberType type, const char* from, bool swapped) {
     return with_number(type, from, swapped, [](auto value) -> std::optional<std::int64_t> {
         using Number = decltype(value);

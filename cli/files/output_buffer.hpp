@@ -30,7 +30,7 @@ public:
         bytes_[used_++] = c;
     }
 
-    // As text.
+    // Writes a number as text.
     template <typename Number>
     void put_number(Number value) {
         make_room();
@@ -49,7 +49,7 @@ public:
         put_number(z);
     }
 
-    // As it lies in memory.
+    // Writes a value as it lies in memory.
     template <typename Number>
     void put_binary(Number value) {
         make_room();

@@ -243,7 +243,7 @@ private:
                          box_hint(file));
     }
 
-    // Of a snapshot a file may lack particles of the type asked for.
+    // A file of a snapshot may lack particles of the type that is asked for.
     void append(const Hdf5File& file, bool may_lack) {
         if (!file.has(name_)) {
             if (may_lack && !has_particles(file)) return;

@@ -114,7 +114,7 @@ private:
                          " that its header announces");
     }
 
-    // Of a row without its lists; in text, a digit and a blank for each number.
+    // This is the least size of a row without its lists; in text each number takes a digit and a blank.
     [[nodiscard]] std::size_t shortest_row(const Element& element) const {
         std::size_t bytes = 0;
         for (const Property& property : element.properties) {
@@ -127,7 +127,7 @@ private:
         if (!can_hold(lines_.rest().size(), element.count, shortest_row(element))) throw too_short(element, 0);
     }
 
-    // In text an element is a line; calls use(row) with its words.
+    // An element of a text file is a line; this calls use(row) with its words.
     template <typename Use>
     void each_line(const Element& element, Use use) {
         std::string_view line;

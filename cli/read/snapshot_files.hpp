@@ -18,7 +18,7 @@ struct SnapshotName {
     }
 };
 
-// Nothing when the name has no number before its extension.
+// Returns nothing when the name has no number before its extension.
 [[nodiscard]] std::optional<SnapshotName> split_snapshot_name(const std::string& path);
 
 // The file to open for what the user gave: the file itself, or the first of the snapshot whose base it is.

@@ -20,7 +20,8 @@ struct ResultArray {
     [[nodiscard]] std::size_t rows() const noexcept { return bytes.size() / size_of(type) / columns; }
 };
 
-// Those that `wanted` names, status, and duplicate_of when there are duplicates. Valid as long as `cells`.
+// Returns the arrays that `wanted` names, status, and duplicate_of when there are duplicates. They are valid as long as
+// `cells`.
 [[nodiscard]] std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const votess::Want& wanted);
 
 }  // namespace clvotess

@@ -10,7 +10,7 @@
 namespace clvotess {
 namespace {
 
-// Of the two entries of a pair of cells one is taken: that of the cell of lower index, or, where a cell is its own
+// It takes one of the two entries of a pair of cells: that of the cell of lower index, or, where a cell is its own
 // neighbor across a periodic boundary, that of the greater shift.
 class FacesOnce {
 public:

@@ -100,7 +100,7 @@ private:
 
     [[nodiscard]] bool is_empty(std::size_t i) const { return cells_.indptr()[i] == cells_.indptr()[i + 1]; }
 
-    // Of a cell in `faces`: number of faces, then for each its number of vertices and the vertices.
+    // `faces` holds for each cell its number of faces, then for each face its number of vertices and the vertices.
     [[nodiscard]] std::int64_t faces_length(std::size_t i) const {
         const std::int64_t begin = cells_.indptr()[i], end = cells_.indptr()[i + 1];
         const auto offsets = cells_.face_offsets();

@@ -6,7 +6,7 @@ namespace votess {
 
 // The shortest text that reads back as the same double.
 std::string number(double value);
-// Of the axis k.
+// These are the names of the axes.
 inline constexpr const char* axis_name[3] = {"x", "y", "z"};
 
 }  // namespace votess

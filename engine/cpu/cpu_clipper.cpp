@@ -63,7 +63,7 @@ void CpuClipper::sort() {
     sorted_ = true;
 }
 
-// Of seeds at one place the heaviest has the cell, of those the first; lighter ones have no cell, equal ones are its
+// The heaviest seed of a place has the cell, the first among equals; lighter ones have no cell, equal ones are its
 // duplicates.
 void CpuClipper::gather_weights() {
     seeds_.weights.clear();

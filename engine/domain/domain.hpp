@@ -62,7 +62,7 @@ struct Domain {
     [[nodiscard]] bool is_plain() const { return !is_periodic() && walls.empty() && !has_weights(); }
     // By how much the weight of a seed that matters to a cell may exceed the cell's.
     [[nodiscard]] double most_more(double weight) const;
-    // Of a place, along the edges.
+    // Returns where a place lies along the edges: 0 to 1 inside the domain.
     [[nodiscard]] std::array<double, 3> fraction(const exact::Point& x) const {
         return edges.fraction({x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]});
     }
@@ -95,7 +95,7 @@ Domain box_domain(const Box& box, const std::array<bool, 3>& periodic);
 Domain triclinic_domain(const TriclinicBox& cell);
 
 // The shift that brings x into a periodic domain: without rounding, so that images of a point are brought to the same.
-// Nothing when that is more than some 500 million periods.
+// Returns nothing when that is more than some 500 million periods.
 std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x);
 // The shift that brings a point of a skewed domain into its reduced cell, or, by rounding, just beside it.
 exact::Shift shift_into_reduced(const Domain& domain, const exact::Point& x);

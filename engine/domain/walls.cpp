@@ -19,7 +19,7 @@ exact::Plane domain_wall(const Wall& wall, double scale, const std::string& name
     if (!std::isfinite(wall.offset))
         throw Error(ErrorCode::invalid_argument, name + ": its offset " + number(wall.offset) + " is not finite");
     if (largest == 0) throw Error(ErrorCode::invalid_argument, name + ": its normal is 0: give a direction");
-    // In two steps, for the power of two itself may be beyond the range.
+    // It is scaled in two steps, for the power of two itself may be beyond the range.
     const int exponent = -std::ilogb(largest);
     const double offset = std::ldexp(wall.offset, exponent) * scale;
     bool lossless = std::ldexp(offset / scale, -exponent) == wall.offset && std::isfinite(offset);

@@ -43,7 +43,7 @@ struct Plane {
         plane.seed = q;
         return plane;
     }
-    // Of the image of q by a shift, relative to p as given.
+    // The bisector with the image of q by a shift.
     static Plane bisector(const Point& q, const Shift& shift, const Lattice& lattice) {
         Plane plane = bisector(q);
         if (shift != Shift{}) plane.shift = shift, plane.lattice = &lattice;

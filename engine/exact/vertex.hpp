@@ -21,7 +21,7 @@ public:
     // a, b, c must meet in one point.
     ExactVertex(const Point& p, const Plane& a, const Plane& b, const Plane& c);
 
-    // As side_of_vertex: +1 when the vertex lies strictly outside d, -1 strictly inside, 0 on it.
+    // Decides as side_of_vertex() does: +1 when the vertex lies strictly outside d, -1 strictly inside, 0 on it.
     int side(const Plane& d);
 
 private:

@@ -20,7 +20,7 @@ public:
                std::uint32_t count, bool second_tier);
     void wait();
 
-    // Of the finished chunk; per cell in sorted order.
+    // These tell of the finished chunk, per cell in sorted order.
     [[nodiscard]] std::uint32_t first() const { return first_; }
     [[nodiscard]] std::uint32_t count() const { return count_; }
     [[nodiscard]] std::span<const std::uint32_t> info() const { return info_host_.as<std::uint32_t>().first(count_); }

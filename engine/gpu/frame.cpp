@@ -52,7 +52,7 @@ void check(const PlanOptions& options) {
     check_box(options.box);
 }
 
-// Of the images around the box of so many seeds.
+// Returns how far around the box seeds get images.
 double margin_of(const PlanOptions& options, const Box& box, std::uint32_t count) {
     if (options.margin > 0) return options.margin;
     double spacing = 1 / std::cbrt(static_cast<double>(std::max(count, 1u)));

@@ -294,7 +294,7 @@ void GpuEngine::collect_lists(const Chunk& chunk, double progress) {
     clipper_.clip_listed({listed_cells_, listed_lengths_, listed_ids_, listed_shifts_}, result_, {progress, progress});
 }
 
-// Of the chunk's cells begin .. end - 1; their rows begin at entry `first_entry`.
+// Takes the rows of the chunk's cells begin .. end - 1, which begin at entry `first_entry`.
 void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin,
                              std::size_t end, std::size_t first_entry) {
     const auto lengths = chunk.row_lengths().subspan(begin, end - begin);

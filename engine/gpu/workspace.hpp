@@ -30,7 +30,7 @@ private:
     std::vector<vulkan::Buffer> buffers_;
 };
 
-// From `offset` on; without a buffer it only counts.
+// Takes arrays from `offset` on; without a buffer it only counts.
 class PartOfBuffer final : public Workspace {
 public:
     PartOfBuffer(const vulkan::Device& device, VkBuffer buffer, VkDeviceSize offset)

@@ -30,7 +30,7 @@ struct Job {
     double scale = 1;
     std::shared_ptr<const Domain> domain;  // times scale
     std::vector<CellStatus> outside;       // N when some seeds lie outside of a wall: `outside` for them
-    // Of an earlier run, to be used again; may be null. ResultBuilder::begin() takes them.
+    // Arrays of an earlier run, whose memory ResultBuilder::begin() takes; may be null.
     detail::Result* arrays = nullptr;
 };
 

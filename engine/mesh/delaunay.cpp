@@ -24,7 +24,7 @@ std::size_t at(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }
 
-// Of the images of a vertex the first stands for all.
+// The first image of a vertex stands for all.
 std::size_t original(const Result& r, std::int32_t vertex) {
     return at(r.vertex_image_of.empty() ? vertex : r.vertex_image_of[at(vertex)]);
 }
@@ -36,7 +36,7 @@ Shift shift_in(const Buffer<std::int8_t>& shifts, std::size_t i, int sign) {
     return shift;
 }
 
-// Where a face passes a vertex: it comes from `before` and goes to `after`.
+// A face passes a vertex: it comes from `before` and goes to `after`.
 struct Passage {
     std::int32_t vertex;
     std::size_t entry;

@@ -213,7 +213,7 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
         std::ranges::fill(result.vertex_shifts, 0);
         for (std::size_t k = 0; k < moved.size();) {
             const std::size_t group = k;
-            // Of the root's own place, and then of the moved ones.
+            // The vertices at the root's own place come first, then the moved ones.
             std::uint32_t best = least[moved[group].root];
             Shift from{};
             for (; k < moved.size() && moved[k].root == moved[group].root; ++k)

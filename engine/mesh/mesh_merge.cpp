@@ -18,7 +18,7 @@ Shift wide(const std::array<std::int8_t, 3>& s) {
     return {s[0], s[1], s[2]};
 }
 
-// As seen from a cell that lies `shift` away from where the label counts from.
+// Returns the label as a cell sees it that lies `shift` away from where the label counts from.
 bool same(const FaceLabel& a, const FaceLabel& b, const Shift& b_shift) {
     if (a.id != b.id) return false;
     return a.id < 0 || wide(a.shift) == VertexSets::sum(wide(b.shift), b_shift);
@@ -67,7 +67,7 @@ void FaceMatcher::unite_sides(const Side& a, const Side& b, const Shift& shift) 
     }
 }
 
-// Of edges where more than three cells meet, the cells of a face name different ones.
+// Where more than three cells meet at an edge, the cells of a face name different ones.
 std::uint32_t FaceMatcher::turn_by_distance(const Side& a, const Side& b, bool& clear) {
     const auto middle_a = middle(a.cell, a.face), middle_b = middle(b.cell, b.face);
     const std::uint32_t a_begin = a.begin(), b_begin = b.begin(), count = a.count();
@@ -151,7 +151,7 @@ exact::Plane FaceMatcher::plane(std::size_t i, const FaceLabel& label, const Shi
     return plane;
 }
 
-// Of the face across the edge that begins at a corner; null for a wall that has no place in the row.
+// Returns the face across the edge that begins at a corner; null for a wall that has no place in the row.
 const FaceLabel* FaceMatcher::label_across(const Side& side, std::uint32_t place) {
     const MeshCellView& cell = side.cell;
     const auto next = [&](std::size_t face, std::uint32_t k) {

@@ -88,7 +88,7 @@ std::vector<Color> color_cells(std::span<const double> values, const Scale& scal
     std::vector<Color> colors(values.size(), no_value);
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (std::isnan(values[i])) continue;
-        // Of what lies beyond a logarithmic scale some have no logarithm.
+        // Some of what lies beyond a logarithmic scale has no logarithm.
         const double t = values[i] <= scale.low ? 0 : values[i] >= scale.high ? 1 : scale.at(values[i]);
         colors[i] = table[static_cast<std::size_t>(std::lround(t * steps))];
     }

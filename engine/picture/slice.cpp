@@ -7,7 +7,7 @@
 namespace votess::picture {
 namespace {
 
-// From coordinates of the plane to pixels.
+// Takes coordinates of the plane to pixels.
 struct Plane {
     std::size_t axis, across, up;  // axes of space
     double low[2], pixels;         // pixels of a unit of length

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double focal_over_height = 2.4;  // a view of 24 degrees, little distortion
 
-// From positions of the mesh to those of the scene, of order one around the origin.
+// Takes positions of the mesh to those of the scene, which are of order one around the origin.
 struct Frame {
     Vec3 middle{};
     double scale = 1;

@@ -91,7 +91,7 @@ AtomColumns columns_of_hybrid(const Words& hint, std::size_t size) {
 
 AtomColumns columns_of_style(const Words& hint, std::size_t size, const LineReader& lines) {
     const std::string_view name = plain_style(hint[0]);
-    // In style tdpd any number of concentrations follow.
+    // Style tdpd adds any number of concentrations.
     if (name == "hybrid" || name == "tdpd") {
         const std::size_t least = made_of(basic_columns).names.size();
         if (size < least) {

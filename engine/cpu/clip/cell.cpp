@@ -252,7 +252,7 @@ int Cell::refined_side(int slot, const CellPlane& plane) {
     }
     DoubleDouble excess = refined_plane_.minus_h;
     for (int k = 0; k < 3; ++k) excess = excess + refined_plane_.n[k] * vertex.position[k];
-    // At most 20 u^2 from each product, sum and rounding of the vertex.
+    // Each product, each sum and the rounding of the vertex add at most 20 u^2.
     const double bound = 0x1p-98 * (plane.norm * std::sqrt(radius_[slot]) + refined_plane_.size);
     return excess.high > bound ? 1 : (excess.high < -bound ? -1 : 0);
 }

@@ -71,8 +71,8 @@ public:
     // Cuts by any plane that is relative to seed(); a bisector with a seed at the same place needs power.
     bool clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift = {});
 
-    // At least the squared distance to the farthest vertex, by enough for what it is compared with: no seed at 2 R or
-    // beyond cuts the cell.
+    // Returns at least the squared distance R^2 to the farthest vertex, with slack for the rounding of what it is compared
+    // with: no seed at 2 R or beyond cuts the cell.
     [[nodiscard]] double radius_squared();
     // False only when no seed inside the box, which is relative to the cell's own seed, can cut the cell. more: how
     // much the weight of the seed may exceed that of the cell's, 0 or more.
@@ -92,7 +92,7 @@ public:
         const auto& [a, b, c] = corners_[slot].plane;
         return {&planes_[a], &planes_[b], &planes_[c]};
     }
-    // Of a vertex, relative to the seed.
+    // Returns the place of a vertex relative to the seed.
     [[nodiscard]] std::array<double, 3> position(int slot) const { return {x_[slot], y_[slot], z_[slot]}; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
     // Whether a plane touched a vertex, so that faces of no area may be left.
@@ -101,7 +101,7 @@ public:
     // Planes that have a face; the canonical cell's only when no tie was met.
     void face_planes(std::vector<std::int32_t>& out);
     void canonical_faces(CellFaces& out);
-    // Of the distance from the seed to the farthest vertex.
+    // Returns the squared distance from the seed to the farthest vertex.
     [[nodiscard]] double farthest_squared(const CellFaces& faces) const;
     // areas: if given, the areas of the faces, each to an absolute error of 1e-10 of their sum.
     [[nodiscard]] CellGeometry measure(const CellFaces& faces, std::vector<double>* areas = nullptr) const;

@@ -31,7 +31,7 @@ double gap(double a_lower, double a_upper, double b_lower, double b_upper) {
     return std::max({0.0, a_lower - b_upper, b_lower - a_upper});
 }
 
-// At most the squared distance between any point of a and any of b.
+// Returns at most the squared distance between any point of a and any of b.
 double box_distance(const BoundingBox& a, const BoundingBox& b) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
@@ -111,8 +111,8 @@ void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     cell_.clip(home, plane, shift);
 }
 
-// With R the distance to the farthest vertex, a seed of weight w cuts the cell of weight w_p only nearer than
-// R + sqrt(R^2 + w - w_p).
+// A seed of weight w cuts the cell of weight w_p only when it is nearer than R + sqrt(R^2 + w - w_p), where R is the
+// distance to the farthest vertex.
 double CellBuilder::reach_squared() {
     if (cell_.empty()) return 0;
     const double square = cell_.radius_squared();

@@ -69,11 +69,11 @@ private:
     // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
     // tests are exhausted.
     bool clip_band(std::size_t seed, double from, double to);
-    // By all seeds, and images among them, from that squared distance on.
+    // Clips by all seeds, and images among them, from that squared distance on.
     void clip_far(std::size_t seed, double from);
     Cell& again_by_planes(const CellFaces& faces);
     void clip_by_heaviest(const exact::Point& at);
-    // By the images beyond those among the seeds.
+    // Clips by the images beyond those that lie among the seeds.
     void clip_far_images(std::size_t seed);
     void push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts);
     void split_far(const exact::Point& p, const FarEntry& entry);

@@ -54,7 +54,7 @@ struct Kernels {
 
 inline constexpr std::uint64_t key_distance_bits = 0xffffffff00000000ull;
 
-// Those of "avx512", "avx2", "baseline" that this processor has, best first.
+// Returns those of "avx512", "avx2", "baseline" that this processor has, the best first.
 std::vector<const Kernels*> supported_kernels();
 // For tests, before anything else runs: from now on the processor is taken to have none that are better.
 void set_best_kernels(const Kernels& kernels);

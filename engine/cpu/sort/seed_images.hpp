@@ -40,15 +40,15 @@ public:
     [[nodiscard]] bool any_rough() const { return any_rough_; }
     // Whether some seeds have been moved from the domain into its reduced cell.
     [[nodiscard]] bool has_moves() const { return !moves_.empty(); }
-    // To be added to the shift of an image of `home`, as a cell of `seed` sees it, when both are counted from their
-    // places in the domain.
+    // Returns what to add to the shift of an image of `home`, as a cell of `seed` sees it, to count from the places of
+    // both in the domain.
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t home, std::size_t seed) const;
     // Where a seed lies in the domain, rounded.
     [[nodiscard]] exact::Point place_in_domain(std::size_t seed) const;
     [[nodiscard]] double largest_coordinate() const { return largest_coordinate_; }
     // Along each axis; 0 where box vectors have no component, and no place is rounded.
     [[nodiscard]] const exact::Point& largest_rounded() const { return largest_rounded_; }
-    // Of the coordinates of seeds, without their images: 0 along an axis where all are exact.
+    // What rounding took at most from the coordinates of seeds (not of images): 0 along an axis where all are exact.
     [[nodiscard]] const exact::Point& rounding_of_seeds() const { return rounding_of_seeds_; }
     // All seeds and images nearer to a seed than this are there; 0 when that is not known of any.
     [[nodiscard]] double reach(const exact::Point& seed) const;

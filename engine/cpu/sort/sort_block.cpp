@@ -78,7 +78,7 @@ std::size_t BlockSorter::drop_all_but_first(std::span<const SeedRecord> records,
     return records.size() - 1;
 }
 
-// From the highest bits that differ to the lowest.
+// Sorts from the highest bits that differ to the lowest.
 void BlockSorter::sort_items(std::span<Item> items) {
     if (items.size() <= few) return insertion_sort(items);
     Item differ = 0;
@@ -119,7 +119,7 @@ void BlockSorter::resolve(std::span<Item> items) {
 
 void BlockSorter::resolve_run(std::span<Item> run) {
     if (run.size() <= crowded) {
-        // From the last one, for the items before it must not be marked yet.
+        // The loop begins with the last one, for the items before it must not be marked yet.
         for (std::size_t i = run.size() - 1; i > 0; --i)
             for (std::size_t j = 0; j < i; ++j)
                 if (equal(record(run[i]), record(run[j]))) {

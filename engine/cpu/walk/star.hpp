@@ -48,7 +48,7 @@ public:
     // False when the cell is beyond what this class handles: the caller clips it.
     virtual bool build(std::size_t seed) = 0;
 
-    // Of the last cell built. Faces in no particular order: sorted seeds, or walls -1..-6.
+    // These are the faces of the last cell built, in no particular order: sorted seeds, or walls -1..-6.
     [[nodiscard]] std::span<const std::int32_t> faces() const {
         return {face_.data(), static_cast<std::size_t>(faces_)};
     }
@@ -65,9 +65,9 @@ public:
     virtual void normals(std::vector<std::array<double, 3>>& out) = 0;
     // What follows needs begin(.., measure = true). False when rounding might spoil the digits promised.
     virtual bool measure(Geometry& out) = 0;
-    // In the order of faces().
+    // These follow the order of faces().
     virtual void polygons(CellPolygons& out) const = 0;
-    // Of the distance from the seed to the farthest vertex.
+    // Returns the squared distance from the seed to the farthest vertex.
     [[nodiscard]] virtual double farthest_squared() const = 0;
 
 protected:

@@ -333,8 +333,8 @@ float StarWalk<Isa>::rounding_of(double x2) const {
                                       quantum * (x2 * inverse_longest_ + 1.25 * longest_)));
 }
 
-// Of the candidates that come too near to a vertex, from `lane` on: one that cuts it off, or -1 and in tied_ those that
-// go through it.
+// Looks through the candidates that come too near to a vertex, from `lane` on. Returns one that cuts it off, or -1;
+// tied_ then holds those that go through it.
 template <class Isa>
 int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane) {
     std::optional<exact::ExactVertex> vertex;

@@ -64,7 +64,7 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
         else
             break;
     }
-    // Those of the home stay whole, in the front; those that are done are left out.
+    // Seeds of the home stay whole, in the front; cells that are done are left out.
     std::size_t kept = 0, left = 0;
     for (std::size_t i = 0; i < group_count_; ++i) {
         const std::uint32_t g = groups_[i];

@@ -101,7 +101,7 @@ inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int6
     return 64 - std::countl_zero(sizes) - zeros;
 }
 
-// In units of its own; for coordinates that span at most 124 bits.
+// It has units of its own, and holds coordinates that span at most 124 bits.
 inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& n) {
     n = {};
     if (plane.kind == Plane::Kind::wall) {
@@ -123,7 +123,7 @@ inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& 
     return true;
 }
 
-// For any float64.
+// It holds any float64.
 inline Normal<WideInt<widest>> widest_normal(const Point& p, const Plane& plane) {
     BitRange range;
     range.add(p);

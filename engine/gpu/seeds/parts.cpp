@@ -7,7 +7,7 @@
 namespace votess::gpu {
 namespace {
 
-// In mean distances between the part's seeds, it is twice the security radius of most cells.
+// This is the margin in mean distances between the part's seeds: twice the security radius of most cells.
 constexpr double margin_spacings = 5;
 
 }  // namespace

@@ -67,7 +67,7 @@ int rank(VkMemoryPropertyFlags flags, MemoryKind kind, bool unified) {
     const bool cached = flags & VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     if (kind == MemoryKind::device) return (local ? 0 : 8) + (visible == unified ? 0 : 4) + (unified && !coherent);
     if (!visible) return -1;
-    // On a discrete device, the window into its own memory is small and slow to read: leave it alone.
+    // The window into the memory of a discrete device is small and slow to read: leave it alone.
     const int window = local && !unified;
     if (kind == MemoryKind::upload) return (coherent ? 0 : 8) + 4 * window + (cached && !unified);
     return (cached ? 0 : 8) + 4 * window + (coherent ? 0 : 2);

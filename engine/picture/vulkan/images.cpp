@@ -91,7 +91,7 @@ OwnedFramebuffer framebuffer(vulkan::Device& device, const OwnedRenderPass& pass
     return frame;
 }
 
-// In the first type that is the device's own, else in any.
+// Takes the first type of memory that is the device's own, else any.
 OwnedMemory allocate(vulkan::Device& device, const VkMemoryRequirements& needs) {
     const VkPhysicalDeviceMemoryProperties& memory = device.adapter().memory;
     VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;

@@ -17,7 +17,7 @@ vec4 vector4(const Vec3& v, double w) {
     return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(w)};
 }
 
-// From positions, or with `flat` pixels, to the clip space of the whole picture.
+// Takes positions, or with `flat` pixels, to the clip space of the whole picture.
 void set_matrix(const Scene& scene, bool flat, PicturePush& push) {
     const double width = scene.width, height = scene.height;
     const picture::View& v = scene.view;
