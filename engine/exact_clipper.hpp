@@ -39,12 +39,12 @@ public:
     // Clips the cells of these seeds (input indices in any order, each once) and stores rows, geometry and counts;
     // their status becomes `certified` or `empty`, and they count as fallback cells. Seeds without a cell among them
     // are left as they are: they are for set_empty() and ResultBuilder::set_duplicates(). Calls options.progress from
-    // the calling thread, with fractions of this stretch of the run, and throws `cancelled` when it says so.
-    virtual void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) = 0;
+    // the calling thread, with fractions of this share of the run, and throws `cancelled` when it says so.
+    virtual void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) = 0;
 
     // For cells whose neighbors are known, each cell once: makes their polytopes from these alone, in float64, and
     // stores what clip() would, though they do not count as fallback cells. Throws as clip().
-    virtual void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Stretch& stretch) = 0;
+    virtual void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) = 0;
 
     // Tells of the seeds that have no cell, but for duplicates: outside of walls, or lighter than another at their
     // place.

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Everything that must hold, in three builds: release (all tests), then address and undefined-behaviour sanitizers
-# (tests labelled "sanitize") and the thread sanitizer ("threads").
+# (tests labelled "sanitize") and the thread sanitizer ("threads"), which compiles without precompiled headers, so that an
+# include that is missing is found.
 #   ./tools/test.sh [release|asan|tsan]...     default: all three
 # VOTESS_TEST_BEST=avx2 (or baseline) tests as on a processor that has no better instructions.
 # Exits 0 when every test of every build passed; the last line counts them.

@@ -4,8 +4,8 @@
 #include <numeric>
 
 #include "files/output_buffer.hpp"
+#include "write/nearest_images.hpp"
 #include "write/output.hpp"
-#include "write/seed_images.hpp"
 
 namespace clvotess {
 namespace {
@@ -238,7 +238,7 @@ private:
     const OutputData& data_;
     const votess::Tessellation& cells_;
     OutputBuffer buffer_;
-    SeedImages seeds_;
+    NearestImages seeds_;
     std::span<const double> areas_;
     std::vector<std::size_t> order_, counts_;
     bool ordered_ = false;  // whether order_ is that of the row at hand

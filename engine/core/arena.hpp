@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "core/ceil.hpp"
 
 namespace votess {
 
@@ -31,7 +32,7 @@ public:
         }
         std::byte* const place = segments_[current_].data() + used_;
         constexpr std::size_t alignment = 8;
-        used_ = std::min(segments_[current_].size(), (used_ + bytes + alignment - 1) / alignment * alignment);
+        used_ = std::min(segments_[current_].size(), round_up(used_ + bytes, alignment));
         return place;
     }
 

@@ -10,14 +10,14 @@
 namespace votess {
 
 // A part of a run, as fractions of the whole.
-struct Stretch {
+struct Share {
     double begin = 0, end = 1;
     [[nodiscard]] double at(std::size_t done, std::size_t total) const {
         return begin + (end - begin) * static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(total, 1));
     }
 };
 
-inline constexpr Stretch clipping{0.05, 0.95};  // of a run: before it seeds are sorted, after it rows are put in place
+inline constexpr Share clipping{0.05, 0.95};  // of a run: before it seeds are sorted, after it rows are put in place
 
 class Progress {
 public:

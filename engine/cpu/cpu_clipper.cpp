@@ -4,6 +4,7 @@
 #include <functional>
 #include <thread>
 
+#include "core/ceil.hpp"
 #include "core/text.hpp"
 #include "cpu/sort/sort_inside.hpp"
 #include "input/implied_wants.hpp"
@@ -16,10 +17,6 @@ constexpr std::size_t block_seeds = 2048;      // per task: neighbors in space, 
 constexpr std::size_t least_block_seeds = 16;  // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
 constexpr std::size_t index_task = 65536;  // entries of the inverse order per parallel task
-
-std::size_t blocks_for(std::size_t count, std::size_t per_block) {
-    return (count + per_block - 1) / per_block;
-}
 
 }  // namespace
 
@@ -130,12 +127,12 @@ std::span<const std::int32_t> CpuClipper::duplicate_of() {
     return seeds_.duplicate_of;
 }
 
-void CpuClipper::clip_all(ResultBuilder& out, const Stretch& stretch) {
+void CpuClipper::clip_all(ResultBuilder& out, const Share& share) {
     clip_blocks(
-        seeds_.input, block_seeds, [](std::size_t k) { return k; }, false, out, stretch);
+        seeds_.input, block_seeds, [](std::size_t k) { return k; }, false, out, share);
 }
 
-void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) {
+void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) {
     if (cells.empty()) return;
     prepare();
     put_in_sorted_order(cells);
@@ -144,7 +141,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     const std::size_t per_block =
         std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, block_seeds);
     clip_blocks(
-        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, stretch);
+        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, share);
     for (const std::int32_t cell : kept) {
         CellStatus& status = out.status()[static_cast<std::size_t>(cell)];
         if (status != CellStatus::empty) status = CellStatus::certified;
@@ -156,7 +153,7 @@ void CpuClipper::find_positions() {
     position_.resize_uninitialized(job_.points.count());
     if (seeds_.size() < position_.size()) std::ranges::fill(position_, -1);
     const std::size_t count = seeds_.size();
-    pool_->run(blocks_for(count, index_task), [&](std::size_t task, unsigned) {
+    pool_->run(ceil_div(count, index_task), [&](std::size_t task, unsigned) {
         for (std::size_t s = task * index_task; s < std::min(count, (task + 1) * index_task); ++s)
             position_[static_cast<std::size_t>(seeds_.input[s])] = static_cast<std::int32_t>(s);
     });
@@ -200,13 +197,13 @@ void CpuClipper::begin_workers(ResultBuilder& out) {
 
 template <class SeedAt>
 void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
-                             bool fallback, ResultBuilder& out, const Stretch& stretch) {
+                             bool fallback, ResultBuilder& out, const Share& share) {
     begin_workers(out);
-    const std::size_t blocks = blocks_for(cells.size(), block_cells);
+    const std::size_t blocks = ceil_div(cells.size(), block_cells);
     const bool measure = needs_geometry(job_.options.want);
     const bool walks = !job_.domain->has_weights() && job_.domain->walls.empty();
     ThreadPool::Watch watch;
-    if (progress_) watch = [&](std::size_t done) { return progress_.going_on(stretch.at(done, blocks)); };
+    if (progress_) watch = [&](std::size_t done) { return progress_.going_on(share.at(done, blocks)); };
     const auto task = [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
         const std::size_t begin = block * block_cells;
@@ -231,7 +228,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t bl
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
     Progress::require(pool_->run(blocks, std::cref(task), watch));  // by reference: no allocation
-    clip_hard(out, stretch);
+    clip_hard(out, share);
     for (const Worker& worker : workers_) out.count(worker.writer.counters());
     if (fallback) out.count({.fallback_cells = cells.size()});
 }

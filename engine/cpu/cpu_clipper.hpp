@@ -24,15 +24,15 @@ public:
     ThreadPool& pool() override { return *pool_; }
     void prepare() override;
     std::span<const std::int32_t> duplicate_of() override;
-    void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Stretch& stretch) override;
+    void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) override;
     void set_empty(ResultBuilder& out) override;
-    void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Stretch& stretch) override;
+    void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) override;
     void end() override;
 
     // The stages of a full run, in this order.
     void sort();
     void build_search();
-    void clip_all(ResultBuilder& out, const Stretch& stretch);
+    void clip_all(ResultBuilder& out, const Share& share);
 
 private:
     struct Worker {  // scratch of one thread
@@ -56,17 +56,16 @@ private:
     // cells[k] is the input index of the sorted seed seed_at(k).
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
-                     ResultBuilder& out, const Stretch& stretch);
+                     ResultBuilder& out, const Share& share);
     void search(std::size_t seed, Worker& worker) const;
     // Writes the cell, or notes that its search was given up.
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;
     // hard_cells.cpp: the cells that the workers gave up.
-    void clip_hard(ResultBuilder& out, const Stretch& stretch);
+    void clip_hard(ResultBuilder& out, const Share& share);
     [[nodiscard]] std::vector<std::int32_t> take_hard();
-    bool triangulate(const Stretch& stretch);
+    bool triangulate(const Share& share);
     template <class Build>
-    void clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Stretch& stretch,
-                   const Build& build);
+    void clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Share& share, const Build& build);
 
     std::optional<ThreadPool> pool_;
     Job job_;

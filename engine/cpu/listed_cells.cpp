@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/ceil.hpp"
 #include "cpu/cpu_clipper.hpp"
 
 namespace votess::cpu {
@@ -12,19 +13,19 @@ constexpr std::size_t block_cells = 512;
 
 }  // namespace
 
-void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, const Stretch& stretch) {
+void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) {
     if (lists.cells.empty()) return;
     sort();
     find_positions();
     begin_workers(out);
-    const std::size_t count = lists.cells.size(), blocks = (count + block_cells - 1) / block_cells;
+    const std::size_t count = lists.cells.size(), blocks = ceil_div(count, block_cells);
     const std::span<std::int32_t> cells = out.keep(count);
     std::ranges::copy(lists.cells, cells.begin());
     std::vector<std::size_t> first_entry(blocks + 1, 0);
     for (std::size_t k = 0; k < count; ++k) first_entry[k / block_cells + 1] += lists.lengths[k];
     for (std::size_t b = 0; b < blocks; ++b) first_entry[b + 1] += first_entry[b];
     ThreadPool::Watch watch;
-    if (progress_) watch = [&](std::size_t done) { return progress_.going_on(stretch.at(done, blocks)); };
+    if (progress_) watch = [&](std::size_t done) { return progress_.going_on(share.at(done, blocks)); };
     const auto task = [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
         const std::size_t begin = block * block_cells, end = std::min(count, begin + block_cells);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "core/ceil.hpp"
+
 namespace votess::gpu {
 namespace {
 
@@ -22,7 +24,7 @@ std::uint32_t listed_cells(std::uint32_t cells, const PassSettings& settings) {
 // Words of the list for each cell of a large chunk.
 VkDeviceSize list_words(const PassSettings& settings) {
     constexpr std::uint32_t large = 1u << 20;
-    return (VkDeviceSize{settings.k} * listed_cells(large, settings) + large - 1) / large;
+    return ceil_div(VkDeviceSize{settings.k} * listed_cells(large, settings), large);
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct PeriodicUnits {
     std::array<double, 3> lower{}, upper{};  // fractions of the corners of the box
 };
 
-// Returns nothing when a vector is no whole number of units, or the domain is so skewed that images are few among many shifts.
+// Returns nothing when a vector is no whole number of units, or the domain is so skewed that images are few among many
+// shifts.
 std::optional<PeriodicUnits> periodic_units(const Job& job);
 
 // Boxes with walls and such periodic domains, with seeds that weigh the same and lie inside.

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "core/ceil.hpp"
 #include "gpu/passes/kernel_choice.hpp"
 #include "input/implied_wants.hpp"
 
@@ -218,7 +219,7 @@ void GpuEngine::collect(const Chunk& chunk, double progress) {
     const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
     const auto infos = chunk.info();
     const auto lengths = chunk.row_lengths();
-    const std::size_t blocks = (chunk.count() + block_cells - 1) / block_cells;
+    const std::size_t blocks = ceil_div(chunk.count(), block_cells);
     auto& cells = chunk_inputs_;
     auto& row_begin = row_begin_;
     cells.resize(chunk.count());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/ceil.hpp"
 #include "gpu/vulkan/memory.hpp"
 
 namespace votess::gpu {
@@ -41,7 +42,7 @@ public:
     [[nodiscard]] Slice take(VkDeviceSize bytes, const char*) override {
         const Slice slice{buffer_, end_, bytes};
         // An empty array is bound as some words.
-        end_ += (std::max<VkDeviceSize>(bytes, 16) + alignment_ - 1) / alignment_ * alignment_;
+        end_ += round_up(std::max<VkDeviceSize>(bytes, 16), alignment_);
         largest_ = std::max(largest_, bytes);
         return slice;
     }

@@ -11,12 +11,12 @@ namespace votess {
 namespace {
 
 using detail::Result;
-using Shift = std::array<std::int8_t, 3>;
+using ByteShift = std::array<std::int8_t, 3>;
 
 // A seed as it takes part in a simplex.
 struct Member {
     std::int32_t seed;
-    Shift shift;
+    ByteShift shift;
     friend auto operator<=>(const Member&, const Member&) = default;
 };
 
@@ -29,8 +29,8 @@ std::size_t original(const Result& r, std::int32_t vertex) {
     return at(r.vertex_image_of.empty() ? vertex : r.vertex_image_of[at(vertex)]);
 }
 
-Shift shift_in(const Buffer<std::int8_t>& shifts, std::size_t i, int sign) {
-    Shift shift{};
+ByteShift shift_in(const Buffer<std::int8_t>& shifts, std::size_t i, int sign) {
+    ByteShift shift{};
     for (std::size_t k = 0; k < 3 && !shifts.empty(); ++k)
         shift[k] = static_cast<std::int8_t>(sign * shifts[3 * i + k]);
     return shift;

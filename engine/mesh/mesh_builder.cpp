@@ -9,6 +9,8 @@
 #include <tuple>
 #include <vector>
 
+#include "core/ceil.hpp"
+
 namespace votess {
 namespace {
 
@@ -19,7 +21,7 @@ constexpr std::size_t least_segment = std::size_t{1} << 16, most_segment = std::
 // task(block, begin, end)
 template <class Task>
 void for_cells(ThreadPool& pool, std::size_t count, Task task) {
-    pool.run((count + task_cells - 1) / task_cells, [&](std::size_t block, unsigned) {
+    pool.run(ceil_div(count, task_cells), [&](std::size_t block, unsigned) {
         task(block, block * task_cells, std::min(count, (block + 1) * task_cells));
     });
 }
@@ -131,11 +133,11 @@ void MeshBuilder::unite_vertices(VertexSets& sets, ThreadPool& pool) const {
 void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, ThreadPool& pool) const {
     struct Moved {
         std::uint32_t root;
-        Shift shift;
+        exact::Shift shift;
         std::uint32_t place;
     };
     const auto& indptr = result.cell_vertex_indptr;
-    const std::size_t count = records_.size(), tasks = (count + task_cells - 1) / task_cells;
+    const std::size_t count = records_.size(), tasks = ceil_div(count, task_cells);
     // By root: the first place, in the order of the cells, of those that are not moved.
     Buffer<std::uint32_t> least;
     least.resize_uninitialized(vertices_);
@@ -149,7 +151,7 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
         for (std::uint32_t v = 0; v < view.vertices(); ++v) {
             const ShiftedVertex root = sets.find(view.first() + v);
             const auto place = static_cast<std::uint32_t>(indptr[i]) + v;
-            if (root.shift != Shift{}) {
+            if (root.shift != exact::Shift{}) {
                 moved_in[block].push_back({root.vertex, root.shift, place});
                 continue;
             }
@@ -215,10 +217,10 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
             const std::size_t group = k;
             // The vertices at the root's own place come first, then the moved ones.
             std::uint32_t best = least[moved[group].root];
-            Shift from{};
+            exact::Shift from{};
             for (; k < moved.size() && moved[k].root == moved[group].root; ++k)
                 if (moved[k].place < best) best = moved[k].place, from = moved[k].shift;
-            const auto note = [&](std::uint32_t place, const Shift& shift) {
+            const auto note = [&](std::uint32_t place, const exact::Shift& shift) {
                 const std::size_t vertex = number_at[place];
                 result.vertex_image_of[vertex] = static_cast<std::int32_t>(number_at[best]);
                 for (std::size_t axis = 0; axis < 3; ++axis)
@@ -238,7 +240,7 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
 }
 
 void MeshBuilder::place_polygons(detail::Result& result, ThreadPool& pool) const {
-    const std::size_t count = records_.size(), blocks = (count + task_cells - 1) / task_cells;
+    const std::size_t count = records_.size(), blocks = ceil_div(count, task_cells);
     std::vector<std::size_t> sizes(blocks);
     for_cells(pool, count, [&](std::size_t block, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) sizes[block] += cell(i).corners();

@@ -66,12 +66,13 @@ private:
         [[nodiscard]] std::uint32_t begin() const { return cell.begin(face); }
         [[nodiscard]] std::uint32_t count() const { return cell.end(face) - cell.begin(face); }
     };
-    void unite_sides(const Side& a, const Side& b, const Shift& shift);
+    void unite_sides(const Side& a, const Side& b, const exact::Shift& shift);
     static std::uint32_t turn_by_distance(const Side& a, const Side& b, bool& clear);
-    [[nodiscard]] std::optional<std::uint32_t> turn_by_edges(const Side& a, const Side& b, const Shift& shift) const;
+    [[nodiscard]] std::optional<std::uint32_t> turn_by_edges(const Side& a, const Side& b,
+                                                             const exact::Shift& shift) const;
     [[nodiscard]] exact::Point point(std::size_t i) const;
     [[nodiscard]] exact::Shift wrapped(std::size_t i) const;
-    [[nodiscard]] exact::Plane plane(std::size_t i, const FaceLabel& label, const Shift& shift) const;
+    [[nodiscard]] exact::Plane plane(std::size_t i, const FaceLabel& label, const exact::Shift& shift) const;
     static const FaceLabel* label_across(const Side& side, std::uint32_t place);
 
     const Job& job_;

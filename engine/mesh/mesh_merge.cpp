@@ -14,12 +14,12 @@ constexpr double clearly_worse = 100;
 // Relative to the largest, positions of a vertex in the cells that share it differ by less than this.
 constexpr double position_error = 1e-9;
 
-Shift wide(const std::array<std::int8_t, 3>& s) {
+exact::Shift wide(const std::array<std::int8_t, 3>& s) {
     return {s[0], s[1], s[2]};
 }
 
 // Returns the label as a cell sees it that lies `shift` away from where the label counts from.
-bool same(const FaceLabel& a, const FaceLabel& b, const Shift& b_shift) {
+bool same(const FaceLabel& a, const FaceLabel& b, const exact::Shift& b_shift) {
     if (a.id != b.id) return false;
     return a.id < 0 || wide(a.shift) == VertexSets::sum(wide(b.shift), b_shift);
 }
@@ -52,7 +52,7 @@ void FaceMatcher::unite_faces(std::size_t i) {
 }
 
 // The other cell's polygon runs the other way round: its corner t is this one's corner (turn - t).
-void FaceMatcher::unite_sides(const Side& a, const Side& b, const Shift& shift) {
+void FaceMatcher::unite_sides(const Side& a, const Side& b, const exact::Shift& shift) {
     const std::uint32_t count = a.count();
     std::uint32_t turn = 1;  // both begin with the same edge
     if (!same(a.cell.beginning(a.face), b.cell.beginning(b.face), shift)) {
@@ -102,7 +102,7 @@ std::uint32_t FaceMatcher::turn_by_distance(const Side& a, const Side& b, bool& 
 
 // For a polygon so small that rounding spoils it: an edge of one is that edge of the other on whose line it lies, which
 // exact arithmetic tells of its two corners.
-std::optional<std::uint32_t> FaceMatcher::turn_by_edges(const Side& a, const Side& b, const Shift& shift) const {
+std::optional<std::uint32_t> FaceMatcher::turn_by_edges(const Side& a, const Side& b, const exact::Shift& shift) const {
     const std::uint32_t count = a.count();
     const std::size_t i = a.seed;
     const exact::Point p = point(i);
@@ -134,7 +134,7 @@ exact::Shift FaceMatcher::wrapped(std::size_t i) const {
 
 // The plane of a face that cell i has, or that the cell has which lies `shift` away from it: on the plane between those
 // two, the bisectors of both with a third seed are one line.
-exact::Plane FaceMatcher::plane(std::size_t i, const FaceLabel& label, const Shift& shift) const {
+exact::Plane FaceMatcher::plane(std::size_t i, const FaceLabel& label, const exact::Shift& shift) const {
     const Domain& domain = *job_.domain;
     if (label.id < -6) return domain.walls[static_cast<std::size_t>(-7 - label.id)];
     if (label.id < 0) {

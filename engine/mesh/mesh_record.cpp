@@ -5,6 +5,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/ceil.hpp"
+
 namespace votess {
 namespace {
 
@@ -42,7 +44,7 @@ void MeshBlock::append(const MeshCell& cell) {
     const std::size_t size = sizeof head + cell.positions.size_bytes() + cell.labels.size_bytes() +
                              (2 * cell.ends.size() + cell.corners.size()) * number_size;
     begins_.push_back(used_);
-    const std::size_t end = used_ + (size + alignment - 1) / alignment * alignment;
+    const std::size_t end = used_ + round_up(size, alignment);
     if (end > bytes_.size()) bytes_.resize(2 * end + least_bytes);
     std::byte* to = bytes_.data() + used_;
     used_ = end;

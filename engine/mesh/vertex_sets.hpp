@@ -7,14 +7,13 @@
 #include <cstdint>
 
 #include "core/buffer.hpp"
+#include "exact/predicate.hpp"
 
 namespace votess {
 
-using Shift = std::array<int, 3>;
-
 struct ShiftedVertex {
     std::uint32_t vertex;
-    Shift shift;  // from it
+    exact::Shift shift;  // from it
 };
 
 class VertexSets {
@@ -27,7 +26,7 @@ public:
 
     // From any thread. The root of the set, and how far the vertex is from it.
     [[nodiscard]] ShiftedVertex find(std::uint32_t vertex) {
-        Shift shift{};
+        exact::Shift shift{};
         for (;;) {
             const std::uint64_t word = load(vertex);
             const ShiftedVertex up = unpack(word);
@@ -40,12 +39,12 @@ public:
         }
     }
     // From any thread. Vertex a is vertex b moved by the shift.
-    void unite(std::uint32_t a, std::uint32_t b, const Shift& shift) {
+    void unite(std::uint32_t a, std::uint32_t b, const exact::Shift& shift) {
         for (;;) {
             const ShiftedVertex ra = find(a), rb = find(b);
             if (ra.vertex == rb.vertex) return;
             // ra + ra.shift = rb + rb.shift + shift
-            const Shift between = sum(sum(rb.shift, shift), negative(ra.shift));
+            const exact::Shift between = sum(sum(rb.shift, shift), negative(ra.shift));
             const bool up = ra.vertex > rb.vertex;
             const ShiftedVertex link{up ? rb.vertex : ra.vertex, up ? between : negative(between)};
             const std::uint32_t linked = up ? ra.vertex : rb.vertex;
@@ -53,8 +52,10 @@ public:
         }
     }
 
-    static Shift sum(const Shift& a, const Shift& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-    static Shift negative(const Shift& a) { return {-a[0], -a[1], -a[2]}; }
+    static exact::Shift sum(const exact::Shift& a, const exact::Shift& b) {
+        return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+    }
+    static exact::Shift negative(const exact::Shift& a) { return {-a[0], -a[1], -a[2]}; }
 
 private:
     static constexpr int shift_bits = 10, vertex_bits = 32;

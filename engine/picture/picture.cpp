@@ -140,7 +140,7 @@ std::vector<Vec3> domain_periods(const Tessellation& t) {
 
 }  // namespace
 
-Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double> points,
+Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const double> points,
                   std::span<const double> values, const PictureOptions& options) {
     const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
     ThreadPool pool(threads);
@@ -184,8 +184,8 @@ Picture render(const Tessellation& tessellation, std::span<const double> points,
     picture::check(tessellation, points, options);
     const picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
                              tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};
-    const picture::Domain domain{tessellation.box(), picture::domain_corners(tessellation),
-                                 picture::domain_periods(tessellation)};
+    const picture::DomainShape domain{tessellation.box(), picture::domain_corners(tessellation),
+                                      picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
     return picture::draw(picture::build_scene(mesh, domain, points, values, options), options.device);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/ceil.hpp"
 #include "core/thread_pool.hpp"
 #include "picture/mesh.hpp"
 
@@ -18,13 +19,10 @@ struct Shown {
 [[nodiscard]] Shown choose_cells(const Mesh& mesh, const Box& domain, WallCells wall_cells, ThreadPool& pool);
 
 inline constexpr std::size_t block_cells = 2048;
-[[nodiscard]] constexpr std::size_t block_count(std::size_t cells) {
-    return (cells + block_cells - 1) / block_cells;
-}
 // Runs task(begin, end, block) over blocks of the cells.
 template <class Task>
 void over_cells(std::size_t cells, ThreadPool& pool, const Task& task) {
-    pool.run(block_count(cells), [&](std::size_t block, unsigned) {
+    pool.run(ceil_div(cells, block_cells), [&](std::size_t block, unsigned) {
         task(block * block_cells, std::min(cells, (block + 1) * block_cells), block);
     });
 }

@@ -108,7 +108,7 @@ Area build_slice(const SliceJob& job, const Sizes& sizes, ThreadPool& pool, Scen
     const Plane plane = place(job, slice);
     const std::vector<Vec3> all = images(job.periods);
     const std::size_t n = job.mesh.cells();
-    std::vector<std::vector<FillVertex>> blocks(block_count(n));
+    std::vector<std::vector<FillVertex>> blocks(ceil_div(n, block_cells));
     std::vector<char> met(n);
     over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
         Builder builder(job, plane, slice, all);

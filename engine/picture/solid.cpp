@@ -249,7 +249,7 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     }
 
     const std::size_t n = job.mesh.cells();
-    std::vector<std::vector<FillVertex>> blocks(block_count(n));
+    std::vector<std::vector<FillVertex>> blocks(ceil_div(n, block_cells));
     const Vec3 eye = view.distance * view.back;
     over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
         Builder builder(job, frame, space, kept, eye);

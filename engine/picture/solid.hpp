@@ -31,14 +31,14 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
 void add_fan(const Polygon& polygon, const Vec3& normal, Color color, std::vector<FillVertex>& out);
 
 // The domain as the picture needs it.
-struct Domain {
+struct DomainShape {
     Box box;                    // its bounds
     std::vector<Vec3> corners;  // as in build_solid
     std::vector<Vec3> periods;  // vectors by which the cells repeat
 };
 
 // All of a picture but the drawing. values: what the cells are colored by.
-[[nodiscard]] Scene build_scene(const Mesh& mesh, const Domain& domain, std::span<const double> points,
+[[nodiscard]] Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const double> points,
                                 std::span<const double> values, const PictureOptions& options);
 
 }  // namespace votess::picture

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "core/ceil.hpp"
 #include "input/implied_wants.hpp"
 #include "result/face_filter.hpp"
 
@@ -25,7 +26,7 @@ constexpr std::size_t lookahead = 16;  // cells whose places in memory are fetch
 // task(block, begin, end)
 template <class Task>
 void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
-    pool.run((count + task_cells - 1) / task_cells, [&](std::size_t block, unsigned) {
+    pool.run(ceil_div(count, task_cells), [&](std::size_t block, unsigned) {
         task(block, block * task_cells, std::min(count, (block + 1) * task_cells));
     });
 }
@@ -275,7 +276,7 @@ void ResultBuilder::check_status(ThreadPool& pool) const {
 // Lengths become the places where rows begin.
 void ResultBuilder::sum_lengths(ThreadPool& pool) {
     auto& indptr = result_.indptr;
-    std::vector<std::int64_t> begins((indptr.size() + task_cells - 1) / task_cells + 1, 0);
+    std::vector<std::int64_t> begins(ceil_div(indptr.size(), task_cells) + 1, 0);
     for_blocks(pool, indptr.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
         begins[block + 1] = std::accumulate(indptr.data() + begin, indptr.data() + end, std::int64_t{0});
     });
@@ -328,7 +329,7 @@ void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
     const auto cells = stats.points - stats.empty_cells;
     stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
     const std::span<const double> volumes = result_.volumes;
-    std::vector<double> sums((volumes.size() + task_cells - 1) / task_cells);
+    std::vector<double> sums(ceil_div(volumes.size(), task_cells));
     for_blocks(pool, volumes.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
         sums[block] = accurate_sum(volumes.subspan(begin, end - begin));
     });

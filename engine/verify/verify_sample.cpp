@@ -88,7 +88,7 @@ public:
             const Images next = images_.back();
             images_.pop_back();
             work_ += work_of_image;
-            const cpu::BoundingBox bounds = bounds_of(next.slot, next.shifts);
+            const Box bounds = bounds_of(next.slot, next.shifts);
             if (!cell.in_reach(bounds, more()) || !cell.may_cut(bounds, more())) continue;
             if (next.shifts.is_single())
                 cut(next.slot, next.shifts, cell);
@@ -116,13 +116,13 @@ private:
         const double square = cell.radius_squared();
         return (std::sqrt(square) + std::sqrt(square + more())) * slack + rounding_ + least;
     }
-    [[nodiscard]] cpu::BoundingBox bounds_of(std::size_t slot, const ShiftRange& shifts) const {
+    [[nodiscard]] Box bounds_of(std::size_t slot, const ShiftRange& shifts) const {
         const exact::Point& q = at_[slot];
         if (!domain_.is_periodic()) return cpu::seen_from(at_[own_], {q, q});
         return cpu::seen_from({}, images_of(domain_, {q, q}, shifts, at_[own_]), place_rounding_);
     }
     void add(std::size_t slot, const ShiftRange& shifts, double most) {
-        const cpu::BoundingBox box = bounds_of(slot, shifts);
+        const Box box = bounds_of(slot, shifts);
         double square = 0;
         for (int k = 0; k < 3; ++k) {
             const double gap = std::max({0.0, box.lower[k], -box.upper[k]});

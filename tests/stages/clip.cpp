@@ -35,7 +35,7 @@ TEST_SUITE("stages") {
             const VertexBlock block{x, y, z, tolerance, radius, static_cast<int>(1 + random.below(8))};
             const double n = random.uniform(0.1, 3);
             const FilterPlane plane{n, n, n, 1.5 * n, n * std::sqrt(3.0), 1e-15};
-            BoundingBox box;
+            votess::Box box;
             for (int k = 0; k < 3; ++k)
                 box.lower[k] = random.uniform(-3, 3), box.upper[k] = box.lower[k] + random.uniform();
             const auto sides = kernels.back()->classify(block, plane);

@@ -22,7 +22,7 @@ using Cells = std::vector<std::int32_t>;
 
 namespace {
 
-constexpr votess::Stretch whole{0, 1};
+constexpr votess::Share whole{0, 1};
 
 // Random disjoint parts that together hold every cell; the last may be empty.
 std::vector<Cells> random_parts(std::size_t count, std::size_t parts, std::uint64_t seed) {

@@ -145,7 +145,7 @@ TEST_SUITE("stages") {
                 }
             }
             const Tessellation t = votess::tessellate(points, options);
-            Domain domain{t.box(), {}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+            DomainShape domain{t.box(), {}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
             if (options.cell) domain.periods = {options.cell->a, options.cell->b, options.cell->c};
             for (int axis = 0; axis < 3; ++axis) {
                 PictureOptions slice = plain(Cut::none);

@@ -69,7 +69,7 @@ TEST_SUITE("stages") {
         Random random(1);
         for (int round = 0; round < 2000; ++round) {
             BoxBlock block;
-            BoundingBox home;
+            votess::Box home;
             const bool integers = round % 2 == 0, point = random.chance(0.5);
             auto draw = [&] { return integers ? static_cast<double>(random.integer(-4, 4)) : random.uniform(-4, 4); };
             for (int k = 0; k < 3; ++k) {

@@ -30,9 +30,9 @@ struct Sorted {
 
     [[nodiscard]] std::array<double, 3> at(std::size_t s) const { return {seeds.x[s], seeds.y[s], seeds.z[s]}; }
     // The bounds of the seeds of a home.
-    [[nodiscard]] BoundingBox home_box(std::size_t home) const {
+    [[nodiscard]] votess::Box home_box(std::size_t home) const {
         const std::size_t begin = home * Window::home_seeds, end = std::min(seeds.size(), begin + Window::home_seeds);
-        BoundingBox box;
+        votess::Box box;
         for (int k = 0; k < 3; ++k) {
             box.lower[k] = box.upper[k] = at(begin)[k];
             for (std::size_t s = begin; s < end; ++s) {
@@ -44,7 +44,7 @@ struct Sorted {
     }
 };
 
-double distance(const BoundingBox& box, const std::array<double, 3>& p) {
+double distance(const votess::Box& box, const std::array<double, 3>& p) {
     double square = 0;
     for (int k = 0; k < 3; ++k) square += std::pow(std::max({0.0, box.lower[k] - p[k], p[k] - box.upper[k]}), 2);
     return std::sqrt(square);
@@ -64,7 +64,7 @@ std::set<std::int32_t> shown(const Window& window) {
 double check_window(const Sorted& sorted, Window& window, std::size_t home, double radius, const Neighborhood& cells) {
     CAPTURE(home);
     REQUIRE(window.open(home, radius, cells));
-    const BoundingBox box = sorted.home_box(home);
+    const votess::Box box = sorted.home_box(home);
     const std::set<std::int32_t> ids = shown(window);
     const auto own = static_cast<std::size_t>(home * Window::home_seeds);
     const auto from = window.position(own);
@@ -239,7 +239,7 @@ TEST_SUITE("stages") {
                 Window window(sorted.seeds, sorted.hierarchy, star_kernels(supported->name));
                 const std::size_t homes = (sorted.seeds.size() + Window::home_seeds - 1) / Window::home_seeds;
                 for (std::size_t home = 0; home < homes; home += 1 + homes / 7) {
-                    const BoundingBox box = sorted.home_box(home);
+                    const votess::Box box = sorted.home_box(home);
                     const double size = std::max(box.upper[0] - box.lower[0], 1e-3);
                     for (const double factor : {0.01, 0.5, 1.0, 3.0})
                         check_window(sorted, window, home, factor * size, cells);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/ceil.hpp"
+
 namespace votess::cpu {
 namespace {
 
@@ -38,7 +40,7 @@ Cell::Cell(const Kernels& kernels) : kernels_(kernels) {
 
 void Cell::reserve_slots(int slots) {
     if (slots <= capacity_) return;
-    const int capacity = std::max((slots + word_slots - 1) / word_slots * word_slots, 2 * capacity_);
+    const int capacity = std::max(round_up(slots, word_slots), 2 * capacity_);
     std::vector<double> storage(static_cast<std::size_t>(capacity) * 5 + lanes, 0.0);
     auto address = reinterpret_cast<std::uintptr_t>(storage.data());
     double* base = storage.data() + (64 - address % 64) % 64 / sizeof(double);
@@ -58,7 +60,7 @@ void Cell::reserve_slots(int slots) {
 VertexBlock Cell::block(int word) const {
     const int first = word * word_slots;
     return {x_ + first,         y_ + first,      z_ + first,
-            tolerance_ + first, radius_ + first, (std::min(slots_ - first, word_slots) + lanes - 1) / lanes};
+            tolerance_ + first, radius_ + first, ceil_div(std::min(slots_ - first, word_slots), lanes)};
 }
 
 namespace {
@@ -176,8 +178,8 @@ double Cell::radius_squared() {
     return radius_squared_;
 }
 
-BoundingBox seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding) {
-    BoundingBox relative;
+Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding) {
+    Box relative;
     for (int k = 0; k < 3; ++k) {
         relative.lower[k] = box.lower[k] - at[k];
         relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]) + 2 * rounding[k];
@@ -187,7 +189,7 @@ BoundingBox seen_from(const exact::Point& at, const Box& box, const exact::Point
     return relative;
 }
 
-bool Cell::in_reach(const BoundingBox& relative, double more) const {
+bool Cell::in_reach(const Box& relative, double more) const {
     const double floor = smallest_radius + more * reach_of_error(worst_error) * radius_slack;
     for (int w = 0; w * word_slots < slots_; ++w)
         if (kernels_.box_in_reach(block(w), relative, radius_slack, floor)) return true;
@@ -197,7 +199,7 @@ bool Cell::in_reach(const BoundingBox& relative, double more) const {
 // A seed q cuts off v when |q|^2 - 2 q.v < more, axis by axis least where q is v itself or the end of the box. The
 // terms are rounded by 4 u of their size. An error t of v moves the least q by t at most, and so the sum by 2 (|q| + 3
 // t) t.
-bool Cell::may_cut(const BoundingBox& relative, double more) {
+bool Cell::may_cut(const Box& relative, double more) {
     bool found = false;
     for_each_alive([&](int slot) {
         const double v[3] = {x_[slot], y_[slot], z_[slot]}, t = tolerance_[slot];
@@ -345,7 +347,7 @@ bool Cell::take_over(const CellPlane& plane, int slot) {
 bool Cell::clip(const CellPlane& plane) {
     const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
                              plane.h,    plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
-    const int words = (slots_ + word_slots - 1) / word_slots;
+    const int words = ceil_div(slots_, word_slots);
     bool any = false;
     for (int w = 0; w < words; ++w) {
         auto [possible, certain] = kernels_.classify(block(w), filter);

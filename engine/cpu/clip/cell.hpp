@@ -55,7 +55,7 @@ struct CellFaces {
 
 // A box as seen from `at`, moved outward by the rounding of the subtraction and by that of the places: each may be off
 // by `rounding` along an axis.
-BoundingBox seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding = {});
+Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding = {});
 
 class Cell {
 public:
@@ -71,15 +71,15 @@ public:
     // Cuts by any plane that is relative to seed(); a bisector with a seed at the same place needs power.
     bool clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift = {});
 
-    // Returns at least the squared distance R^2 to the farthest vertex, with slack for the rounding of what it is compared
-    // with: no seed at 2 R or beyond cuts the cell.
+    // Returns at least the squared distance R^2 to the farthest vertex, with slack for the rounding of what it is
+    // compared with: no seed at 2 R or beyond cuts the cell.
     [[nodiscard]] double radius_squared();
     // False only when no seed inside the box, which is relative to the cell's own seed, can cut the cell. more: how
     // much the weight of the seed may exceed that of the cell's, 0 or more.
-    [[nodiscard]] bool in_reach(const BoundingBox& relative, double more = 0) const;
+    [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
     // The same, slower, and sharp where the box is much nearer than the vertices: the row of images along the short
     // edge of a thin box. Where it is asked often it makes the vertices as exact as doubles are.
-    [[nodiscard]] bool may_cut(const BoundingBox& relative, double more);
+    [[nodiscard]] bool may_cut(const Box& relative, double more);
     // Whether it has been cut, or begun, by that bisector.
     [[nodiscard]] bool knows(std::int32_t id, const exact::Shift& shift) const;
     // Nothing is left: in a power diagram another seed is nearer everywhere.

@@ -32,7 +32,7 @@ double gap(double a_lower, double a_upper, double b_lower, double b_upper) {
 }
 
 // Returns at most the squared distance between any point of a and any of b.
-double box_distance(const BoundingBox& a, const BoundingBox& b) {
+double box_distance(const Box& a, const Box& b) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
         const double d = gap(a.lower[k], a.upper[k], b.lower[k], b.upper[k]);
@@ -142,7 +142,7 @@ void CellBuilder::pop_into_window() {
     const QueueEntry entry = queue_.back();
     queue_.pop_back();
     if (entry.level > 0) {
-        for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
+        for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
             queue_.push_back({box_distance(box, home_), level, static_cast<std::uint32_t>(node)});
             std::push_heap(queue_.begin(), queue_.end(), farther);
         });
@@ -267,7 +267,7 @@ bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
 
 void CellBuilder::clip_far(std::size_t seed, double from) {
     const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
-    const BoundingBox here{{p[0], p[1], p[2]}, {p[0], p[1], p[2]}};
+    const Box here{p, p};
     far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
     while (!far_queue_.empty()) {
         std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
@@ -277,7 +277,7 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         if (++tests_ > most_tests_) return;
         if (!cell_.in_reach(seen_from(p, far_box(entry.level, entry.node), place_rounding_), more_weight_)) continue;
         if (entry.level > 0) {
-            for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const BoundingBox& box) {
+            for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
                 std::push_heap(far_queue_.begin(), far_queue_.end(), farther);
             });
@@ -300,11 +300,10 @@ Box CellBuilder::far_box(std::int32_t level, std::uint32_t node) const {
         const exact::Point x{seeds_.x[node], seeds_.y[node], seeds_.z[node]};
         return {x, x};
     }
-    const BoundingBox box = hierarchy_.box(level, node);
-    return {std::to_array(box.lower), std::to_array(box.upper)};
+    return hierarchy_.box(level, node);
 }
 
-BoundingBox CellBuilder::far_images_of(const exact::Point& p, const FarEntry& entry) const {
+Box CellBuilder::far_images_of(const exact::Point& p, const FarEntry& entry) const {
     return seen_from({}, images_of(*domain_, far_box(entry.level, entry.node), entry.shifts, p),
                      seeds_.images->rounding_of_seeds());
 }
@@ -326,7 +325,7 @@ void CellBuilder::split_far(const exact::Point& p, const FarEntry& entry) {
     if (entry.level < 0 || extent.length > side) {
         for (const ShiftRange& half : halves(entry.shifts, extent.axis)) push_far(p, entry.level, entry.node, half);
     } else if (entry.level > 0) {
-        for_each_child(hierarchy_, {0, entry.level, entry.node}, [&](int level, std::size_t node, const BoundingBox&) {
+        for_each_child(hierarchy_, {0, entry.level, entry.node}, [&](int level, std::size_t node, const Box&) {
             if (hierarchy_.first_seed(level, node) < seeds_.size())  // others hold images only
                 push_far(p, level, static_cast<std::uint32_t>(node), entry.shifts);
         });
@@ -368,7 +367,7 @@ void CellBuilder::clip_far_images(std::size_t seed) {
         const double reach = reach_squared();
         if (entry.distance_squared >= reach || reach <= known * known) return;
         if (++tests_ > most_tests_) return;
-        const BoundingBox images = far_images_of(p, entry);
+        const Box images = far_images_of(p, entry);
         if (!cell_.in_reach(images, more_weight_) || !cell_.may_cut(images, more_weight_)) continue;
         const bool single = entry.shifts.is_single();
         if (single && entry.shifts == ShiftRange{}) continue;  // the seeds themselves

@@ -79,7 +79,7 @@ private:
     void split_far(const exact::Point& p, const FarEntry& entry);
     void clip_far_group(const exact::Point& p, const FarEntry& entry, double from);
     [[nodiscard]] Box far_box(std::int32_t level, std::uint32_t node) const;
-    [[nodiscard]] BoundingBox far_images_of(const exact::Point& p, const FarEntry& entry) const;
+    [[nodiscard]] Box far_images_of(const exact::Point& p, const FarEntry& entry) const;
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;
@@ -94,7 +94,7 @@ private:
     SeedImages::Base base_{};        // of the seed
 
     std::size_t group_ = ~std::size_t{0};
-    BoundingBox home_{};
+    Box home_{};
     std::vector<QueueEntry> queue_, far_queue_;
     std::vector<FarEntry> far_images_;
     double covered_ = 0;  // squared distance from home within which the window is complete

@@ -46,7 +46,7 @@ VOTESS_INLINE SideMasks classify_body(const VertexBlock& v, const FilterPlane& p
     return {combine(possible), combine(certain)};
 }
 
-VOTESS_INLINE bool box_in_reach_body(const VertexBlock& v, const BoundingBox& box, double slack, double floor) {
+VOTESS_INLINE bool box_in_reach_body(const VertexBlock& v, const Box& box, double slack, double floor) {
     Mask8 any{};
     const Real8 zero{};
     for (int b = 0; b < v.blocks; ++b) {
@@ -120,21 +120,21 @@ __attribute__((target("avx512f"))) int select_band_compress(const double* distan
 #endif
 
 // One set of functions per instruction set; the bodies above are inlined into each. SELECT is the one that is not.
-#define VOTESS_KERNELS(NAME, TARGET, SELECT)                                                                    \
-    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                              \
-        return classify_body(v, p);                                                                             \
-    }                                                                                                           \
-    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const BoundingBox& box, double slack, double floor) { \
-        return box_in_reach_body(v, box, slack, floor);                                                         \
-    }                                                                                                           \
-    TARGET double largest_radius_##NAME(const VertexBlock& v) {                                                 \
-        return largest_radius_body(v);                                                                          \
-    }                                                                                                           \
-    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count,          \
-                                         const double* p, double* out) {                                        \
-        squared_distances_body(x, y, z, count, p, out);                                                         \
-    }                                                                                                           \
-    constexpr Kernels kernels_##NAME{                                                                           \
+#define VOTESS_KERNELS(NAME, TARGET, SELECT)                                                            \
+    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                      \
+        return classify_body(v, p);                                                                     \
+    }                                                                                                   \
+    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const Box& box, double slack, double floor) { \
+        return box_in_reach_body(v, box, slack, floor);                                                 \
+    }                                                                                                   \
+    TARGET double largest_radius_##NAME(const VertexBlock& v) {                                         \
+        return largest_radius_body(v);                                                                  \
+    }                                                                                                   \
+    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count,  \
+                                         const double* p, double* out) {                                \
+        squared_distances_body(x, y, z, count, p, out);                                                 \
+    }                                                                                                   \
+    constexpr Kernels kernels_##NAME{                                                                   \
         #NAME, classify_##NAME, box_in_reach_##NAME, largest_radius_##NAME, squared_distances_##NAME, SELECT};
 
 VOTESS_KERNELS(baseline, , select_band_plain)

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "votess/votess.hpp"
+
 namespace votess::cpu {
 
 inline constexpr int lanes = 8;        // vertices per block
@@ -33,16 +35,12 @@ struct SideMasks {
     std::uint64_t certain = 0;   // bit set: certainly outside
 };
 
-struct BoundingBox {
-    double lower[3], upper[3];
-};
-
 struct Kernels {
     const char* name;
     SideMasks (*classify)(const VertexBlock&, const FilterPlane&);
     // Whether the box reaches into the ball around any vertex that touches the seed: only there can a seed cut. The
     // squared radius counts as radius * slack + floor.
-    bool (*box_in_reach)(const VertexBlock&, const BoundingBox& relative, double slack, double floor);
+    bool (*box_in_reach)(const VertexBlock&, const Box& relative, double slack, double floor);
     double (*largest_radius)(const VertexBlock&);
     // out[i] = squared distance of (x,y,z)[i] from p.
     void (*squared_distances)(const double* x, const double* y, const double* z, int count, const double* p,

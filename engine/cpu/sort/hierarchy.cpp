@@ -4,33 +4,31 @@
 #include <functional>
 #include <limits>
 
+#include "core/ceil.hpp"
+
 namespace votess::cpu {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t task_blocks = 512;
 
-std::size_t divide_up(std::size_t a, std::size_t b) {
-    return (a + b - 1) / b;
-}
-
 }  // namespace
 
 void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
     counts_.clear();
-    for (std::size_t count = seeds.places() / group_size;; count = divide_up(count, fan)) {
+    for (std::size_t count = seeds.places() / group_size;; count = ceil_div(count, fan)) {
         counts_.push_back(count);
         if (count <= 1) break;
     }
     while (levels_.size() < counts_.size()) levels_.emplace_back(Buffer<BoxBlock>::Pages::huge);
     for (std::size_t level = 0; level < counts_.size(); ++level) {
-        const std::size_t blocks = std::max<std::size_t>(1, divide_up(counts_[level], fan));
+        const std::size_t blocks = std::max<std::size_t>(1, ceil_div(counts_[level], fan));
         levels_[level].resize_uninitialized(blocks);
         const auto task = [&](std::size_t index, unsigned) {
             for (std::size_t b = index * task_blocks; b < std::min(blocks, (index + 1) * task_blocks); ++b)
                 fill(seeds, level, b);
         };
-        pool.run(divide_up(blocks, task_blocks), std::cref(task));  // by reference: no allocation
+        pool.run(ceil_div(blocks, task_blocks), std::cref(task));  // by reference: no allocation
     }
 }
 

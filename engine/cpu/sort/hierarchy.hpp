@@ -27,7 +27,7 @@ public:
     [[nodiscard]] static std::size_t first_seed(int level, std::size_t node) {
         return (node * group_size) << (3 * level);
     }
-    [[nodiscard]] BoundingBox box(int level, std::size_t node) const {
+    [[nodiscard]] Box box(int level, std::size_t node) const {
         const BoxBlock& b = levels_[level][node / fan];
         const std::size_t i = node % fan;
         return {{b.lower[0][i], b.lower[1][i], b.lower[2][i]}, {b.upper[0][i], b.upper[1][i], b.upper[2][i]}};

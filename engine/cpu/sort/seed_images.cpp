@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "core/ceil.hpp"
 #include "cpu/sort/sort_inside.hpp"
 
 namespace votess::cpu {
@@ -20,10 +21,6 @@ constexpr double most_images_per_seed = 16, most_images_of_few = 4096;
 
 exact::Point point_of(const Points& points, std::size_t i, double scale) {
     return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
-}
-
-std::size_t tasks_for(std::size_t count) {
-    return (count + task_points - 1) / task_points;
 }
 
 }  // namespace
@@ -78,9 +75,9 @@ void SeedImages::wrap_points(ThreadPool& pool) {
     const std::size_t count = points_.count();
     wraps_.assign(count, {});
     moves_.assign(domain_->skewed ? count : 0, {});
-    std::vector<char> any(tasks_for(count), 0);
-    std::vector<std::size_t> too_far(tasks_for(count), count);
-    pool.run(tasks_for(count), [&](std::size_t task, unsigned) {
+    std::vector<char> any(ceil_div(count, task_points), 0);
+    std::vector<std::size_t> too_far(ceil_div(count, task_points), count);
+    pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
         for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
             const auto shift = wrap(*domain_, point_of(points_, i, scale_));
             if (!shift) too_far[task] = std::min(too_far[task], i);
@@ -103,7 +100,7 @@ void SeedImages::wrap_points(ThreadPool& pool) {
         return;
     }
     wrapped_.resize(3 * count);
-    pool.run(tasks_for(count), [&](std::size_t task, unsigned) {
+    pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
         for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i)
             for (int k = 0; k < 3; ++k) wrapped_[3 * i + k] = position(i, wraps_[i]).x[k].high;
     });
@@ -166,7 +163,7 @@ void SeedImages::keep_false_duplicates(SortedSeeds& out) const {
     const std::size_t kept = out.size(), count = kept + apart.size();
     for (auto* axis : {&out.x, &out.y, &out.z}) {
         Buffer<double> all(SortedSeeds::pages);
-        all.resize_uninitialized((count + group_size - 1) / group_size * group_size);
+        all.resize_uninitialized(round_up(count, group_size));
         std::copy_n(axis->begin(), kept, all.begin());
         for (std::size_t k = 0; k < apart.size(); ++k) all[kept + k] = all[apart[k]->at];
         std::fill(all.begin() + count, all.end(), std::numeric_limits<double>::infinity());
@@ -243,14 +240,14 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
 void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
     const std::size_t seeds = out.size();
     const auto at = [&](std::size_t s) { return exact::Point{out.x[s], out.y[s], out.z[s]}; };
-    std::vector<std::size_t> begin(tasks_for(seeds) + 1, 0);
-    pool.run(tasks_for(seeds), [&](std::size_t task, unsigned) {
+    std::vector<std::size_t> begin(ceil_div(seeds, task_points) + 1, 0);
+    pool.run(ceil_div(seeds, task_points), [&](std::size_t task, unsigned) {
         for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s)
             for_images(at(s), [&](const exact::Shift&) { ++begin[task + 1]; });
     });
     for (std::size_t t = 1; t < begin.size(); ++t) begin[t] += begin[t - 1];
     const std::size_t images = begin.back();
-    const std::size_t padded = (seeds + group_size - 1) / group_size * group_size;
+    const std::size_t padded = round_up(seeds, group_size);
     if (padded + images > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) - group_size)
         throw Error(ErrorCode::unsupported, "seeds and their periodic images are too many: at most 2147483647");
 
@@ -259,7 +256,7 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     std::vector<double> coordinates(3 * images);
     std::vector<std::array<double, 3>> lows(images);
     std::vector<char> rough(images);
-    pool.run(tasks_for(seeds), [&](std::size_t task, unsigned) {
+    pool.run(ceil_div(seeds, task_points), [&](std::size_t task, unsigned) {
         std::size_t i = begin[task];
         for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s) {
             const auto input = static_cast<std::size_t>(out.input[s]);
@@ -286,7 +283,7 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
 
     first_ = padded;
     out.images_end = first_ + images;
-    const std::size_t places = padded + (images + group_size - 1) / group_size * group_size;
+    const std::size_t places = padded + round_up(images, group_size);
     home_.resize(images);
     shift_.resize(images);
     low_.assign(places, {});

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/ceil.hpp"
+
 namespace votess::cpu {
 namespace {
 
@@ -23,10 +25,6 @@ static_assert(std::bit_width(crowded_least / bucket_seeds) >= 3, "a split has to
 
 constexpr std::int32_t not_split = -1;
 constexpr std::int32_t one_point = -2;  // cannot be split
-
-std::size_t blocks_for(std::size_t count, std::size_t per_block) {
-    return (count + per_block - 1) / per_block;
-}
 
 // Without allocation, and without waking threads for a single task.
 template <class Task>
@@ -73,7 +71,7 @@ void SeedSorter::sort(std::span<const float> points, double scale, unsigned reso
 template <class Real>
 void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, ThreadPool& pool, SortedSeeds& out) {
     const std::size_t count = cloud.count;
-    const std::size_t padded = blocks_for(count, group_size) * group_size;
+    const std::size_t padded = round_up(count, group_size);
     for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(padded);
     out.input.resize_uninitialized(count);
     out.duplicate_of.clear();
@@ -92,7 +90,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     count_buckets(pool);
     while (split_crowded(cloud, pool, keys)) count_buckets(pool);
 
-    stretches_.clear();
+    filled_.clear();
     std::uint32_t begin = 0;
     order_buckets(splits_[0], begin);
     records_.resize_uninitialized(count);
@@ -100,7 +98,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     sort_buckets(pool, out);
     if (out.duplicates > 0) remove_duplicates(count, pool, out);
     // Padding lies infinitely far away, so that the last group is full.
-    for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(blocks_for(out.size(), group_size) * group_size);
+    for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(round_up(out.size(), group_size));
     for (auto* v : {&out.x, &out.y, &out.z})
         std::fill(v->begin() + out.size(), v->end(), std::numeric_limits<double>::infinity());
     records_.rest();  // clipping needs much memory
@@ -200,7 +198,7 @@ bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffe
 void SeedSorter::count_buckets(ThreadPool& pool) {
     const std::size_t buckets = split_of_.size();
     totals_.resize(buckets);
-    run(pool, blocks_for(buckets, bucket_task), [&](std::size_t task, unsigned) {
+    run(pool, ceil_div(buckets, bucket_task), [&](std::size_t task, unsigned) {
         const std::size_t begin = task * bucket_task, end = std::min(buckets, begin + bucket_task);
         std::fill(totals_.begin() + begin, totals_.begin() + end, 0);
         for (std::size_t chunk = 0; chunk < chunks_; ++chunk)
@@ -217,7 +215,7 @@ void SeedSorter::order_buckets(const Split& split, std::uint32_t& begin) {
         if (split_of_[b] >= 0) {
             order_buckets(splits_[static_cast<std::size_t>(split_of_[b])], begin);
         } else if (count > 0) {
-            stretches_.push_back({begin, count, split_of_[b] == one_point});
+            filled_.push_back({begin, count, split_of_[b] == one_point});
             begin += count;
         }
     }
@@ -242,16 +240,14 @@ void SeedSorter::scatter(const Cloud<Real>& cloud, ThreadPool& pool, const Buffe
 
 void SeedSorter::sort_buckets(ThreadPool& pool, SortedSeeds& out) {
     std::size_t most = 0;
-    for (const Stretch& s : stretches_)
+    for (const Bucket& s : filled_)
         if (!s.one_point) most = std::max<std::size_t>(most, s.count);
     workers_.resize(pool.size());
     for (BlockSorter& worker : workers_) worker.reserve(most);
     std::atomic<std::size_t> duplicates = 0;
-    run(pool, blocks_for(records_.size(), sort_task), [&](std::size_t task, unsigned worker) {
-        // The stretches that begin within this part.
-        const auto at = [&](std::size_t begin) {
-            return std::ranges::lower_bound(stretches_, begin, {}, &Stretch::begin);
-        };
+    run(pool, ceil_div(records_.size(), sort_task), [&](std::size_t task, unsigned worker) {
+        // The buckets that begin within this part.
+        const auto at = [&](std::size_t begin) { return std::ranges::lower_bound(filled_, begin, {}, &Bucket::begin); };
         std::size_t dropped = 0;
         for (auto s = at(task * sort_task), end = at((task + 1) * sort_task); s != end; ++s) {
             const std::span<const SeedRecord> records(&records_[s->begin], s->count);
@@ -291,7 +287,7 @@ void SeedSorter::remove_duplicates(std::size_t count, ThreadPool& pool, SortedSe
             out.input[s] = r.input;
         }
     });
-    for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(blocks_for(kept, group_size) * group_size);
+    for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(round_up(kept, group_size));
     out.input.resize_uninitialized(kept);
 }
 

@@ -34,7 +34,7 @@ private:
         int shift;  // from a key to its bucket
         std::uint32_t first_bucket, buckets;
     };
-    struct Stretch {  // nonempty bucket in the order of the curve
+    struct Bucket {  // nonempty bucket in the order of the curve
         std::uint32_t begin, count;
         bool one_point;
     };
@@ -65,7 +65,7 @@ private:
     Buffer<std::uint32_t> counts_;        // by chunk and bucket; then where the chunk writes next
     std::vector<std::uint32_t> totals_;   // by bucket: seeds; then where it begins
     std::vector<std::size_t> crowded_;    // seeds in each bucket that is being split
-    std::vector<Stretch> stretches_;
+    std::vector<Bucket> filled_;
     Buffer<SeedRecord> records_{Buffer<SeedRecord>::Pages::huge};
     std::vector<BlockSorter> workers_;
     std::vector<std::size_t> kept_;  // by chunk

@@ -124,7 +124,7 @@ bool StarWalk<Isa>::begin_anywhere() {
 // the vertex along its edge, and the sphere shrinks.
 template <class Isa>
 bool StarWalk<Isa>::add_inside(const OpenEdge& edge, Four x, const std::int32_t* three, int& added) {
-    BoundingBox at;
+    Box at;
     double reach2 = 0;
     GroupTest test{p_, scale_, {}, 0};
     auto look_around = [&] {

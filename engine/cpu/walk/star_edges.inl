@@ -98,7 +98,7 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
     // threads. The seeds of a box of the tree take about its volume each.
     const int level = std::min(1, hierarchy_.top_level());
     const std::size_t seeds = level == 1 ? group_size * box_fan : group_size;
-    const BoundingBox box = hierarchy_.box(level, first / seeds);
+    const Box box = hierarchy_.box(level, first / seeds);
     double longest = 0, volume = 1;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, box.upper[k] - box.lower[k]);
     for (int k = 0; k < 3; ++k) volume *= std::max(box.upper[k] - box.lower[k], 0.01 * longest);

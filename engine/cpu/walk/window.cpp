@@ -16,7 +16,7 @@ constexpr double smallest_extent = 1e-280;  // units would overflow
 
 }  // namespace
 
-bool Window::collect(const BoundingBox& box, double distance_squared) {
+bool Window::collect(const Box& box, double distance_squared) {
     group_count_ = 0;
     std::size_t nodes = 1;
     stack_[0] = {hierarchy_.top_level(), 0};
@@ -43,9 +43,9 @@ bool Window::collect(const BoundingBox& box, double distance_squared) {
 
 bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
     const std::size_t first_group = home * home_groups;
-    BoundingBox box = hierarchy_.box(0, first_group);
+    Box box = hierarchy_.box(0, first_group);
     for (std::size_t g = first_group + 1; g < std::min(first_group + home_groups, hierarchy_.count(0)); ++g) {
-        const BoundingBox other = hierarchy_.box(0, g);
+        const Box other = hierarchy_.box(0, g);
         for (int k = 0; k < 3; ++k) {
             box.lower[k] = std::min(box.lower[k], other.lower[k]);
             box.upper[k] = std::max(box.upper[k], other.upper[k]);

@@ -40,7 +40,7 @@ private:
         return home_places_[seed / group_size % home_groups] + seed % group_size;
     }
     // False when more groups than `most_groups` are that near.
-    bool collect(const BoundingBox& box, double distance_squared);
+    bool collect(const Box& box, double distance_squared);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <string>
 
+#include "core/ceil.hpp"
+
 namespace votess::gpu::vulkan {
 namespace {
 
 constexpr std::uint32_t most_bindings = 32;  // of one pass
-
-constexpr std::uint64_t ceil_div(std::uint64_t a, std::uint64_t b) {
-    return a / b + (a % b != 0);
-}
 
 [[noreturn]] void misuse(const std::string& what) {
     throw Error(ErrorCode::internal, what);
@@ -155,7 +153,7 @@ VkDescriptorBufferInfo Recorder::descriptor(const Pass& pass, std::uint32_t bind
         wrong(" begins at an offset that the device cannot bind");
     }
     if (bytes == 0) return {it->slice.handle, it->slice.offset, 16};  // Vulkan has no empty range; shaders check bounds
-    const VkDeviceSize whole_words = ceil_div(bytes, 4) * 4;
+    const VkDeviceSize whole_words = round_up(bytes, 4);
     if (whole_words > limits.maxStorageBufferRange) {
         wrong(" is larger than the device can bind: " + std::to_string(whole_words) + " bytes of " +
               std::to_string(limits.maxStorageBufferRange));

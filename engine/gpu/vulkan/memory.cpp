@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "core/ceil.hpp"
+
 namespace votess::gpu::vulkan {
 
 // One VkDeviceMemory. `gaps` are its free ranges, offset to size; neighbors are merged.
@@ -20,10 +22,6 @@ struct MemoryBlock {
 namespace {
 
 constexpr VkDeviceSize no_room = ~VkDeviceSize{0};
-
-VkDeviceSize round_up(VkDeviceSize value, VkDeviceSize step) {
-    return (value + step - 1) / step * step;
-}
 
 // Takes the first gap that fits; returns the offset, or no_room.
 VkDeviceSize take(MemoryBlock& block, VkDeviceSize bytes, VkDeviceSize alignment) {

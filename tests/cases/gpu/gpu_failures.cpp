@@ -235,8 +235,9 @@ TEST_SUITE("cases") {
         CHECK(device_of(usual) == gpu.adapter.name);
         Options periodic = usual;
         periodic.periodic = {true, true, true};
-        CHECK(device_of(periodic) == gpu.adapter.name);
-        periodic.box->upper[0] = 0x1.0000000000001p0;  // no whole number of units
+        const PointSet large = test::uniform(test::by_size(100000, 2000), 32);
+        CHECK(votess::run_on(engines, {large.points, {}}, periodic).stats.device == gpu.adapter.name);
+        periodic.box->lower[0] = 0x1p-80;  // no whole number of units
         CHECK(device_of(periodic) == "cpu");
         Options dropped = usual;
         dropped.box->upper[0] = 0.5;

@@ -63,7 +63,7 @@ struct GroupSource {
     std::size_t kept;
 };
 struct WindowFrame {
-    BoundingBox home;
+    Box home;
     double distance_squared;
     double origin[3], scale;
 };
@@ -71,7 +71,7 @@ struct WindowFrame {
 struct StarKernels {
     const char* name;
     // Bit k: box k comes nearer than sqrt(distance_squared) to the box home; for a point, lower = upper.
-    unsigned (*near_boxes)(const BoxBlock&, const BoundingBox& home, double distance_squared);
+    unsigned (*near_boxes)(const BoxBlock&, const Box& home, double distance_squared);
     // Bits of those of eight seeds that may lie in the ball, and not nearer to p than sqrt(least) / scale.
     unsigned (*inside_ball)(const double* x, const double* y, const double* z, const GroupTest&, double least);
     // The seeds of groups as window integers, and their ids: all of the first `kept` groups, of the others those nearer

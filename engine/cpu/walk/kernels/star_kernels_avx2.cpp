@@ -12,7 +12,7 @@
 namespace votess::cpu {
 namespace {
 
-VOTESS_AVX2 unsigned near_boxes_avx2(const BoxBlock& b, const BoundingBox& home, double distance_squared) {
+VOTESS_AVX2 unsigned near_boxes_avx2(const BoxBlock& b, const Box& home, double distance_squared) {
     unsigned mask = 0;
     const __m256d limit = _mm256_set1_pd(distance_squared);
     for (int i = 0; i < box_fan; i += 4) {

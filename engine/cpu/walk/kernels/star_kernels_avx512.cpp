@@ -20,7 +20,7 @@
 namespace votess::cpu {
 namespace {
 
-VOTESS_AVX512 unsigned near_boxes_avx512(const BoxBlock& b, const BoundingBox& home, double distance_squared) {
+VOTESS_AVX512 unsigned near_boxes_avx512(const BoxBlock& b, const Box& home, double distance_squared) {
     __m512d sum = _mm512_setzero_pd();
     for (int k = 0; k < 3; ++k) {
         __m512d gap = _mm512_max_pd(_mm512_sub_pd(_mm512_load_pd(b.lower[k]), _mm512_set1_pd(home.upper[k])),

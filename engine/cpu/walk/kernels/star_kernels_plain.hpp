@@ -27,7 +27,7 @@ VOTESS_INLINE void pad(CandidatePlanes& c) {
     }
 }
 
-VOTESS_INLINE unsigned near_boxes_body(const BoxBlock& b, const BoundingBox& home, double distance_squared) {
+VOTESS_INLINE unsigned near_boxes_body(const BoxBlock& b, const Box& home, double distance_squared) {
     double sum[box_fan] = {};
     for (int k = 0; k < 3; ++k)
         for (int i = 0; i < box_fan; ++i) {

@@ -9,10 +9,10 @@ namespace clvotess {
 
 using Point = std::array<double, 3>;
 
-class SeedImages {
+class NearestImages {
 public:
     // points: 3N, which with `cells` must outlive this.
-    SeedImages(std::span<const double> points, const votess::Tessellation& cells);
+    NearestImages(std::span<const double> points, const votess::Tessellation& cells);
 
     // The image of seed i whose cell holds `inside`: of all its images the nearest, as its own images cut a cell.
     [[nodiscard]] Point image(std::size_t i, const Point& inside) const;

@@ -1,4 +1,4 @@
-#include "write/seed_images.hpp"
+#include "write/nearest_images.hpp"
 
 #include <cmath>
 #include <limits>
@@ -15,7 +15,7 @@ double dot(const Point& a, const Point& b) {
 
 }  // namespace
 
-SeedImages::SeedImages(std::span<const double> points, const votess::Tessellation& cells) : points_(points) {
+NearestImages::NearestImages(std::span<const double> points, const votess::Tessellation& cells) : points_(points) {
     for (std::size_t k = 0; k < 3; ++k) {
         if (cells.periodic()[k]) side_[k] = cells.box().upper[k] - cells.box().lower[k];
     }
@@ -29,7 +29,7 @@ SeedImages::SeedImages(std::span<const double> points, const votess::Tessellatio
     }
 }
 
-Point SeedImages::image(std::size_t i, const Point& inside) const {
+Point NearestImages::image(std::size_t i, const Point& inside) const {
     Point seed{points_[3 * i], points_[3 * i + 1], points_[3 * i + 2]};
     if (std::isnan(inside[0])) return seed;  // no cell
     if (triclinic_) return nearest_in_lattice(seed, inside);
@@ -40,7 +40,7 @@ Point SeedImages::image(std::size_t i, const Point& inside) const {
 }
 
 // The nearest image is near the rounded coordinates along the edges, but in a skew box not always just there.
-Point SeedImages::nearest_in_lattice(Point seed, const Point& inside) const {
+Point NearestImages::nearest_in_lattice(Point seed, const Point& inside) const {
     const Point apart{inside[0] - seed[0], inside[1] - seed[1], inside[2] - seed[2]};
     Point rounded{};
     for (std::size_t k = 0; k < 3; ++k) rounded[k] = std::round(dot(inverse_[k], apart));
