@@ -2,17 +2,28 @@
 
 #include <dlfcn.h>
 
+#include <filesystem>
+
 #include "failure.hpp"
 
 namespace clvotess {
+namespace {
+
+// The module lies beside the program, wherever that is; $ORIGIN would be the folder of a sanitizer's dlopen().
+std::string module_path() {
+    std::error_code failed;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+    return (program.parent_path() / CLVOTESS_HDF5_MODULE).lexically_normal().string();
+}
+
+}  // namespace
 
 const Hdf5Module& load_hdf5(const std::string& task) {
-    void* const library = dlopen(CLVOTESS_HDF5_MODULE, RTLD_NOW | RTLD_LOCAL);
+    void* const library = dlopen(module_path().c_str(), RTLD_NOW | RTLD_LOCAL);
     const void* const module = library ? dlsym(library, "clvotess_hdf5") : nullptr;
     if (!module) {
         throw bad_input(task + ": the module for HDF5 cannot be loaded: " + dlerror() +
-                        " (build clvotess where libhdf5-dev is installed, and keep lib/votess beside the folder of "
-                        "clvotess, $ORIGIN)");
+                        " (build clvotess where libhdf5-dev is installed, and keep lib/votess beside its folder)");
     }
     return *static_cast<const Hdf5Module*>(module);
 }
