@@ -98,13 +98,6 @@ detail::Result run_job(Engine& engine, const Job& job, StageClock& clock) {
 
 }  // namespace
 
-detail::Result run_on(Engine& engine, const Points& points, const Options& options, detail::Result arrays) {
-    StageClock clock;
-    Job job = validate(points, options);
-    job.arrays = &arrays;
-    return run_job(engine, job, clock);
-}
-
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
     StageClock clock;
     Job job = validate(points, options);

@@ -32,9 +32,8 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// Checks the input and runs it on one engine. arrays: memory of an earlier result to use again.
-detail::Result run_on(Engine& engine, const Points& points, const Options& options, detail::Result arrays = {});
-// On the engine that the options name; with "auto" the CPU takes over when that one fails.
+// Checks the input and runs it on the engine that the options name; with "auto" the CPU takes over when that one fails.
+// arrays: memory of an earlier result to use again.
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {});
 
 }  // namespace votess

@@ -91,8 +91,7 @@ void set_edges(Domain& domain, const std::array<Vector, 3>& edges) {
     for (std::size_t j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
         const auto d = exact::differences({}, exact::Plane::bisector({}, domain.reduced.shift[j], domain.lattice));
-        for (std::size_t k = 0; k < 3; ++k)
-            domain.reduced.vector[j][k] = d.x[k].high, domain.reduced.low[j][k] = d.x[k].low;
+        for (std::size_t k = 0; k < 3; ++k) domain.reduced.low[j][k] = d.x[k].low;
     }
     domain.volume = domain.reduced.volume;
     const auto narrowest = [](const Basis& basis) { return std::ranges::min(basis.width); };

@@ -16,7 +16,7 @@ namespace votess {
 struct Basis {
     std::array<exact::Shift, 3> shift{};            // in vectors of the lattice; zero along other axes
     std::array<std::array<double, 3>, 3> vector{};  // rounded
-    std::array<std::array<double, 3>, 3> low{};     // what rounding took, where images are made from it
+    std::array<std::array<double, 3>, 3> low{};     // what rounding took from them; known of reduced vectors alone
     std::array<std::array<double, 3>, 3> dual{};    // x = f.vector with f_j = dual[j].x
     std::array<double, 3> width{};                  // between planes of whole f_j
     double condition = 1;                           // product of the lengths over the volume

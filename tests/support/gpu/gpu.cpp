@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engines.hpp"
+#include "input/options.hpp"
 #include "support/text.hpp"
 
 namespace test {
@@ -134,8 +134,11 @@ votess::Precision double_precision() {
 
 votess::Tessellation GpuRunner::run(const PointSet& set, votess::Options options) {
     options.box = set.box;
-    return votess::Tessellation(
-        std::make_shared<const votess::detail::Result>(votess::run_on(engine, {set.points, {}}, options)));
+    votess::StageClock clock;
+    votess::detail::Result result;
+    engine.run(votess::validate({set.points, {}}, options), clock, result);
+    result.stats.seconds = clock.seconds();
+    return votess::Tessellation(std::make_shared<const votess::detail::Result>(std::move(result)));
 }
 
 }  // namespace test
