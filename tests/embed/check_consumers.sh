@@ -38,11 +38,19 @@ cmake --build "$work/installed" --parallel "$jobs"
 "$work/installed/cpp_consumer"
 "$work/installed/c_consumer"
 
-echo "== subproject: add_subdirectory(votess)"
-# Without optimization, which takes half of the time.
-configure -S "$source_dir/tests/embed/subproject" -B "$work/subproject" -DVOTESS_SOURCE="$source_dir" \
-    -DCMAKE_BUILD_TYPE=Debug
-cmake --build "$work/subproject" --parallel "$jobs"
-"$work/subproject/subproject_consumer"
+subproject() {  # folder of the build, target, options
+    folder=$work/$1
+    target=$2
+    shift 2
+    # Without optimization, which takes half of the time.
+    configure -S "$source_dir/tests/embed/subproject" -B "$folder" -DVOTESS_SOURCE="$source_dir" \
+        -DCMAKE_BUILD_TYPE=Debug "$@"
+    cmake --build "$folder" --parallel "$jobs" --target "$target"
+}
+echo "== subproject: add_subdirectory(votess), its shaders"
+subproject shaders votess_shaders
+echo "== subproject: add_subdirectory(votess), without Vulkan"
+subproject plain subproject_consumer -DVOTESS_BUILD_VULKAN=OFF
+"$work/plain/subproject_consumer"
 
 echo "consumers: all passed"
