@@ -97,7 +97,7 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("exact clipper: single cells and a sparse part") {
-        const auto set = test::uniform(test::by_size(20000, 1500), 9);
+        const auto set = test::uniform(test::by_size(20000, 800), 9);
         const Cells all = random_parts(set.size(), 1, 10)[0];
         std::vector<Cells> parts;
         auto from = all.begin();
@@ -166,7 +166,7 @@ TEST_SUITE("stages") {
     }
 
     TEST_CASE("exact clipper: cancelling from the calling thread, then another job") {
-        const auto set = test::uniform(test::by_size(60000, 20000), 15);
+        const auto set = test::uniform(test::by_size(60000, 8000), 15);
         auto options = test::all_options(set.box);
         options.threads = 3;
         const auto caller = std::this_thread::get_id();
