@@ -11,8 +11,7 @@ namespace {
 
 // The module lies beside the program, wherever that is; $ORIGIN would be the folder of a sanitizer's dlopen().
 std::string module_path() {
-    std::error_code failed;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+    const auto program = std::filesystem::read_symlink("/proc/self/exe");
     return (program.parent_path() / CLVOTESS_HDF5_MODULE).lexically_normal().string();
 }
 
@@ -23,7 +22,8 @@ const Hdf5Module& load_hdf5(const std::string& task) {
     const void* const module = library ? dlsym(library, "clvotess_hdf5") : nullptr;
     if (!module) {
         throw bad_input(task + ": the module for HDF5 cannot be loaded: " + dlerror() +
-                        " (build clvotess where libhdf5-dev is installed, and keep lib/votess beside its folder)");
+                        " (build clvotess where libhdf5-dev is installed, and keep lib/votess beside the folder that "
+                        "clvotess lies in)");
     }
     return *static_cast<const Hdf5Module*>(module);
 }

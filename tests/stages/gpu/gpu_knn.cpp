@@ -191,8 +191,8 @@ TEST_SUITE("stages") {
 
     TEST_CASE("gpu knn: lists are complete up to their reach, for every k") {
         GpuStages gpu;
-        const std::size_t n = test::by_size(2000, 300);
-        const std::size_t samples = test::by_size(200, 20);
+        const std::size_t n = test::by_size(2000, 600);
+        const std::size_t samples = test::by_size(200, 60);
         for (const std::uint32_t k : {1u, 8u, 64u, 200u}) {
             gpu.use(test::pass_settings(k));
             const Reached uniform = check_lists(gpu, test::uniform(n, 2), k, samples);
