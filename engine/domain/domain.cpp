@@ -216,9 +216,10 @@ Box images_of(const Domain& domain, const Box& box, const ShiftRange& range, con
         double steps = 0;
         for (std::size_t j = 0; j < 3; ++j) {
             const DoubleDouble v{domain.reduced.vector[j][k], domain.reduced.low[j][k]};
-            if (v.high == 0) continue;
-            const DoubleDouble least = v * DoubleDouble{static_cast<double>(range.least[j])},
-                               most = v * DoubleDouble{static_cast<double>(range.most[j])};
+            if (v.high == 0 || (range.least[j] == 0 && range.most[j] == 0)) continue;
+            const DoubleDouble least = v * DoubleDouble{static_cast<double>(range.least[j])};
+            const DoubleDouble most =
+                range.most[j] == range.least[j] ? least : v * DoubleDouble{static_cast<double>(range.most[j])};
             lower = lower + (v.high > 0 ? least : most);
             upper = upper + (v.high > 0 ? most : least);
             steps += std::max(std::abs(least.high), std::abs(most.high));

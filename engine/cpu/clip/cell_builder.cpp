@@ -12,10 +12,11 @@ namespace votess::cpu {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t first_window = 160;  // seeds loaded around a group at once
-constexpr std::size_t most_window = 768;   // beyond this the far walk is cheaper
-constexpr double first_band = 0.8;         // of the squared reach expected
-constexpr double band_growth = 1.6;        // of the squared distance from band to band
+constexpr std::size_t first_window = 160;         // seeds loaded around a group at once
+constexpr std::size_t most_window = 768;          // beyond this the far walk is cheaper
+constexpr std::size_t most_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
+constexpr double first_band = 0.8;                // of the squared reach expected
+constexpr double band_growth = 1.6;               // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 
@@ -303,16 +304,12 @@ Box CellBuilder::far_box(std::int32_t level, std::uint32_t node) const {
     return hierarchy_.box(level, node);
 }
 
-Box CellBuilder::far_images_of(const exact::Point& p, const FarEntry& entry) const {
-    return seen_from({}, images_of(*domain_, far_box(entry.level, entry.node), entry.shifts, p),
-                     seeds_.images->rounding_of_seeds());
-}
-
 void CellBuilder::push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts) {
-    FarEntry entry{0, level, node, shifts};
-    entry.distance_squared = box_distance(far_images_of(p, entry), {});
-    if (entry.distance_squared >= reach_squared()) return;
-    far_images_.push_back(entry);
+    const Box images =
+        seen_from({}, images_of(*domain_, far_box(level, node), shifts, p), seeds_.images->rounding_of_seeds());
+    const double distance_squared = box_distance(images, {});
+    if (distance_squared >= reach_squared()) return;
+    far_images_.push_back({distance_squared, level, node, shifts, images});
     std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
 }
 
@@ -367,8 +364,8 @@ void CellBuilder::clip_far_images(std::size_t seed) {
         const double reach = reach_squared();
         if (entry.distance_squared >= reach || reach <= known * known) return;
         if (++tests_ > most_tests_) return;
-        const Box images = far_images_of(p, entry);
-        if (!cell_.in_reach(images, more_weight_) || !cell_.may_cut(images, more_weight_)) continue;
+        if (!cell_.in_reach(entry.images, more_weight_)) continue;
+        if (tests_ > most_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
         const bool single = entry.shifts.is_single();
         if (single && entry.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.level == 0) {

@@ -31,6 +31,7 @@ struct FarEntry {
     std::int32_t level;
     std::uint32_t node;
     ShiftRange shifts;
+    Box images;  // holds them all, as seen from the home
 };
 
 // Builds cells. One per thread; holds all scratch memory.
@@ -79,7 +80,6 @@ private:
     void split_far(const exact::Point& p, const FarEntry& entry);
     void clip_far_group(const exact::Point& p, const FarEntry& entry, double from);
     [[nodiscard]] Box far_box(std::int32_t level, std::uint32_t node) const;
-    [[nodiscard]] Box far_images_of(const exact::Point& p, const FarEntry& entry) const;
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;
