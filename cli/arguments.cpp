@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "failure.hpp"
@@ -14,9 +15,9 @@ namespace {
 // Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
-    std::optional<std::string> periodic, cell, origin, outside, min_face;
+    std::optional<std::string> periodic, cell, origin, outside, min_face, min_area;
     std::optional<std::string> dataset, frame, weights, radii;
-    std::vector<std::string> walls;
+    std::vector<std::string> walls, sphere_walls, cylinder_walls, cone_walls;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
     bool list_walls = false, verify = false, json = false, quiet = false;
@@ -41,8 +42,12 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--cell", typed.cell);
     app.add_option("--origin", typed.origin);
     app.add_option("--wall", typed.walls)->allow_extra_args(false);
+    app.add_option("--wall-sphere", typed.sphere_walls)->allow_extra_args(false);
+    app.add_option("--wall-cylinder", typed.cylinder_walls)->allow_extra_args(false);
+    app.add_option("--wall-cone", typed.cone_walls)->allow_extra_args(false);
     app.add_option("--outside", typed.outside);
     app.add_option("--min-face", typed.min_face);
+    app.add_option("--min-area", typed.min_area);
     app.add_option("--weights", typed.weights);
     app.add_option("--radii", typed.radii);
     app.add_option("-x,--device", typed.device);
@@ -158,9 +163,10 @@ votess::Box read_box(const std::string& text) {
 
 std::array<bool, 3> read_periodic(const std::string& axes) {
     std::array<bool, 3> periodic{};
+    if (axes == "none") return periodic;
     for (const char axis : axes) {
         if (axis < 'x' || axis > 'z' || periodic[static_cast<std::size_t>(axis - 'x')]) {
-            throw bad_input("--periodic must name axes, such as xyz or xy, not " + in_quotes(axes));
+            throw bad_input("--periodic must name axes, such as xyz or xy, or be none, not " + in_quotes(axes));
         }
         periodic[static_cast<std::size_t>(axis - 'x')] = true;
     }
@@ -172,15 +178,46 @@ votess::Wall read_wall(const std::string& text) {
     return {.normal = {n[0], n[1], n[2]}, .offset = n[3]};
 }
 
+std::size_t read_faces(const char* option, double faces) {
+    if (faces >= 0 && faces <= 1e9 && faces == std::floor(faces)) return static_cast<std::size_t>(faces);
+    throw bad_input(std::string(option) + ": the number of faces is no whole number");
+}
+
+void read_walls(const Typed& typed, std::vector<votess::Wall>& walls) {
+    const auto add = [&walls](const std::vector<votess::Wall>& more) {
+        walls.insert(walls.end(), more.begin(), more.end());
+    };
+    for (const std::string& wall : typed.walls) walls.push_back(read_wall(wall));
+    for (const std::string& text : typed.sphere_walls) {
+        const auto n = read_numbers<5>("--wall-sphere", "x,y,z,r,FACES", text);
+        add(votess::sphere_walls({n[0], n[1], n[2]}, n[3], read_faces("--wall-sphere", n[4])));
+    }
+    for (const std::string& text : typed.cylinder_walls) {
+        const auto n = read_numbers<8>("--wall-cylinder", "x,y,z,ax,ay,az,r,FACES", text);
+        add(votess::cylinder_walls({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], read_faces("--wall-cylinder", n[7])));
+    }
+    for (const std::string& text : typed.cone_walls) {
+        const auto n = read_numbers<8>("--wall-cone", "x,y,z,ax,ay,az,ANGLE,FACES", text);
+        add(votess::cone_walls({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], read_faces("--wall-cone", n[7])));
+    }
+}
+
 votess::Outside read_outside(const std::string& word) {
     if (word == "error") return votess::Outside::error;
     if (word == "drop") return votess::Outside::drop;
     throw bad_input("--outside must be error or drop, not " + in_quotes(word));
 }
 
-void read_domain(const Typed& typed, votess::Options& options) {
+double read_limit(const char* option, const std::string& text) {
+    const auto limit = read_double(text);
+    if (!limit) throw bad_input(std::string(option) + " must be a number, not " + in_quotes(text));
+    return *limit;
+}
+
+void read_domain(const Typed& typed, Arguments& arguments) {
+    votess::Options& options = arguments.options;
     if (typed.box) options.box = read_box(*typed.box);
-    if (typed.periodic) options.periodic = read_periodic(typed.periodic->empty() ? "xyz" : *typed.periodic);
+    if (typed.periodic) arguments.periodic = read_periodic(typed.periodic->empty() ? "xyz" : *typed.periodic);
     if (typed.cell) {
         if (!typed.box) options.box.reset();
         const auto n = read_numbers<9>("--cell", "ax,ay,az,bx,by,bz,cx,cy,cz", *typed.cell);
@@ -192,14 +229,11 @@ void read_domain(const Typed& typed, votess::Options& options) {
     } else if (typed.origin) {
         throw bad_input("--origin goes with --cell only: --box has its corners");
     }
-    for (const std::string& wall : typed.walls) options.walls.push_back(read_wall(wall));
-    if (!typed.walls.empty() && typed.random && !typed.box) options.box.reset();
+    read_walls(typed, options.walls);
+    if (!options.walls.empty() && typed.random && !typed.box) options.box.reset();
     if (typed.outside) options.outside = read_outside(*typed.outside);
-    if (typed.min_face) {
-        const auto share = read_double(*typed.min_face);
-        if (!share) throw bad_input("--min-face must be a number, not " + in_quotes(*typed.min_face));
-        options.min_face = *share;
-    }
+    if (typed.min_face) options.min_face = read_limit("--min-face", *typed.min_face);
+    if (typed.min_area) options.min_area = read_limit("--min-area", *typed.min_area);
 }
 
 votess::Precision read_precision(const std::string& word) {
@@ -290,7 +324,7 @@ Arguments read_arguments(int count, const char* const* values) {
     if (typed.duplicates) options.duplicates = read_duplicates(*typed.duplicates);
     options.list_walls = typed.list_walls;
     read_source(typed, arguments);
-    read_domain(typed, options);
+    read_domain(typed, arguments);
     read_outputs(typed, arguments);
     arguments.picture = read_picture(typed.picture, arguments.input, arguments.outputs);
     if (arguments.picture) {
@@ -300,7 +334,7 @@ Arguments read_arguments(int count, const char* const* values) {
 
     options.want = arguments.wanted;
     votess::Options to_write = options;
-    to_write.min_face = 0;  // it measures areas, which no file is to hold for that
+    to_write.min_face = to_write.min_area = 0;  // they measure areas, which no file is to hold for that
     arguments.wanted = votess::implied_want(to_write);
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
     return arguments;

@@ -1,6 +1,7 @@
 // The command line, read and checked.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,6 +28,7 @@ struct Arguments {
     // Arrays that the user or an output wants, and the options of the run, where --verify may add to `options.want`.
     votess::Want wanted;
     votess::Options options;
+    std::optional<std::array<bool, 3>> periodic;  // axes of the box, or edges of the cell, that the user names
 
     bool verify = false;
     bool json = false;

@@ -35,20 +35,28 @@ domain
   --box x0,y0,z0,x1,y1,z1
                          default: bounds of the points, each side moved out by half of
                          (longest side / cbrt(N)); a point outside a given box is an error
-  --periodic [xyz]       the box repeats along these axes; alone: along all three. Points beyond it
-                         are wrapped into it
+  --periodic [xyz|none]  the box repeats along these axes; alone: along all three. Points beyond it
+                         are wrapped into it. It needs a box, by --box, --cell or the file
   --cell ax,ay,az,bx,by,bz,cx,cy,cz
-                         a triclinic box, periodic along its edges a, b and c, instead of --box;
-                         --periodic beside it, or beside that of a file, names all three axes
+                         a triclinic box instead of --box, periodic along its edges a, b and c, or
+                         along those that --periodic names as x, y and z; across the others it
+                         ends at the planes of its faces, walls -1 to -6
   --origin x,y,z         the corner of --cell; default 0,0,0
                          The box of a LAMMPS file is taken, with its tilt and its periodic axes (in
-                         a data file all three), unless --box or --cell is given; --periodic alone
-                         keeps the box
+                         a data file all three), unless --box or --cell is given; --periodic then
+                         says which axes of that box repeat
   --wall nx,ny,nz,d      keep where nx x + ny y + nz z <= d; repeatable: a convex polyhedron, whose
                          walls are -7, -8, ...
+  --wall-sphere x,y,z,r,FACES
+  --wall-cylinder x,y,z,ax,ay,az,r,FACES
+  --wall-cone x,y,z,ax,ay,az,ANGLE,FACES
+                         as many walls as FACES that touch a sphere, a cylinder without ends or a
+                         cone (apex, axis into it, radians from axis to surface) from outside:
+                         its volume grows by some 3 / FACES, else by some 3 / FACES^2. After --wall
   --outside error|drop   a point outside of --box or a --wall is an error (default), or dropped: it
                          gets an empty cell
   --min-face A           drop faces smaller than A times the mean face area of the run; default 0
+  --min-area A           the same for faces below the area A
   --weights COL          power diagram with a column of the input as weights ...
   --radii COL            ... or as radii, whose squares are the weights. COL is a name (.csv with a
                          line of names, LAMMPS, .ply, PointData, an array or dataset of N numbers;

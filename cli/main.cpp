@@ -15,6 +15,7 @@
 #include <votess/votess.hpp>
 
 #include "arguments.hpp"
+#include "domain.hpp"
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
 #include "interrupt.hpp"
@@ -72,25 +73,6 @@ votess::Tessellation tessellate(const Input& input, votess::Options options, boo
     }
 }
 
-// The domain that the file states, unless the user names one; --periodic alone keeps the box of the file. Returns what
-// was taken, for the summary.
-std::string take_domain(const FileDomain& domain, votess::Options& options) {
-    if (options.box || options.cell) return {};
-    const bool own_axes = std::ranges::count(options.periodic, true) > 0;
-    if (domain.cell) {
-        options.cell = domain.cell;
-        return "triclinic periodic domain of the file";
-    }
-    if (!domain.box) return {};
-    options.box = domain.box;
-    if (!own_axes) options.periodic = domain.periodic;
-    std::string axes;
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (options.periodic[k]) axes += "xyz"[k];
-    }
-    return "box of the file" + (axes.empty() ? "" : ", periodic " + axes);
-}
-
 void tell(const Summary& summary, const Arguments& arguments) {
     if (arguments.json) {
         print(json_summary(summary));
@@ -115,9 +97,7 @@ int run(const Arguments& arguments) {
     votess::Options options = arguments.options;
     (arguments.column_holds_radii ? options.radii : options.weights) = input.column;
     summary.input_note = input.note;
-    if (const std::string taken = take_domain(input.domain, options); !taken.empty()) {
-        summary.input_note += (input.note.empty() ? "" : ", ") + taken;
-    }
+    const std::string domain_from = choose_domain(input.domain, arguments.periodic, options);
     // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
     const bool once = !arguments.picture || options.list_walls || arguments.outputs.empty();
     votess::Options for_picture = options;
@@ -125,6 +105,8 @@ int run(const Arguments& arguments) {
     const votess::Tessellation tessellation =
         tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
     summary.stats = tessellation.stats();
+    summary.domain = domain_text(tessellation, domain_from);
+    summary.domain_json = domain_json(tessellation, domain_from);
     summary.has_volumes = arguments.wanted.volumes;
 
     std::string failure;

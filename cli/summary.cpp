@@ -62,6 +62,7 @@ std::string plain_summary(const Summary& summary) {
     };
     line("points", std::to_string(stats.points));
     if (!summary.input_note.empty()) line("input", summary.input_note);
+    line("domain", summary.domain);
     line("mean faces", rounded("%.4f", stats.mean_faces));
     if (summary.has_volumes) {
         const double error =
@@ -101,6 +102,7 @@ std::string json_summary(const Summary& summary) {
     member("version", json_string(VOTESS_VERSION_STRING));
     member("device", json_string(stats.device));
     member("points", std::to_string(stats.points));
+    member("domain", summary.domain_json);
     member("faces", std::to_string(stats.faces));
     member("mean_faces", json_number(stats.mean_faces));
     member("volume_sum", summary.has_volumes ? json_number(stats.volume_sum) : "null");

@@ -10,6 +10,7 @@ namespace clvotess {
 
 struct Summary {
     votess::Stats stats;
+    std::string domain, domain_json;
     bool has_volumes = false;
     std::string input_note;  // what was taken out of the file; empty when there is nothing to say
     double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the stages between are in stats

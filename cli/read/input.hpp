@@ -17,7 +17,7 @@ namespace clvotess {
 struct FileDomain {
     std::optional<votess::Box> box;
     std::array<bool, 3> periodic{};
-    std::optional<votess::TriclinicBox> cell;  // instead of box and periodic
+    std::optional<votess::TriclinicBox> cell;  // instead of box and periodic, with its own
 };
 
 struct Input {

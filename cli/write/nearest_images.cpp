@@ -22,6 +22,11 @@ NearestImages::NearestImages(std::span<const double> points, const votess::Tesse
     if (!cells.cell()) return;
     triclinic_ = true;
     edges_ = {cells.cell()->a, cells.cell()->b, cells.cell()->c};
+    for (std::size_t k = 0; k < 3; ++k) {
+        reach_[k] = cells.periodic()[k] ? 2 : 0;
+        // Where the domain ends the edge only says where along the others a place is: best across them.
+        if (!cells.periodic()[k]) edges_[k] = cross(edges_[(k + 1) % 3], edges_[(k + 2) % 3]);
+    }
     for (std::size_t k = 0; k < 3; ++k) {  // rows that give the coordinates along the edges
         inverse_[k] = cross(edges_[(k + 1) % 3], edges_[(k + 2) % 3]);
         const double volume = dot(inverse_[k], edges_[k]);
@@ -43,13 +48,12 @@ Point NearestImages::image(std::size_t i, const Point& inside) const {
 Point NearestImages::nearest_in_lattice(Point seed, const Point& inside) const {
     const Point apart{inside[0] - seed[0], inside[1] - seed[1], inside[2] - seed[2]};
     Point rounded{};
-    for (std::size_t k = 0; k < 3; ++k) rounded[k] = std::round(dot(inverse_[k], apart));
-    constexpr int reach = 2;
+    for (std::size_t k = 0; k < 3; ++k) rounded[k] = reach_[k] > 0 ? std::round(dot(inverse_[k], apart)) : 0;
     double least = std::numeric_limits<double>::infinity();
     Point best = seed;
-    for (int i = -reach; i <= reach; ++i) {
-        for (int j = -reach; j <= reach; ++j) {
-            for (int l = -reach; l <= reach; ++l) {
+    for (int i = -reach_[0]; i <= reach_[0]; ++i) {
+        for (int j = -reach_[1]; j <= reach_[1]; ++j) {
+            for (int l = -reach_[2]; l <= reach_[2]; ++l) {
                 const Point steps{rounded[0] + i, rounded[1] + j, rounded[2] + l};
                 Point image = seed, rest{};
                 for (std::size_t k = 0; k < 3; ++k) {

@@ -23,6 +23,7 @@ private:
     std::span<const double> points_;
     Point side_{};  // 0 along an axis that is not periodic
     bool triclinic_ = false;
+    std::array<int, 3> reach_{};  // steps tried along each edge
     std::array<Point, 3> edges_{}, inverse_{};
 };
 

@@ -1,4 +1,6 @@
 // Calls that work: tessellate, the dual, verify, and the devices.
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -36,6 +38,19 @@ std::uint32_t check_bit(std::string_view name) {
     if (name == "euler") return VOTESS_CHECK_EULER;
     if (name == "sample") return VOTESS_CHECK_SAMPLE;
     throw votess::Error(votess::ErrorCode::internal, "verify skipped an unknown check: " + std::string(name));
+}
+
+std::array<double, 3> vector(const double* numbers, const char* name) {
+    require(numbers, name);
+    return {numbers[0], numbers[1], numbers[2]};
+}
+
+void write_walls(const std::vector<votess::Wall>& walls, double* out) {
+    require(out, "walls");
+    for (const votess::Wall& wall : walls) {
+        out = std::ranges::copy(wall.normal, out).out;
+        *out++ = wall.offset;
+    }
 }
 
 }  // namespace
@@ -126,6 +141,30 @@ votess_status votess_verify(const votess_result* result, const double* points, s
         copy_text(report.failure, failure, failure_size);
         *passed = report.passed ? 1 : 0;
     });
+}
+
+votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count, double* places) {
+    return guarded([&] {
+        require(result, "result");
+        if (count > 0) require(places, "places");
+        std::ranges::copy(votess::wrapped_points(result->tessellation, coordinates(points, count)), places);
+    });
+}
+
+votess_status votess_sphere_walls(const double center[3], double radius, size_t faces, double* walls) {
+    return guarded([&] { write_walls(votess::sphere_walls(vector(center, "center"), radius, faces), walls); });
+}
+
+votess_status votess_cylinder_walls(const double point[3], const double axis[3], double radius, size_t faces,
+                                    double* walls) {
+    return guarded([&] {
+        write_walls(votess::cylinder_walls(vector(point, "point"), vector(axis, "axis"), radius, faces), walls);
+    });
+}
+
+votess_status votess_cone_walls(const double apex[3], const double axis[3], double angle, size_t faces, double* walls) {
+    return guarded(
+        [&] { write_walls(votess::cone_walls(vector(apex, "apex"), vector(axis, "axis"), angle, faces), walls); });
 }
 
 size_t votess_device_count(void) {

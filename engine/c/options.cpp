@@ -47,7 +47,9 @@ votess_options default_options() {
     options.struct_size = sizeof(votess_options);
     options.want = bits_of(defaults.want);
     options.list_walls = defaults.list_walls ? 1 : 0;
+    std::ranges::fill(options.cell_periodic, 1);
     options.min_face = defaults.min_face;
+    options.min_area = defaults.min_area;
     options.outside = static_cast<std::int32_t>(defaults.outside);
     options.duplicates = static_cast<std::int32_t>(defaults.duplicates);
     options.precision = static_cast<std::int32_t>(defaults.precision);
@@ -73,6 +75,7 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
         std::copy_n(given.cell_a, 3, cell.a.begin());
         std::copy_n(given.cell_b, 3, cell.b.begin());
         std::copy_n(given.cell_c, 3, cell.c.begin());
+        for (std::size_t k = 0; k < 3; ++k) cell.periodic[k] = given.cell_periodic[k] != 0;
     }
     if (given.walls == nullptr && given.wall_count != 0) {
         refuse("options.walls is NULL but wall_count is " + std::to_string(given.wall_count));
@@ -105,6 +108,7 @@ Options convert_options(const votess_options* given, std::size_t count) {
     options.list_walls = c_options.list_walls != 0;
     for (const WantBit& word : want_bits) options.want.*word.member = (c_options.want & word.bit) != 0;
     options.min_face = c_options.min_face;
+    options.min_area = c_options.min_area;
     options.duplicates = static_cast<Duplicates>(c_options.duplicates);
     if (c_options.device != nullptr) options.device = c_options.device;
     options.threads = c_options.threads;

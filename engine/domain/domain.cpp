@@ -53,6 +53,19 @@ std::int32_t checked_shift(double number) {
     return static_cast<std::int32_t>(number);
 }
 
+// What is left of the edges that are not periodic without their parts along the lattice: only the distance of the walls
+// matters, and the less the vectors lean, the fewer images are near.
+void straighten(const Domain& domain, std::array<Vector, 3>& v) {
+    const auto periodic = std::ranges::count(domain.periodic, true);
+    for (int j = 0; j < 3; ++j) {
+        if (domain.periodic[j] || periodic == 0) continue;
+        const int i = (j + 1) % 3, l = (j + 2) % 3;
+        const Vector onto = periodic == 2 ? cross(v[i], v[l]) : v[domain.periodic[i] ? i : l];
+        const double part = dot(v[j], onto) / dot(onto, onto);
+        for (int k = 0; k < 3; ++k) v[j][k] = periodic == 2 ? part * onto[k] : v[j][k] - part * onto[k];
+    }
+}
+
 // Makes the vectors of a lattice short: takes from each the multiples of the others that bring it nearest to 0
 // (pairwise reduction), until none becomes shorter. Only speed depends on how short they are.
 Basis reduced_basis(const Domain& domain) {
@@ -65,7 +78,7 @@ Basis reduced_basis(const Domain& domain) {
         shorter = false;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
-                if (i == j) continue;
+                if (i == j || !domain.periodic[i] || !domain.periodic[j]) continue;
                 const double multiple = std::round(dot(v[i], v[j]) / dot(v[j], v[j]));
                 if (!(std::abs(multiple) >= 1)) continue;
                 exact::Shift shift;
@@ -77,6 +90,7 @@ Basis reduced_basis(const Domain& domain) {
                 shorter = true;
             }
     }
+    if (domain.triclinic) straighten(domain, v);
     invert(basis);
     return basis;
 }
@@ -272,7 +286,7 @@ Domain box_domain(const Box& box, const std::array<bool, 3>& periodic) {
 Domain triclinic_domain(const TriclinicBox& cell) {
     Domain domain;
     domain.triclinic = true;
-    domain.periodic = {true, true, true};
+    domain.periodic = cell.periodic;
     domain.origin = cell.origin;
     domain.vector = {cell.a, cell.b, cell.c};
     for (int j = 0; j < 3; ++j)
@@ -288,12 +302,49 @@ Domain triclinic_domain(const TriclinicBox& cell) {
         throw Error(ErrorCode::invalid_argument,
                     "cell: its vectors are too short beside its largest number: move its origin towards 0, or give "
                     "vectors of like length");
+    domain.handedness = dot(cell.a, cross(cell.b, cell.c)) < 0 ? -1 : 1;
+    if (domain.has_cell_walls()) {
+        exact::BitRange range;
+        for (const Vector& v : domain.vector) range.add(v);
+        // Then no product of two numbers, nor what rounding takes from it, underflows.
+        constexpr int lowest_bit = -450;
+        if (range.low < lowest_bit)
+            throw Error(ErrorCode::invalid_argument,
+                        "cell: its vectors hold numbers too small beside the largest for walls that are exact: move "
+                        "them to 0");
+        exact::set_across(domain.lattice);
+    }
     for (int k = 0; k < 3; ++k) {
         domain.box.lower[k] = domain.box.upper[k] = cell.origin[k];
         for (const Vector& v : domain.vector) (v[k] < 0 ? domain.box.lower[k] : domain.box.upper[k]) += v[k];
     }
     set_edges(domain, domain.vector);
     return domain;
+}
+
+exact::Plane Domain::box_wall(int wall) const {
+    const int axis = wall / 2;
+    const bool upper = wall % 2 == 1;
+    if (triclinic) return exact::Plane::cell_wall(axis, upper, origin, lattice, handedness);
+    return upper ? exact::Plane::upper(axis, box.upper[axis]) : exact::Plane::lower(axis, box.lower[axis]);
+}
+
+bool inside_walls(const Domain& domain, const exact::Point& x) {
+    double size = 0;
+    Vector d;
+    for (int k = 0; k < 3; ++k) {
+        d[k] = x[k] - domain.origin[k];
+        size = std::max({size, std::abs(x[k]), std::abs(domain.origin[k])});
+    }
+    const auto f = domain.edges.fraction(d);
+    for (int j = 0; j < 3; ++j) {
+        if (domain.periodic[j]) continue;
+        const double error = domain.edges.fraction_error(j, size);
+        if (f[j] > error && f[j] < 1 - error) continue;
+        if (f[j] < -error || f[j] > 1 + error) return false;
+        if (fraction_sign(domain, x, {}, j, 0) < 0 || fraction_sign(domain, x, {}, j, 1) > 0) return false;
+    }
+    return true;
 }
 
 std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {

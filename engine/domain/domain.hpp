@@ -1,5 +1,5 @@
-// Where cells live: a box, periodic or with walls, a triclinic periodic box, or a box cut by more walls. Lengths are
-// those of the job, times its scale.
+// Where cells live: a box or a triclinic box, each periodic along any of its edges and with walls across the others, or
+// a box cut by more walls. Lengths are those of the job, times its scale.
 #pragma once
 
 #include <array>
@@ -12,7 +12,8 @@
 
 namespace votess {
 
-// Three vectors that span the lattice of a periodic domain; along axes that are not periodic, the edges of its box.
+// Three vectors that span the lattice of a periodic domain; along axes that are not periodic, the edges of its box, or
+// of reduced vectors those parts of them that stand straight on the lattice.
 struct Basis {
     std::array<exact::Shift, 3> shift{};            // in vectors of the lattice; zero along other axes
     std::array<std::array<double, 3>, 3> vector{};  // rounded
@@ -44,8 +45,9 @@ struct Domain {
 
     bool triclinic = false;
     exact::Point origin{};
-    exact::Lattice lattice;                         // zero along axes that are not periodic
+    exact::Lattice lattice;                         // of a box zero along axes that are not periodic
     std::array<std::array<double, 3>, 3> vector{};  // the same, rounded
+    double handedness = 1;                          // sign of the determinant of the vectors
     Basis edges;    // the points of the domain are origin + f.edges, with 0 <= f < 1 along periodic axes
     Basis reduced;  // short vectors of the same lattice
     // The cell is so flat beside its reduced one that seeds are better moved into that.
@@ -59,7 +61,7 @@ struct Domain {
     [[nodiscard]] bool is_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
     [[nodiscard]] bool has_weights() const { return !weights.empty(); }
     // A box with walls and no weights.
-    [[nodiscard]] bool is_plain() const { return !is_periodic() && walls.empty() && !has_weights(); }
+    [[nodiscard]] bool is_plain() const { return !is_periodic() && !triclinic && walls.empty() && !has_weights(); }
     // By how much the weight of a seed that matters to a cell may exceed the cell's.
     [[nodiscard]] double most_more(double weight) const;
     // Returns where a place lies along the edges: 0 to 1 inside the domain.
@@ -69,6 +71,10 @@ struct Domain {
     [[nodiscard]] exact::Point translation(const exact::Shift& shift) const;  // each coordinate to nearest
     // Walls of the box count from 0, xmin to zmax.
     [[nodiscard]] bool has_box_wall(int wall) const { return !periodic[wall / 2]; }
+    // Whether there are walls of the box that are not across x, y or z.
+    [[nodiscard]] bool has_cell_walls() const { return triclinic && !(periodic[0] && periodic[1] && periodic[2]); }
+    // A wall of the box, which refers to this domain.
+    [[nodiscard]] exact::Plane box_wall(int wall) const;
 };
 
 // The shifts by which a point of `box` may come nearer than `distance` to x, with care for rounding. Where there are
@@ -93,6 +99,8 @@ Domain box_domain(const Box& box, const std::array<bool, 3>& periodic);
 // Throws Error(invalid_argument) when the vectors span no volume that floating point can tell from 0. Its largest
 // number is of order one.
 Domain triclinic_domain(const TriclinicBox& cell);
+// Whether x lies between the walls of a triclinic box, or on them, exactly.
+bool inside_walls(const Domain& domain, const exact::Point& x);
 
 // The shift that brings x into a periodic domain: without rounding, so that images of a point are brought to the same.
 // Returns nothing when that is more than some 500 million periods.

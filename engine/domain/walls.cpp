@@ -49,8 +49,8 @@ bool inside(const exact::Plane& wall, const exact::Point& x) {
     range.add(x);
     range.add(wall);
     const int q = range.quantum();
-    if (range.span() <= 124) return exact::wall_row<2>(x, wall, q).s.sign() >= 0;
-    return exact::wall_row<exact::widest>(x, wall, q).s.sign() >= 0;
+    if (range.span() <= 124) return exact::oblique_row<2>(x, wall, q).s.sign() >= 0;
+    return exact::oblique_row<exact::widest>(x, wall, q).s.sign() >= 0;
 }
 
 }  // namespace votess

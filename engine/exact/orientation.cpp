@@ -8,6 +8,7 @@ namespace votess::exact {
 namespace {
 
 Normal<double> rounded_normal(const Point& p, const Plane& plane) {
+    if (plane.kind == Plane::Kind::cell_wall) return plane.rounded_normal();
     if (plane.lattice != nullptr) {
         const auto [x, y, z] = image_differences(p, plane).x;
         return {x.high, y.high, z.high};

@@ -78,4 +78,18 @@ Differences image_differences(const Point& p, const Plane& bisector) {
     return d;
 }
 
+void set_across(Lattice& lattice) {
+    for (int j = 0; j < 3; ++j) {
+        const auto &u = lattice.vector[(j + 1) % 3], &v = lattice.vector[(j + 2) % 3];
+        for (int k = 0; k < 3; ++k) {
+            const int l = (k + 1) % 3, m = (k + 2) % 3;
+            Expansion sum;
+            sum.add(two_product(u[l].high, v[m].high));
+            sum.add(two_product(-u[m].high, v[l].high));
+            bool exact = true;
+            lattice.across[j][k] = sum.rounded(exact);
+        }
+    }
+}
+
 }  // namespace votess::exact

@@ -34,7 +34,7 @@ constexpr int most_bits = 60;        // 5 * 61 + 6.2 < 319, with one bit more fo
 int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::array<WordRow, 4>& rows) {
     double largest = 0;
     for (const Plane* plane : planes) {
-        if (plane->has_power() || plane->kind == Plane::Kind::wall) return 0;
+        if (plane->has_power() || plane->is_oblique()) return 0;
         largest = std::max(largest, largest_difference(p, *plane));
     }
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - most_bits) and its inverse must be normal.
@@ -257,6 +257,29 @@ std::array<Real, 3> difference(const Point& p, const Plane& bisector) {
     return d;
 }
 
+template <class Real>
+Real height(const Point& p, const Plane& plane) {
+    BitRange range;
+    range.add(p);
+    range.add(plane);
+    const int q = range.quantum();
+    int unit = q;  // of N
+    if (plane.is_oblique()) unit = normal_quantum(plane) * (plane.kind == Plane::Kind::cell_wall ? 2 : 1);
+    const auto half = [&]<int W>() {
+        const auto s = scaled<Real>(wide_row<W>(p, plane, q).s);
+        return scale_by_power<Real>(s.mantissa, s.exponent + unit + q - 1);
+    };
+    if constexpr (std::is_same_v<Real, WideFloat>) {
+        return half.template operator()<widest>();
+    } else {
+        if (range.span() > middle_bits) return half.template operator()<widest>();
+        return range.span() > 124 ? half.template operator()<middle>() : half.template operator()<2>();
+    }
+}
+
+template double height(const Point&, const Plane&);
+template Quad height(const Point&, const Plane&);
+template WideFloat height(const Point&, const Plane&);
 template std::array<double, 3> difference(const Point&, const Plane&);
 template std::array<Quad, 3> difference(const Point&, const Plane&);
 template std::array<WideFloat, 3> difference(const Point&, const Plane&);

@@ -4,7 +4,8 @@
 //     2 N.X <= S,  N = q - p,  S = |N|^2        and a wall is        2 N.X <= S,  N = +-e_axis,  S = 2 (wall - p).N .
 // The seed of a bisector may be an image in a periodic box: q is then the exact sum of its coordinates and whole
 // multiples of box vectors. In a power diagram S = |N|^2 + w_p - w_q. A wall of any direction n.x <= d has N = n and
-// S = 2 (d - n.p), both times one power of two.
+// S = 2 (d - n.p), both times one power of two; the face of a triclinic box at its corner o, which two edges u and v
+// span, has N = +-u x v and S = 2 N.(o - p), in the same way.
 // Float64 coordinates are integers times a power of two, so the 4x4 determinant is decided in integer arithmetic
 // without rounding, overflow or underflow for any float64 input; the width is chosen per call from the operands
 // (64 bits when the differences fit 11, as in a lattice; 128 when they fit 24; 320 when they fit 60; wider beyond).
@@ -22,20 +23,23 @@ using Shift = std::array<std::int32_t, 3>;
 
 inline constexpr std::int32_t most_shift = 1 << 30;
 
-// Vectors of a periodic box, each coordinate an exact sum of two doubles, because upper - lower need not be one.
+// Vectors of a periodic box, each coordinate an exact sum of two doubles, because upper - lower need not be one; those
+// of a triclinic box are doubles.
 struct Lattice {
     std::array<std::array<DoubleDouble, 3>, 3> vector{};
+    // Of a triclinic box with walls: the cross products of the other two vectors, each rounded to two doubles.
+    std::array<std::array<DoubleDouble, 3>, 3> across{};
 };
 
 // A plane as the input gives it.
 struct Plane {
-    enum class Kind : std::uint8_t { bisector, lower_wall, upper_wall, wall };
+    enum class Kind : std::uint8_t { bisector, lower_wall, upper_wall, wall, cell_wall };
     Kind kind = Kind::bisector;
-    int axis = 0;                      // lower_wall, upper_wall
-    Point seed{};                      // bisector: coordinates of q; wall: its normal, of order one
-    double wall = 0;                   // where the wall is, or the offset d
-    Shift shift{};                     // bisector: added to q, in vectors of the lattice
-    const Lattice* lattice = nullptr;  // null when shift is 0
+    int axis = 0;                      // lower_wall, upper_wall; cell_wall: the vector that is not in it
+    Point seed{};                      // bisector: coordinates of q; wall: its normal, of order one; cell_wall: o
+    double wall = 0;                   // where the wall is, or the offset d; cell_wall: the sign of N
+    Shift shift{};                     // bisector: added to q, cell_wall: to o, in vectors of the lattice
+    const Lattice* lattice = nullptr;  // of a bisector null when shift is 0
     DoubleDouble power{};              // bisector: w_p - w_q, exact
 
     static Plane bisector(const Point& q) {
@@ -63,10 +67,24 @@ struct Plane {
         return plane;
     }
     static constexpr int lowest_normal_bit = 110;
+    // A face of the triclinic box with that corner; sign: of the determinant of its vectors.
+    static Plane cell_wall(int axis, bool upper, const Point& corner, const Lattice& lattice, double sign) {
+        Plane plane = bisector(corner);
+        plane.kind = Kind::cell_wall, plane.axis = axis, plane.wall = upper ? sign : -sign, plane.lattice = &lattice;
+        if (upper) plane.shift[static_cast<std::size_t>(axis)] = 1;
+        return plane;
+    }
 
     [[nodiscard]] bool is_bisector() const { return kind == Kind::bisector; }
-    // Neither image nor power nor a wall of any direction: S follows from N or the axis.
-    [[nodiscard]] bool plain() const { return lattice == nullptr && !has_power() && kind != Kind::wall; }
+    // Of a cell_wall; each component is rounded once.
+    [[nodiscard]] Point rounded_normal() const {
+        const auto& [x, y, z] = lattice->across[static_cast<std::size_t>(axis)];
+        return {wall * x.high, wall * y.high, wall * z.high};
+    }
+    // A wall across no axis.
+    [[nodiscard]] bool is_oblique() const { return kind == Kind::wall || kind == Kind::cell_wall; }
+    // Neither image nor power nor an oblique wall: S follows from N or the axis.
+    [[nodiscard]] bool plain() const { return lattice == nullptr && !has_power() && !is_oblique(); }
     [[nodiscard]] bool has_power() const { return power.high != 0; }
 };
 
@@ -77,6 +95,8 @@ struct Differences {
     bool exact = true;
 };
 Differences image_differences(const Point& p, const Plane& bisector);
+// Fills lattice.across from vectors that are doubles, none of whose products underflows.
+void set_across(Lattice& lattice);
 inline Differences differences(const Point& p, const Plane& bisector) {
     if (bisector.lattice != nullptr) return image_differences(p, bisector);
     const auto& q = bisector.seed;
@@ -102,5 +122,9 @@ std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane&
 // q - p of a bisector.
 template <class Real>
 std::array<Real, 3> difference(const Point& p, const Plane& bisector);
+// h of N.X = h on a plane that is no wall of a box: S / 2, whose terms may cancel, in the units of the coordinates and
+// of N. N of a wall is its normal as given, of a cell_wall the cross product of the vectors.
+template <class Real>
+Real height(const Point& p, const Plane& plane);
 
 }  // namespace votess::exact

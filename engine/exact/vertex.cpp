@@ -31,8 +31,7 @@ int exponent_above(double x) {
 
 // Planes that the fast ways can handle.
 bool in_two_doubles(const Point& p, const Plane& plane) {
-    return plane.plain() ||
-           (!plane.has_power() && plane.kind != Plane::Kind::wall && image_differences(p, plane).exact);
+    return plane.plain() || (!plane.has_power() && !plane.is_oblique() && image_differences(p, plane).exact);
 }
 
 // All the bits of the differences of a plane.

@@ -64,7 +64,7 @@ std::optional<PeriodicUnits> periodic_units(const Job& job) {
 
 bool device_clips(const Job& job) {
     const Domain& domain = *job.domain;
-    if (domain.has_weights() || !domain.walls.empty() || !job.outside.empty()) return false;
+    if (domain.has_weights() || !domain.walls.empty() || domain.has_cell_walls() || !job.outside.empty()) return false;
     return !domain.is_periodic() || periodic_units(job).has_value();
 }
 

@@ -5,10 +5,10 @@
 
 namespace votess {
 
-// options.want, and the arrays that these and min_face need.
+// options.want, and the arrays that these, min_face and min_area need.
 inline Want with_implied(const Options& options) {
     Want want = options.want;
-    want.areas |= options.min_face > 0;
+    want.areas |= options.min_face > 0 || options.min_area > 0;
     want.vertices |= want.faces;
     want.neighbors |= want.areas || want.normals || want.vertices;
     return want;

@@ -116,18 +116,19 @@ void check_scaled(const Job& job) {
 
 void check_domain(const Options& options) {
     const bool periodic = options.periodic[0] || options.periodic[1] || options.periodic[2];
+    if (periodic && !options.box && !options.cell)
+        refuse("a periodic axis needs a box: give box or cell, whose lengths are the periods");
     if (options.box) check_box(*options.box);
     if (options.cell) {
-        if (options.box) refuse("box and cell are both given: the cell is the periodic box");
-        if (std::ranges::count(options.periodic, true) % 3 != 0)
-            refuse(
-                "cell and periodic contradict each other: a cell repeats along all three edges, so periodic names all "
-                "axes or none");
+        if (options.box) refuse("box and cell are both given: the cell is a box by itself, give one of them");
+        if (periodic && options.periodic != options.cell->periodic)
+            refuse("cell and periodic contradict each other: the cell says itself along which edges it repeats");
         for (const auto& [name, numbers] : vectors_of(*options.cell))
             for (const double x : numbers)
                 if (!std::isfinite(x)) refuse("cell: it holds " + number(x) + ", which is not finite");
     }
-    if (!options.walls.empty() && (periodic || options.cell))
+    if (!options.walls.empty() && options.cell) refuse("walls and cell are both given: walls go with a box");
+    if (!options.walls.empty() && periodic)
         refuse("walls and a periodic domain are both given: walls go with a box that is not periodic");
     for (std::size_t w = 0; w < options.walls.size(); ++w)
         (void)domain_wall(options.walls[w], 1, "wall " + std::to_string(w));
@@ -221,12 +222,28 @@ void take_walls(Job& job, Domain& domain) {
     if (faces.size() >= 4) job.box_volume = polyhedron.measure(faces).volume / job.scale / job.scale / job.scale;
 }
 
+// Seeds beyond the walls of a triclinic box.
+void take_off_outside(Job& job, const Domain& domain) {
+    if (!domain.has_cell_walls()) return;
+    for (std::size_t i = 0; i < job.points.count(); ++i) {
+        const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
+        const exact::Point at = scaled(x, job.scale);  // of seeds far outside nothing finite may be left
+        if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
+        if (job.options.outside == Outside::error)
+            refuse("point " + std::to_string(i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
+                   ") is outside of the cell, along an edge that is not periodic: move it, or drop seeds that are "
+                   "outside");
+        leave_out(i, job.points.count(), job.outside);
+    }
+}
+
 void make_domain(Job& job) {
     auto domain = std::make_shared<Domain>();
     if (job.options.cell) {
         const TriclinicBox& cell = *job.options.cell;
         *domain = triclinic_domain({scaled(cell.origin, job.scale), scaled(cell.a, job.scale),
-                                    scaled(cell.b, job.scale), scaled(cell.c, job.scale)});
+                                    scaled(cell.b, job.scale), scaled(cell.c, job.scale), cell.periodic});
+        take_off_outside(job, *domain);
         for (std::size_t k = 0; k < 3; ++k) {
             job.box.lower[k] = domain->box.lower[k] / job.scale, job.box.upper[k] = domain->box.upper[k] / job.scale;
             for (const double x : {job.box.lower[k], job.box.upper[k]})
@@ -282,6 +299,8 @@ void check_options(const Options& options) {
         refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
     if (!(options.min_face >= 0 && std::isfinite(options.min_face)))
         refuse("min_face = " + number(options.min_face) + " is no share of the mean face: give a number from 0 on");
+    if (!(options.min_area >= 0 && std::isfinite(options.min_area)))
+        refuse("min_area = " + number(options.min_area) + " is no area: give a number from 0 on");
     check_domain(options);
 }
 

@@ -153,7 +153,8 @@ Delaunay delaunay(const Tessellation& tessellation) {
     if (result.face_offsets.empty() && !result.status.empty())
         throw Error(ErrorCode::invalid_argument, "delaunay: the tessellation has no polygons, set want.faces");
     if (result.least_face > 0)
-        throw Error(ErrorCode::invalid_argument, "delaunay: the tessellation has lost faces, set min_face to 0");
+        throw Error(ErrorCode::invalid_argument,
+                    "delaunay: the tessellation has lost faces, set min_face and min_area to 0");
     return Dual(result).make();
 }
 

@@ -137,11 +137,7 @@ exact::Shift FaceMatcher::wrapped(std::size_t i) const {
 exact::Plane FaceMatcher::plane(std::size_t i, const FaceLabel& label, const exact::Shift& shift) const {
     const Domain& domain = *job_.domain;
     if (label.id < -6) return domain.walls[static_cast<std::size_t>(-7 - label.id)];
-    if (label.id < 0) {
-        const int wall = -1 - label.id, axis = wall / 2;
-        return wall % 2 == 0 ? exact::Plane::lower(axis, domain.box.lower[axis])
-                             : exact::Plane::upper(axis, domain.box.upper[axis]);
-    }
+    if (label.id < 0) return domain.box_wall(-1 - label.id);
     const auto j = static_cast<std::size_t>(label.id);
     const exact::Shift own = wrapped(i), theirs = wrapped(j);
     exact::Shift total;

@@ -127,12 +127,14 @@ Picture draw(const Scene&, const std::string&) {
 
 // Vectors by which the domain repeats.
 std::vector<Vec3> domain_periods(const Tessellation& t) {
-    if (t.cell()) return {t.cell()->a, t.cell()->b, t.cell()->c};
     std::vector<Vec3> periods;
     for (std::size_t k = 0; k < 3; ++k) {
         if (!t.periodic()[k]) continue;
         Vec3 period{};
-        period[k] = t.box().upper[k] - t.box().lower[k];
+        if (t.cell())
+            period = k == 0 ? t.cell()->a : k == 1 ? t.cell()->b : t.cell()->c;
+        else
+            period[k] = t.box().upper[k] - t.box().lower[k];
         periods.push_back(period);
     }
     return periods;

@@ -1,5 +1,6 @@
 #include "result/face_filter.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "result/rows.hpp"
@@ -43,14 +44,14 @@ void compact_polygons(Result& r, const std::vector<bool>& stays) {
 
 }  // namespace
 
-std::uint64_t drop_small_faces(Result& r, double share) {
+std::uint64_t drop_small_faces(Result& r, double share, double area) {
     const std::size_t entries = r.indices.size(), count = r.status.size();
     double sum = 0;
     std::size_t faces = 0;
     for (std::size_t entry = 0; entry < entries; ++entry)
         if (r.indices[entry] >= 0) sum += r.face_areas[entry], ++faces;
     if (faces == 0) return 0;
-    r.least_face = share * (sum / static_cast<double>(faces));
+    r.least_face = std::max(area, share * (sum / static_cast<double>(faces)));
     const Rows rows{r.indptr, r.indices, r.shifts};
     std::vector<bool> stays(entries, true);
     for (std::size_t i = 0; i < count; ++i)

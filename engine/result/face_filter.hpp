@@ -1,4 +1,4 @@
-// Options::min_face.
+// Options::min_face and min_area.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace votess {
 
-// Needs rows with areas. Notes the area below which faces go; how many entries went.
-std::uint64_t drop_small_faces(detail::Result& result, double share);
+// Needs rows with areas. share: of the mean area. Notes the area below which faces go; how many entries went.
+std::uint64_t drop_small_faces(detail::Result& result, double share, double area);
 
 }  // namespace votess

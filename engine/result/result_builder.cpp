@@ -94,7 +94,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     want_shifts_ = want.neighbors && job.domain->is_periodic();
     result_.stats = {};
     result_.box = job.box;
-    result_.periodic = job.options.cell ? std::array{true, true, true} : job.options.periodic;
+    result_.periodic = job.domain->periodic;
     result_.cell = job.options.cell;
     result_.walls = job.options.walls;
     result_.weights.assign(job.options.weights.begin(), job.options.weights.end());
@@ -103,6 +103,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     result_.lists_walls = job.options.list_walls;
     result_.least_face = 0;
     min_face_ = job.options.min_face;
+    min_area_ = job.options.min_area;
     fill(result_.status, count, CellStatus::certified, pool);
     fill(result_.indptr, want.neighbors ? count + 1 : 0, std::int64_t{0}, pool);
     for (auto* rows : {&result_.volumes, &result_.centroids, &result_.surface_areas, &result_.security_radii,
@@ -249,7 +250,7 @@ void ResultBuilder::finish(detail::Result& result, ThreadPool& pool) {
         place_rows(pool);
     }
     mesh_.finish(result_, pool);
-    if (min_face_ > 0) counters_.faces -= drop_small_faces(result_, min_face_);
+    if (min_face_ > 0 || min_area_ > 0) counters_.faces -= drop_small_faces(result_, min_face_, min_area_);
     finish_stats(result_.stats, pool);
     result_.stats.device = std::move(result.stats.device);
     result_.stats.seconds = result.stats.seconds;

@@ -94,7 +94,7 @@ private:
     void finish_stats(Stats& stats, ThreadPool& pool) const;
 
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
-    double min_face_ = 0;
+    double min_face_ = 0, min_area_ = 0;
     double box_volume_ = 0;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()
     std::mutex mutex_;       // of what follows

@@ -9,6 +9,7 @@
 
 #include "core/text.hpp"
 #include "cpu/clip/cell.hpp"
+#include "input/domain_of_result.hpp"
 #include "input/options.hpp"
 #include "result/rows.hpp"
 
@@ -259,13 +260,7 @@ std::string check_cell(const Tessellation& t, const Job& job, std::size_t i, cpu
 
 std::string check_sample(const Tessellation& t, std::span<const double> points, const VerifyOptions& options,
                          std::size_t& sampled) {
-    Options as_before;
-    if (t.cell())
-        as_before.cell = t.cell();
-    else
-        as_before.box = t.box(), as_before.periodic = t.periodic();
-    as_before.walls.assign(t.walls().begin(), t.walls().end());
-    as_before.outside = Outside::drop;
+    Options as_before = domain_options(t);
     as_before.weights = t.weights();
     const Job job = validate({points, {}}, as_before);
     std::vector<std::size_t> cells;

@@ -89,16 +89,18 @@ typedef struct votess_options {
     double box_lower[3];
     double box_upper[3];
     int32_t periodic[3];  // nonzero: the box repeats along x, y, z
-    int32_t has_cell;     // nonzero: a triclinic periodic box instead of box
+    int32_t has_cell;     // nonzero: a triclinic box instead of box, see TriclinicBox in votess.hpp
     double cell_origin[3];
     double cell_a[3];
     double cell_b[3];
     double cell_c[3];
-    const double* walls;  // 4 * wall_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
+    int32_t cell_periodic[3];  // nonzero: it repeats along a, b, c; default all. periodic says the same, or nothing
+    const double* walls;       // 4 * wall_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
     uint64_t wall_count;
     const double* weights;     // as many as points, or NULL: a power diagram; read only during the call
     const double* radii;       // the same as radii, whose squares are the weights; not both
     double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
+    double min_area;           // drop faces below this area, see Options::min_area
     int32_t outside;           // VOTESS_OUTSIDE_*: seeds outside of box or walls
     int32_t duplicates;        // VOTESS_DUPLICATES_*
     const char* device;        // "auto", "cpu", "gpu", "lavapipe" or an id of votess_device_info; NULL = auto
@@ -215,6 +217,17 @@ VOTESS_API const int32_t* votess_delaunay_polytope_centers(const votess_delaunay
 VOTESS_API votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
                                        uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled,
                                        char* failure, size_t failure_size);
+
+// Writes to places, 3 * count, where the points lie inside a periodic domain, see wrapped_points() in votess.hpp.
+VOTESS_API votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count,
+                                               double* places);
+
+// Walls around round bodies, see sphere_walls() in votess.hpp; they write 4 * faces numbers, as votess_options.walls.
+VOTESS_API votess_status votess_sphere_walls(const double center[3], double radius, size_t faces, double* walls);
+VOTESS_API votess_status votess_cylinder_walls(const double point[3], const double axis[3], double radius, size_t faces,
+                                               double* walls);
+VOTESS_API votess_status votess_cone_walls(const double apex[3], const double axis[3], double angle, size_t faces,
+                                           double* walls);
 
 // Devices: index from 0 to votess_device_count() - 1. The strings are copied, zero-terminated, cut if too long; each
 // may be NULL with size 0. Pass id as votess_options.device.

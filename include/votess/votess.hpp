@@ -70,10 +70,13 @@ enum class CellStatus : std::uint8_t {
     outside = 7,               // the seed lies outside of box or walls and was dropped, see Options::outside
 };
 
-// A triclinic box, periodic along its three edge vectors, which may have any direction and handedness; its volume is
-// not 0. Its points are origin + f0 a + f1 b + f2 c with 0 <= f < 1.
+// A triclinic box: its points are origin + f0 a + f1 b + f2 c with 0 <= f <= 1. The edge vectors a, b, c may have any
+// direction and handedness; the volume is not 0. It repeats along those edges that `periodic` names. Across each other
+// edge it ends at two walls, the planes through its corners that the other two edges span: -1 and -2 at f0 = 0 and 1,
+// -3 and -4 at f1, -5 and -6 at f2.
 struct TriclinicBox {
     std::array<double, 3> origin{}, a{}, b{}, c{};
+    std::array<bool, 3> periodic{true, true, true};
 };
 
 // A wall: the domain is where normal . x <= offset. The normal has any length but 0.
@@ -81,6 +84,21 @@ struct Wall {
     std::array<double, 3> normal{};
     double offset = 0;
 };
+
+// Walls around round bodies: polyhedra of planes that touch them, so that they hold all of the body and a little more.
+// Throw invalid_argument for what is not finite, no direction or size, and for too few faces or more than a million.
+// sphere: at least 4 faces; the volume is larger by a share of about 3 / faces (1e-2 for 300).
+[[nodiscard]] VOTESS_API std::vector<Wall> sphere_walls(const std::array<double, 3>& center, double radius,
+                                                        std::size_t faces);
+// cylinder without ends: at least 3 faces; the cross section is larger by pi^2 / (3 faces^2) (3e-3 for 32).
+[[nodiscard]] VOTESS_API std::vector<Wall> cylinder_walls(const std::array<double, 3>& point,
+                                                          const std::array<double, 3>& axis, double radius,
+                                                          std::size_t faces);
+// cone without end; axis: from the apex into it; angle: between axis and surface, in radians, below pi / 2. Larger by
+// the same share as a cylinder.
+[[nodiscard]] VOTESS_API std::vector<Wall> cone_walls(const std::array<double, 3>& apex,
+                                                      const std::array<double, 3>& axis, double angle,
+                                                      std::size_t faces);
 
 enum class Outside : std::int32_t {
     error = 0,  // refuse the input
@@ -122,10 +140,11 @@ struct Options {
     // Domain. Default: the bounds of the seeds, each side moved out by half of (longest side / cbrt(N)); when all
     // seeds coincide, by half of the largest absolute coordinate (0.5 when that is 0).
     std::optional<Box> box;
-    // Axes along which the box repeats. Seeds beyond it are wrapped into it, by a whole number of periods and without
-    // any rounding; an image of a seed is the exact sum of its coordinates and box vectors.
+    // Axes along which the box repeats, which then must be given. Seeds beyond it are wrapped into it, by a whole
+    // number of periods and without any rounding; an image of a seed is the exact sum of its coordinates and box
+    // vectors.
     std::array<bool, 3> periodic{};
-    // Instead of box. It repeats along its three edges: `periodic` names all axes or none beside it.
+    // Instead of box. It says itself along which edges it repeats; `periodic` says the same beside it, or nothing.
     std::optional<TriclinicBox> cell;
     // A convex polyhedron: walls that cut the box, ids -7, -8, ... in this order. Not with a periodic domain. Without a
     // box the polyhedron bounds itself; on sides where it has no end within a million times the size of the default
@@ -142,6 +161,8 @@ struct Options {
     // rows, areas, normals, polygons and face_counts; decided once per pair, by the area that the cell of lower index
     // has found, so that rows stay symmetric. Walls stay, and vertices. Adds areas and neighbors. 0 drops nothing.
     double min_face = 0;
+    // The same for faces smaller than this area, in the square of the unit of length; the larger limit counts.
+    double min_area = 0;
     Want want;
     Duplicates duplicates = Duplicates::merge;
 
@@ -161,7 +182,7 @@ struct Options {
     ProgressCallback progress;
     LogCallback log;
 };
-// What a result holds: options.want, and the arrays that these and min_face need. Throws invalid_argument or
+// What a result holds: options.want, and the arrays that these, min_face and min_area need. Throws invalid_argument or
 // unsupported for options that are wrong whatever the seeds are.
 [[nodiscard]] VOTESS_API Want implied_want(const Options& options);
 
@@ -242,7 +263,7 @@ public:
     // N+1 and its last: the vertices of each cell, ascending.
     [[nodiscard]] std::span<const std::int64_t> cell_vertex_indptr() const noexcept;
     [[nodiscard]] std::span<const std::int32_t> cell_vertex_indices() const noexcept;
-    // The area below which faces were dropped, see Options::min_face; 0: none were.
+    // The area below which faces were dropped, see Options::min_face and min_area; 0: none were.
     [[nodiscard]] double least_face() const noexcept;
     [[nodiscard]] std::span<const CellStatus> status() const noexcept;  // N
     // N when the input has duplicates, else empty: index of the seed that keeps the cell; -1 for those not duplicate.
@@ -305,7 +326,7 @@ struct Delaunay {
     std::vector<std::int8_t> polytope_shifts;      // three for each of these, as above
     std::vector<std::int32_t> polytope_centers;    // P
 };
-// Needs Want::faces without min_face, else throws invalid_argument.
+// Needs Want::faces without min_face and min_area, else throws invalid_argument.
 [[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
 
 // The checker of --verify. Volumes sum to the domain's (relative 1e-9; 1e-4 when stats().precision is single), neighbor
@@ -313,8 +334,8 @@ struct Delaunay {
 // `rng_seed` equal cells clipped anew by every seed, without any search structure. Checks whose arrays the result lacks
 // are skipped and named in `skipped`. Where there are polygons, each cell is also watertight: every edge twice, in
 // opposite directions, and both cells of a face have the same polygon. Where there are areas and normals of all faces,
-// it is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single). After min_face neither these nor Euler's
-// formula.
+// it is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single). After min_face or min_area neither these nor
+// Euler's formula.
 struct VerifyOptions {
     // Nothing: as many as take about a second, at least 64 or all. How many depends on the input alone, not on a clock.
     std::optional<std::size_t> sample;
@@ -329,6 +350,11 @@ struct VerifyReport {
 // points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
+
+// Where the seeds lie inside a periodic domain, 3N: points, moved by whole box vectors and each coordinate rounded
+// once. Tessellation::shifts() count from there. Seeds that were dropped stay where they are. points: as in verify().
+[[nodiscard]] VOTESS_API std::vector<double> wrapped_points(const Tessellation& tessellation,
+                                                            std::span<const double> points);
 
 struct DeviceInfo {
     std::string id;           // what Options::device accepts

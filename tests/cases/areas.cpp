@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
+#include "oracle/certificate.hpp"
 #include "support/check.hpp"
 
 namespace {
@@ -157,6 +159,25 @@ TEST_SUITE("cases") {
             for (const double volume : t.volumes()) REQUIRE(volume > 0);
             for (const double area : t.face_areas()) REQUIRE(area >= 0);
             CHECK(votess::verify(t, set.points).failure == "");
+        }
+    }
+
+    // The fuzz found the first: |q - p|^2 + w_p - w_q is 1e-27, all but the last 34 bits of what it is the sum of.
+    TEST_CASE("volumes of power cells whose planes lie nearer to the seed than digits of the weights reach") {
+        const double far = 0x1.205ec3593b46dp+4, near = 0x1.145ec3593b46dp+4;
+        const std::vector<double> points{far,  far, near, far, near, 0x1.105ec3593b46dp+4, 0x1.185ec3593b46dp+4,
+                                         near, far};
+        for (const double own : {0x1.3ce9a36f23c1p-88, 0x1p-60, 0x1p-140}) {
+            const std::vector<double> weights{own, 0.625, 1.375};
+            for (const bool wall : {false, true}) {
+                votess::Options options = test::all_options(votess::Box{{0, 0, 0}, {far, far, 20}});
+                if (wall) options.walls = {{{1, 1, 1}, 3 * far}, {{1, 1, 0.5}, std::nextafter(far * 2 + near / 2, 99)}};
+                options.weights = weights;
+                const auto t = votess::tessellate(std::span<const double>(points), options);
+                CAPTURE(own);
+                CAPTURE(wall);
+                CHECK(test::check_certificate(t, points, options) == "");
+            }
         }
     }
 

@@ -14,12 +14,12 @@ CLI = os.environ.get("VOTESS_CLI", "clvotess")
 ROOT = Path(__file__).resolve().parents[2]
 SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreign code in the process
 
-JSON_KEYS = ["version", "device", "points", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
+JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
              "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified",
              "verified_cells"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--output", "--format", "--want",
-           "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--outside", "--min-face", "--image",
+           "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder", "--wall-cone", "--outside", "--min-face", "--min-area", "--image",
            "--image-size", "--slice", "--cut", "--view", "--color", "--colormap", "--seeds", "--device", "--threads",
            "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
            "--json", "--list-devices", "--version", "--quiet", "--help"]

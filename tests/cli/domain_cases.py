@@ -33,10 +33,13 @@ class FileDomains(CliTest):
             expected = self.rows("a.npy", *box, "--periodic", axes, "--format", "%n %v")
             self.assertEqual(self.rows(name, "--format", "%n %v"), expected)
             self.assertRegex(self.run_cli(name).stdout,
-                             f"(?m)^input +frame 0, timestep 7, box of the file, periodic {axes}$")
+                             f"(?m)^domain +box 0,0,0 to 2,1,1.5, periodic {axes}, of the file$")
         # What the user says goes before what the file says.
         self.assertEqual(self.rows(name, *box), self.rows("a.npy", *box))
         self.assertEqual(self.rows(name, "--periodic", "x"), self.rows("a.npy", *box, "--periodic", "x"))
+        self.assertEqual(self.rows(name, "--periodic", "none"), self.rows("a.npy", *box))
+        domain = self.json(name, "--periodic", "none")["domain"]
+        self.assertEqual((domain["from"], domain["periodic"]), ("file", [False] * 3))
 
     def test_data_file_is_periodic(self):
         points = random_points(60)
@@ -57,14 +60,21 @@ class FileDomains(CliTest):
                   [lower[2], upper[2], 0.125]]
         name = self.dump("a.dump", points, [[float(x) for x in row] for row in bounds], "xy xz yz pp pp pp")
         self.assertEqual(self.rows(name, "--format", "%n"), expected)
-        self.assertIn("triclinic periodic domain of the file", self.run_cli(name).stdout)
+        self.assertRegex(self.run_cli(name).stdout, "(?m)^domain +cell 2,0,0 .*, periodic abc, of the file$")
         self.assertEqual(self.rows(name, "--periodic", "--format", "%n"), expected)
-        self.refuse(name, "--periodic", "xy", "-o", "out.txt", says="cell and periodic contradict each other")
+        # A slab: by the boundaries of the file, or by the user, whom a data file needs for that.
+        slab = self.rows("a.npy", *cell, "--periodic", "xy", "--list-walls", "--format", "%n %v")
+        self.assertNotEqual(slab, self.rows("a.npy", *cell, "--list-walls", "--format", "%n %v"))
+        self.assertEqual(self.rows(name, "--periodic", "xy", "--list-walls", "--format", "%n %v"), slab)
+        flags = self.dump("f.dump", points, [[float(x) for x in row] for row in bounds], "xy xz yz pp pp ff")
+        self.assertEqual(self.rows(flags, "--list-walls", "--format", "%n %v"), slab)
+        self.run_cli(flags, "--verify", "-o", "slab.vtu")
         rows = "".join(f"{i} 1 {row}\n" for i, row in enumerate(text_of(points).splitlines()))
         self.put("a.data",
                  "comment\n\n150 atoms\n1 3 xlo xhi\n-2 -1 ylo yhi\n0.5 2 zlo zhi\n0.5 -0.25 0.125 xy xz yz\n\n"
                            f"Atoms # atomic\n\n{rows}")
         self.assertEqual(self.rows("a.data", "--format", "%n"), expected)
+        self.assertEqual(self.rows("a.data", "--periodic", "xy", "--list-walls", "--format", "%n %v"), slab)
         # Scaled coordinates are fractions of the three edges.
         whole = (self.folder / "a.dump").read_text()
         head = whole[:whole.index("ITEM: ATOMS")]
@@ -77,8 +87,10 @@ class FileDomains(CliTest):
         edges = np.array([[2.0, 0, 0], [0.5, 1.0, 0], [-0.9, 0.4, 1.5]])
         for domain, lattice in [(["--box", "0,0,0,2,1,1.5", "--periodic"], np.diag([2, 1, 1.5])),
                                 (["--box=-5,0,0,5,1,1.5", "--periodic", "yz"], np.diag([0, 1, 1.5])),
-                                (["--cell", ",".join(map(str, edges.ravel()))], edges)]:
-            inside = random_points(80) @ (lattice if lattice[0, 0] else np.diag([2, 1, 1.5]))
+                                (["--cell", ",".join(map(str, edges.ravel()))], edges),
+                                (["--cell", ",".join(map(str, edges.ravel())), "--periodic", "xz"],
+                                 edges * [[1], [0], [1]])]:
+            inside = random_points(80) @ (edges if "--cell" in domain else np.diag([2, 1, 1.5]))
             moved = inside + np.random.default_rng(3).integers(-3, 4, (80, 3)) @ lattice
             self.put("a.npy", inside)
             self.put("b.npy", moved)

@@ -78,12 +78,33 @@ class Usage(CliTest):
             self.refuse("a.txt", "-o", "out.npz", "--box", box, says="box")
             self.refuse("--random", "0", "-o", "out.npz", f"--box={box}", says="box")
         cell = ["--cell", "2,0,0,0.5,2,0,0,0,2"]
-        for periodic in [["--periodic", "x"], ["--periodic=yz"]]:
-            self.refuse("a.txt", *cell, *periodic, "-o", "out.npz", says="cell and periodic contradict each other")
-        for periodic in [[], ["--periodic"], ["--periodic", "zyx"]]:
-            self.assertEqual(self.json("a.txt", *cell, *periodic)["box_volume"], 8)
+        for periodic, axes in [([], "xyz"), (["--periodic"], "xyz"), (["--periodic", "zx"], "xz"), (["--periodic=none"], "")]:
+            summary = self.json("--random", "10", *cell, *periodic, "--outside", "drop")
+            self.assertEqual(summary["box_volume"], 8)
+            self.assertEqual(summary["domain"], {
+                "kind": "cell", "lower": [0, 0, 0], "upper": [2.5, 2, 2], "origin": [0, 0, 0], "a": [2, 0, 0],
+                "b": [0.5, 2, 0], "c": [0, 0, 2], "periodic": [axis in axes for axis in "xyz"], "from": "given"})
+        self.refuse("a.txt", *cell, "--periodic=none", "-o", "out.npz", says=["point", "outside of the cell"])
         self.refuse("a.txt", *cell, "--box", CUBE_BOX, "-o", "out.npz", says="box and cell")
-        self.refuse("a.txt", *cell, "--wall", "1,0,0,1", "-o", "out.npz", says="walls and a periodic domain")
+        self.refuse("a.txt", *cell, "--wall", "1,0,0,1", "-o", "out.npz", says="walls and cell")
+        round_walls = ["--wall-sphere=0.5,0.5,0.5,1,100", "--wall-cylinder=0.5,0.5,0.5,0,0,1,0.6,30",
+                       "--wall-cone=0.5,0.5,-1,0,0,2,0.4,20"]
+        summary = self.run_cli("--random", "60", *round_walls, "--wall", "1,1,1,2.5", "--outside", "drop", "--verify").stdout
+        self.assertIn("cut by 151 walls", summary)
+        self.refuse("a.txt", "--wall-sphere=0,0,0,1,3.5", says=["--wall-sphere", "whole number"])
+        self.refuse("a.txt", "--wall-sphere=0,0,0,1,2", says="2 faces")
+        self.refuse("a.txt", "--wall-cone=0,0,0,1,2", says="x,y,z,ax,ay,az,ANGLE,FACES")
+        for periodic in [["--periodic"], ["--periodic", "y"]]:
+            self.refuse("a.txt", *periodic, "-o", "out.npz", says="a periodic axis needs a box")
+        self.refuse("a.txt", "--periodic", "abc", says=["--periodic", "none", "'abc'"])
+        domain = self.json("a.txt", "--periodic=none")["domain"]
+        self.assertEqual((domain["kind"], domain["from"], domain["a"]), ("box", "bounds", None))
+        self.assertRegex(self.run_cli("--random", "9", "--periodic", "xy").stdout,
+                         "(?m)^domain +box 0,0,0 to 1,1,1, periodic xy$")
+        self.assertRegex(self.run_cli("--random", "9", *cell, "--periodic", "xz").stdout,
+                         "(?m)^domain +cell 2,0,0 0.5,2,0 0,0,2 at 0,0,0, periodic ac$")
+        self.assertRegex(self.run_cli("a.txt", "--wall", "1,1,1,9").stdout,
+                         "(?m)^domain +box .* to .*, cut by 1 wall, not periodic, around the points$")
         self.assertEqual(self.json("a.txt", f"--box={CUBE_BOX}")["box_volume"], 8)
         self.assertEqual(self.json("a.txt", "--box", CUBE_BOX)["box_volume"], 8)
         self.assertEqual(self.json("a.txt", "--box", "0,0,0,1,1,1")["box_volume"], 1)

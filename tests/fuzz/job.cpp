@@ -58,6 +58,8 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
     } else if (word == "cell") {
         const auto x = read_numbers<12>(in);
         job.cell = votess::TriclinicBox{part(&x[0]), part(&x[3]), part(&x[6]), part(&x[9])};
+    } else if (word == "edges") {
+        for (bool& axis : job.cell.value().periodic) in >> axis;
     } else if (word == "wall") {
         const auto x = read_numbers<4>(in);
         job.walls.push_back({part(&x[0]), x[3]});
@@ -131,7 +133,9 @@ void write(const Case& c, std::ostream& out) {
         if (job.cell) {
             out << "cell";
             for (const auto* v : {&job.cell->origin, &job.cell->a, &job.cell->b, &job.cell->c}) write_numbers(out, *v);
+            const auto& [a, b, c] = job.cell->periodic;
             out << '\n';
+            if (!(a && b && c)) out << "edges " << a << ' ' << b << ' ' << c << '\n';  // that repeat; default all
         }
         for (const votess::Wall& wall : job.walls) {
             out << "wall";

@@ -138,6 +138,10 @@ Vec exact(const std::array<double, 3>& x) {
     return {mpq_class(x[0]), mpq_class(x[1]), mpq_class(x[2])};
 }
 
+const std::array<bool, 3>& periodic_axes(const votess::Options& options) {
+    return options.cell ? options.cell->periodic : options.periodic;
+}
+
 std::array<Vec, 3> vectors_of(const votess::Options& options) {
     std::array<Vec, 3> vectors;
     if (options.cell) return {exact(options.cell->a), exact(options.cell->b), exact(options.cell->c)};
@@ -150,7 +154,7 @@ std::array<Vec, 3> vectors_of(const votess::Options& options) {
 Vec wrapped(Vec x, const votess::Options& options, const std::array<Vec, 3>& vectors) {
     const Vec origin = exact(options.cell ? options.cell->origin : options.box->lower);
     for (std::size_t j = 0; j < 3; ++j) {
-        if (!options.cell && !options.periodic[j]) continue;
+        if (!periodic_axes(options)[j]) continue;
         const Vec across = options.cell ? cross(vectors[(j + 1) % 3], vectors[(j + 2) % 3]) : vectors[j];
         const Vec from{x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
         const mpq_class f = dot(from, across) / dot(vectors[j], across);
@@ -176,7 +180,7 @@ std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess:
     const auto shifts_of = [&](std::size_t j) {
         if (!reach) return domain.near_shifts(i, j);
         std::array<int, 3> range{};
-        for (std::size_t k = 0; k < 3; ++k) range[k] = options.cell || options.periodic[k] ? *reach : 0;
+        for (std::size_t k = 0; k < 3; ++k) range[k] = periodic_axes(options)[k] ? *reach : 0;
         std::vector<std::array<int, 3>> shifts;
         for (int a = -range[0]; a <= range[0]; ++a)
             for (int b = -range[1]; b <= range[1]; ++b)
@@ -196,13 +200,23 @@ std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess:
             all.push_back(std::move(s));
         }
     }
-    for (std::size_t k = 0; k < 3 && !options.cell; ++k) {
-        if (options.periodic[k]) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (periodic_axes(options)[k]) continue;
         for (const int sign : {-1, 1}) {
             HalfSpace s;
             s.face.id = -1 - static_cast<std::int32_t>(2 * k) - (sign > 0 ? 1 : 0);
-            s.n[k] = sign;
-            s.h = sign * (mpq_class(sign > 0 ? options.box->upper[k] : options.box->lower[k]) - p[k]);
+            if (options.cell) {
+                s.n = cross(vectors[(k + 1) % 3], vectors[(k + 2) % 3]);
+                const int outward = sign * sgn(dot(vectors[k], s.n));
+                const Vec origin = exact(options.cell->origin);
+                for (std::size_t x = 0; x < 3; ++x) {
+                    s.n[x] *= outward;
+                    s.h += s.n[x] * (origin[x] + (sign > 0 ? vectors[k][x] : mpq_class(0)) - p[x]);
+                }
+            } else {
+                s.n[k] = sign;
+                s.h = sign * (mpq_class(sign > 0 ? options.box->upper[k] : options.box->lower[k]) - p[k]);
+            }
             all.push_back(std::move(s));
         }
     }

@@ -66,7 +66,7 @@ IntegerDomain::IntegerDomain(std::span<const double> points, const votess::Optio
     if (quantum_ > 2000) quantum_ = 0;
 
     if (has_cell_) {
-        active_ = {true, true, true};
+        active_ = options.cell->periodic;
         lower_ = whole(options.cell->origin.data(), quantum_);
         vector_ = {whole(options.cell->a.data(), quantum_), whole(options.cell->b.data(), quantum_),
                    whole(options.cell->c.data(), quantum_)};
@@ -95,6 +95,11 @@ IntegerDomain::IntegerDomain(std::span<const double> points, const votess::Optio
             for (std::size_t j = 0; j < 3; ++j) {
                 const Integers across = cross(vector_[(j + 1) % 3], vector_[(j + 2) % 3]);
                 const mpz_class along = dot(vector_[j], across), at = dot(from, across);
+                if (!active_[j]) {
+                    const int side = sgn(along);
+                    if (sgn(at) * side < 0 || sgn(mpz_class(at - along)) * side > 0) outside_[i] = 1;
+                    continue;
+                }
                 mpz_fdiv_q(wraps[j].get_mpz_t(), at.get_mpz_t(), along.get_mpz_t());
             }
             for (std::size_t j = 0; j < 3; ++j)
@@ -117,7 +122,7 @@ IntegerDomain::IntegerDomain(std::span<const double> points, const votess::Optio
     }
 }
 
-// Greedy reduction: no vector becomes shorter by a sum of the others.
+// Greedy reduction: no vector becomes shorter by a sum of others of the lattice.
 void IntegerDomain::reduce() {
     short_ = vector_;
     for (std::size_t j = 0; j < 3; ++j) short_shift_[j][j] = active_[j] ? 1 : 0;
@@ -131,6 +136,7 @@ void IntegerDomain::reduce() {
         shorter = false;
         for (std::size_t i = 0; i < 3; ++i) {
             for (const std::size_t j : {(i + 1) % 3, (i + 2) % 3}) {
+                if (!active_[j]) continue;
                 const mpz_class times = nearest(dot(short_[i], short_[j]), dot(short_[j], short_[j]));
                 if (times == 0) continue;
                 const mpz_class before = dot(short_[i], short_[i]);
@@ -142,6 +148,7 @@ void IntegerDomain::reduce() {
                 }
             }
             const std::size_t u = (i + 1) % 3, v = (i + 2) % 3;
+            if (!active_[u] || !active_[v]) continue;
             for (const int a : {-1, 1})
                 for (const int b : {-1, 1}) {
                     const mpz_class before = dot(short_[i], short_[i]);
@@ -234,11 +241,21 @@ IntegerPlane IntegerDomain::bisector(std::size_t i, std::size_t j, const std::ar
 
 std::vector<IntegerPlane> IntegerDomain::walls(std::size_t i) const {
     std::vector<IntegerPlane> all;
-    for (std::size_t k = 0; k < 3 && !has_cell_; ++k) {
+    for (std::size_t k = 0; k < 3; ++k) {
         if (active_[k]) continue;
         for (const int sign : {-1, 1}) {
             IntegerPlane wall;
             wall.face.id = -1 - static_cast<std::int32_t>(2 * k) - (sign > 0 ? 1 : 0);
+            if (has_cell_) {
+                wall.n = cross(vector_[(k + 1) % 3], vector_[(k + 2) % 3]);
+                const int outward = sign * sgn(dot(vector_[k], wall.n));
+                for (std::size_t m = 0; m < 3; ++m) {
+                    wall.n[m] *= outward;
+                    wall.h += wall.n[m] * (lower_[m] + (sign > 0 ? vector_[k][m] : mpz_class(0)) - place_[i][m]);
+                }
+                all.push_back(std::move(wall));
+                continue;
+            }
             wall.n[k] = sign;
             wall.h = sign * ((sign > 0 ? upper_[k] : lower_[k]) - place_[i][k]);
             all.push_back(std::move(wall));

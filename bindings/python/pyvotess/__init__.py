@@ -7,10 +7,13 @@
 See :func:`tessellate` for the options and :class:`Tessellation` for the arrays.
 """
 
+from . import walls
 from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._library import VERSION as __version__
+from .atoms import from_ase
 from .mesh import Delaunay, Faces, Lists
+from .pairs import Pairs
 from .tessellation import Neighbors, StageSeconds, Stats, Tessellation, VerifyReport
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 
@@ -22,6 +25,7 @@ __all__ = [
     "Faces",
     "Lists",
     "Neighbors",
+    "Pairs",
     "StageSeconds",
     "Stats",
     "Tessellation",
@@ -30,5 +34,7 @@ __all__ = [
     "VotessError",
     "__version__",
     "devices",
+    "from_ase",
     "tessellate",
+    "walls",
 ]

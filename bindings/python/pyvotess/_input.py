@@ -50,11 +50,12 @@ def as_points(points: Any) -> npt.NDArray[Any]:
 
 def as_box(box: Any) -> Float64Array:
     array = as_float64_or_float32(box, "box").astype(np.float64)
-    if array.shape not in ((6,), (2, 3)):
+    if array.shape not in ((6,), (2, 3), (3, 2)):
         raise ValueError(
-            f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1))"
+            f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or "
+            "((x0, x1), (y0, y1), (z0, z1))"
         )
-    return array.reshape(2, 3)
+    return np.ascontiguousarray(array.T) if array.shape == (3, 2) else array.reshape(2, 3)
 
 
 def as_count(value: Any, name: str, bits: int) -> int:
@@ -96,6 +97,10 @@ def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Fl
     return array.reshape(shape)
 
 
+def as_vector(values: Any, name: str) -> Float64Array:
+    return np.ascontiguousarray(_as_numbers(values, name, (3,), "(x, y, z)"))
+
+
 def _as_periodic(periodic: Any) -> Tuple[bool, bool, bool]:
     if isinstance(periodic, str):
         if len(set(periodic)) != len(periodic) or not set(periodic) <= set("xyz"):
@@ -114,7 +119,7 @@ class Domain:
     """The domain as :func:`tessellate` takes it."""
 
     box: Any = None
-    periodic: Any = False
+    periodic: Any = None
     weights: Any = None
     radii: Any = None
     cell: Any = None
@@ -129,15 +134,18 @@ class Domain:
             options.has_box = 1
             options.box_lower[:] = lower.tolist()
             options.box_upper[:] = upper.tolist()
-        options.periodic[:] = _as_periodic(self.periodic)
-        if self.cell is not None:
+        axes = None if self.periodic is None else _as_periodic(self.periodic)
+        if self.cell is None:
+            options.periodic[:] = axes or (False, False, False)
+        else:
             rows = _as_numbers(self.cell, "cell", (3, 3), "three vectors ((ax, ay, az), (bx, ...), (cx, ...))")
             options.has_cell = 1
+            options.cell_periodic[:] = axes or (True, True, True)
             options.cell_a[:], options.cell_b[:], options.cell_c[:] = rows.tolist()
         if self.origin is not None:
             if self.cell is None:
                 raise ValueError("origin goes with cell only: a box has its corners")
-            options.cell_origin[:] = _as_numbers(self.origin, "origin", (3,), "(x, y, z)").tolist()
+            options.cell_origin[:] = as_vector(self.origin, "origin").tolist()
         options.outside = as_word(self.outside, "outside", _c_api.OUTSIDE)
         kept: List[Any] = []
         if len(self.walls) > 0:

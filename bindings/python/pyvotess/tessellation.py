@@ -13,6 +13,7 @@ from ._call import Handle, array_of, raise_on_failure
 from ._input import as_count
 from ._library import lib
 from .mesh import Delaunay, Faces, Lists, make_delaunay
+from .pairs import Pairs, count_edges, make_pairs
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -115,10 +116,11 @@ class Tessellation:
     wanted raises AttributeError.
     """
 
-    def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...]) -> None:
+    def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain_given: bool) -> None:
         self._result = result
         self._points = points
         self._wanted = wanted
+        self._domain_given = domain_given
         self._stats = _read_stats(result)
         self._arrays: Dict[str, npt.NDArray[Any]] = {}
         if "neighbors" in wanted:
@@ -170,7 +172,21 @@ class Tessellation:
         return len(self._points)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Tessellation of {len(self)} seeds: {', '.join(self._wanted) or 'status only'}>"
+        wanted = ", ".join(self._wanted) or "status only"
+        return f"<pyvotess.Tessellation of {len(self)} seeds in a {self._domain()}: {wanted}>"
+
+    def _domain(self) -> str:
+        def text(vector: Float64Array) -> str:
+            return f"({', '.join(f'{x:g}' for x in vector)})"
+
+        if self._cell is not None:
+            where = f"cell {', '.join(text(edge) for edge in self._cell)} at {text(self.origin)}"
+        else:
+            where = f"box {text(self._box[0])} to {text(self._box[1])}"
+        if len(self.walls):
+            where += f" cut by {len(self.walls)} walls"
+        axes = "".join(axis for axis, repeats in zip("xyz" if self._cell is None else "abc", self._periodic) if repeats)
+        return where + (f", periodic {axes}" if axes else "") + ("" if self._domain_given else " around them")
 
     @property
     def neighbors(self) -> Neighbors:
@@ -192,6 +208,11 @@ class Tessellation:
         most 1e-10 of the area of the cell's whole surface, 1e-5 when ``stats.precision`` is "single".
         """
         return self._wanted_array("face_areas", "areas")
+
+    @property
+    def areas(self) -> Float64Array:
+        """The same as :attr:`face_areas`."""
+        return self.face_areas
 
     @property
     def face_normals(self) -> Float64Array:
@@ -315,6 +336,27 @@ class Tessellation:
     def points(self) -> npt.NDArray[Any]:
         """(N, 3) the points as they were read: the array given, if it needed no conversion. :meth:`verify` uses it."""
         return self._points
+
+    @property
+    def wrapped_points(self) -> Float64Array:
+        """(N, 3) float64, a new array: where the points lie inside a periodic domain. :attr:`shifts` count from there."""
+        points = np.ascontiguousarray(self._points, dtype=np.float64)
+        places = np.empty_like(points)
+        raise_on_failure(
+            lib.votess_wrapped_points(self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
+        )
+        return places
+
+    def pairs(self) -> Pairs:
+        """All entries of the rows but walls, so that each pair of neighbors is there from both sides."""
+        return make_pairs(self)
+
+    def voronoi_indices(self, edge_threshold: float = 0.0) -> Int64Array:
+        """(N, M) int64: column k counts the faces of k + 3 edges; M is the least that holds all. Needs "faces" in want.
+
+        Edges shorter than ``edge_threshold`` do not count, and faces that are left with fewer than three neither.
+        """
+        return count_edges(self, edge_threshold)
 
     @property
     def stats(self) -> Stats:

@@ -56,11 +56,13 @@ def _tessellate(
     list_walls: bool,
     duplicates: str,
     progress: Optional[Progress],
-    min_face: float = 0.0,
+    min_face: float,
+    min_area: float,
 ) -> Tessellation:
     array = as_points(points)
     options.want = as_want(want)
     options.min_face = float(min_face)
+    options.min_area = float(min_area)
     options.list_walls = bool(list_walls)
     options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
     kept = domain.fill(options, len(array))
@@ -76,13 +78,13 @@ def _tessellate(
     arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
     run(function, arguments, options, ctypes.byref(result.pointer), progress)
     del kept
-    return Tessellation(result, array, wanted)
+    return Tessellation(result, array, wanted, domain.box is not None or domain.cell is not None)
 
 
 def tessellate(
     points: npt.ArrayLike,
     box: Optional[npt.ArrayLike] = None,
-    periodic: Union[bool, str, Iterable[bool]] = False,
+    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
     want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
@@ -97,6 +99,7 @@ def tessellate(
     origin: Optional[npt.ArrayLike] = None,
     outside: str = "error",
     min_face: float = 0.0,
+    min_area: float = 0.0,
     grid_resolution: int = 0,
     k_init: int = 0,
     chunk_size: int = 0,
@@ -109,20 +112,22 @@ def tessellate(
     points : (N, 3) array of real numbers, any length unit; N may be 0.
         float64 and float32 in C order are read in place; other arrays are converted, without loss. Not to be
         changed by another thread meanwhile.
-    box : (x0, y0, z0, x1, y1, z1) or ((x0, y0, z0), (x1, y1, z1)), the domain.
+    box : (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1)), the domain.
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
         A point outside of it is an error.
-    periodic : True, or axes such as "xy", or three flags: the box repeats; points beyond it are wrapped into it.
-        ``shifts`` tells which image a neighbor is.
+    periodic : True, or axes such as "xy", or three flags: the box, which must be given, repeats; points beyond it are
+        wrapped into it. ``shifts`` tells which image a neighbor is. x, y, z stand for the edges of a ``cell``.
+        Default: a box repeats along no axis, a cell along all.
     weights, radii : (N,) numbers: a power diagram, with these weights or the squares of these radii. A seed whose cell
         is empty has status EMPTY.
     want : words out of "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii",
         "vertices", "faces", as a sequence or with commas in one string. What belongs to entries of the rows adds
         "neighbors"; "faces" adds "vertices", and the walls to the rows.
-    cell, origin : a triclinic periodic box instead of ``box``: the vectors of its edges, a row each, and its corner.
-        It repeats along all three: ``periodic`` names all axes or none beside it.
+    cell, origin : a triclinic box instead of ``box``: the vectors of its edges, a row each, and its corner. It repeats
+        along all three, or those of ``periodic``; across the others it ends at the planes of its faces.
     walls : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
-    list_walls : list the walls in the rows too: -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, then those of ``walls``.
+    list_walls : list the walls in the rows too: -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, of a
+        ``cell`` across its edges a, b, c in the same order, then those of ``walls``.
     device : "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device
         that is software; or an ``id`` out of :func:`devices`. One that cannot be had raises VotessError.
     precision : of volumes, centroids and areas from a GPU: "single", relative error 1e-5, or "double", 1e-10. The CPU always
@@ -135,6 +140,7 @@ def tessellate(
     duplicates : "merge": the lowest index of equal points keeps the cell; "error": refuse them.
     min_face : drop faces between two cells that are smaller than this times their mean area, from rows, areas,
         normals, polygons and face_counts; decided once per pair of cells. 0 drops nothing.
+    min_area : the same for faces below this area, length unit squared.
     outside : of points outside of ``box`` or ``walls``: "error" refuses them, "drop" gives them an empty cell, status OUTSIDE.
     progress : called some ten times a second with the fraction done; returning False stops the run with
         :class:`VotessError`, an exception stops it and goes on to the caller.
@@ -149,7 +155,7 @@ def tessellate(
     """
     options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
     domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
-    return _tessellate(None, options, points, domain, want, list_walls, duplicates, progress, min_face)
+    return _tessellate(None, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area)
 
 
 class Tessellator:
@@ -201,7 +207,7 @@ class Tessellator:
         self,
         points: npt.ArrayLike,
         box: Optional[npt.ArrayLike] = None,
-        periodic: Union[bool, str, Iterable[bool]] = False,
+        periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
         weights: Optional[npt.ArrayLike] = None,
         radii: Optional[npt.ArrayLike] = None,
         want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
@@ -213,6 +219,7 @@ class Tessellator:
         origin: Optional[npt.ArrayLike] = None,
         outside: str = "error",
         min_face: float = 0.0,
+        min_area: float = 0.0,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
@@ -220,7 +227,7 @@ class Tessellator:
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
-            return _tessellate(self._handle, options, points, domain, want, list_walls, duplicates, progress, min_face)
+            return _tessellate(self._handle, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area)
 
     def close(self) -> None:
         """Frees device and buffers. Harmless when repeated."""

@@ -81,12 +81,86 @@ class Domains(unittest.TestCase):
         for array in (t.weights, t.walls, t.box):
             self.assertFalse(array.flags.writeable)
 
-    def test_a_cell_repeats_along_all_axes(self):
-        for periodic in (False, True, "xyz", (True, True, True)):
+    def test_a_cell_repeats_along_the_edges_that_are_named(self):
+        for periodic in (None, True, "xyz", (True, True, True)):
             self.assertEqual(vt.tessellate(points(9), cell=np.eye(3), periodic=periodic).periodic, (True,) * 3)
-        for periodic in ("x", "yz", (True, False, False)):
-            with self.assertRaisesRegex(ValueError, "cell and periodic contradict each other"):
-                vt.tessellate(points(9), cell=np.eye(3), periodic=periodic)
+        for periodic in ("x", "yz", (True, False, False), False, ""):
+            t = vt.tessellate(points(9), cell=np.eye(3), periodic=periodic, list_walls=True)
+            flags = tuple(axis in periodic for axis in "xyz") if isinstance(periodic, str) else periodic or (False,) * 3
+            self.assertEqual(t.periodic, flags)
+            walls = {-1 - 2 * k - side for k in range(3) if not flags[k] for side in (0, 1)}
+            self.assertEqual(set(t.neighbors.indices[t.neighbors.indices < 0].tolist()), walls)
+            self.assertTrue(t.verify())
+
+    def test_box_by_axes(self):
+        a = vt.tessellate(points(50), box=((-1, 2), (-2, 3), (0, 4)), device="cpu")
+        np.testing.assert_array_equal(a.box, [(-1, -2, 0), (2, 3, 4)])
+
+    def test_repr_tells_the_domain(self):
+        p = points(20)
+        self.assertIn("in a box (0, 0, 0) to (1, 1, 1), periodic xz:", repr(vt.tessellate(p, box=UNIT, periodic="xz")))
+        self.assertRegex(repr(vt.tessellate(p)), r"in a box \(.*\) to \(.*\) around them:")
+        self.assertIn("in a cell (1, 0, 0), (0, 1, 0), (0, 0, 1) at (0, 0, 0), periodic ab:",
+                      repr(vt.tessellate(p, cell=np.eye(3), periodic="xy")))
+        self.assertIn("cut by 1 walls", repr(vt.tessellate(p, box=UNIT, walls=[(1, 1, 1, 3)])))
+
+    def test_wrapped_points_and_pairs(self):
+        edges = np.array([(2.0, 0, 0), (0.8, 1.5, 0), (-0.5, 0.3, 1)])
+        inside = points(60) @ edges + (1, 2, 3)
+        moves = np.random.default_rng(5).integers(-3, 4, (60, 3))
+        for periodic in ("xyz", "xz", "y", ""):
+            moved = inside + moves * [axis in periodic for axis in "xyz"] @ edges
+            t = vt.tessellate(moved, cell=edges, origin=(1, 2, 3), periodic=periodic, want="areas", list_walls=True)
+            np.testing.assert_allclose(t.wrapped_points, inside, rtol=0, atol=1e-14)
+            pairs = t.pairs()
+            self.assertEqual(len(pairs), np.count_nonzero(t.neighbors.indices >= 0))
+            np.testing.assert_array_equal(pairs.area, t.areas[t.neighbors.indices >= 0])
+            np.testing.assert_allclose(pairs.distance, np.linalg.norm(pairs.vector, axis=1), rtol=1e-15)
+            # The image of the other seed, some whole edges away from it, along those that repeat.
+            steps = (moved[pairs.i] + pairs.vector - moved[pairs.j]) @ np.linalg.inv(edges)
+            np.testing.assert_allclose(steps, np.round(steps), rtol=0, atol=1e-13)
+            self.assertFalse(np.any(np.round(steps)[:, [axis not in periodic for axis in "xyz"]]))
+            if periodic:
+                np.testing.assert_allclose(inside[pairs.j] + pairs.shift @ edges - inside[pairs.i], pairs.vector,
+                                           rtol=0, atol=1e-13)
+            else:
+                self.assertIsNone(pairs.shift)
+
+    def test_round_walls(self):
+        p = np.random.default_rng(3).uniform(-0.3, 0.3, (100, 3)) + (5, 6, 7)
+        for rows, count in ((vt.walls.sphere((5, 6, 7), 1), 300), (vt.walls.cylinder((5, 6, 7), (0, 0, 1), 1, 20), 20),
+                            (vt.walls.cone((5, 6, 5), (0, 0, 1), 0.5, 25), 25)):
+            self.assertEqual(rows.shape, (count, 4))
+            t = vt.tessellate(p, box=((3, 7), (4, 8), (6, 8)), walls=rows, list_walls=True)
+            self.assertTrue(t.verify())
+            np.testing.assert_array_equal(t.walls, rows)
+            self.assertTrue(np.all(p @ rows[:, :3].T <= rows[:, 3]))
+        self.assertAlmostEqual(vt.tessellate(p, walls=vt.walls.sphere((5, 6, 7), 1)).volumes.sum() / (4 * np.pi / 3), 1.01,
+                               places=2)
+        with self.assertRaisesRegex(ValueError, "3 faces"):
+            vt.walls.sphere((0, 0, 0), 1, 3)
+        with self.assertRaisesRegex(ValueError, "center has shape"):
+            vt.walls.sphere((0, 0), 1)
+
+    def test_voronoi_indices(self):
+        n = 4
+        grid = np.array([(i, j, k) for i in range(n) for j in range(n) for k in range(n)], dtype=float)
+        box = (0, 0, 0, n, n, n)
+        self.assertEqual(np.unique(vt.tessellate(grid, box=box, periodic=True, want="faces").voronoi_indices(),
+                                   axis=0).tolist(), [[0, 6]])
+        bcc = vt.tessellate(np.concatenate((grid, grid + 0.5)), box=box, periodic=True, want="faces")
+        self.assertEqual(np.unique(bcc.voronoi_indices(), axis=0).tolist(), [[0, 6, 0, 8]])
+        t = vt.tessellate(points(100), box=UNIT, want="faces", min_area=1e-3)
+        self.assertEqual(t.least_face, 1e-3)
+        for threshold in (0, 0.02, 0.1):
+            table = t.voronoi_indices(threshold)
+            for i in range(len(t)):
+                edges = []
+                for face in t.faces[t.neighbors.indptr[i] : t.neighbors.indptr[i + 1]]:
+                    corners = t.vertices[face]
+                    lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+                    edges.append(np.count_nonzero(lengths >= threshold))
+                self.assertEqual(table[i].tolist(), [edges.count(k + 3) for k in range(table.shape[1])])
 
     def test_what_is_refused(self):
         for message, arguments in [
@@ -96,6 +170,10 @@ class Domains(unittest.TestCase):
             ("one plane", {"cell": ((1, 0, 0), (2, 0, 0), (0, 0, 1))}),
             ("origin goes with cell", {"origin": (0, 0, 0)}),
             ("box and cell", {"box": UNIT, "cell": np.eye(3)}),
+            ("a periodic axis needs a box", {"periodic": True}),
+            ("a periodic axis needs a box", {"periodic": "z"}),
+            ("walls and cell", {"cell": np.eye(3), "walls": [(1, 0, 0, 1)]}),
+            ("box has shape", {"box": np.zeros((3, 3))}),
             ("walls has shape", {"walls": [(1, 0, 0)]}),
             ("normal is 0", {"walls": [(0, 0, 0, 1)]}),
             ("walls and a periodic domain", {"box": UNIT, "periodic": True, "walls": [(1, 0, 0, 1)]}),
@@ -106,6 +184,7 @@ class Domains(unittest.TestCase):
             ("weight 2 = nan", {"weights": [0, 0, float("nan"), 0, 0, 0, 0, 0, 0, 0]}),
             ("outside is 'keep'", {"outside": "keep"}),
             ("min_face", {"min_face": -1}),
+            ("min_area", {"min_area": float("nan")}),
         ]:
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                 vt.tessellate(points(10), **arguments)

@@ -33,9 +33,6 @@ struct LammpsBox {
             }
         }
         if (!std::isfinite(xy) || !std::isfinite(xz) || !std::isfinite(yz)) return "the tilt of the box is not finite";
-        if (tilted() && !(periodic[0] && periodic[1] && periodic[2])) {
-            return "a tilted box must be periodic along all three axes";
-        }
         return {};
     }
 
@@ -54,7 +51,8 @@ struct LammpsBox {
         domain.cell = votess::TriclinicBox{.origin = lower,
                                            .a = {upper[0] - lower[0], 0, 0},
                                            .b = {xy, upper[1] - lower[1], 0},
-                                           .c = {xz, yz, upper[2] - lower[2]}};
+                                           .c = {xz, yz, upper[2] - lower[2]},
+                                           .periodic = periodic};
         return domain;
     }
 };

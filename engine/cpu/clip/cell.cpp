@@ -99,6 +99,19 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
         size = h.high + std::abs(source.power.high);
         h = h + source.power;
         h = {0.5 * h.high, 0.5 * h.low};
+    } else if (source.kind == exact::Plane::Kind::cell_wall) {
+        plane.n = source.rounded_normal();
+        const exact::Lattice& lattice = *source.lattice;
+        for (int k = 0; k < 3; ++k) {
+            DoubleDouble from = exact::two_sum(source.seed[k], -p[k]);
+            size += std::abs(plane.n[k]) * (std::abs(source.seed[k]) + std::abs(p[k]));
+            if (source.shift[source.axis] != 0) {
+                from = from + lattice.vector[source.axis][k];
+                size += std::abs(plane.n[k] * lattice.vector[source.axis][k].high);
+            }
+            h = h + lattice.across[source.axis][k] * from;
+        }
+        h = {source.wall * h.high, source.wall * h.low};
     } else {
         plane.n = source.seed;
         h = {source.wall, 0};
@@ -128,10 +141,11 @@ void Cell::start(const exact::Point& seed, const Box& box) {
 void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id) {
     seed_ = seed;
     planes_.clear();
-    const bool periodic = domain.is_periodic();
+    const bool is_box = !domain.is_periodic() && !domain.triclinic;
     for (int wall = 0; wall < 6; ++wall) {
         if (domain.has_box_wall(wall)) {
-            planes_.push_back(box_wall(seed, domain.box, wall));
+            planes_.push_back(domain.triclinic ? make_plane(seed, -1 - wall, domain.box_wall(wall), {})
+                                               : box_wall(seed, domain.box, wall));
             continue;
         }
         exact::Shift shift = domain.reduced.shift[wall / 2];
@@ -155,7 +169,7 @@ void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id
         // The edge on planes y, z runs along x. Positive orientation flips with the number of lower walls.
         const bool positive = std::popcount(static_cast<unsigned>(v)) % 2 == 1;
         corners_[v] = positive ? Corner{{px, py, pz}, {nz, nx, ny}} : Corner{{py, px, pz}, {nz, ny, nx}};
-        if (periodic) {
+        if (!is_box) {
             place_vertex(v, px, py, pz);
             continue;
         }

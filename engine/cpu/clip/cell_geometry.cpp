@@ -69,17 +69,21 @@ struct Pyramids {  // over the faces on one plane: volume = factor * doubled are
     Real factor;
 };
 
-// h / |n|^2 of a plane whose h is a sum that may cancel.
+// The normal of an oblique wall.
 template <class Real>
-Real height_ratio(const exact::Plane& plane, const Vector<Real>& n, const exact::Point& seed) {
-    const Real square = dot(n, n);
-    if (plane.is_bisector()) {
-        const Real power = static_cast<Real>(plane.power.high) + static_cast<Real>(plane.power.low);
-        return (square + power) / (2 * square);
+Vector<Real> wall_normal(const exact::Plane& wall) {
+    Vector<Real> n;
+    if (wall.kind == exact::Plane::Kind::wall || std::is_same_v<Real, double>) {
+        const exact::Point& rounded = wall.kind == exact::Plane::Kind::wall ? wall.seed : wall.rounded_normal();
+        for (int k = 0; k < 3; ++k) n[k] = static_cast<Real>(rounded[k]);
+        return n;
     }
-    Real h = static_cast<Real>(plane.wall);
-    for (int k = 0; k < 3; ++k) h -= n[k] * static_cast<Real>(seed[k]);
-    return h / square;
+    Vector<Real> u, v;
+    for (int k = 0; k < 3; ++k) {
+        u[k] = static_cast<Real>(wall.wall * wall.lattice->vector[(wall.axis + 1) % 3][k].high);
+        v[k] = static_cast<Real>(wall.lattice->vector[(wall.axis + 2) % 3][k].high);
+    }
+    return cross(u, v);
 }
 
 template <class Real>
@@ -89,21 +93,15 @@ Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed) {
     if (source.is_bisector()) {
         n = exact::difference<Real>(seed, source);
         if (!source.has_power()) return {n, static_cast<Real>(1) / 12};
-    } else if (source.kind == exact::Plane::Kind::wall) {
-        for (int k = 0; k < 3; ++k) n[k] = static_cast<Real>(source.seed[k]);
+    } else if (source.is_oblique()) {
+        n = wall_normal<Real>(source);
     } else {
         const int axis = source.axis;
         const Real offset = static_cast<Real>(source.wall) - static_cast<Real>(seed[axis]);
         return {{static_cast<Real>(plane.n[0]), static_cast<Real>(plane.n[1]), static_cast<Real>(plane.n[2])},
                 static_cast<Real>(offset * plane.n[axis] / 6)};
     }
-    if constexpr (std::is_same_v<Real, double>) {
-        Vector<exact::Quad> exact_n{n[0], n[1], n[2]};
-        if (source.is_bisector()) exact_n = exact::difference<exact::Quad>(seed, source);
-        return {n, static_cast<double>(height_ratio(source, exact_n, seed)) / 6};
-    } else {
-        return {n, height_ratio(source, n, seed) / 6};
-    }
+    return {n, exact::height<Real>(seed, source) / dot(n, n) / 6};
 }
 
 // Turns doubled area vectors on a plane into areas.

@@ -71,7 +71,8 @@ exact::Differences SeedImages::position(std::size_t input, const exact::Shift& s
     return exact::differences({}, exact::Plane::bisector(point_of(points_, input, scale_), shift, domain_->lattice));
 }
 
-void SeedImages::wrap_points(ThreadPool& pool) {
+// outside: as in the job; such seeds stay where they are.
+void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool) {
     const std::size_t count = points_.count();
     wraps_.assign(count, {});
     moves_.assign(domain_->skewed ? count : 0, {});
@@ -79,6 +80,7 @@ void SeedImages::wrap_points(ThreadPool& pool) {
     std::vector<std::size_t> too_far(ceil_div(count, task_points), count);
     pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
         for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
+            if (!outside.empty() && outside[i] == CellStatus::outside) continue;
             const auto shift = wrap(*domain_, point_of(points_, i, scale_));
             if (!shift) too_far[task] = std::min(too_far[task], i);
             wraps_[i] = shift.value_or(exact::Shift{});
@@ -228,7 +230,7 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     scale_ = job.scale;
     seeds_ = &out;
     basis_ = domain_->skewed ? &domain_->reduced : &domain_->edges;
-    wrap_points(pool);
+    wrap_points(job.outside, pool);
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
     sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
     keep_false_duplicates(out);

@@ -64,7 +64,7 @@ public:
 
 private:
     [[nodiscard]] std::array<double, 3> fraction(const exact::Point& x) const;
-    void wrap_points(ThreadPool& pool);
+    void wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool);
     [[nodiscard]] exact::Differences position(std::size_t input, const exact::Shift& shift) const;
     void keep_false_duplicates(SortedSeeds& out) const;
     void choose_margin(std::size_t seeds);

@@ -39,6 +39,7 @@ bool StarWalk<Isa>::gather_candidates() {
     longest_ = reach * (1 + 0x1p-20) + quantum;
     inverse_longest_ = 1 / longest_;
     extras_ = candidates_.count;
+    if (domain_->has_cell_walls()) return !near_cell_wall();
     for (int wall = -1; wall >= -6; --wall) {
         if (!domain_->has_box_wall(-1 - wall)) continue;
         const int axis = (-1 - wall) / 2;
@@ -46,6 +47,21 @@ bool StarWalk<Isa>::gather_candidates() {
         if (2 * distance * scale < longest_) add_candidate(wall);
     }
     return true;
+}
+
+// Cells that a wall across no axis may cut are for the clipper.
+template <class Isa>
+bool StarWalk<Isa>::near_cell_wall() const {
+    const Basis& edges = domain_->edges;
+    const auto f = domain_->fraction(p_);
+    double size = 0;
+    for (int k = 0; k < 3; ++k) size = std::max({size, std::abs(p_[k]), std::abs(domain_->origin[k])});
+    for (int j = 0; j < 3; ++j) {
+        if (domain_->periodic[j]) continue;
+        const double distance = (std::min(f[j], 1 - f[j]) - edges.fraction_error(j, size)) * edges.width[j];
+        if (2 * distance * scale_ < longest_ * (1 + margin)) return true;
+    }
+    return false;
 }
 
 template <class Isa>
@@ -81,6 +97,7 @@ bool StarWalk<Isa>::is_extra(std::int32_t id) const {
 
 template <class Isa>
 bool StarWalk<Isa>::add_walls() {
+    if (domain_->has_cell_walls()) return false;
     have_walls_ = true;
     for (int wall = -1; wall >= -6; --wall)
         if (domain_->has_box_wall(-1 - wall) && !is_extra(wall) && !add_candidate(wall)) return false;

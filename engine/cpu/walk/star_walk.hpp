@@ -129,6 +129,7 @@ private:
     bool begin_anywhere();
     bool add_candidate(std::int32_t id);
     bool add_walls();
+    [[nodiscard]] bool near_cell_wall() const;
     [[nodiscard]] bool is_extra(std::int32_t id) const;
     bool add_inside(const OpenEdge& edge, Four x, const std::int32_t* three, int& added);
 

@@ -48,7 +48,7 @@ template <int bits>
 bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
     double largest = 0;
     for (const Plane* plane : planes) {
-        if (plane->kind == Plane::Kind::wall) return false;
+        if (plane->is_oblique()) return false;
         if (plane->is_bisector()) largest = std::max(largest, largest_difference(p, *plane));
     }
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - bits) and its inverse must be normal.
@@ -104,8 +104,9 @@ inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int6
 // It has units of its own, and holds coordinates that span at most 124 bits.
 inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& n) {
     n = {};
-    if (plane.kind == Plane::Kind::wall) {
-        n = wall_row<2>(p, plane, 0).n;
+    if (plane.is_oblique()) {
+        if (plane.kind == Plane::Kind::cell_wall && BitRange::of_vectors_in(plane).product_bits() > 124) return false;
+        n = oblique_normal<2>(plane);
         return true;
     }
     if (!plane.is_bisector()) {

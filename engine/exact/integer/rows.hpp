@@ -19,6 +19,7 @@ namespace votess::exact {
 struct BitRange {
     int low = std::numeric_limits<int>::max();
     int high = std::numeric_limits<int>::min();
+    int normal_bits = 0;  // of walls that have units of their own
 
     void add(double x) {
         const auto bits = std::bit_cast<std::uint64_t>(x);
@@ -34,6 +35,10 @@ struct BitRange {
         for (double x : p) add(x);
     }
     void add(const Plane& plane) {
+        if (plane.kind == Plane::Kind::cell_wall) {
+            normal_bits = std::max(normal_bits, of_vectors_in(plane).product_bits());
+            return add_image(plane);
+        }
         if (!plane.is_bisector()) return add(plane.wall);
         add(plane.seed);
         if (plane.lattice != nullptr) add_image(plane);
@@ -63,7 +68,15 @@ struct BitRange {
         low = std::min(low, sum.low);
         high = std::max(high, sum.high + 3);  // of up to seven terms
     }
-    [[nodiscard]] int span() const { return high > low ? high - low : 0; }
+    // The two lattice vectors that span a wall of a triclinic box.
+    static BitRange of_vectors_in(const Plane& wall) {
+        BitRange range;
+        for (int j = 1; j <= 2; ++j)
+            for (const DoubleDouble& x : wall.lattice->vector[(wall.axis + j) % 3]) range.add(x.high);
+        return range;
+    }
+    [[nodiscard]] int product_bits() const { return 2 * span() + 1; }  // of a difference of two products
+    [[nodiscard]] int span() const { return std::max(normal_bits, high > low ? high - low : 0); }
     [[nodiscard]] int quantum() const { return high > low ? low : 0; }
 };
 
@@ -156,22 +169,56 @@ void add_power(const Plane& plane, int quantum, WideRow<W>& row) {
     row.s = row.s + to_wide<2 * W>(plane.power.high, 2 * quantum) + to_wide<2 * W>(plane.power.low, 2 * quantum);
 }
 
-// The power of two that brings the normal of a wall to integers; at most 1.
+template <class N>
+auto cross(const std::array<N, 3>& a, const std::array<N, 3>& b) {
+    return std::array{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+template <class A, class B>
+auto dot(const std::array<A, 3>& a, const std::array<B, 3>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// The power of two that brings the normal of an oblique wall, or the vectors that span it, to integers; at most 1.
 inline int normal_quantum(const Plane& wall) {
     BitRange range;
-    range.add(wall.seed);
+    if (wall.kind == Plane::Kind::cell_wall)
+        range = BitRange::of_vectors_in(wall);
+    else
+        range.add(wall.seed);
     return std::min(range.low, 0);
 }
 
-// A wall of any direction: W limbs hold N, and the coordinates.
 template <int W>
-WideRow<W> wall_row(const Point& p, const Plane& wall, int quantum) {
+std::array<WideInt<W>, 3> oblique_normal(const Plane& wall) {
     const int unit = normal_quantum(wall);
-    WideRow<W> r;
-    r.s = to_wide<2 * W>(wall.wall, unit + quantum);
+    std::array<WideInt<W>, 3> n;
+    if (wall.kind == Plane::Kind::wall) {
+        for (int k = 0; k < 3; ++k) n[k] = to_wide<W>(wall.seed[k], unit);
+        return n;
+    }
+    const auto vector = [&](int j) {
+        std::array<WideInt<W>, 3> v;
+        for (int k = 0; k < 3; ++k) v[k] = to_wide<W>(wall.lattice->vector[j % 3][k].high, unit);
+        return v;
+    };
+    const auto across = cross(vector(wall.axis + 1), vector(wall.axis + 2));
+    for (int k = 0; k < 3; ++k) n[k] = resize<W>(wall.wall < 0 ? -across[k] : across[k]);
+    return n;
+}
+
+// An oblique wall: W limbs hold N, and the coordinates.
+template <int W>
+WideRow<W> oblique_row(const Point& p, const Plane& wall, int quantum) {
+    WideRow<W> r{oblique_normal<W>(wall), {}};
+    const bool of_cell = wall.kind == Plane::Kind::cell_wall;
+    if (!of_cell) r.s = to_wide<2 * W>(wall.wall, normal_quantum(wall) + quantum);
     for (int k = 0; k < 3; ++k) {
-        r.n[k] = to_wide<W>(wall.seed[k], unit);
-        r.s = r.s - r.n[k] * to_wide<W>(p[k], quantum);
+        WideInt<W> from{};
+        if (of_cell) from = to_wide<W>(wall.seed[k], quantum);
+        if (of_cell && wall.shift[wall.axis] != 0)
+            from = from + to_wide<W>(wall.lattice->vector[wall.axis][k].high, quantum);
+        r.s = r.s + r.n[k] * (from - to_wide<W>(p[k], quantum));
     }
     r.s = r.s + r.s;
     return r;
@@ -180,7 +227,7 @@ WideRow<W> wall_row(const Point& p, const Plane& wall, int quantum) {
 // The general case: W limbs hold coordinates.
 template <int W>
 WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
-    if (plane.kind == Plane::Kind::wall) return wall_row<W>(p, plane, quantum);
+    if (plane.is_oblique()) return oblique_row<W>(p, plane, quantum);
     std::array<WideInt<W>, 3> n{};
     if (!plane.is_bisector()) {
         const bool lower = plane.kind == Plane::Kind::lower_wall;
@@ -204,20 +251,10 @@ WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
 
 // Any plane whose coordinates span at most 124 bits.
 inline WideRow<2> narrow_row(const Point& p, const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
-    if (plane.kind == Plane::Kind::wall) return wall_row<2>(p, plane, quantum);
+    if (plane.is_oblique()) return oblique_row<2>(p, plane, quantum);
     WideRow<2> row = wide_row<2>(int_difference(seed, plane, quantum), plane.is_bisector());
     add_power(plane, quantum, row);
     return row;
-}
-
-template <class N>
-auto cross(const std::array<N, 3>& a, const std::array<N, 3>& b) {
-    return std::array{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-template <class A, class B>
-auto dot(const std::array<A, 3>& a, const std::array<B, 3>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 template <class T>
@@ -240,7 +277,7 @@ inline WallDifference wall_difference(const Point& p, const Plane& wall) {
     return {1, two_sum(wall.wall, -p[wall.axis])};
 }
 
-// Largest difference of a plane other than a wall of any direction.
+// Largest difference of a plane other than an oblique wall.
 inline double largest_difference(const Point& p, const Plane& plane) {
     if (!plane.is_bisector()) return std::abs(wall_difference(p, plane).distance.high);
     double m = 0;

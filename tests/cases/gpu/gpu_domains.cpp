@@ -109,6 +109,17 @@ TEST_SUITE("cases") {
         CHECK(compare(lattice, options).failure == "");
     }
 
+    TEST_CASE("gpu domains: triclinic boxes that are periodic along some edges") {
+        Options options = domain_options();
+        options.box.reset();
+        options.cell = votess::TriclinicBox{{-1, -1, -1}, {3, 0.1, 0}, {0.4, 3, 0.2}, {-0.3, 0.2, 3}};
+        for (unsigned mask = 0; mask < 7; ++mask) {
+            options.cell->periodic = {(mask & 1) != 0, (mask & 2) != 0, (mask & 4) != 0};
+            CAPTURE(mask);
+            CHECK(compare(random_points(test::by_size(500, 100), 10 + mask), options).failure == "");
+        }
+    }
+
     TEST_CASE("gpu domains: polytopes of periodic cells") {
         Options options = domain_options();
         options.periodic = {true, true, false};

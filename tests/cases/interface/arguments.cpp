@@ -129,7 +129,7 @@ TEST_SUITE("api") {
         CHECK(refusal({0, 0, 0}, options) == "");
     }
 
-    TEST_CASE("a cell repeats along all axes: periodic along some contradicts it") {
+    TEST_CASE("a cell says itself along which edges it repeats: periodic says the same or nothing") {
         votess::Options options;
         options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0.25, 1, 0}, {0, 0, 1}};
         for (unsigned axes = 0; axes < 8; ++axes) {
@@ -140,7 +140,12 @@ TEST_SUITE("api") {
                 CHECK(message == "");
             else
                 CHECK(has(message, "cell and periodic contradict each other"));
+            options.cell->periodic = options.periodic;
+            CHECK(refusal({0.5, 0.5, 0.5}, options) == "");
+            options.cell->periodic = {true, true, true};
         }
+        options.cell.reset();
+        CHECK(has(refusal({0.5, 0.5, 0.5}, options), "a periodic axis needs a box"));
     }
 
     TEST_CASE("what is wanted with what it implies") {

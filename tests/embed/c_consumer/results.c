@@ -215,6 +215,17 @@ void check_domains(votess_tessellator* tessellator) {
         CHECK(has_cell == 1 && memcmp(vectors, expected, sizeof expected) == 0);
         votess_result_free(result);
     }
+    memset(options.periodic, 0, sizeof options.periodic);
+    options.cell_periodic[1] = 0;
+    const double inside[9] = {0.5, 0.5, 0, 5.5, 1.5, 0, -7.5, 1, 2};
+    CHECK(votess_tessellate(tessellator, inside, 3, &options, &result) == VOTESS_OK);
+    CHECK(votess_result_periodic(result, periodic) == VOTESS_OK && periodic[0] && !periodic[1] && periodic[2]);
+    double places[9];
+    CHECK(votess_wrapped_points(result, inside, 3, places) == VOTESS_OK);
+    CHECK(places[0] == 0.5 && places[3] == 1.5 && places[4] == 1.5 && places[6] == 0.5 && places[8] == 2);
+    CHECK_FAILS(votess_wrapped_points(result, inside, 2, places), VOTESS_ERROR_INVALID_ARGUMENT, "coordinates");
+    CHECK_FAILS(votess_wrapped_points(result, inside, 3, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "places");
+    votess_result_free(result);
 }
 
 void check_null_result(void) {

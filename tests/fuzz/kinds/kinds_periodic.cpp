@@ -15,7 +15,7 @@ Vector edge(const Job& job, std::size_t j) {
 }
 
 double volume(const votess::TriclinicBox& cell) {
-    const auto& [o, a, b, c] = cell;
+    const auto &a = cell.a, &b = cell.b, &c = cell.c;
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
@@ -41,6 +41,13 @@ double fraction(Random& random) {
     if (how == 1) return static_cast<double>(random.below(4)) / 4;
     if (how == 2) return decades(random, -17, -3);
     return random.uniform();
+}
+
+// Then rounding may put seeds outside.
+void end_some_edges(Job& job, Random& random) {
+    if (!random.chance(0.3)) return;
+    for (bool& repeats : job.cell->periodic) repeats = random.chance(0.5);
+    job.drop = job.list_walls = true;
 }
 
 void some_weights(Job& job, double largest, Random& random) {
@@ -70,6 +77,7 @@ std::vector<Job> wrapped_pairs(Random& random) {
             if (std::abs(volume(full)) > 0.05 * sides[0] * sides[1] * sides[2]) cell = full;
         }
         job.cell = cell;
+        end_some_edges(job, random);
     } else {
         take_box(job, lower, sides, random, true);
     }
@@ -132,6 +140,7 @@ std::vector<Job> skewed_cells(Random& random) {
     if (random.chance(0.3))
         for (double& x : cell.origin) x = random.uniform(-3, 3);
     job.cell = cell;
+    end_some_edges(job, random);
     job.may_refuse = true;
     for (auto n = 1 + random.below(6); n > 0; --n)
         add_seed(job, at(job, {fraction(random), fraction(random), fraction(random)}));

@@ -71,6 +71,10 @@ private:
         reset(&Job::drop, false);
         reset(&Job::list_walls, false);
         reset(&Job::want, want_rows_and_volumes);
+        if (case_.jobs[k].cell)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                if (!case_.jobs[k].cell->periodic[axis])
+                    changed |= attempt([&](Case& c) { c.jobs[k].cell->periodic[axis] = true; });
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (case_.jobs[k].periodic[axis]) changed |= attempt([&](Case& c) { c.jobs[k].periodic[axis] = false; });
         // A domain that is left open is another matter.

@@ -1,0 +1,79 @@
+"""Atoms of other packages, told by what their objects can do; none of these packages is imported."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Tuple
+
+import numpy as np
+
+from .tessellator import tessellate
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .tessellation import Tessellation
+
+    Float64Array = npt.NDArray[np.float64]
+
+#: positions (N, 3), the three edges of the cell, its corner, and along which edges it repeats
+_Parts = Tuple[Any, Any, Any, Any]
+
+
+def _edges_of_lengths_and_angles(dimensions: Any) -> Float64Array:
+    """Lengths a, b, c and the angles bc, ac, ab in degrees: a along x, b in the plane of x and y."""
+    a, b, c, bc, ac, ab = (float(x) for x in dimensions)
+    # Right angles have a cosine of 0, which radians would miss.
+    cos_bc, cos_ac, cos_ab = (0.0 if angle == 90 else float(np.cos(np.deg2rad(angle))) for angle in (bc, ac, ab))
+    sin_ab = 1.0 if ab == 90 else float(np.sin(np.deg2rad(ab)))
+    y = (cos_bc - cos_ac * cos_ab) / sin_ab
+    return np.array([[a, 0, 0], [b * cos_ab, b * sin_ab, 0], [c * cos_ac, c * y, c * np.sqrt(1 - cos_ac**2 - y**2)]])
+
+
+def _parts_of(atoms: Any) -> _Parts:
+    zero = np.zeros(3)
+    if hasattr(atoms, "get_positions") and hasattr(atoms, "pbc"):  # ASE
+        return atoms.get_positions(), np.asarray(atoms.cell, dtype=np.float64), zero, atoms.pbc
+    if hasattr(atoms, "cart_coords") and hasattr(atoms, "lattice"):  # pymatgen's Structure
+        return atoms.cart_coords, atoms.lattice.matrix, zero, getattr(atoms.lattice, "pbc", (True, True, True))
+    if hasattr(atoms, "particles") and hasattr(atoms, "cell"):  # OVITO's DataCollection
+        if atoms.cell is None:
+            return np.asarray(atoms.particles.positions), np.zeros((3, 3)), zero, (False, False, False)
+        columns = np.asarray(atoms.cell)  # a, b, c and the corner
+        return np.asarray(atoms.particles.positions), columns[:, :3].T, columns[:, 3], atoms.cell.pbc
+    if hasattr(atoms, "atoms") and hasattr(atoms.atoms, "positions"):  # MDAnalysis: a Universe or a group of atoms
+        atoms = atoms.atoms
+        if atoms.dimensions is None:
+            return atoms.positions, np.zeros((3, 3)), zero, (False, False, False)
+        return atoms.positions, _edges_of_lengths_and_angles(atoms.dimensions), zero, (True, True, True)
+    raise TypeError(
+        f"atoms are a {type(atoms).__name__}: known are objects of ASE, pymatgen, MDAnalysis and OVITO; give positions "
+        "and cell to tessellate()"
+    )
+
+
+def from_ase(atoms: Any, **options: Any) -> Tessellation:
+    """Cells of atoms in their cell, periodic as the atoms say.
+
+    Parameters
+    ----------
+    atoms : ``ase.Atoms``; also a pymatgen Structure, an MDAnalysis Universe or group of atoms (periodic along all edges
+        when it has dimensions), an OVITO DataCollection. What they call the unit of length is that of the result.
+    options : of :func:`tessellate`, but for points, cell and origin. ``periodic`` goes before what the atoms say;
+        ``box`` takes the place of their cell.
+
+    Atoms without a cell get the box of :func:`tessellate` around them. Along an edge that does not repeat an atom
+    outside of the cell is an error, or dropped with ``outside="drop"``.
+    """
+    positions, edges, origin, periodic = _parts_of(atoms)
+    repeats = tuple(bool(axis) for axis in np.broadcast_to(periodic, 3))
+    if options.get("box") is None and np.any(edges):
+        missing = [name for name, edge in zip("abc", edges) if not np.any(edge)]
+        if missing:
+            raise ValueError(
+                f"the cell of the atoms has no edge {missing[0]}: give it one, in ASE by atoms.center(vacuum=...)"
+            )
+        options.update(cell=edges, origin=origin)
+        options.setdefault("periodic", repeats)
+    elif any(repeats):
+        options.setdefault("periodic", repeats)
+    return tessellate(positions, **options)

@@ -1,0 +1,43 @@
+"""Walls around round bodies, for ``walls=`` of :func:`pyvotess.tessellate`.
+
+Each function gives (faces, 4) float64 rows nx, ny, nz, d of planes n.x <= d that touch the body, so that the polyhedron
+holds all of it and a little more. ``np.concatenate`` joins several.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._call import raise_on_failure
+from ._input import as_count, as_vector
+from ._library import lib
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Float64Array = npt.NDArray[np.float64]
+
+
+def _walls(function: Any, faces: int, *arguments: Any) -> Float64Array:
+    count = as_count(faces, "faces", 20)
+    rows = np.empty((count, 4))
+    pointers = [a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments]
+    raise_on_failure(function(*pointers, count, rows.ctypes.data))
+    return rows
+
+
+def sphere(center: npt.ArrayLike, radius: float, faces: int = 300) -> Float64Array:
+    """Around a sphere; its volume grows by a share of about 3 / faces."""
+    return _walls(lib.votess_sphere_walls, faces, as_vector(center, "center"), float(radius))
+
+
+def cylinder(point: npt.ArrayLike, axis: npt.ArrayLike, radius: float, faces: int = 32) -> Float64Array:
+    """Around a cylinder without ends; its cross section grows by a share of about pi**2 / (3 faces**2)."""
+    return _walls(lib.votess_cylinder_walls, faces, as_vector(point, "point"), as_vector(axis, "axis"), float(radius))
+
+
+def cone(apex: npt.ArrayLike, axis: npt.ArrayLike, angle: float, faces: int = 32) -> Float64Array:
+    """Around a cone without end, ``axis`` from the apex into it, ``angle`` in radians between axis and surface."""
+    return _walls(lib.votess_cone_walls, faces, as_vector(apex, "apex"), as_vector(axis, "axis"), float(angle))

@@ -1,0 +1,150 @@
+"""Atoms of other packages: as objects that look like theirs, and the real ones where they are installed."""
+
+import types
+import unittest
+
+import numpy as np
+import pyvotess as vt
+
+EDGES = np.array([(9.0, 0, 0), (2.0, 8.0, 0), (-1.5, 1.0, 7.0)])
+
+
+def alloy(count=1000):
+    return np.random.default_rng(11).random((count, 3)) @ EDGES
+
+
+def fcc111_slab():
+    """Four by four atoms in six layers of copper, 5 Angstrom of vacuum on either side: ASE's fcc111('Cu', (4, 4, 6), vacuum=5)."""
+    spacing, layer = 3.61 / np.sqrt(2), 3.61 / np.sqrt(3)
+    cell = np.array([(4 * spacing, 0, 0), (2 * spacing, 2 * np.sqrt(3) * spacing, 0), (0, 0, 5 * layer + 10)])
+    places = [
+        ((i + k % 3 / 3 + (j + k % 3 / 3) / 2) * spacing, (j + k % 3 / 3) * np.sqrt(3) / 2 * spacing, 5 + k * layer)
+        for k in range(6) for j in range(4) for i in range(4)
+    ]
+    return np.array(places), cell
+
+
+def looks_like(kind, positions, cell, pbc):
+    if kind == "ase":
+        return types.SimpleNamespace(get_positions=lambda: positions, cell=cell, pbc=np.array(pbc))
+    if kind == "pymatgen":
+        return types.SimpleNamespace(cart_coords=positions, lattice=types.SimpleNamespace(matrix=cell, pbc=pbc))
+
+    class Cell:
+        def __init__(self):
+            self.pbc = pbc
+
+        def __array__(self, dtype=None, copy=None):
+            return np.column_stack((cell.T, (0.0, 0.0, 0.0)))
+
+    return types.SimpleNamespace(particles=types.SimpleNamespace(positions=positions), cell=Cell())
+
+
+class Atoms(unittest.TestCase):
+    def test_slab(self):
+        positions, cell = fcc111_slab()
+        t = vt.from_ase(looks_like("ase", positions, cell, (True, True, False)), min_face=1e-6, list_walls=True)
+        self.assertEqual(t.periodic, (True, True, False))
+        counts = np.array([np.count_nonzero(row >= 0) for row in t.neighbors])
+        self.assertTrue(np.all(counts[16:-16] == 12))
+        self.assertTrue(t.verify())
+        layer = np.repeat(np.arange(6), 16)
+        pairs = t.pairs()
+        self.assertLessEqual(np.abs(layer[pairs.i] - layer[pairs.j]).max(), 2)
+        self.assertFalse(pairs.shift[:, 2].any())
+        self.assertEqual({int(w) for w in t.neighbors.indices[t.neighbors.indices < 0]}, {-5, -6})
+        # Told to repeat, it does; told nothing by the atoms, it ends everywhere.
+        self.assertEqual(vt.from_ase(looks_like("ase", positions, cell, (True, True, False)), periodic=True).periodic,
+                         (True, True, True))
+
+    def test_objects_of_all_packages_give_the_same(self):
+        positions = alloy(200)
+        expected = vt.tessellate(positions, cell=EDGES, periodic="xz", outside="drop")
+        for kind in ("ase", "pymatgen", "ovito"):
+            t = vt.from_ase(looks_like(kind, positions, EDGES, (True, False, True)), outside="drop")
+            np.testing.assert_array_equal(t.neighbors.indices, expected.neighbors.indices)
+            np.testing.assert_array_equal(t.volumes, expected.volumes)
+        group = types.SimpleNamespace(positions=positions, dimensions=(9, 8, 7, 90, 60, 90))
+        t = vt.from_ase(types.SimpleNamespace(atoms=group))
+        np.testing.assert_allclose(t.cell, [(9, 0, 0), (0, 8, 0), (3.5, 0, 7 * np.sqrt(0.75))], rtol=1e-15, atol=1e-15)
+        self.assertEqual(t.periodic, (True, True, True))
+        group.dimensions = None
+        self.assertIsNone(vt.from_ase(types.SimpleNamespace(atoms=group)).cell)
+
+    def test_what_is_refused(self):
+        positions = alloy(10)
+        with self.assertRaisesRegex(TypeError, "atoms are a list"):
+            vt.from_ase([1, 2, 3])
+        with self.assertRaisesRegex(ValueError, "no edge c"):
+            vt.from_ase(looks_like("ase", positions, EDGES * [[1], [1], [0]], (True, True, False)))
+        with self.assertRaisesRegex(ValueError, "a periodic axis needs a box"):
+            vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (True, True, False)))
+        self.assertIsNone(vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (False,) * 3)).cell)
+
+    def compare(self, atoms):
+        t = vt.from_ase(atoms)
+        expected = vt.tessellate(alloy(), cell=EDGES)
+        np.testing.assert_allclose(t.volumes, expected.volumes, rtol=1e-5)
+        np.testing.assert_array_equal(np.diff(t.neighbors.indptr), np.diff(expected.neighbors.indptr))
+        self.assertEqual(t.periodic, (True, True, True))
+
+    def test_ase(self):
+        try:
+            import ase
+            import ase.build
+        except ImportError:
+            self.skipTest("ASE is not installed")
+        self.compare(ase.Atoms("X1000", positions=alloy(), cell=EDGES, pbc=True))
+        slab = ase.build.fcc111("Cu", (4, 4, 6), vacuum=5)
+        t = vt.from_ase(slab, min_face=1e-6)
+        ours, cell = fcc111_slab()
+        np.testing.assert_allclose(slab.cell[:], cell, rtol=0, atol=1e-12)
+        np.testing.assert_array_equal(
+            np.diff(t.neighbors.indptr),
+            np.diff(vt.tessellate(ours, cell=cell, periodic="xy", min_face=1e-6).neighbors.indptr),
+        )
+
+    def test_pymatgen(self):
+        try:
+            from pymatgen.core import Lattice, Structure
+        except ImportError:
+            self.skipTest("pymatgen is not installed")
+        self.compare(Structure(Lattice(EDGES), ["Cu"] * 1000, alloy(), coords_are_cartesian=True))
+
+    def test_mdanalysis(self):
+        try:
+            import MDAnalysis
+        except ImportError:
+            self.skipTest("MDAnalysis is not installed")
+        universe = MDAnalysis.Universe.empty(1000, trajectory=True)
+        universe.atoms.positions = alloy()
+        lengths = np.linalg.norm(EDGES, axis=1)
+        angles = [np.degrees(np.arccos(EDGES[i] @ EDGES[j] / lengths[i] / lengths[j])) for i, j in ((1, 2), (0, 2), (0, 1))]
+        universe.dimensions = [*lengths, *angles]  # float32
+        t = vt.from_ase(universe)
+        np.testing.assert_allclose(t.volumes, vt.tessellate(alloy(), cell=EDGES).volumes, rtol=1e-3)
+
+    def test_ovito_and_freud(self):
+        try:
+            import freud
+            import ovito.data
+            import ovito.modifiers
+        except ImportError:
+            self.skipTest("OVITO and freud are not installed")
+        data = ovito.data.DataCollection()
+        data.create_cell(np.column_stack((EDGES.T, np.zeros(3))), pbc=(True, True, True))
+        particles = data.create_particles(count=1000)
+        particles.create_property("Position", data=alloy())
+        self.compare(data)
+        t = vt.from_ase(data, want="areas,volumes")
+        data.apply(ovito.modifiers.VoronoiAnalysisModifier())
+        np.testing.assert_allclose(t.volumes, data.particles["Atomic Volume"], rtol=1e-6)
+        np.testing.assert_array_equal(np.diff(t.neighbors.indptr), data.particles["Coordination"])
+        # freud's box is centered.
+        box = freud.box.Box.from_matrix(EDGES.T)
+        cells = freud.locality.Voronoi().compute((box, box.wrap(alloy() - EDGES.sum(axis=0) / 2)))
+        np.testing.assert_allclose(t.volumes, cells.volumes, rtol=1e-4)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,95 @@
+#include "domain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+#include "failure.hpp"
+#include "files/numbers.hpp"
+
+namespace clvotess {
+namespace {
+
+std::string short_list(std::span<const double> numbers) {
+    std::string text;
+    for (const double x : numbers) {
+        char number[32];
+        std::snprintf(number, sizeof number, "%.6g", x);
+        text += (text.empty() ? "" : ",") + std::string(number);
+    }
+    return text;
+}
+
+// JSON knows no infinity, which the bounds of a box near the largest double may be.
+std::string json_list(std::span<const double> numbers) {
+    std::string text;
+    for (const double x : numbers) text += (text.empty() ? "[" : ",") + (std::isfinite(x) ? to_text(x) : "null");
+    return text + "]";
+}
+
+const char* kind_of(const votess::Tessellation& cells) {
+    return cells.cell() ? "cell" : cells.walls().empty() ? "box" : "polyhedron";
+}
+
+std::string axes_of(const votess::Tessellation& cells) {
+    std::string axes;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (cells.periodic()[k]) axes += (cells.cell() ? "abc" : "xyz")[k];
+    }
+    return axes;
+}
+
+}  // namespace
+
+std::string choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
+                          votess::Options& options) {
+    const bool given = options.box || options.cell;
+    if (!given) {
+        options.box = stated.box;
+        options.cell = stated.cell;
+        options.periodic = stated.periodic;
+    }
+    if (!options.box && !options.cell) {
+        if (periodic && std::ranges::count(*periodic, true) > 0) {
+            throw bad_input(
+                "a periodic axis needs a box: give --box or --cell, whose lengths are the periods; the file states "
+                "none");
+        }
+        return "bounds";
+    }
+    if (periodic) (options.cell ? options.cell->periodic : options.periodic) = *periodic;
+    return given ? "given" : "file";
+}
+
+std::string domain_text(const votess::Tessellation& cells, const std::string& from) {
+    std::string text;
+    if (const auto& cell = cells.cell()) {
+        text = "cell " + short_list(cell->a) + " " + short_list(cell->b) + " " + short_list(cell->c) + " at " +
+               short_list(cell->origin);
+    } else {
+        text = "box " + short_list(cells.box().lower) + " to " + short_list(cells.box().upper);
+    }
+    if (const auto count = cells.walls().size(); count > 0) {
+        text += ", cut by " + std::to_string(count) + (count == 1 ? " wall" : " walls");
+    }
+    const std::string axes = axes_of(cells);
+    text += axes.empty() ? ", not periodic" : ", periodic " + axes;
+    return text + (from == "file" ? ", of the file" : from == "bounds" ? ", around the points" : "");
+}
+
+std::string domain_json(const votess::Tessellation& cells, const std::string& from) {
+    const auto& cell = cells.cell();
+    const auto of_cell = [&](const std::array<double, 3> votess::TriclinicBox::*vector) {
+        return cell ? json_list((*cell).*vector) : "null";
+    };
+    std::string periodic;
+    for (const bool axis : cells.periodic()) periodic += std::string(periodic.empty() ? "" : ",") + (axis ? "true" : "false");
+    using Cell = votess::TriclinicBox;
+    return std::string(R"({"kind": ")") + kind_of(cells) + R"(", "lower": )" + json_list(cells.box().lower) +
+           R"(, "upper": )" + json_list(cells.box().upper) + R"(, "origin": )" + of_cell(&Cell::origin) + R"(, "a": )" +
+           of_cell(&Cell::a) + R"(, "b": )" + of_cell(&Cell::b) + R"(, "c": )" + of_cell(&Cell::c) +
+           R"(, "periodic": [)" + periodic + R"(], "from": ")" + from + "\"}";
+}
+
+}  // namespace clvotess

@@ -1,0 +1,39 @@
+// The domain of a result: as options, and where its seeds lie in it.
+#include "input/domain_of_result.hpp"
+
+#include "input/options.hpp"
+
+namespace votess {
+
+Options domain_options(const Tessellation& t) {
+    Options options;
+    if (t.cell())
+        options.cell = t.cell();
+    else
+        options.box = t.box(), options.periodic = t.periodic();
+    options.walls.assign(t.walls().begin(), t.walls().end());
+    options.outside = Outside::drop;
+    return options;
+}
+
+std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
+    if (points.size() != 3 * t.size())
+        throw Error(ErrorCode::invalid_argument, "wrapped_points: points hold " + std::to_string(points.size()) +
+                                                     " coordinates, the result has " + std::to_string(t.size()) +
+                                                     " cells");
+    std::vector<double> places(points.begin(), points.end());
+    if (t.periodic() == std::array<bool, 3>{}) return places;
+    const Job job = validate({points, {}}, domain_options(t));
+    const Domain& domain = *job.domain;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        if (t.status()[i] == CellStatus::outside) continue;
+        const exact::Point x{points[3 * i] * job.scale, points[3 * i + 1] * job.scale, points[3 * i + 2] * job.scale};
+        const auto shift = wrap(domain, x);
+        if (!shift || *shift == exact::Shift{}) continue;
+        const auto at = exact::differences({}, exact::Plane::bisector(x, *shift, domain.lattice)).x;
+        for (std::size_t k = 0; k < 3; ++k) places[3 * i + k] = at[k].high / job.scale;
+    }
+    return places;
+}
+
+}  // namespace votess
