@@ -44,21 +44,32 @@ std::string axes_of(const votess::Tessellation& cells) {
 
 std::string choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
                           votess::Options& options) {
+    const auto any = [](const std::array<bool, 3>& axes) { return std::ranges::count(axes, true) > 0; };
     const bool given = options.box || options.cell;
     if (!given) {
         options.box = stated.box;
         options.cell = stated.cell;
-        options.periodic = stated.periodic;
     }
     if (!options.box && !options.cell) {
-        if (periodic && std::ranges::count(*periodic, true) > 0) {
+        if (periodic && any(*periodic)) {
             throw bad_input(
                 "a periodic axis needs a box: give --box or --cell, whose lengths are the periods; the file states "
                 "none");
         }
+        if (!periodic && any(stated.periodic)) {
+            throw bad_input(
+                "the file says which axes are periodic, but not how long the periods are: give --box or --cell, or "
+                "--periodic none");
+        }
         return "bounds";
     }
-    if (periodic) (options.cell ? options.cell->periodic : options.periodic) = *periodic;
+    std::array<bool, 3>& axes = options.cell ? options.cell->periodic : options.periodic;
+    const bool axes_alone = any(stated.periodic) && !stated.box;  // for the user's box
+    if (periodic) {
+        axes = *periodic;
+    } else if (given ? axes_alone : options.box.has_value()) {
+        axes = stated.periodic;
+    }
     return given ? "given" : "file";
 }
 
@@ -84,7 +95,8 @@ std::string domain_json(const votess::Tessellation& cells, const std::string& fr
         return cell ? json_list((*cell).*vector) : "null";
     };
     std::string periodic;
-    for (const bool axis : cells.periodic()) periodic += std::string(periodic.empty() ? "" : ",") + (axis ? "true" : "false");
+    for (const bool axis : cells.periodic())
+        periodic += std::string(periodic.empty() ? "" : ",") + (axis ? "true" : "false");
     using Cell = votess::TriclinicBox;
     return std::string(R"({"kind": ")") + kind_of(cells) + R"(", "lower": )" + json_list(cells.box().lower) +
            R"(, "upper": )" + json_list(cells.box().upper) + R"(, "origin": )" + of_cell(&Cell::origin) + R"(, "a": )" +

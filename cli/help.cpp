@@ -13,8 +13,9 @@ input
   INPUT                  .xyz .txt .dat .csv  text rows `x y z` or `id x y z`, separated by blanks,
                                          tabs, commas or semicolons; # begins a comment; ids are
                                          whole numbers. A .csv may begin with a line of names that
-                                         says where x, y, z and id are; an .xyz may have the classic
-                                         layout (count, comment, `Element x y z`)
+                                         says where x, y, z and id are; an .xyz may be frames of a
+                                         count, a comment and rows `Element x y z`, also extended: the
+                                         comment says Properties=, Lattice=, Origin= and pbc=
                          .npy .npz       NumPy arrays (N, 3), float64 or float32; in .npz the array
                                          `points`, the only one that fits, or x, y and z; ids
                          .h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
@@ -23,11 +24,13 @@ input
                          .data .lmp      LAMMPS data file, its section Atoms; also data.NAME. The
                                          atom style (`Atoms # full`) or a line of names says where
                                          the columns are, or in common styles their number
+                         POSCAR CONTCAR .vasp  of VASP
                          .ply            element vertex: x y z, id
                          .vtp .vtu       VTK in XML: Points, id out of PointData
                          NAME, -         text without an extension; on stdin
+                         Any text also packed: .xyz.gz, .dump.gz, ...
   --dataset NAME         which dataset of .h5 or array of .npz; default the only one that fits
-  --frame N              which frame of a LAMMPS dump, from 0; default the first
+  --frame N              which frame of a LAMMPS dump or .xyz, from 0; default the first
   --random N             N uniform points in the box 0..1 (domain: that box, unless --box is given)
   --rng-seed S           which random points; default 1, the same points on every machine
 
@@ -42,9 +45,10 @@ domain
                          along those that --periodic names as x, y and z; across the others it
                          ends at the planes of its faces, walls -1 to -6
   --origin x,y,z         the corner of --cell; default 0,0,0
-                         The box of a LAMMPS file is taken, with its tilt and its periodic axes (in
-                         a data file all three), unless --box or --cell is given; --periodic then
-                         says which axes of that box repeat
+                         Unless --box or --cell is given, a file that states its domain gives it:
+                         LAMMPS (a data file repeats along all axes), extended XYZ (without pbc
+                         all), POSCAR (all), BoxSize of a snapshot (none). --periodic then says
+                         which axes of that box repeat
   --wall nx,ny,nz,d      keep where nx x + ny y + nz z <= d; repeatable: a convex polyhedron, whose
                          walls are -7, -8, ...
   --wall-sphere x,y,z,r,FACES

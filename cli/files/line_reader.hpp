@@ -33,7 +33,10 @@ inline void split_words(std::string_view line, Words& words) {
 
 class LineReader {
 public:
-    LineReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {}
+    // Passes over the byte order mark of UTF-8.
+    LineReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
+        if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
+    }
 
     [[nodiscard]] bool next(std::string_view& line) {
         if (rest_.empty()) return false;

@@ -6,6 +6,7 @@
 
 #include "failure.hpp"
 #include "files/formats/hdf5_module.hpp"
+#include "files/gunzip.hpp"
 #include "files/line_reader.hpp"
 #include "files/mapped_file.hpp"
 
@@ -13,29 +14,32 @@ namespace clvotess {
 namespace {
 
 constexpr const char* known =
-    "known are .xyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .ply .vtp .vtu, text without an "
-    "extension, and on stdin as -";
+    "known are .xyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply .vtp .vtu, POSCAR, text "
+    "without an extension, and on stdin as -; text also as .gz";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
     if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
         throw bad_input("--dataset goes with .h5, .hdf5 and .npz only, not with " + in_quotes(path));
     }
-    if (request.frame && extension != ".dump" && extension != ".lammpstrj") {
-        throw bad_input("--frame goes with LAMMPS dumps (.dump, .lammpstrj) only, not with " + in_quotes(path));
+    if (request.frame && extension != ".dump" && extension != ".lammpstrj" && extension != ".xyz") {
+        throw bad_input("--frame goes with .xyz and LAMMPS dumps (.dump, .lammpstrj) only, not with " +
+                        in_quotes(path));
     }
 }
 
-// The extension that says what the file is. LAMMPS's own examples are called data.NAME and dump.NAME.
+// The extension that says what the file is. LAMMPS's own examples are called data.NAME and dump.NAME, VASP's files
+// POSCAR and CONTCAR with or without more behind it.
 std::string kind_of(const std::string& path) {
     if (path == "-") return ".txt";
     const std::string extension = extension_of(path);
-    constexpr std::array<std::string_view, 15> extensions{".xyz",  ".txt", ".dat",  ".csv",  ".npy",
-                                                          ".npz",  ".h5",  ".hdf5", ".dump", ".lammpstrj",
-                                                          ".data", ".lmp", ".ply",  ".vtp",  ".vtu"};
+    constexpr std::array<std::string_view, 16> extensions{".xyz", ".txt",  ".dat",  ".csv",       ".npy",  ".npz",
+                                                          ".h5",  ".hdf5", ".dump", ".lammpstrj", ".data", ".lmp",
+                                                          ".ply", ".vtp",  ".vtu",  ".vasp"};
     if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
     const std::string name = std::filesystem::path(path).filename().string();
     if (name.starts_with("data.")) return ".data";
     if (name.starts_with("dump.")) return ".dump";
+    if (name.starts_with("POSCAR") || name.starts_with("CONTCAR")) return ".vasp";
     return extension;
 }
 
@@ -53,10 +57,15 @@ std::string extension_of(const std::string& path) {
 }
 
 Input read_input(const std::string& path, const ReadRequest& request) {
-    const std::string extension = kind_of(path);
+    const bool packed = path != "-" && extension_of(path) == ".gz";
+    const std::string extension = kind_of(packed ? path.substr(0, path.size() - 3) : path);
     const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
     if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
+    constexpr std::array<std::string_view, 7> binary{".h5", ".hdf5", ".npy", ".npz", ".ply", ".vtp", ".vtu"};
+    if (packed && std::ranges::find(binary, extension) != binary.end()) {
+        throw bad_input("cannot read " + in_quotes(path) + ": only text is read packed; unpack it with gunzip");
+    }
     if (extension == ".npy") {
         if (!request.column.empty()) throw bad_input(path + ": one array has no column " + in_quotes(request.column));
         return read_npy(path);
@@ -64,14 +73,14 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
     const auto parse = [&](Parser parser) {
         const MappedFile file(path);
-        return parser(file.bytes(), path == "-" ? "stdin" : path, request);
+        return parser(packed ? std::string_view(gunzip(file.bytes(), path)) : file.bytes(),
+                      path == "-" ? "stdin" : path, request);
     };
     if (extension == ".txt" || extension == ".dat" || extension.empty()) {
         return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::plain, name, wish); });
     }
-    if (extension == ".xyz") {
-        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::xyz, name, wish); });
-    }
+    if (extension == ".xyz") return parse(parse_xyz);
+    if (extension == ".vasp") return parse(parse_poscar);
     if (extension == ".csv") {
         return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::csv, name, wish); });
     }

@@ -16,7 +16,7 @@ namespace clvotess {
 // What a file says about the domain of its points.
 struct FileDomain {
     std::optional<votess::Box> box;
-    std::array<bool, 3> periodic{};
+    std::array<bool, 3> periodic{};            // may be told without a box
     std::optional<votess::TriclinicBox> cell;  // instead of box and periodic, with its own
 };
 
@@ -35,7 +35,7 @@ struct Input {
 struct ReadRequest {
     std::string dataset;  // HDF5: path of the points; .npz: name of their member; empty: the only one that fits
     std::string column;   // of weights or radii: a name, or in files of rows its number from 1; empty: none
-    std::optional<std::uint64_t> frame;  // LAMMPS dump: which one, from 0; default the first
+    std::optional<std::uint64_t> frame;  // LAMMPS dump, .xyz: which one, from 0; default the first
 };
 
 // path: a file with a known extension, or "-" for text on stdin. Throws Failure.
@@ -43,13 +43,15 @@ struct ReadRequest {
 
 enum class TextKind {
     plain,  // .txt and stdin
-    xyz,    // may also be the classic layout: count, comment, then `Element x y z`
     csv,    // may begin with a line of names
 };
 
 // The readers. `name` and `path` are for messages, which begin `name:` or, where there are lines, `name:line:`.
 [[nodiscard]] Input parse_text(std::string_view text, TextKind kind, const std::string& name,
                                const ReadRequest& request = {});
+// .xyz: plain text, or frames.
+[[nodiscard]] Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request);
+[[nodiscard]] Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_dump(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_data(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request);

@@ -178,6 +178,7 @@ public:
     Input read(const std::string& path) {
         const Hdf5File first(first_snapshot_file(path));
         name_ = request_.dataset.empty() ? find_points(first) : without_slash(request_.dataset);
+        input_.domain.box = box_of(first);
         const std::vector<double> announced = first.header("NumFilesPerSnapshot");
         const double files = announced.empty() ? 1 : announced[0];
         if (!(files > 1)) {
@@ -208,12 +209,16 @@ private:
         return path.substr(std::min(path.find_first_not_of('/'), path.size()));
     }
 
-    // A snapshot states the side of its box; whether it is periodic it does not say.
-    static std::string box_hint(const Hdf5File& file) {
+    // A snapshot states the sides of its box, which begins at 0; whether it is periodic it does not say.
+    static std::optional<votess::Box> box_of(const Hdf5File& file) {
         const std::vector<double> size = file.header("BoxSize");
-        if (size.empty()) return "";
-        const std::string side = to_text(size[0]);
-        return "; its BoxSize is " + side + ", which --box 0,0,0," + side + "," + side + "," + side + " would use";
+        if (size.size() != 1 && size.size() != 3) return std::nullopt;
+        votess::Box box{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.upper[k] = size[size.size() == 3 ? k : 0];
+            if (!(box.upper[k] > 0 && std::isfinite(box.upper[k]))) return std::nullopt;
+        }
+        return box;
     }
 
     [[nodiscard]] static std::string find_points(const Hdf5File& file) {
@@ -223,14 +228,13 @@ private:
         }
         if (candidates.size() == 1) return candidates[0];
         if (candidates.empty()) {
-            throw bad_input(file.path() + ": no dataset of floats with shape (N, 3)" + box_hint(file));
+            throw bad_input(file.path() + ": no dataset of floats with shape (N, 3)");
         }
         constexpr std::size_t shown = 8;
         std::string list;
         for (std::size_t i = 0; i < candidates.size() && i < shown; ++i) list += " " + candidates[i];
         if (candidates.size() > shown) list += " ...";
-        throw bad_input(file.path() + ": several datasets could be the points, name one with --dataset:" + list +
-                        box_hint(file));
+        throw bad_input(file.path() + ": several datasets could be the points, name one with --dataset:" + list);
     }
 
     [[nodiscard]] Failure no_dataset(const Hdf5File& file) const {
@@ -239,8 +243,7 @@ private:
             if (file.open(other).is_points()) list += " " + other;
         }
         return bad_input(file.path() + ": no dataset " + in_quotes(name_) +
-                         (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list) +
-                         box_hint(file));
+                         (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list));
     }
 
     // A file of a snapshot may lack particles of the type that is asked for.

@@ -1,5 +1,5 @@
 // Text rows `x y z` or `id x y z`, with one column more when the run wants it as weights or radii; rows under a line of
-// names; the classic XYZ layout.
+// names.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -37,21 +37,14 @@ bool ends_field(char c) {
     return is_blank(c) || is_mark(c) || c == '#';
 }
 
-// Without the byte order mark of UTF-8.
-std::string_view without_mark(std::string_view text) {
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-    return text;
-}
-
 class TextReader {
 public:
     TextReader(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request)
-        : lines_(without_mark(text), name), kind_(kind), request_(request) {}
+        : lines_(text, name), kind_(kind), request_(request) {}
 
     Input read() {
         Row row;
         if (!next_row(row)) return {};
-        if (kind_ == TextKind::xyz && row.count == 1 && read_uint64(row.fields[0])) return read_classic(row.fields[0]);
         if (kind_ == TextKind::csv && is_header(row)) {
             names_ = names_of(line_);
             check_names();
@@ -217,35 +210,6 @@ private:
             append_position(row, layout.axes, input);
             if (layout.value) input.column.push_back(lines_.number(row.fields[*layout.value]));
         } while (next_row(row));
-        return input;
-    }
-
-    // Count, one line of comment, then `Element x y z` that many times.
-    Input read_classic(std::string_view count_field) {
-        const std::uint64_t count = *read_uint64(count_field);
-        std::string_view comment;
-        static_cast<void>(lines_.next(comment));  // a file of no rows may lack it
-        Input input;
-        reserve(input, false);
-        std::optional<std::size_t> value;
-        Row row;
-        while (next_row(row)) {
-            if (input.size() == count) {
-                throw lines_.error("more rows than the " + std::to_string(count) +
-                                   " that the first line announces; this version reads one frame only");
-            }
-            if (!request_.column.empty() && !value) value = value_column(std::min(row.count, kept_fields));
-            if (value ? row.count <= std::max<std::size_t>(*value, 3) : row.count != 4) {
-                throw lines_.error("this row has " + columns_text(row.count) + ", expected " +
-                                   (value ? "more" : "4 (element x y z)"));
-            }
-            append_position(row, {1, 2, 3}, input);
-            if (value) input.column.push_back(lines_.number(row.fields[*value]));
-        }
-        if (input.size() != count) {
-            throw lines_.error("the file ends after " + std::to_string(input.size()) + " of the " +
-                               std::to_string(count) + " rows that its first line announces");
-        }
         return input;
     }
 

@@ -71,8 +71,8 @@ std::vector<Vector> around(const Vector& axis, double sine, std::size_t count) {
 
 }  // namespace
 
-// The directions of a Fibonacci lattice (Swinbank and Purser, Q. J. R. Meteorol. Soc. 132, 2006): equal areas, turned by
-// the golden angle each.
+// The directions of a Fibonacci lattice (Swinbank and Purser, Q. J. R. Meteorol. Soc. 132, 2006): equal areas, turned
+// by the golden angle each.
 std::vector<Wall> sphere_walls(const Vector& center, double radius, std::size_t faces) {
     check_finite("center", center);
     check_radius(radius);

@@ -55,7 +55,8 @@ TEST_SUITE("cases") {
             REQUIRE(sphere.size() == faces);
             for (const auto& [n, d] : sphere) {
                 CHECK(std::hypot(n[0], n[1], n[2]) == doctest::Approx(1).epsilon(1e-14));
-                CHECK(d - n[0] * center[0] - n[1] * center[1] - n[2] * center[2] == doctest::Approx(0.75).epsilon(1e-13));
+                CHECK(d - n[0] * center[0] - n[1] * center[1] - n[2] * center[2] ==
+                      doctest::Approx(0.75).epsilon(1e-13));
             }
             const double more = excess(sphere, {{0, -5, 2}, {6, 1, 8}}, center, 0.75, 4 * pi / 3 * std::pow(0.75, 3));
             CHECK(more > 2.5 / static_cast<double>(faces));
@@ -68,12 +69,13 @@ TEST_SUITE("cases") {
             const double largest = std::max({std::abs(axis[0]), std::abs(axis[1]), std::abs(axis[2])});
             for (const auto& [n, d] : cylinder) {
                 CHECK(std::abs(n[0] * axis[0] + n[1] * axis[1] + n[2] * axis[2]) <= 1e-15 * 3 * largest);
-                CHECK(d - n[0] * center[0] - n[1] * center[1] - n[2] * center[2] == doctest::Approx(0.5).epsilon(1e-13));
+                CHECK(d - n[0] * center[0] - n[1] * center[1] - n[2] * center[2] ==
+                      doctest::Approx(0.5).epsilon(1e-13));
             }
         }
         const double share = pi * pi / (3 * 32 * 32);
-        const double more = excess(votess::cylinder_walls(center, {0, 0, -1}, 0.5, 32), {{0, -5, 4}, {6, 1, 6}}, center, 0.5,
-                                   2 * pi * 0.25);
+        const double more = excess(votess::cylinder_walls(center, {0, 0, -1}, 0.5, 32), {{0, -5, 4}, {6, 1, 6}}, center,
+                                   0.5, 2 * pi * 0.25);
         CHECK(more == doctest::Approx(share).epsilon(0.02));
         // From the apex at z = 0 up to z = 1, a half angle of 30 degrees.
         const double angle = pi / 6, base = std::tan(angle);
@@ -84,7 +86,9 @@ TEST_SUITE("cases") {
 
     TEST_CASE("round walls: what is refused") {
         const double nan = std::numeric_limits<double>::quiet_NaN();
-        const auto has = [](const std::string& message, const char* what) { return message.find(what) != std::string::npos; };
+        const auto has = [](const std::string& message, const char* what) {
+            return message.find(what) != std::string::npos;
+        };
         CHECK(has(refusal([&] { return votess::sphere_walls({0, nan, 0}, 1, 9); }), "center holds nan"));
         CHECK(has(refusal([&] { return votess::sphere_walls({0, 0, 0}, 0, 9); }), "radius 0"));
         CHECK(has(refusal([&] { return votess::sphere_walls({0, 0, 0}, nan, 9); }), "radius nan"));

@@ -52,7 +52,8 @@ Coordinates points_in(const TriclinicBox& cell, test::Random& random, std::size_
     Coordinates points;
     for (std::size_t i = 0; i < n; ++i) {
         Vector f;
-        for (std::size_t k = 0; k < 3; ++k) f[k] = cell.periodic[k] ? random.uniform(-2, 3) : random.uniform(1e-9, 1 - 1e-9);
+        for (std::size_t k = 0; k < 3; ++k)
+            f[k] = cell.periodic[k] ? random.uniform(-2, 3) : random.uniform(1e-9, 1 - 1e-9);
         const Vector x = at(cell, f);
         points.insert(points.end(), x.begin(), x.end());
     }
@@ -204,8 +205,8 @@ TEST_SUITE("cases") {
             options.want.areas = options.want.centroids = false;  // beyond the range of doubles
             const auto t = votess::tessellate(std::span<const double>(points), options);
             CAPTURE(power);
-            CHECK(test::check_against_half_spaces(
-                      t, points, options, std::abs(power) > 100 ? std::optional<int>{} : std::optional<int>{3})
+            CHECK(test::check_against_half_spaces(t, points, options,
+                                                  std::abs(power) > 100 ? std::optional<int>{} : std::optional<int>{3})
                       .find("exact are") == std::string::npos);
         }
         TriclinicBox far = random_cell(random, 0.25);
@@ -222,15 +223,16 @@ TEST_SUITE("cases") {
     // Inner atoms of a face-centered crystal have 12 neighbors; rows of the outer ones are those of brute force.
     TEST_CASE("slabs: a crystal's surface has nothing across the vacuum") {
         const double spacing = 3.61 / std::sqrt(2.0), layer = 3.61 / std::sqrt(3.0), vacuum = 5;
-        TriclinicBox cell{{}, {4 * spacing, 0, 0}, {2 * spacing, 2 * std::sqrt(3.0) * spacing, 0}, {}, {true, true, false}};
+        TriclinicBox cell{
+            {}, {4 * spacing, 0, 0}, {2 * spacing, 2 * std::sqrt(3.0) * spacing, 0}, {}, {true, true, false}};
         cell.c = {0, 0, 5 * layer + 2 * vacuum};
         Coordinates points;
         for (int k = 0; k < 6; ++k)
             for (int j = 0; j < 4; ++j)
                 for (int i = 0; i < 4; ++i) {
                     const double off = k % 3 / 3.0, u = i + off, v = j + off;
-                    points.insert(points.end(), {(u + v / 2) * spacing, v * std::sqrt(3.0) / 2 * spacing,
-                                                 vacuum + k * layer});
+                    points.insert(points.end(),
+                                  {(u + v / 2) * spacing, v * std::sqrt(3.0) / 2 * spacing, vacuum + k * layer});
                 }
         Options options = with_cell(cell);
         CHECK(check(points, options, 1) == "");
@@ -243,7 +245,8 @@ TEST_SUITE("cases") {
             if (!outer) CHECK(t.neighbors(i).size() == 12);
             for (const std::int32_t j : t.neighbors(i)) CHECK(std::abs(static_cast<int>(i) / 16 - j / 16) < 3);
         }
-        for (const std::int8_t* s = t.shifts().data(); s != t.shifts().data() + t.shifts().size(); s += 3) CHECK(s[2] == 0);
+        for (const std::int8_t* s = t.shifts().data(); s != t.shifts().data() + t.shifts().size(); s += 3)
+            CHECK(s[2] == 0);
     }
 
     TEST_CASE("slabs: every instruction set gives the same") {

@@ -91,7 +91,7 @@ class Hdf5Files(ReaderTest):
                            (self.save("b.h5", a=points.astype(int)), "(N, 3)"),
                            (self.save("c.h5", a=points, b=points), ["a b", "--dataset"]),
                            (self.save("d.h5", box, PartType0__Coordinates=points, PartType1__Coordinates=points),
-                            ["PartType0/Coordinates PartType1/Coordinates", "--box 0,0,0,75000,75000,75000"]),
+                            "PartType0/Coordinates PartType1/Coordinates"),
                            (self.put("e.h5", b"1 2 3\n"), "not an HDF5 file"),
                            (self.put("f.h5", b""), "not an HDF5 file"),
                            ("absent.h5", ["absent.h5", "No such file"])]:
@@ -144,7 +144,19 @@ class Hdf5Files(ReaderTest):
             self.assert_column(name, points[:, 0], "SmoothingLength", *wish)
         self.assertRegex(self.run_cli("snap_010", *wish).stdout, "(?m)^input +5 files of a snapshot$")
         self.refuse("snap_010.3.hdf5", *wish, says=["first", "'snap_010.0.hdf5'"])
-        self.refuse("snap_010", "--dataset", "PartType2/Coordinates", says=["PartType2/Coordinates", "BoxSize"])
+        self.refuse("snap_010", "--dataset", "PartType2/Coordinates", says="PartType2/Coordinates")
+        # BoxSize is the box, which --periodic repeats.
+        for options, axes in [([], "not periodic"), (["--periodic"], "periodic xyz"), (["--periodic", "y"], "periodic y")]:
+            self.assertRegex(self.run_cli("snap_010", *wish, *options).stdout,
+                             f"(?m)^domain +box 0,0,0 to 1,1,1, {axes}, of the file$")
+            self.assertEqual(self.json("snap_010", *wish, *options)["box_volume"], 1)
+        self.snapshot("sides", 1, points, BoxSize=[1.0, 2.0, 3.0])
+        self.assertEqual(self.json("sides.hdf5", *wish, "--periodic")["domain"]["upper"], [1, 2, 3])
+        self.snapshot("isolated", 1, points, BoxSize=0.0)
+        self.assertEqual(self.json("isolated.hdf5", *wish)["domain"]["from"], "bounds")
+        self.refuse("isolated.hdf5", *wish, "--periodic", says="a periodic axis needs a box")
+        self.snapshot("outside", 1, points, BoxSize=0.5)
+        self.refuse("outside.hdf5", *wish, says=["point", "outside the box"])
         (self.folder / "snap_010.0.hdf5").rename(self.folder / "renamed.hdf5")
         self.refuse("renamed.hdf5", *wish, says=["5 files", "NAME.0.hdf5"])
         self.snapshot("short", 3, points, NumPart_Total=np.array([9, 102, 0, 0, 0, 0], "u4"))

@@ -26,7 +26,8 @@ Input text(std::string_view bytes, const std::string& name, const ReadRequest& r
 }
 
 const std::map<std::string, Parser> parsers{{".txt", text<TextKind::plain>},
-                                            {".xyz", text<TextKind::xyz>},
+                                            {".xyz", parse_xyz},
+                                            {".vasp", parse_poscar},
                                             {".csv", text<TextKind::csv>},
                                             {".npz", parse_npz},
                                             {".dump", parse_lammps_dump},

@@ -1,0 +1,225 @@
+// XYZ: frames of a count, a comment, and that many rows `Element x y z`. In the extended layout (ASE, OVITO) the comment
+// says with key=value what the columns are (Properties), the cell (Lattice, Origin), and which edges of it repeat (pbc).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "failure.hpp"
+#include "files/line_reader.hpp"
+#include "read/input.hpp"
+
+namespace clvotess {
+namespace {
+
+// The value behind `key=`, whose case does not matter, without the quotes or brackets around it.
+std::optional<std::string> value_of(std::string_view comment, std::string_view key) {
+    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    for (std::size_t at = 0; at < comment.size();) {
+        if (blank(comment[at])) {
+            ++at;
+            continue;
+        }
+        const std::size_t begin = at;
+        while (at < comment.size() && !blank(comment[at]) && comment[at] != '=') ++at;
+        const bool found = lower_case(comment.substr(begin, at - begin)) == key;
+        if (at == comment.size() || comment[at] != '=') continue;
+        ++at;
+        constexpr std::string_view opening = "\"'{[", closing = "\"'}]";
+        const std::size_t bracket = at < comment.size() ? opening.find(comment[at]) : std::string_view::npos;
+        std::size_t end = at;
+        if (bracket != std::string_view::npos) {
+            end = std::min(comment.find(closing[bracket], ++at), comment.size());
+        } else {
+            while (end < comment.size() && !blank(comment[end])) ++end;
+        }
+        if (found) return std::string(comment.substr(at, end - at));
+        at = end + (bracket == std::string_view::npos ? 0 : 1);
+    }
+    return std::nullopt;
+}
+
+class XyzReader {
+public:
+    XyzReader(std::string_view text, const std::string& name, const ReadRequest& request)
+        : lines_(text, name), request_(request) {}
+
+    Input read() {
+        const std::uint64_t wanted = request_.frame.value_or(0);
+        for (std::uint64_t frame = 0; begin_frame(frame); ++frame) {
+            std::string_view comment;
+            static_cast<void>(lines_.next(comment));  // a file of no rows may lack it
+            if (frame == wanted) return read_frame(comment, frame);
+            std::string_view row;
+            for (std::uint64_t i = 0; i < count_; ++i)
+                if (!next_row(row)) throw short_frame(i);
+            frames_ = frame + 1;
+        }
+        throw bad_input(lines_.name() + ": there is no frame " + std::to_string(wanted) + ", the file has " +
+                        std::to_string(frames_) + ", counted from 0");
+    }
+
+private:
+    // The next line that is not blank.
+    bool next_row(std::string_view& line) {
+        while (lines_.next(line)) {
+            if (line.find_first_not_of(" \t\r") != std::string_view::npos) return true;
+        }
+        return false;
+    }
+
+    // Reads the count of a frame; false at the end of the file.
+    bool begin_frame(std::uint64_t frame) {
+        std::string_view line;
+        if (!next_row(line)) return false;
+        split_words(line, words_);
+        const auto count = words_.size() == 1 ? read_uint64(words_[0]) : std::nullopt;
+        if (!count && frame == 0) throw lines_.error("expected one whole number, how many rows follow");
+        if (!count) {
+            throw lines_.error("more rows than the " + std::to_string(count_) + " that the first line of frame " +
+                               std::to_string(frame - 1) + " announces");
+        }
+        count_ = *count;
+        return true;
+    }
+
+    [[nodiscard]] Failure short_frame(std::uint64_t rows) const {
+        return lines_.error("the file ends after " + std::to_string(rows) + " of the " + std::to_string(count_) +
+                            " rows that its first line announces");
+    }
+
+    // name:type:columns of each, with colons between them. Columns of one property are NAME_1, NAME_2, ...
+    void read_properties(const std::string& text) {
+        std::vector<std::string> fields(1);
+        for (const char c : text) {
+            if (c == ':') {
+                fields.emplace_back();
+            } else {
+                fields.back() += c;
+            }
+        }
+        for (std::size_t k = 0; k + 2 < fields.size(); k += 3) {
+            const auto columns = read_uint64(fields[k + 2]);
+            constexpr std::uint64_t most = 1000;
+            if (!columns || *columns == 0 || *columns > most) throw bad_properties(text);
+            const std::string name = lower_case(fields[k]);
+            if ((name == "pos" || name == "position") && *columns == 3) first_ = names_.size();
+            const bool whole = fields[k + 1] == "I" && *columns == 1;
+            if (whole && (name == "id" || name == "ids" || name == "identifier")) id_ = names_.size();
+            for (std::uint64_t c = 1; c <= *columns; ++c)
+                names_.push_back(*columns == 1 ? fields[k] : fields[k] + "_" + std::to_string(c));
+        }
+        if (fields.size() % 3 != 0 || !first_) throw bad_properties(text);
+    }
+
+    [[nodiscard]] Failure bad_properties(const std::string& text) const {
+        return lines_.error("Properties=" + text + " must be name:type:columns of each property, with pos:R:3 among "
+                            "them");
+    }
+
+    [[nodiscard]] std::array<double, 9> numbers_of(const char* key, const std::string& text, std::size_t count) {
+        split_words(text, words_);
+        if (words_.size() != count) {
+            throw lines_.error(std::string(key) + " must hold " + std::to_string(count) + " numbers, not " +
+                               in_quotes(text));
+        }
+        std::array<double, 9> numbers{};
+        for (std::size_t k = 0; k < count; ++k) numbers[k] = lines_.number(words_[k]);
+        return numbers;
+    }
+
+    // A cell without pbc repeats along all edges, as ASE and OVITO take it.
+    FileDomain read_domain(std::string_view comment) {
+        FileDomain domain;
+        if (const auto lattice = value_of(comment, "lattice")) {
+            const auto n = numbers_of("Lattice", *lattice, 9);
+            domain.cell = votess::TriclinicBox{
+                .a = {n[0], n[1], n[2]}, .b = {n[3], n[4], n[5]}, .c = {n[6], n[7], n[8]}};
+            if (const auto origin = value_of(comment, "origin")) {
+                const auto corner = numbers_of("Origin", *origin, 3);
+                std::copy_n(corner.begin(), 3, domain.cell->origin.begin());
+            }
+        }
+        if (const auto pbc = value_of(comment, "pbc")) {
+            split_words(*pbc, words_);
+            if (words_.size() != 3) throw lines_.error("pbc must be three of T or F, not " + in_quotes(*pbc));
+            std::array<bool, 3>& periodic = domain.cell ? domain.cell->periodic : domain.periodic;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::string word = lower_case(words_[k]);
+                periodic[k] = word == "t" || word == "true" || word == "1";
+                if (!periodic[k] && word != "f" && word != "false" && word != "0") {
+                    throw lines_.error("pbc must be three of T or F, not " + in_quotes(*pbc));
+                }
+            }
+        }
+        return domain;
+    }
+
+    [[nodiscard]] std::size_t value_column(std::size_t columns) const {
+        std::vector<std::string> names = names_;
+        for (std::size_t k = names.size(); k < columns; ++k) names.push_back(std::to_string(k + 1));
+        return find_column(Words(names.begin(), names.end()), request_.column, lines_.place());
+    }
+
+    Input read_frame(std::string_view comment, std::uint64_t frame) {
+        Input input;
+        input.domain = read_domain(comment);
+        const auto properties = value_of(comment, "properties");
+        if (properties) read_properties(*properties);
+        const std::size_t first = first_.value_or(1);
+        const auto count = static_cast<std::size_t>(count_);
+        if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);
+        input.points.reserve(3 * count);
+        std::optional<std::size_t> value;
+        std::string_view line;
+        for (std::size_t i = 0; i < count; ++i) {
+            if (!next_row(line)) throw short_frame(i);
+            split_words(line, words_);
+            if (!request_.column.empty() && !value) value = value_column(words_.size());
+            const bool fits = properties ? words_.size() == names_.size()
+                              : value    ? words_.size() > std::max<std::size_t>(*value, 3)
+                                         : words_.size() == 4;
+            if (!fits) {
+                throw lines_.error("this row has " + columns_text(words_.size()) + ", expected " +
+                                   (properties ? std::to_string(names_.size()) + ", as Properties says"
+                                    : value    ? "more"
+                                               : "4 (element x y z)"));
+            }
+            for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[first + k]));
+            if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
+            if (value) input.column.push_back(lines_.number(words_[*value]));
+        }
+        const bool more = begin_frame(frame + 1);
+        if (more || frame > 0) input.note = "frame " + std::to_string(frame);
+        return input;
+    }
+
+    LineReader lines_;
+    const ReadRequest& request_;
+    Words words_;
+    std::uint64_t count_ = 0, frames_ = 0;
+    std::vector<std::string> names_;  // of the columns, where the comment says them
+    std::optional<std::size_t> first_, id_;
+};
+
+// Whether the first line that is not blank is one whole number.
+bool has_count(std::string_view text, const std::string& name) {
+    LineReader lines(text, name);
+    std::string_view line;
+    Words words;
+    while (lines.next(line)) {
+        split_words(line, words);
+        if (!words.empty()) return words.size() == 1 && read_uint64(words[0]);
+    }
+    return false;
+}
+
+}  // namespace
+
+Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request) {
+    if (has_count(text, name)) return XyzReader(text, name, request).read();
+    if (request.frame) throw bad_input(name + ": --frame goes with files of frames; this one holds rows alone");
+    return parse_text(text, TextKind::plain, name, request);
+}
+
+}  // namespace clvotess
