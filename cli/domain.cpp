@@ -49,6 +49,7 @@ std::string choose_domain(const FileDomain& stated, const std::optional<std::arr
     if (!given) {
         options.box = stated.box;
         options.cell = stated.cell;
+        if (options.walls.empty()) options.walls = stated.walls;
     }
     if (!options.box && !options.cell) {
         if (periodic && any(*periodic)) {

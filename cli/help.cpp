@@ -14,8 +14,8 @@ input
                                          tabs, commas or semicolons; # begins a comment; ids are
                                          whole numbers. A .csv may begin with a line of names that
                                          says where x, y, z and id are; an .xyz may be frames of a
-                                         count, a comment and rows `Element x y z`, also extended: the
-                                         comment says Properties=, Lattice=, Origin= and pbc=
+                                         count, a comment and rows `Element x y z`, also extended:
+                                         the comment says Properties=, Lattice=, Origin= and pbc=
                          .npy .npz       NumPy arrays (N, 3), float64 or float32; in .npz the array
                                          `points`, the only one that fits, or x, y and z; ids
                          .h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
@@ -47,8 +47,8 @@ domain
   --origin x,y,z         the corner of --cell; default 0,0,0
                          Unless --box or --cell is given, a file that states its domain gives it:
                          LAMMPS (a data file repeats along all axes), extended XYZ (without pbc
-                         all), POSCAR (all), BoxSize of a snapshot (none). --periodic then says
-                         which axes of that box repeat
+                         all), POSCAR (all), BoxSize of a snapshot (none), .npz and .h5 of
+                         clvotess. --periodic then says which axes of that box repeat
   --wall nx,ny,nz,d      keep where nx x + ny y + nz z <= d; repeatable: a convex polyhedron, whose
                          walls are -7, -8, ...
   --wall-sphere x,y,z,r,FACES
@@ -73,8 +73,9 @@ output
   -o, --output FILE      .txt   one row per point, in the order of the input, see --format
                          .npz   NumPy arrays: indptr, indices (row i of the neighbor lists is
                                 indices[indptr[i]:indptr[i+1]]), shifts in periodic domains, what
-                                --want names, status, duplicate_of when there are duplicates
-                         .h5    HDF5: the same arrays (also .hdf5)
+                                --want names, status, duplicate_of when there are duplicates, ids,
+                                the domain (box, periodic, cell, origin, walls), units, version
+                         .h5    HDF5: the same (also .hdf5), the domain and units as attributes
                          .vtu   the cells as polyhedra for ParaView and PyVista, with id, volume,
                                 neighbors, centroid and status; empty cells are VTK_EMPTY_CELL
                          .ply   the faces, each once, with its two cells (rows from 0, walls < 0)

@@ -56,6 +56,24 @@ std::string extension_of(const std::string& path) {
     return lower_case(std::filesystem::path(path).extension().string());
 }
 
+FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
+                         const std::vector<double>& cell, const std::vector<double>& origin,
+                         const std::vector<double>& walls) {
+    const auto three = [](const std::vector<double>& from, std::size_t at) {
+        return std::array<double, 3>{from[at], from[at + 1], from[at + 2]};
+    };
+    FileDomain domain;
+    if (cell.size() == 9 && origin.size() == 3) {
+        domain.cell = votess::TriclinicBox{three(origin, 0), three(cell, 0), three(cell, 3), three(cell, 6), periodic};
+        return domain;
+    }
+    if (box.size() != 6) return domain;
+    domain.box = votess::Box{three(box, 0), three(box, 3)};
+    domain.periodic = periodic;
+    for (std::size_t w = 0; w + 4 <= walls.size(); w += 4) domain.walls.push_back({three(walls, w), walls[w + 3]});
+    return domain;
+}
+
 Input read_input(const std::string& path, const ReadRequest& request) {
     const bool packed = path != "-" && extension_of(path) == ".gz";
     const std::string extension = kind_of(packed ? path.substr(0, path.size() - 3) : path);

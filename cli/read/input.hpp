@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 #include <votess/votess.hpp>
 
@@ -18,6 +19,7 @@ struct FileDomain {
     std::optional<votess::Box> box;
     std::array<bool, 3> periodic{};            // may be told without a box
     std::optional<votess::TriclinicBox> cell;  // instead of box and periodic, with its own
+    std::vector<votess::Wall> walls;           // that cut the box
 };
 
 struct Input {
@@ -25,11 +27,17 @@ struct Input {
     std::vector<std::int64_t> ids;  // N when the file has a column of ids, else empty
     std::vector<double> column;     // N when ReadRequest names a column, else empty
     FileDomain domain;
+    std::vector<std::pair<std::string, double>> units;  // of a snapshot, for the output
     std::string
         note;  // what was taken out of a file that holds more; for the summary, empty when there is nothing to say
 
     [[nodiscard]] std::size_t size() const noexcept { return points.size() / 3; }
 };
+
+// Of the arrays that .npz and .h5 hold of a domain: 6, 3, 9 and 3 or none, and 4 for each wall.
+[[nodiscard]] FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
+                                       const std::vector<double>& cell, const std::vector<double>& origin,
+                                       const std::vector<double>& walls);
 
 // What to take out of a file.
 struct ReadRequest {

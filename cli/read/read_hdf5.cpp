@@ -41,7 +41,10 @@ public:
         type_size_ = H5Tget_size(type.id());
     }
 
-    [[nodiscard]] bool is_points() const { return extent_.size() == 2 && extent_[1] == 3 && is_float(); }
+    [[nodiscard]] bool is_points() const { return has_columns(3); }
+    [[nodiscard]] bool has_columns(hsize_t count) const {
+        return extent_.size() == 2 && extent_[1] == count && is_float();
+    }
     [[nodiscard]] bool is_column() const { return extent_.size() == 1 && (is_float() || is_whole()); }
     [[nodiscard]] bool is_float() const { return type_class_ == H5T_FLOAT && type_size_ <= sizeof(double); }
     [[nodiscard]] bool is_whole() const { return type_class_ == H5T_INTEGER && type_size_ <= sizeof(std::int64_t); }
@@ -151,8 +154,12 @@ public:
 
     // Numbers of an attribute of the group Header; empty when it is not there.
     [[nodiscard]] std::vector<double> header(const char* name) const {
-        if (!has("Header") || H5Aexists_by_name(file_.id(), "Header", name, H5P_DEFAULT) <= 0) return {};
-        const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), "Header", name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+        return has("Header") ? attribute("Header", name) : std::vector<double>();
+    }
+
+    [[nodiscard]] std::vector<double> attribute(const char* group, const char* name) const {
+        if (H5Aexists_by_name(file_.id(), group, name, H5P_DEFAULT) <= 0) return {};
+        const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), group, name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
         const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
         const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
         const hssize_t count = space.valid() ? H5Sget_simple_extent_npoints(space.id()) : -1;
@@ -162,6 +169,29 @@ public:
         std::vector<double> values(static_cast<std::size_t>(count));
         if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0) return {};
         return values;
+    }
+
+    // Of a snapshot: Unit... and what else scales its numbers, out of the groups Header and Units.
+    [[nodiscard]] std::vector<std::pair<std::string, double>> units() const {
+        std::vector<std::pair<std::string, double>> all;
+        for (const char* const group : {"Header", "Units"}) {
+            if (!has(group)) continue;
+            std::vector<std::string> names;
+            const auto visit = [](hid_t, const char* name, const H5A_info_t*, void* to) -> herr_t {
+                static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+                return 0;
+            };
+            const Hdf5Handle object(H5Oopen(file_.id(), group, H5P_DEFAULT), H5Oclose);
+            if (H5Aiterate2(object.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &names) < 0) continue;
+            for (const std::string& name : names) {
+                const bool scales =
+                    name.starts_with("Unit") || name == "HubbleParam" || name == "Time" || name == "Redshift";
+                const std::vector<double> values = attribute(group, name.c_str());
+                if (scales && values.size() == 1 && name.find('/') == std::string::npos)
+                    all.emplace_back(name, values[0]);
+            }
+        }
+        return all;
     }
 
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
@@ -178,7 +208,8 @@ public:
     Input read(const std::string& path) {
         const Hdf5File first(first_snapshot_file(path));
         name_ = request_.dataset.empty() ? find_points(first) : without_slash(request_.dataset);
-        input_.domain.box = box_of(first);
+        input_.domain = domain_of(first);
+        input_.units = first.units();
         const std::vector<double> announced = first.header("NumFilesPerSnapshot");
         const double files = announced.empty() ? 1 : announced[0];
         if (!(files > 1)) {
@@ -207,6 +238,20 @@ public:
 private:
     static std::string without_slash(const std::string& path) {
         return path.substr(std::min(path.find_first_not_of('/'), path.size()));
+    }
+
+    // Files of clvotess itself state all of their domain.
+    static FileDomain domain_of(const Hdf5File& file) {
+        const std::vector<double> axes = file.attribute("/", "periodic");
+        if (axes.size() == 3) {
+            std::vector<double> walls;
+            if (file.has("walls") && file.open("walls").has_columns(4)) file.open("walls").append_to(walls);
+            return stated_domain(file.attribute("/", "box"), {axes[0] != 0, axes[1] != 0, axes[2] != 0},
+                                 file.attribute("/", "cell"), file.attribute("/", "origin"), walls);
+        }
+        FileDomain domain;
+        domain.box = box_of(file);
+        return domain;
     }
 
     // A snapshot states the sides of its box, which begins at 0; whether it is periodic it does not say.

@@ -33,6 +33,7 @@ public:
                 input.ids = array.read_whole();
         }
         if (!request_.column.empty()) read_column(input);
+        read_domain(input.domain);
         return input;
     }
 
@@ -70,7 +71,7 @@ private:
         if (find("x") && find("y") && find("z")) return nullptr;
         std::vector<const ZipMember*> candidates;
         for (const ZipMember& member : members_) {
-            if (!member.name.ends_with(".npy")) continue;
+            if (!member.name.ends_with(".npy") || plain_name(member) == "box" || plain_name(member) == "cell") continue;
             const NpyArray array = open(member);
             if (array.is_points() && array.is_float()) candidates.push_back(&member);
         }
@@ -79,6 +80,32 @@ private:
             throw bad_input(name_ + ": no array of floats with shape (N, 3), nor arrays x, y and z");
         }
         throw bad_input(name_ + ": several arrays could be the points, name one with --dataset: " + list(candidates));
+    }
+
+    // The numbers of an array of floats of that shape; empty when there is none.
+    [[nodiscard]] std::vector<double> numbers(const char* name, std::size_t rows, std::size_t columns) const {
+        std::vector<double> values;
+        const ZipMember* const member = find(name);
+        if (!member) return values;
+        NpyArray array = open(*member);
+        const auto& shape = array.shape();
+        const bool fits = shape.size() == (columns == 1 ? 1 : 2) && (rows == 0 || shape[0] == rows) &&
+                          (columns == 1 || shape[1] == columns);
+        if (fits && array.is_float()) array.read_floats(values);
+        return values;
+    }
+
+    // As clvotess writes it.
+    void read_domain(FileDomain& domain) const {
+        const std::vector<double> box = numbers("box", 2, 3);
+        const ZipMember* const axes = find("periodic");
+        if (box.empty() || !axes) return;
+        NpyArray array = open(*axes);
+        if (!array.is_column() || array.shape()[0] != 3 || !array.is_whole()) return;
+        const std::vector<std::int64_t> flags = array.read_whole();
+        std::array<bool, 3> periodic{};
+        for (std::size_t k = 0; k < 3; ++k) periodic[k] = flags[k] != 0;
+        domain = stated_domain(box, periodic, numbers("cell", 3, 3), numbers("origin", 3, 1), numbers("walls", 0, 4));
     }
 
     void read_axes(Input& input) const {

@@ -1,5 +1,5 @@
-// VASP's POSCAR and CONTCAR: comment, scale, three edges, the species and their counts, then the places, as fractions of
-// the edges or as lengths. The cell repeats along all edges.
+// VASP's POSCAR and CONTCAR: comment, scale, three edges, the species and their counts, then the places, as fractions
+// of the edges or as lengths. The cell repeats along all edges.
 #include <array>
 #include <cmath>
 

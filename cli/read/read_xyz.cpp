@@ -1,5 +1,6 @@
-// XYZ: frames of a count, a comment, and that many rows `Element x y z`. In the extended layout (ASE, OVITO) the comment
-// says with key=value what the columns are (Properties), the cell (Lattice, Origin), and which edges of it repeat (pbc).
+// XYZ: frames of a count, a comment, and that many rows `Element x y z`. In the extended layout (ASE, OVITO) the
+// comment says with key=value what the columns are (Properties), the cell (Lattice, Origin), and which edges of it
+// repeat (pbc).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -113,7 +114,8 @@ private:
     }
 
     [[nodiscard]] Failure bad_properties(const std::string& text) const {
-        return lines_.error("Properties=" + text + " must be name:type:columns of each property, with pos:R:3 among "
+        return lines_.error("Properties=" + text +
+                            " must be name:type:columns of each property, with pos:R:3 among "
                             "them");
     }
 
@@ -133,8 +135,8 @@ private:
         FileDomain domain;
         if (const auto lattice = value_of(comment, "lattice")) {
             const auto n = numbers_of("Lattice", *lattice, 9);
-            domain.cell = votess::TriclinicBox{
-                .a = {n[0], n[1], n[2]}, .b = {n[3], n[4], n[5]}, .c = {n[6], n[7], n[8]}};
+            domain.cell =
+                votess::TriclinicBox{.a = {n[0], n[1], n[2]}, .b = {n[3], n[4], n[5]}, .c = {n[6], n[7], n[8]}};
             if (const auto origin = value_of(comment, "origin")) {
                 const auto corner = numbers_of("Origin", *origin, 3);
                 std::copy_n(corner.begin(), 3, domain.cell->origin.begin());

@@ -13,15 +13,21 @@ constexpr NumberType type_of() {
     return NumberType::uint8;
 }
 
+template <typename Number>
+ResultArray as_array(std::string_view name, std::span<const Number> values, std::size_t columns = 1) {
+    const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+    return {name, type_of<Number>(), columns, bytes};
+}
+
 }  // namespace
 
-std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const votess::Want& wanted) {
+std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const votess::Want& wanted,
+                                       std::span<const std::int64_t> ids) {
     std::vector<ResultArray> arrays;
-    const auto add = [&]<typename Number>(std::string_view name, std::span<const Number> values,
-                                          std::size_t columns = 1) {
-        const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-        arrays.push_back({name, type_of<Number>(), columns, bytes});
+    const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
+        arrays.push_back(as_array(name, values, columns));
     };
+    if (!ids.empty()) add("ids", ids);
     if (wanted.neighbors) {
         add("indptr", cells.indptr());
         add("indices", cells.indices());
@@ -50,6 +56,27 @@ std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const 
     add("status", cells.status());
     if (!cells.duplicate_of().empty()) add("duplicate_of", cells.duplicate_of());
     return arrays;
+}
+
+DomainArrays::DomainArrays(const votess::Tessellation& cells)
+    : box_(cells.box().lower.begin(), cells.box().lower.end()),
+      periodic_(cells.periodic().begin(), cells.periodic().end()) {
+    box_.insert(box_.end(), cells.box().upper.begin(), cells.box().upper.end());
+    const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
+        arrays_.push_back(as_array(name, std::span(values.data(), values.size()), columns));
+    };
+    add("box", box_, 3);
+    add("periodic", periodic_);
+    if (const auto& cell = cells.cell()) {
+        for (const auto* edge : {&cell->a, &cell->b, &cell->c}) cell_.insert(cell_.end(), edge->begin(), edge->end());
+        add("cell", cell_, 3);
+        add("origin", cell->origin);
+    }
+    for (const votess::Wall& wall : cells.walls()) {
+        walls_.insert(walls_.end(), wall.normal.begin(), wall.normal.end());
+        walls_.push_back(wall.offset);
+    }
+    if (!walls_.empty()) add("walls", walls_, 4);
 }
 
 }  // namespace clvotess

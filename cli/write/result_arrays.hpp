@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,8 +22,25 @@ struct ResultArray {
     [[nodiscard]] std::size_t rows() const noexcept { return bytes.size() / size_of(type) / columns; }
 };
 
-// Returns the arrays that `wanted` names, status, and duplicate_of when there are duplicates. They are valid as long as
-// `cells`.
-[[nodiscard]] std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const votess::Want& wanted);
+// Returns the arrays that `wanted` names, status, duplicate_of when there are duplicates, and ids when there are any.
+// They are valid as long as `cells` and `ids`.
+[[nodiscard]] std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const votess::Want& wanted,
+                                                     std::span<const std::int64_t> ids);
+
+// The domain: box (2, 3), periodic (3,), of a triclinic one cell (3, 3) and origin (3,), and the walls (M, 4) that cut
+// a box. In .h5 all but the walls are attributes of the root.
+class DomainArrays {
+public:
+    explicit DomainArrays(const votess::Tessellation& cells);
+    DomainArrays(const DomainArrays&) = delete;
+    DomainArrays& operator=(const DomainArrays&) = delete;
+
+    [[nodiscard]] const std::vector<ResultArray>& all() const noexcept { return arrays_; }
+
+private:
+    std::vector<double> box_, cell_, walls_;
+    std::vector<std::uint8_t> periodic_;
+    std::vector<ResultArray> arrays_;
+};
 
 }  // namespace clvotess

@@ -73,12 +73,34 @@ public:
         require(set.close());
     }
 
+    void add_attribute(const ResultArray& array) {
+        const std::array<hsize_t, 2> extent{array.rows(), array.columns};
+        const Hdf5Handle space(H5Screate_simple(array.columns == 1 ? 1 : 2, extent.data(), nullptr), H5Sclose);
+        write_attribute(std::string(array.name), hdf5_type(array.type), space, array.bytes.data());
+    }
+
+    void add_attribute(const std::string& name, double value) {
+        write_attribute(name, H5T_IEEE_F64LE, {H5Screate(H5S_SCALAR), H5Sclose}, &value);
+    }
+
+    void add_attribute(const std::string& name, const std::string& text) {
+        const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+        require(H5Tset_size(type.id(), text.size() + 1) >= 0);
+        write_attribute(name, type.id(), space, text.c_str());
+    }
+
     void finish() {
         errno = 0;
         require(file_.close());
     }
 
 private:
+    void write_attribute(const std::string& name, hid_t type, const Hdf5Handle& space, const void* values) {
+        Hdf5Handle attribute(H5Acreate2(file_.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT),
+                             H5Aclose);
+        require(attribute.valid() && H5Awrite(attribute.id(), type, values) >= 0 && attribute.close());
+    }
+
     void require(bool done) {
         if (!done) throw output_.write_failure(errno);
     }
@@ -92,7 +114,17 @@ private:
 void write_hdf5(OutputFile& file, const OutputData& data) {
     begin_hdf5();
     Hdf5Writer writer(file);
-    for (const ResultArray& array : result_arrays(data.tessellation, data.wanted)) writer.add(array);
+    for (const ResultArray& array : result_arrays(data.tessellation, data.wanted, data.input.ids)) writer.add(array);
+    const DomainArrays domain(data.tessellation);
+    for (const ResultArray& array : domain.all()) {
+        if (array.name == "walls") {  // attributes hold 64 kB at most
+            writer.add(array);
+        } else {
+            writer.add_attribute(array);
+        }
+    }
+    for (const auto& [name, value] : data.input.units) writer.add_attribute(name, value);
+    writer.add_attribute("version", VOTESS_VERSION_STRING);
     writer.finish();
 }
 

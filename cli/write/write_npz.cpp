@@ -32,13 +32,27 @@ std::string npy_header(std::string_view type, const std::string& shape) {
 
 void write_npz(OutputFile& file, const OutputData& data) {
     ZipWriter zip(file);
-    for (const ResultArray& array : result_arrays(data.tessellation, data.wanted)) {
+    const auto add = [&zip](std::string_view name, std::string_view type, const std::string& shape,
+                            std::string_view bytes) {
+        const std::string header = npy_header(type, shape);
+        zip.add(std::string(name) + ".npy", std::array{std::string_view(header), bytes});
+    };
+    const auto add_array = [&add](const ResultArray& array) {
         const std::string rows = std::to_string(array.rows());
-        const std::string shape =
-            array.columns == 1 ? "(" + rows + ",)" : "(" + rows + ", " + std::to_string(array.columns) + ")";
-        const std::string header = npy_header(numpy_type(array.type), shape);
-        zip.add(std::string(array.name) + ".npy", std::array{std::string_view(header), array.bytes});
+        add(array.name, numpy_type(array.type),
+            array.columns == 1 ? "(" + rows + ",)" : "(" + rows + ", " + std::to_string(array.columns) + ")",
+            array.bytes);
+    };
+    for (const ResultArray& array : result_arrays(data.tessellation, data.wanted, data.input.ids)) add_array(array);
+    const DomainArrays domain(data.tessellation);
+    for (const ResultArray& array : domain.all()) add_array(array);
+    for (const auto& [name, value] : data.input.units) {
+        add(name, "<f8", "()", {reinterpret_cast<const char*>(&value), sizeof value});
     }
+    // A text of NumPy has four bytes a letter.
+    std::string letters;
+    for (const char c : std::string_view(VOTESS_VERSION_STRING)) letters += {c, '\0', '\0', '\0'};
+    add("version", "<U" + std::to_string(letters.size() / 4), "()", letters);
     zip.finish();
 }
 

@@ -12,6 +12,7 @@ import numpy as np
 
 CLI = os.environ.get("VOTESS_CLI", "clvotess")
 ROOT = Path(__file__).resolve().parents[2]
+HIDDEN = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent"}  # a loader that finds no driver
 SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreign code in the process
 
 JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
@@ -19,8 +20,8 @@ JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "vo
              "verified_cells"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--output", "--format", "--want",
-           "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder", "--wall-cone", "--outside", "--min-face", "--min-area", "--image",
-           "--image-size", "--slice", "--cut", "--view", "--color", "--colormap", "--seeds", "--device", "--threads",
+           "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder",
+           "--wall-cone", "--outside", "--min-face", "--min-area", "--image", "--image-size", "--slice", "--cut", "--view", "--color", "--colormap", "--seeds", "--device", "--threads",
            "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
            "--json", "--list-devices", "--version", "--quiet", "--help"]
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]

@@ -180,12 +180,39 @@ class Hdf5Files(ReaderTest):
             for want in [[], ["--want", words], ["--want", "volumes"]]:
                 self.run_cli(*source, *want, "-o", "out.npz", "-o", "out.h5", "-o", "out.hdf5")
                 with np.load(self.folder / "out.npz") as arrays, h5py.File(self.folder / "out.h5") as file:
-                    self.assertEqual(sorted(arrays.files), sorted(file))
-                    for name in arrays.files:
-                        self.assertEqual((arrays[name].dtype, arrays[name].shape),
-                                         (file[name].dtype, file[name].shape), name)
-                        np.testing.assert_array_equal(arrays[name], file[name][()], name)
+                    self.assertEqual(sorted(arrays.files), sorted([*file, *file.attrs]))
+                    self.assertEqual(arrays["version"], file.attrs["version"].decode())
+                    for name in set(arrays.files) - {"version"}:
+                        other = file[name][()] if name in file else file.attrs[name]
+                        self.assertEqual((arrays[name].dtype, arrays[name].shape), (other.dtype, other.shape), name)
+                        np.testing.assert_array_equal(arrays[name], other, name)
                 self.assertEqual((self.folder / "out.h5").read_bytes(), (self.folder / "out.hdf5").read_bytes())
+
+    def test_a_snapshot_told_alone(self):
+        """The domain, ids and units stand in the output, which then states them in turn."""
+        points = random_points(2000) * 100
+        self.snapshot("snap", 2, points, BoxSize=100.0, UnitLength_in_cm=3.085678e21, HubbleParam=0.7)
+        self.run_cli("snap", "--dataset", "PartType1/Coordinates", "--periodic", "xz", "-o", "out.h5", "-o", "out.npz",
+                     "--want", "volumes,centroids")
+        with h5py.File(self.folder / "out.h5") as file, np.load(self.folder / "out.npz") as arrays:
+            self.assertAlmostEqual(file["volumes"][()].sum(), 1e6, places=3)
+            np.testing.assert_array_equal(file["ids"], np.arange(1000, 3000))
+            np.testing.assert_array_equal(file.attrs["box"], [[0, 0, 0], [100, 100, 100]])
+            np.testing.assert_array_equal(file.attrs["periodic"], [1, 0, 1])
+            self.assertEqual((file.attrs["UnitLength_in_cm"], file.attrs["HubbleParam"]), (3.085678e21, 0.7))
+            self.assertEqual((arrays["UnitLength_in_cm"], arrays["HubbleParam"]), (3.085678e21, 0.7))
+        for name in ["out.h5", "out.npz"]:
+            domain = self.json(name)["domain"]
+            self.assertEqual((domain["from"], domain["upper"], domain["periodic"]),
+                             ("file", [100, 100, 100], [True, False, True]))
+        self.put("in.npy", random_points(300) * 0.3 + 0.35)
+        cell = ["--cell", "2,0,0,0.5,1.5,0,-0.25,0.125,1", "--origin=-0.1,0,0", "--periodic", "xy"]
+        for options in [cell, ["--box", "0,0,0,1,1,1", "--wall-sphere", "0.5,0.5,0.5,0.7,200", "--wall", "1,1,1,2"]]:
+            expected = self.json("in.npy", *options, "-o", "out.h5", "-o", "out.npz", "--want", "centroids,volumes")
+            for name in ["out.h5", "out.npz"]:
+                told = self.json(name)
+                self.assertEqual({**told["domain"], "from": ""}, {**expected["domain"], "from": ""})
+                self.assertAlmostEqual(told["box_volume"], expected["box_volume"], places=12)
 
     def test_output_whole_or_not_at_all(self):
         self.refuse("--random", 50, "-o", "absent/out.h5", says="no folder")

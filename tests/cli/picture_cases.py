@@ -6,8 +6,7 @@ import zlib
 
 import numpy as np
 
-from cli_test import CliTest, random_points
-from device_cases import HIDDEN
+from cli_test import HIDDEN, CliTest, random_points
 
 
 def read_png(path):

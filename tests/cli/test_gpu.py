@@ -1,14 +1,117 @@
-"""clvotess on Vulkan devices; these tests run under the validation layer, which finds misuse of Vulkan."""
+"""clvotess on Vulkan devices: what -x chooses, that files do not depend on it, and pictures.
 
+These tests run under the validation layer, which finds misuse of Vulkan.
+"""
+
+import os
+import re
 import shutil
 import sys
 import unittest
 
-from cli_test import CLI
-from device_cases import Devices
+import numpy as np
+
+from cli_test import CLI, HIDDEN, SANITIZED, CliTest, random_points, text_of
 from picture_cases import Pictures
 
 __all__ = ["Devices", "Pictures"]
+
+
+def inputs(scale):
+    """The inputs that users bring, by name."""
+    random = np.random.default_rng(3)
+    centers, sigmas, which = random.random((50, 3)), random.uniform(0.01, 0.05, 50), random.integers(0, 50, scale)
+    side = np.arange(round(scale ** (1 / 3)), dtype=float)
+    sphere = random.normal(size=(scale // 10, 3))
+    uniform = random.random((scale, 3))
+    return {
+        "uniform": uniform,
+        "clustered": centers[which] + random.normal(size=(scale, 3)) * sigmas[which, None],
+        "lattice": np.stack(np.meshgrid(side, side, side), axis=-1).reshape(-1, 3),
+        "sphere": sphere / np.linalg.norm(sphere, axis=1)[:, None],
+        "duplicates": np.concatenate([uniform[: scale // 2], uniform[: scale // 8], uniform[: scale // 20]]),
+        "offset": random.random((scale, 3)) + 1e6,
+    }
+
+
+class Devices(CliTest):
+    def environment(self, **more):
+        return {**os.environ, **more}
+
+    def has_lavapipe(self):
+        return any(re.match(r"\d+ .*software", line) for line in self.run_cli("--list-devices").stdout.splitlines())
+
+    def test_list(self):
+        lines = self.run_cli("--list-devices").stdout.splitlines()
+        self.assertRegex(lines[0], r"^device +name +description$")
+        self.assertRegex(lines[1], r"^cpu +CPU +\d+ thread")
+        for index, line in enumerate(lines[2:]):
+            self.assertRegex(line, rf"^{index} +\S.*Vulkan \d.*storage buffers to .*subgroups of \d+")
+        self.assertTrue(self.has_lavapipe(), "the tests need Mesa's lavapipe")
+
+    def test_no_driver(self):
+        self.put("a.txt", text_of(random_points(50)))
+        hidden = self.environment(**HIDDEN)
+        self.assertEqual(len(self.run_cli("--list-devices", env=hidden).stdout.splitlines()), 2)
+        self.assertEqual(self.json("a.txt", "-x", "auto", env=hidden)["device"], "cpu")
+        self.assertEqual(self.json("a.txt", env=hidden)["device"], "cpu")
+        for device in ["gpu", "lavapipe", "0"]:
+            done = self.run_cli("a.txt", "-x", device, "-o", "b.txt", env=hidden, code=2)
+            self.assertEqual(done.stderr, f"clvotess: device '{device}' is not available: no Vulkan driver on this machine\n")
+        self.assertEqual(self.files(), ["a.txt"])
+
+    def test_no_such_device(self):
+        self.put("a.txt", text_of(random_points(50)))
+        self.refuse("a.txt", "-x", "999", "-o", "b.txt", says=["device '999' is not available", "0 to "])
+        listed = self.run_cli("--list-devices").stdout
+        if "GPU," not in listed:
+            self.refuse("a.txt", "-x", "gpu", "-o", "b.txt", says=["device 'gpu' is not available: no Vulkan device is a GPU"])
+            self.assertEqual(self.json("a.txt")["device"], "cpu")
+
+    def test_summary(self):
+        result = self.json("--random", 2000, "-x", "lavapipe", "--verify")
+        self.assertTrue(result["verified"])
+        self.assertIn("llvmpipe", result["device"])
+        self.assertLessEqual(result["fallback_cells"], 40)
+        self.assertAlmostEqual(result["volume_sum"], 1, delta=1e-5)
+        seconds = result["seconds"]
+        for stage in ["upload", "sort", "knn", "clip", "download"]:
+            self.assertGreater(seconds[stage], 0, stage)
+        stages = sum(value for name, value in seconds.items() if name != "total")
+        self.assertLess(abs(stages - seconds["total"]), 0.2 * seconds["total"] + 0.1)
+
+    def test_same_files(self):
+        scale = 600 if SANITIZED else 1500
+        options = [[], ["-k", 8], ["-k", 200], ["--chunk-size", 1000], ["--list-walls", "--precision", "double"]]
+        for name, points in inputs(scale).items():
+            self.put("in.npy", points)
+            for chosen in options[:: 3 if SANITIZED else 1]:
+                with self.subTest(name, options=chosen):
+                    self.run_cli("in.npy", "-x", "lavapipe", "-q", "-o", "gpu.txt", *chosen)
+                    self.run_cli("in.npy", "-x", "cpu", "-q", "-o", "cpu.txt", *chosen)
+                    self.assertTrue((self.folder / "gpu.txt").read_bytes() == (self.folder / "cpu.txt").read_bytes())
+
+    def test_volumes(self):
+        for precision, tolerance in [("single", 1e-5), ("double", 1e-10)]:
+            volumes = []
+            for device in ["cpu", "lavapipe"]:
+                self.run_cli("--random", 1000, "-x", device, "--precision", precision, "-q", "-o", "v.npz")
+                with np.load(self.folder / "v.npz") as arrays:
+                    volumes.append(arrays["volumes"])
+            self.assertLessEqual(np.max(np.abs(volumes[1] / volumes[0] - 1)), tolerance)
+
+    def test_cache_directory(self):
+        folder = self.folder / "cache"
+        self.run_cli("--random", 100, "-x", "lavapipe", "-q", env=self.environment(VOTESS_CACHE_DIR=str(folder)))
+        self.assertEqual(len(list(folder.iterdir())), 1)
+        for chosen, made in [({}, True), ({"VOTESS_CACHE_DIR": ""}, False)]:
+            environment = self.environment(XDG_CACHE_HOME=str(self.folder / "xdg"), **chosen)
+            if not chosen:
+                environment.pop("VOTESS_CACHE_DIR", None)
+            self.run_cli("--random", 100, "-x", "lavapipe", "-q", env=environment)
+            self.assertEqual((self.folder / "xdg" / "votess").exists(), made)
+            shutil.rmtree(self.folder / "xdg" / "votess", ignore_errors=True)
+
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -153,9 +153,11 @@ std::vector<std::int64_t> NpyArray::read_whole() {
         }
         values[k] = static_cast<std::int64_t>(value);
     };
-    check_size(type_[2] == '8' ? 8 : 4);
+    check_size(type_[2] == '8' ? 8 : type_[2] == '4' ? 4 : 1);
     values.resize(count_);
-    if (type_ == "<i8") {
+    if (type_[0] == '|') {
+        each<std::uint8_t>(take);
+    } else if (type_ == "<i8") {
         each<std::int64_t>(take);
     } else if (type_ == "<u8") {
         each<std::uint64_t>(take);

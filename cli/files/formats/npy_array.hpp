@@ -28,7 +28,7 @@ public:
     [[nodiscard]] bool is_column() const noexcept { return shape_.size() == 1; }                    // (N,)
     [[nodiscard]] bool is_float() const noexcept { return type_ == "<f8" || type_ == "<f4"; }
     [[nodiscard]] bool is_whole() const noexcept {
-        return type_ == "<i8" || type_ == "<i4" || type_ == "<u4" || type_ == "<u8";
+        return type_ == "<i8" || type_ == "<i4" || type_ == "<u4" || type_ == "<u8" || type_ == "|u1" || type_ == "|b1";
     }
 
     // Once: the values in row-major order, the type being float64 or float32. With `stride` and `offset` value k goes
