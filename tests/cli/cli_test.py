@@ -21,8 +21,8 @@ JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "vo
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--output", "--format", "--want",
            "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder",
-           "--wall-cone", "--outside", "--min-face", "--min-area", "--image", "--image-size", "--slice", "--cut", "--view", "--color", "--colormap", "--seeds", "--device", "--threads",
-           "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
+           "--wall-cone", "--outside", "--min-face", "--min-area", "--image", "--image-size", "--slice", "--cut",
+           "--view", "--color", "--colormap", "--seeds", "--device", "--threads", "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
            "--json", "--list-devices", "--version", "--quiet", "--help"]
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 

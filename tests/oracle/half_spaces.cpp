@@ -188,6 +188,7 @@ std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess:
         return shifts;
     };
     for (std::size_t j = 0; j < points.size() / 3; ++j) {
+        if (domain.is_outside(j)) continue;
         const Vec q = at(j);
         for (const auto& shift : shifts_of(j)) {
             if (j == i && shift == std::array<int, 3>{}) continue;
@@ -296,9 +297,16 @@ std::string check_against_half_spaces(const votess::Tessellation& t, std::span<c
             all += s == std::array<int, 3>{} ? text(' ', id) : text(' ', id, '(', s[0], ',', s[1], ',', s[2], ')');
         return all;
     };
+    const IntegerDomain domain(points, options);
     for (std::size_t i = 0; i < t.size(); ++i) {
-        const ExactDomainCell expected = exact_cell(points, options, i, reach);
         const auto row = t.neighbors(i);
+        if (domain.is_outside(i) != (t.status()[i] == votess::CellStatus::outside))
+            return text("cell ", i, " lies outside, or not, but is told otherwise");
+        if (domain.is_outside(i)) {
+            if (!row.empty()) return text("cell ", i, " lies outside, but has neighbors");
+            continue;
+        }
+        const ExactDomainCell expected = exact_cell(points, options, i, reach);
         std::vector<ExactFace> faces;
         for (std::size_t k = 0; k < row.size(); ++k) {
             ExactFace face{row[k], {}};

@@ -17,7 +17,7 @@ from ctypes import (
     c_void_p,
 )
 from enum import IntEnum
-from typing import Any, Dict, Iterable, Tuple
+from typing import Any, Dict, Iterable, Literal, Tuple
 
 OK = 0
 
@@ -62,6 +62,12 @@ WANT_BITS: Dict[str, int] = {
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
 OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
+WantWord = Literal[
+    "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
+]
+DuplicatesWord = Literal["merge", "error"]
+OutsideWord = Literal["error", "drop"]
+PrecisionWord = Literal["single", "double"]
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 

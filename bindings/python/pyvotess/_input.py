@@ -65,7 +65,7 @@ def as_count(value: Any, name: str, bits: int) -> int:
     return number
 
 
-def as_want(want: Union[str, Iterable[str]]) -> int:
+def as_want(want: Union[str, Iterable[_c_api.WantWord]]) -> int:
     """The bits of these words; what they imply the library adds."""
     words = [word.strip() for word in want.split(",")] if isinstance(want, str) else list(want)
     bits = 0
@@ -125,7 +125,7 @@ class Domain:
     cell: Any = None
     origin: Any = None
     walls: Any = ()
-    outside: str = "error"
+    outside: _c_api.OutsideWord = "error"
 
     def fill(self, options: _c_api.Options, count: int) -> List[Any]:
         """Puts the domain of ``count`` points into the options; returns what has to live as long as these are used."""

@@ -179,8 +179,8 @@ class Tessellation:
         def text(vector: Float64Array) -> str:
             return f"({', '.join(f'{x:g}' for x in vector)})"
 
-        if self._cell is not None:
-            where = f"cell {', '.join(text(edge) for edge in self._cell)} at {text(self.origin)}"
+        if self._cell is not None and self._origin is not None:
+            where = f"cell {', '.join(text(edge) for edge in self._cell)} at {text(self._origin)}"
         else:
             where = f"box {text(self._box[0])} to {text(self._box[1])}"
         if len(self.walls):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, List, Optio
 import numpy as np
 
 from . import _c_api
-from ._c_api import ErrorCode
+from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantWord
 from ._call import Handle, VotessError, raise_on_failure, run
 from ._input import Domain, as_count, as_points, as_text, as_want, as_word
 from ._library import lib
@@ -29,7 +29,7 @@ Progress = Callable[[float], Optional[bool]]
 def _new_options(
     device: str,
     threads: int,
-    precision: str,
+    precision: PrecisionWord,
     grid_resolution: int,
     k_init: int,
     chunk_size: int,
@@ -52,9 +52,9 @@ def _tessellate(
     options: _c_api.Options,
     points: Any,
     domain: Domain,
-    want: Union[str, Iterable[str]],
+    want: Union[str, Iterable[WantWord]],
     list_walls: bool,
-    duplicates: str,
+    duplicates: DuplicatesWord,
     progress: Optional[Progress],
     min_face: float,
     min_area: float,
@@ -87,17 +87,17 @@ def tessellate(
     periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
-    want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
+    want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
     cell: Optional[npt.ArrayLike] = None,
     walls: npt.ArrayLike = (),
     list_walls: bool = False,
     device: str = "auto",
     threads: int = 0,
-    precision: str = "single",
-    duplicates: str = "merge",
+    precision: PrecisionWord = "single",
+    duplicates: DuplicatesWord = "merge",
     progress: Optional[Progress] = None,
     origin: Optional[npt.ArrayLike] = None,
-    outside: str = "error",
+    outside: OutsideWord = "error",
     min_face: float = 0.0,
     min_area: float = 0.0,
     grid_resolution: int = 0,
@@ -178,7 +178,7 @@ class Tessellator:
         self,
         device: str = "auto",
         threads: int = 0,
-        precision: str = "single",
+        precision: PrecisionWord = "single",
         grid_resolution: int = 0,
         k_init: int = 0,
         chunk_size: int = 0,
@@ -210,14 +210,14 @@ class Tessellator:
         periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
         weights: Optional[npt.ArrayLike] = None,
         radii: Optional[npt.ArrayLike] = None,
-        want: Union[str, Iterable[str]] = ("neighbors", "volumes"),
+        want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
         cell: Optional[npt.ArrayLike] = None,
         walls: npt.ArrayLike = (),
         list_walls: bool = False,
-        duplicates: str = "merge",
+        duplicates: DuplicatesWord = "merge",
         progress: Optional[Progress] = None,
         origin: Optional[npt.ArrayLike] = None,
-        outside: str = "error",
+        outside: OutsideWord = "error",
         min_face: float = 0.0,
         min_area: float = 0.0,
     ) -> Tessellation:

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import types
+import typing
 import unittest
 
 import numpy as np
@@ -130,6 +131,15 @@ class Loading(unittest.TestCase):
             arguments = (None, points.ctypes.data, 4, ctypes.byref(options), ctypes.byref(result))
             self.assertEqual(_library.lib.votess_tessellate(*arguments), vt.ErrorCode.INVALID_ARGUMENT)
             self.assertIn(text, _library.lib.votess_last_error().decode())
+
+    def test_literal_types_hold_the_words(self):
+        for words, literal in (
+            (_c_api.WANT_BITS, _c_api.WantWord),
+            (_c_api.DUPLICATES, _c_api.DuplicatesWord),
+            (_c_api.OUTSIDE, _c_api.OutsideWord),
+            (_c_api.PRECISIONS, _c_api.PrecisionWord),
+        ):
+            self.assertEqual(set(words), set(typing.get_args(literal)))
 
     def test_table_names_every_function_of_the_header(self):
         header = pathlib.Path(PACKAGE_PARENT).parents[1] / "include" / "votess" / "votess.h"
