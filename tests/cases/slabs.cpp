@@ -155,13 +155,21 @@ TEST_SUITE("cases") {
         for (unsigned mask = 0; mask < 8; ++mask) {
             Options box = test::all_options(test::unit_box());
             box.periodic = axes_of(mask);
-            const Options cell = with_cell({{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, axes_of(mask)});
+            Options cell = with_cell({{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, axes_of(mask)});
+            box.want.faces = cell.want.faces = true;
             const auto a = votess::tessellate(std::span<const double>(points), box);
             const auto b = votess::tessellate(std::span<const double>(points), cell);
             CAPTURE(mask);
             CHECK(std::ranges::equal(a.indptr(), b.indptr()));
             CHECK(std::ranges::equal(a.indices(), b.indices()));
             CHECK(std::ranges::equal(a.shifts(), b.shifts()));
+            CHECK(std::ranges::equal(a.face_offsets(), b.face_offsets()));
+            CHECK(std::ranges::equal(a.face_vertices(), b.face_vertices()));
+            const auto c = votess::delaunay(a), d = votess::delaunay(b);
+            CHECK(!c.tetrahedra.empty());
+            CHECK(c.tetrahedra == d.tetrahedra);
+            CHECK(c.tetrahedra_shifts == d.tetrahedra_shifts);
+            CHECK(c.tetrahedra_centers == d.tetrahedra_centers);
             CHECK(a.stats().box_volume == doctest::Approx(b.stats().box_volume).epsilon(1e-14));
             CHECK(b.periodic() == axes_of(mask));
             CHECK(b.cell()->periodic == axes_of(mask));
