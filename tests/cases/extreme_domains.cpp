@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "oracle/certificate.hpp"
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
@@ -269,5 +271,16 @@ TEST_SUITE("cases") {
         CHECK(t.stats().box_volume == doctest::Approx(64 * ulp * ulp * ulp).epsilon(1e-10));
         CHECK(std::ranges::all_of(t.indices(), [](std::int32_t id) { return id >= 0 || id <= -7; }));
         CHECK(votess::verify(t, points).failure == "");
+    }
+
+    // The fuzz found it: the oracle's filter lost a vertex to underflow.
+    TEST_CASE("extreme domains: a wall as near to the seed as numbers allow") {
+        Options options = test::all_options(votess::Box{{0, 0, 0}, {403, 403, 403}});
+        options.walls = {
+            {{1, -1, 0}, std::numeric_limits<double>::denorm_min()}, {{1, 1, -1}, 403.25}, {{1, 1, 0}, 805.5}};
+        const Coordinates points{402.75, 402.75, 402.25};
+        const auto t = tessellate(points, options);
+        CHECK(std::ranges::equal(t.neighbors(0), std::vector<std::int32_t>{-9, -8, -7, -6, -5, -4, -3, -1}));
+        CHECK(test::check_certificate(t, points, options) == "");
     }
 }

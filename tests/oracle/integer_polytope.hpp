@@ -67,7 +67,7 @@ inline RoundedPlane rounded(const IntegerPlane& plane) {
 // some units of 2^-53, those with h of that times h.
 bool surely_outside(const std::vector<RoundedPlane>& planes, const std::vector<std::size_t>& order, std::size_t a,
                     std::size_t b, std::size_t c) {
-    constexpr double slack = 1e-13;
+    constexpr double slack = 1e-13, underflow = 1e-290;
     const auto cross = [](const Doubles& u, const Doubles& v) -> Doubles {
         return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
     };
@@ -80,7 +80,7 @@ bool surely_outside(const std::vector<RoundedPlane>& planes, const std::vector<s
     for (std::size_t k = 0; k < 3; ++k) x[k] = sign * (planes[a].h * bc[k] + planes[b].h * ca[k] + planes[c].h * ab[k]);
     const double size = std::abs(planes[a].h) + std::abs(planes[b].h) + std::abs(planes[c].h);
     return std::ranges::any_of(order, [&](std::size_t o) {
-        return dot(planes[o].n, x) - planes[o].h * std::abs(w) > slack * (size + std::abs(planes[o].h));
+        return dot(planes[o].n, x) - planes[o].h * std::abs(w) > slack * (size + std::abs(planes[o].h)) + underflow;
     });
 }
 
