@@ -16,7 +16,7 @@ namespace {
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
     std::optional<std::string> periodic, cell, origin, outside, min_face, min_area;
-    std::optional<std::string> dataset, frame, weights, radii;
+    std::optional<std::string> dataset, frame, weights, radii, copy, density;
     std::vector<std::string> walls, sphere_walls, cylinder_walls, cone_walls;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
@@ -50,6 +50,8 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--min-area", typed.min_area);
     app.add_option("--weights", typed.weights);
     app.add_option("--radii", typed.radii);
+    app.add_option("--copy", typed.copy);
+    app.add_option("--density", typed.density);
     app.add_option("-x,--device", typed.device);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
@@ -262,12 +264,20 @@ void read_source(const Typed& typed, Arguments& arguments) {
         throw bad_input("--dataset and --frame go with INPUT, not with --random");
     }
     if (typed.weights && typed.radii) throw bad_input("give either --weights or --radii, not both");
-    if (const auto& column = typed.weights ? typed.weights : typed.radii) {
-        const char* const option = typed.weights ? "--weights" : "--radii";
+    const auto add_column = [&](const char* option, const std::string& column) {
         if (typed.random) throw bad_input(std::string(option) + " goes with INPUT, not with --random");
-        if (column->empty()) throw bad_input(std::string(option) + " is empty: give the name or number of a column");
-        arguments.read.column = *column;
-        arguments.column_holds_radii = typed.radii.has_value();
+        if (column.empty()) throw bad_input(std::string(option) + " is empty: give the name or number of a column");
+        arguments.read.columns.push_back(column);
+    };
+    if (typed.weights) add_column("--weights", *typed.weights);
+    if (typed.radii) add_column("--radii", *typed.radii);
+    if (typed.density) add_column("--density", *typed.density);
+    arguments.has_radii = typed.radii.has_value();
+    arguments.has_weights = typed.weights || typed.radii;
+    arguments.has_density = typed.density.has_value();
+    arguments.read.all_columns = typed.copy == "all" && !typed.random;  // else refused below
+    if (typed.copy && !arguments.read.all_columns) {
+        for (const std::string_view column : split_at_commas(*typed.copy)) add_column("--copy", std::string(column));
     }
     if (typed.dataset) {
         if (typed.dataset->empty()) throw bad_input("--dataset is empty: give the name of the points in the file");
@@ -295,6 +305,9 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     }
     const bool to_stdout = std::count(arguments.outputs.begin(), arguments.outputs.end(), "-") > 0;
     if (to_stdout && typed.json) throw bad_input("-o - and --json both go to stdout: give the output a file name");
+    if ((typed.copy || typed.density) && std::ranges::none_of(arguments.outputs, carries_columns)) {
+        throw bad_input("--copy and --density go with text, .npz, .h5 and .vtu: add -o FILE");
+    }
     if (typed.want) arguments.wanted = read_want(*typed.want);
     if (text) arguments.format.add_needs(arguments.wanted);
     for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
@@ -336,6 +349,7 @@ Arguments read_arguments(int count, const char* const* values) {
     votess::Options to_write = options;
     to_write.min_face = to_write.min_area = 0;  // they measure areas, which no file is to hold for that
     arguments.wanted = votess::implied_want(to_write);
+    options.want.volumes |= arguments.has_density;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
     return arguments;
 }

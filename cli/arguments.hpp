@@ -17,7 +17,9 @@ namespace clvotess {
 struct Arguments {
     std::string input;  // file or "-"; empty with --random
     ReadRequest read;
-    bool column_holds_radii = false;  // the column that `read` names: radii, else weights
+    // The first column that `read` names holds weights or radii, the next one is to be divided by the volumes, the rest
+    // is carried into the output.
+    bool has_weights = false, has_radii = false, has_density = false;
     std::optional<std::uint64_t> random_count;
     std::uint64_t rng_seed = 1;
 

@@ -65,6 +65,9 @@ domain
   --radii COL            ... or as radii, whose squares are the weights. COL is a name (.csv with a
                          line of names, LAMMPS, .ply, PointData, an array or dataset of N numbers;
                          of atom style sphere also `radius`) or the number of a column from 1
+  --copy COLS            columns of the input that go into the output, with commas between them, or
+                         all that hold numbers: in text at the end of the row, else as arrays
+  --density COL          the array `density`: COL divided by the volume
   --duplicates merge|error
                          points of equal coordinates: the first keeps the cell, the others get an
                          empty one (merge, the default), or the input is refused (error)

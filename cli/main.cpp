@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <new>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 #include <votess/votess.hpp>
@@ -73,6 +75,36 @@ votess::Tessellation tessellate(const Input& input, votess::Options options, boo
     }
 }
 
+// The numbers of a column that has one for each point.
+std::span<const double> one_each(const InputColumn& column) {
+    if (column.width == 1) return column.values;
+    throw bad_input("the column " + in_quotes(column.name) + " has " + std::to_string(column.width) +
+                    " numbers for each point, expected one");
+}
+
+// The columns that go into the output, the last one still empty if it is to be the density.
+std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) {
+    const std::size_t named = (arguments.has_weights ? 1 : 0) + (arguments.has_density ? 1 : 0);
+    std::vector<InputColumn> carried;
+    for (std::size_t c = arguments.read.all_columns ? 0 : named; c < input.columns.size(); ++c) {
+        if (c < named) {
+            carried.push_back(input.columns[c]);
+        } else {
+            carried.push_back(std::move(input.columns[c]));
+        }
+    }
+    if (arguments.has_density) carried.push_back({"density", 1, {}});
+    return carried_columns(arguments.outputs, std::move(carried));
+}
+
+// A cell without a volume has no density.
+void fill_density(std::span<const double> of, std::span<const double> volumes, std::vector<double>& density) {
+    density.resize(of.size());
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        density[i] = volumes[i] > 0 ? of[i] / volumes[i] : std::numeric_limits<double>::quiet_NaN();
+    }
+}
+
 void tell(const Summary& summary, const Arguments& arguments) {
     if (arguments.json) {
         print(json_summary(summary));
@@ -90,12 +122,20 @@ void tell(const Summary& summary, const Arguments& arguments) {
 int run(const Arguments& arguments) {
     const auto run_began = Clock::now();
     Summary summary;
-    const Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
-                                               : read_input(arguments.input, arguments.read);
+    Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
+                                         : read_input(arguments.input, arguments.read);
     summary.seconds_read = seconds_since(run_began);
 
     votess::Options options = arguments.options;
-    (arguments.column_holds_radii ? options.radii : options.weights) = input.column;
+    // A file of no points has no columns.
+    for (std::size_t c = input.columns.size(); c < arguments.read.columns.size(); ++c)
+        input.columns.push_back({arguments.read.columns[c], 1, {}});
+    std::span<const double> radii;
+    if (arguments.has_weights) {
+        (arguments.has_radii ? options.radii : options.weights) = one_each(input.columns.at(0));
+        if (arguments.has_radii) radii = options.radii;
+    }
+    std::vector<InputColumn> carried = take_carried(arguments, input);
     summary.input_note = input.note;
     const std::string domain_from = choose_domain(input.domain, arguments.periodic, options);
     // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
@@ -104,6 +144,10 @@ int run(const Arguments& arguments) {
     if (arguments.picture) add_needs(*arguments.picture, for_picture.want);
     const votess::Tessellation tessellation =
         tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
+    if (arguments.has_density) {
+        const InputColumn& of = input.columns.at(arguments.has_weights ? 1 : 0);
+        fill_density(one_each(of), tessellation.volumes(), carried.back().values);
+    }
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);
@@ -131,8 +175,7 @@ int run(const Arguments& arguments) {
             image.emplace(arguments.picture->file).write(png);
             image->finish();
         }
-        write_outputs(arguments.outputs,
-                      {input, tessellation, arguments.wanted, arguments.format, arguments.column_holds_radii});
+        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, carried});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

@@ -85,7 +85,9 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         throw bad_input("cannot read " + in_quotes(path) + ": only text is read packed; unpack it with gunzip");
     }
     if (extension == ".npy") {
-        if (!request.column.empty()) throw bad_input(path + ": one array has no column " + in_quotes(request.column));
+        if (!request.columns.empty()) {
+            throw bad_input(path + ": one array has no column " + in_quotes(request.columns[0]));
+        }
         return read_npy(path);
     }
     using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);

@@ -22,10 +22,17 @@ struct FileDomain {
     std::vector<votess::Wall> walls;           // that cut the box
 };
 
+// Numbers beside the points.
+struct InputColumn {
+    std::string name;
+    std::size_t width = 1;
+    std::vector<double> values;  // width N, row by row
+};
+
 struct Input {
-    std::vector<double> points;     // 3N: x0 y0 z0 x1 ...
-    std::vector<std::int64_t> ids;  // N when the file has a column of ids, else empty
-    std::vector<double> column;     // N when ReadRequest names a column, else empty
+    std::vector<double> points;        // 3N: x0 y0 z0 x1 ...
+    std::vector<std::int64_t> ids;     // N when the file has a column of ids, else empty
+    std::vector<InputColumn> columns;  // those that ReadRequest names, in its order, then all others if it says so
     FileDomain domain;
     std::vector<std::pair<std::string, double>> units;  // of a snapshot, for the output
     std::string
@@ -42,7 +49,8 @@ struct Input {
 // What to take out of a file.
 struct ReadRequest {
     std::string dataset;  // HDF5: path of the points; .npz: name of their member; empty: the only one that fits
-    std::string column;   // of weights or radii: a name, or in files of rows its number from 1; empty: none
+    std::vector<std::string> columns;    // by names, or in files of rows numbers from 1
+    bool all_columns = false;            // the others too
     std::optional<std::uint64_t> frame;  // LAMMPS dump, .xyz: which one, from 0; default the first
 };
 

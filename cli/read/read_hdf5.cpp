@@ -1,4 +1,5 @@
 // HDF5: a dataset (N, 3) of floats, and the snapshots of cosmological codes, whose datasets are spread over files.
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -45,6 +46,11 @@ public:
     [[nodiscard]] bool has_columns(hsize_t count) const {
         return extent_.size() == 2 && extent_[1] == count && is_float();
     }
+    // One or a row of them for each point.
+    [[nodiscard]] bool is_numbers() const {
+        return (extent_.size() == 1 || (extent_.size() == 2 && extent_[1] > 0)) && (is_float() || is_whole());
+    }
+    [[nodiscard]] std::uint64_t width() const { return extent_.size() == 2 ? extent_[1] : 1; }
     [[nodiscard]] bool is_column() const { return extent_.size() == 1 && (is_float() || is_whole()); }
     [[nodiscard]] bool is_float() const { return type_class_ == H5T_FLOAT && type_size_ <= sizeof(double); }
     [[nodiscard]] bool is_whole() const { return type_class_ == H5T_INTEGER && type_size_ <= sizeof(std::int64_t); }
@@ -302,19 +308,42 @@ private:
         if (!points.is_points()) throw points.error("has " + points.description() + ", expected (N, 3) of floats");
         points.append_to(input_.points);
         append_ids(file, points.rows());
-        if (request_.column.empty()) return;
-        const std::string beside = group_of(name_) + request_.column;
-        const std::string column = file.has(beside) ? beside : without_slash(request_.column);
-        if (!file.has(column)) {
-            throw bad_input(file.path() + ": no dataset " + in_quotes(request_.column) +
-                            ", neither beside the points nor at the root");
+        if (input_.columns.empty()) input_.columns = wanted(file, points.rows());
+        for (InputColumn& column : input_.columns) {
+            const Hdf5Dataset values = file.open(path_of(column.name, file));
+            if (!values.is_numbers() || values.width() != column.width || values.rows() != points.rows()) {
+                throw values.error("has " + values.description() + ", expected numbers for each of the " +
+                                   std::to_string(points.rows()) + " points");
+            }
+            values.append_to(column.values);
         }
-        const Hdf5Dataset values = file.open(column);
-        if (!values.is_column() || values.rows() != points.rows()) {
-            throw values.error("has " + values.description() + ", expected a number for each of the " +
-                               std::to_string(points.rows()) + " points");
+    }
+
+    // Beside the points, or at the root.
+    [[nodiscard]] std::string path_of(const std::string& column, const Hdf5File& file) const {
+        const std::string beside = group_of(name_) + column;
+        const std::string path = file.has(beside) ? beside : without_slash(column);
+        if (file.has(path)) return path;
+        throw bad_input(file.path() + ": no dataset " + in_quotes(column) +
+                        ", neither beside the points nor at the root");
+    }
+
+    // The columns that the run names, and all others beside the points if it says so.
+    [[nodiscard]] std::vector<InputColumn> wanted(const Hdf5File& file, std::uint64_t rows) const {
+        std::vector<InputColumn> columns;
+        for (const std::string& name : request_.columns)
+            columns.push_back({name, static_cast<std::size_t>(file.open(path_of(name, file)).width()), {}});
+        const std::string group = group_of(name_);
+        for (const std::string& path : request_.all_columns ? file.datasets() : std::vector<std::string>()) {
+            const std::string name = path.substr(std::min(group.size(), path.size()));
+            const bool beside = path.starts_with(group) && name.find('/') == std::string::npos;
+            const bool named = std::ranges::find(columns, name, &InputColumn::name) != columns.end();
+            if (!beside || named || path == name_ || name == "ParticleIDs" || name == "ids") continue;
+            const Hdf5Dataset values = file.open(path);
+            if (values.is_numbers() && values.rows() == rows)
+                columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
         }
-        values.append_to(input_.column);
+        return columns;
     }
 
     // ParticleIDs beside the points of a snapshot, ids beside those of others.

@@ -32,7 +32,8 @@ public:
             if (array.is_column() && array.is_whole() && array.shape()[0] == input.size())
                 input.ids = array.read_whole();
         }
-        if (!request_.column.empty()) read_column(input);
+        for (const std::string& name : request_.columns) read_column(name, input);
+        if (request_.all_columns) read_others(points, input);
         read_domain(input.domain);
         return input;
     }
@@ -128,17 +129,36 @@ private:
                         " has " + std::to_string(count));
     }
 
-    void read_column(Input& input) const {
-        const ZipMember* const member = find(request_.column);
-        if (!member) throw bad_input(name_ + ": no array " + in_quotes(request_.column));
+    // Of numbers, one or a row of them for each point.
+    [[nodiscard]] static bool may_be_column(const NpyArray& array) {
+        const auto& shape = array.shape();
+        return (shape.size() == 1 || (shape.size() == 2 && shape[1] > 0)) && (array.is_float() || array.is_whole());
+    }
+
+    void read_column(const std::string& name, Input& input) const {
+        const ZipMember* const member = find(name);
+        if (!member) throw bad_input(name_ + ": no array " + in_quotes(name));
         NpyArray array = open(*member);
-        if (!array.is_column() || !(array.is_float() || array.is_whole())) {
-            throw bad_input(name_ + ": " + request_.column + " is no array of numbers with shape (N,)");
-        }
-        check_length(request_.column, array, input.size(), "the array of points");
-        if (array.is_float()) return array.read_floats(input.column);
+        if (!may_be_column(array)) throw bad_input(name_ + ": " + name + " is no array of numbers for each point");
+        check_length(name, array, input.size(), "the array of points");
+        const auto width = static_cast<std::size_t>(array.is_column() ? 1 : array.shape()[1]);
+        InputColumn& column = input.columns.emplace_back(InputColumn{name, width, {}});
+        if (array.is_float()) return array.read_floats(column.values);
         const std::vector<std::int64_t> whole = array.read_whole();
-        input.column.assign(whole.begin(), whole.end());
+        column.values.assign(whole.begin(), whole.end());
+    }
+
+    // What else has a row for each point.
+    void read_others(const ZipMember* points, Input& input) const {
+        for (const ZipMember& member : members_) {
+            const std::string name = plain_name(member);
+            const bool axis = !points && (name == "x" || name == "y" || name == "z");
+            const bool named = std::ranges::find(input.columns, name, &InputColumn::name) != input.columns.end();
+            if (&member == points || axis || named || name == "ids" || name == "id" || !member.name.ends_with(".npy"))
+                continue;
+            const NpyArray array = open(member);
+            if (may_be_column(array) && array.shape()[0] == input.size()) read_column(name, input);
+        }
     }
 
     const std::string& name_;

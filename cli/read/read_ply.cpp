@@ -7,6 +7,7 @@
 #include "failure.hpp"
 #include "files/binary_numbers.hpp"
 #include "files/line_reader.hpp"
+#include "read/columns.hpp"
 #include "read/input.hpp"
 
 namespace clvotess {
@@ -183,21 +184,28 @@ private:
         auto id = at("id");
         if (id && is_float(element.properties[*id].type)) id.reset();
         if (!x || !y || !z) throw bad_input(lines_.name() + ": the element vertex has no properties x, y, z");
-        std::optional<std::size_t> column;
-        if (!request_.column.empty()) {
-            column = find_column(names, request_.column, lines_.name());
-            if (element.properties[*column].count_type) {
-                throw bad_input(lines_.name() + ": the column " + in_quotes(request_.column) + " is a list");
+        ColumnPlaces wanted(request_, names, lines_.name());
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            if (wanted.holds(k) && element.properties[k].count_type) {
+                throw bad_input(lines_.name() + ": the column " + in_quotes(names[k]) + " is a list");
             }
+        }
+        if (request_.all_columns) {
+            std::vector<std::size_t> taken{*x, *y, *z};
+            if (id) taken.push_back(*id);
+            Words all(names.size(), "0");  // every property is a number, or a list
+            for (std::size_t k = 0; k < names.size(); ++k)
+                if (element.properties[k].count_type) taken.push_back(k);
+            wanted.add_others(names, taken, all);
         }
         check_count(element);
         const auto count = static_cast<std::size_t>(element.count);
         Input input;
         input.points.reserve(3 * count);
         if (id) input.ids.reserve(count);
-        if (column) input.column.reserve(count);
+        input.columns = wanted.columns(count);
         if (ascii_) {
-            read_text_rows(element, {*x, *y, *z}, id, column, input);
+            read_text_rows(element, {*x, *y, *z}, id, wanted, input);
         } else {
             std::vector<const char*> fields;
             const auto value = [&](std::size_t k) {
@@ -207,14 +215,14 @@ private:
                 pass_row(element, i, fields);
                 for (const std::size_t k : {*x, *y, *z}) input.points.push_back(value(k));
                 if (id) input.ids.push_back(*load_whole(element.properties[*id].type, fields[*id], swapped_));
-                if (column) input.column.push_back(value(*column));
+                wanted.append(input.columns, value);
             }
         }
         return input;
     }
 
     void read_text_rows(const Element& element, const std::array<std::size_t, 3>& axes, std::optional<std::size_t> id,
-                        std::optional<std::size_t> column, Input& input) {
+                        const ColumnPlaces& wanted, Input& input) {
         const auto is_list = [](const Property& property) { return property.count_type.has_value(); };
         if (std::any_of(element.properties.begin(), element.properties.end(), is_list)) {
             throw bad_input(lines_.name() + ": lists in the element vertex are not supported in text");
@@ -226,7 +234,7 @@ private:
             }
             for (const std::size_t k : axes) input.points.push_back(lines_.number(words_[k]));
             if (id) input.ids.push_back(lines_.whole(words_[*id], "an id"));
-            if (column) input.column.push_back(lines_.number(words_[*column]));
+            wanted.append(input.columns, [this](std::size_t k) { return lines_.number(words_[k]); });
         });
     }
 

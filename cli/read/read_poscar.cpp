@@ -93,7 +93,7 @@ private:
 }  // namespace
 
 Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request) {
-    if (!request.column.empty()) throw bad_input(name + ": a POSCAR has no column " + in_quotes(request.column));
+    if (!request.columns.empty()) throw bad_input(name + ": a POSCAR has no column " + in_quotes(request.columns[0]));
     return PoscarReader(text, name).read();
 }
 

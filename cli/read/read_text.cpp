@@ -8,6 +8,7 @@
 #include "failure.hpp"
 #include "files/line_reader.hpp"
 #include "files/numbers.hpp"
+#include "read/columns.hpp"
 #include "read/input.hpp"
 
 namespace clvotess {
@@ -24,7 +25,7 @@ struct Row {
 // Which columns of a row hold what.
 struct Layout {
     std::array<std::size_t, 3> axes{};
-    std::optional<std::size_t> id, value;
+    std::optional<std::size_t> id;
 };
 
 bool is_blank(char c) {
@@ -40,7 +41,9 @@ bool ends_field(char c) {
 class TextReader {
 public:
     TextReader(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request)
-        : lines_(text, name), kind_(kind), request_(request) {}
+        : lines_(text, name), kind_(kind), request_(request) {
+        for (std::string& column : request_.columns) column = plain_name(column);
+    }
 
     Input read() {
         Row row;
@@ -129,17 +132,18 @@ private:
             throw lines_.error("the line of names lacks " + in_quotes(axis) +
                                ": name the columns of the coordinates x, y and z, or remove the line");
         }
-        const std::string wanted = plain_name(request_.column);
-        for (const std::string_view name : {std::string_view("x"), std::string_view("y"), std::string_view("z"),
-                                            std::string_view("id"), std::string_view(wanted)}) {
+        std::vector<std::string> used{"x", "y", "z", "id"};
+        used.insert(used.end(), request_.columns.begin(), request_.columns.end());
+        if (request_.all_columns) used.insert(used.end(), names_.begin(), names_.end());
+        for (const std::string& name : used) {
             if (std::ranges::count(names_, name) > 1) {
                 throw lines_.error("the line of names has " + in_quotes(name) + " more than once");
             }
         }
     }
 
-    // By the line of names where there is one; else x y z or id x y z, once the column of values is taken out.
-    [[nodiscard]] Layout layout_of(std::size_t columns) const {
+    // By the line of names where there is one; else x y z or id x y z, once the columns that are wanted are taken out.
+    [[nodiscard]] Layout layout_of(std::size_t columns, const ColumnPlaces& wanted) const {
         if (columns > kept_fields) {
             throw lines_.error("this row has " + std::to_string(columns) + " columns, more than the " +
                                std::to_string(kept_fields) + " that are read");
@@ -149,7 +153,6 @@ private:
                                std::to_string(names_.size()));
         }
         Layout layout;
-        if (!request_.column.empty()) layout.value = value_column(columns);
         if (!names_.empty()) {
             layout.axes = {*named("x"), *named("y"), *named("z")};
             layout.id = named("id");
@@ -157,24 +160,20 @@ private:
         }
         std::vector<std::size_t> places;
         for (std::size_t k = 0; k < columns; ++k) {
-            if (k != layout.value) places.push_back(k);
+            if (!wanted.holds(k)) places.push_back(k);
         }
-        if (columns == 5 && !layout.value) {
-            throw lines_.error("5 columns are id x y z r: name the last with --radii 5 or --weights 5, or remove it");
+        if (request_.all_columns) throw lines_.error("which columns are all others is told by a line of names in .csv");
+        if (columns == 5 && wanted.end() == 0) {
+            throw lines_.error(
+                "5 columns are id x y z r: name the last with --radii 5, --weights 5 or --copy 5, or remove it");
         }
         if (places.size() != 3 && places.size() != 4) {
             throw lines_.error("this row has " + columns_text(columns) + ", expected 3 (x y z) or 4 (id x y z)" +
-                               (layout.value ? " and that of the values" : ""));
+                               (wanted.end() > 0 ? " beside those that are named" : ""));
         }
         if (places.size() == 4) layout.id = places[0];
         std::copy(places.end() - 3, places.end(), layout.axes.begin());
         return layout;
-    }
-
-    [[nodiscard]] std::size_t value_column(std::size_t columns) const {
-        std::vector<std::string> own = names_;
-        for (std::size_t k = names_.size(); k < columns; ++k) own.push_back(std::to_string(k + 1));
-        return find_column(Words(own.begin(), own.end()), plain_name(request_.column), lines_.place());
     }
 
     void append_position(const Row& row, const std::array<std::size_t, 3>& axes, Input& input) const {
@@ -190,9 +189,19 @@ private:
 
     Input read_rows(Row row) {
         const std::size_t columns = row.count;
-        const Layout layout = layout_of(columns);
+        const std::vector<std::string> own = names_or_numbers(names_, columns);
+        const Words names(own.begin(), own.end());
+        ColumnPlaces wanted(request_, names, lines_.place());
+        const Layout layout = layout_of(columns, wanted);
+        if (request_.all_columns) {
+            std::vector<std::size_t> taken(layout.axes.begin(), layout.axes.end());
+            if (layout.id) taken.push_back(*layout.id);
+            const auto kept = static_cast<std::ptrdiff_t>(columns);
+            wanted.add_others(names, taken, Words(row.fields.begin(), row.fields.begin() + kept));
+        }
         Input input;
         reserve(input, layout.id.has_value());
+        input.columns = wanted.columns(input.points.capacity() / 3);
         do {
             if (row.count != columns) {
                 throw lines_.error("this row has " + columns_text(row.count) + ", the rows before it have " +
@@ -208,7 +217,7 @@ private:
                 input.ids.push_back(*id);
             }
             append_position(row, layout.axes, input);
-            if (layout.value) input.column.push_back(lines_.number(row.fields[*layout.value]));
+            wanted.append(input.columns, [&](std::size_t k) { return lines_.number(row.fields[k]); });
         } while (next_row(row));
         return input;
     }
@@ -217,7 +226,7 @@ private:
     std::string_view line_;           // the last one
     std::vector<std::string> names_;  // of the columns, where a line says them
     TextKind kind_;
-    const ReadRequest& request_;
+    ReadRequest request_;  // names as those of the file
 };
 
 }  // namespace

@@ -143,15 +143,36 @@ private:
         if (ids && ids->components == 1 && !is_float(ids->type)) {
             add(input.ids, load_wholes(*ids, layout_, piece.count, name_ + ": " + ids->name));
         }
-        if (request_.column.empty()) return;
-        const VtkArray* const column = find(piece, request_.column);
-        if (!column || column->components != 1) {
-            std::string names;
-            for (const VtkArray& array : piece.columns) add_name(names, array.name);
-            throw error("no column " + in_quotes(request_.column) + " of one number a point in PointData; there are " +
-                        (names.empty() ? "none" : names));
+        if (input.columns.empty()) input.columns = wanted(piece);
+        for (InputColumn& column : input.columns) {
+            const VtkArray* const array = find(piece, column.name);
+            if (!array || array->components != column.width) {
+                std::string names;
+                for (const VtkArray& other : piece.columns) add_name(names, other.name);
+                throw error("no column " + in_quotes(column.name) +
+                            " in PointData, or one of another width than before; "
+                            "there are " +
+                            (names.empty() ? "none" : names));
+            }
+            constexpr std::uint64_t most_components = 1000;
+            if (column.width == 0 || column.width > most_components) throw error(column.name + " has no valid width");
+            add(column.values, load_floats(*array, layout_, column.width * piece.count, name_ + ": " + array->name));
         }
-        add(input.column, load_floats(*column, layout_, piece.count, name_ + ": " + column->name));
+    }
+
+    // The columns that the run names, as wide as those of this piece, and all others if it says so.
+    [[nodiscard]] std::vector<InputColumn> wanted(const Piece& piece) const {
+        std::vector<InputColumn> columns;
+        for (const std::string& name : request_.columns) {
+            const VtkArray* const array = find(piece, name);
+            columns.push_back({name, array ? static_cast<std::size_t>(array->components) : 1, {}});
+        }
+        for (const VtkArray& array : piece.columns) {
+            const bool named = std::ranges::find(columns, array.name, &InputColumn::name) != columns.end();
+            if (!request_.all_columns || named || array.name == "id" || array.name == "ids") continue;
+            columns.push_back({array.name, static_cast<std::size_t>(array.components), {}});
+        }
+        return columns;
     }
 
     [[nodiscard]] static const VtkArray* find(const Piece& piece, std::string_view name) {

@@ -8,6 +8,7 @@
 
 #include "failure.hpp"
 #include "files/line_reader.hpp"
+#include "read/columns.hpp"
 #include "read/input.hpp"
 
 namespace clvotess {
@@ -157,10 +158,15 @@ private:
         return domain;
     }
 
-    [[nodiscard]] std::size_t value_column(std::size_t columns) const {
-        std::vector<std::string> names = names_;
-        for (std::size_t k = names.size(); k < columns; ++k) names.push_back(std::to_string(k + 1));
-        return find_column(Words(names.begin(), names.end()), request_.column, lines_.place());
+    [[nodiscard]] ColumnPlaces wanted_of_row() const {
+        const std::vector<std::string> own = names_or_numbers(names_, words_.size());
+        const Words names(own.begin(), own.end());
+        ColumnPlaces wanted(request_, names, lines_.place());
+        const std::size_t first = first_.value_or(1);
+        std::vector<std::size_t> taken{first, first + 1, first + 2};
+        if (id_) taken.push_back(*id_);
+        if (request_.all_columns) wanted.add_others(names, taken, words_);
+        return wanted;
     }
 
     Input read_frame(std::string_view comment, std::uint64_t frame) {
@@ -172,24 +178,28 @@ private:
         const auto count = static_cast<std::size_t>(count_);
         if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);
         input.points.reserve(3 * count);
-        std::optional<std::size_t> value;
+        std::optional<ColumnPlaces> wanted;  // known from the first row
         std::string_view line;
         for (std::size_t i = 0; i < count; ++i) {
             if (!next_row(line)) throw short_frame(i);
             split_words(line, words_);
-            if (!request_.column.empty() && !value) value = value_column(words_.size());
+            if (!wanted) {
+                wanted = wanted_of_row();
+                input.columns = wanted->columns(count);
+            }
+            const bool more = wanted->end() > 0;
             const bool fits = properties ? words_.size() == names_.size()
-                              : value    ? words_.size() > std::max<std::size_t>(*value, 3)
+                              : more     ? words_.size() >= std::max<std::size_t>(wanted->end(), 4)
                                          : words_.size() == 4;
             if (!fits) {
                 throw lines_.error("this row has " + columns_text(words_.size()) + ", expected " +
                                    (properties ? std::to_string(names_.size()) + ", as Properties says"
-                                    : value    ? "more"
+                                    : more     ? "more"
                                                : "4 (element x y z)"));
             }
             for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[first + k]));
             if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
-            if (value) input.column.push_back(lines_.number(words_[*value]));
+            wanted->append(input.columns, [this](std::size_t k) { return lines_.number(words_[k]); });
         }
         const bool more = begin_frame(frame + 1);
         if (more || frame > 0) input.note = "frame " + std::to_string(frame);

@@ -7,6 +7,7 @@
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
 #include "files/formats/hdf5_module.hpp"
+#include "write/result_arrays.hpp"
 
 namespace clvotess {
 namespace {
@@ -14,20 +15,21 @@ namespace {
 struct Kind {
     std::string_view extension;
     void (*write)(OutputFile&, const OutputData&);
-    bool mesh;  // holds the polygons of the faces
+    bool mesh;     // holds the polygons of the faces
+    bool carries;  // columns of the input
 };
 
 void write_hdf5(OutputFile& file, const OutputData& data) {
     load_hdf5("cannot write HDF5").write(file, data);
 }
 
-constexpr std::array<Kind, 7> kinds{{{".txt", write_text, false},
-                                     {".npz", write_npz, false},
-                                     {".h5", write_hdf5, false},
-                                     {".hdf5", write_hdf5, false},
-                                     {".vtu", write_vtu, true},
-                                     {".ply", write_ply, true},
-                                     {".obj", write_obj, true}}};
+constexpr std::array<Kind, 7> kinds{{{".txt", write_text, false, true},
+                                     {".npz", write_npz, false, true},
+                                     {".h5", write_hdf5, false, true},
+                                     {".hdf5", write_hdf5, false, true},
+                                     {".vtu", write_vtu, true, true},
+                                     {".ply", write_ply, true, false},
+                                     {".obj", write_obj, true, false}}};
 
 // Text also goes to stdout, and to a device or a pipe without a known extension. Null when there is no such kind.
 const Kind* kind_of(const std::string& path) {
@@ -42,6 +44,34 @@ const Kind* kind_of(const std::string& path) {
 bool is_text_output(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->write == write_text;
+}
+
+bool carries_columns(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && kind->carries;
+}
+
+// A dataset of HDF5 keeps the last part of its path.
+std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs, std::vector<InputColumn> columns) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        std::string& name = columns[c].name;
+        name = name.substr(name.rfind('/') + 1);
+        const auto twice = std::ranges::find(columns.begin(), columns.begin() + static_cast<std::ptrdiff_t>(c), name,
+                                             &InputColumn::name);
+        if (twice != columns.begin() + static_cast<std::ptrdiff_t>(c)) {
+            throw bad_input("the column " + in_quotes(name) + " would go into the output twice: name it once");
+        }
+        for (const std::string& path : outputs) {
+            const Kind* const kind = kind_of(path);
+            const bool taken =
+                kind->write == write_vtu ? is_vtu_array(name) : kind->write != write_text && is_result_array(name);
+            if (kind->carries && taken) {
+                throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) +
+                                ", which has an array of that name: rename it");
+            }
+        }
+    }
+    return columns;
 }
 
 void add_output_needs(const std::string& path, votess::Want& want) {

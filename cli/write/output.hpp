@@ -17,6 +17,7 @@ class OutputFile;
 void check_outputs(const std::vector<std::string>& paths, const std::string& input);
 
 [[nodiscard]] bool is_text_output(const std::string& path);
+[[nodiscard]] bool carries_columns(const std::string& path);
 
 // Adds to `want` the arrays that a file of this extension holds; text is asked by its format.
 void add_output_needs(const std::string& path, votess::Want& want);
@@ -26,14 +27,21 @@ struct OutputData {
     const votess::Tessellation& tessellation;
     const votess::Want& wanted;  // arrays for .npz and .h5; the tessellation may hold more
     const TextFormat& format;
-    bool radii = false;  // whether Input::column holds radii, for %r
+    std::span<const double> radii;            // for %r; empty when there are none
+    const std::vector<InputColumn>& carried;  // columns of the input, behind what each file holds of a cell
 };
+
+// Columns that go from the input into the output, and the density. Throws Failure when a file has an array of that name
+// itself.
+[[nodiscard]] std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs,
+                                                       std::vector<InputColumn> columns);
 
 void write_outputs(const std::vector<std::string>& paths, const OutputData& data);
 
 void write_text(OutputFile& file, const OutputData& data);
 void write_npz(OutputFile& file, const OutputData& data);
 void write_vtu(OutputFile& file, const OutputData& data);
+[[nodiscard]] bool is_vtu_array(std::string_view name);  // of cells, that .vtu always holds
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
 

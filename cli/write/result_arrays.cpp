@@ -1,5 +1,8 @@
 #include "write/result_arrays.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace clvotess {
 namespace {
 
@@ -21,13 +24,44 @@ ResultArray as_array(std::string_view name, std::span<const Number> values, std:
 
 }  // namespace
 
-std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const votess::Want& wanted,
-                                       std::span<const std::int64_t> ids) {
+bool is_result_array(std::string_view name) {
+    constexpr std::array<std::string_view, 26> names{"ids",
+                                                     "indptr",
+                                                     "indices",
+                                                     "shifts",
+                                                     "face_areas",
+                                                     "face_normals",
+                                                     "volumes",
+                                                     "centroids",
+                                                     "surface_areas",
+                                                     "security_radii",
+                                                     "face_counts",
+                                                     "edge_counts",
+                                                     "vertex_counts",
+                                                     "vertices",
+                                                     "cell_vertex_indptr",
+                                                     "cell_vertex_indices",
+                                                     "face_offsets",
+                                                     "face_vertices",
+                                                     "status",
+                                                     "duplicate_of",
+                                                     "box",
+                                                     "periodic",
+                                                     "cell",
+                                                     "origin",
+                                                     "walls",
+                                                     "version"};
+    return std::ranges::find(names, name) != names.end();
+}
+
+std::vector<ResultArray> result_arrays(const OutputData& data) {
+    const votess::Tessellation& cells = data.tessellation;
+    const votess::Want& wanted = data.wanted;
     std::vector<ResultArray> arrays;
     const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
         arrays.push_back(as_array(name, values, columns));
     };
-    if (!ids.empty()) add("ids", ids);
+    if (!data.input.ids.empty()) add("ids", std::span(data.input.ids));
     if (wanted.neighbors) {
         add("indptr", cells.indptr());
         add("indices", cells.indices());
@@ -55,6 +89,7 @@ std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const 
     }
     add("status", cells.status());
     if (!cells.duplicate_of().empty()) add("duplicate_of", cells.duplicate_of());
+    for (const InputColumn& column : data.carried) add(column.name, std::span(column.values), column.width);
     return arrays;
 }
 

@@ -10,6 +10,7 @@
 #include <votess/votess.hpp>
 
 #include "files/binary_numbers.hpp"
+#include "write/output.hpp"
 
 namespace clvotess {
 
@@ -22,10 +23,12 @@ struct ResultArray {
     [[nodiscard]] std::size_t rows() const noexcept { return bytes.size() / size_of(type) / columns; }
 };
 
-// Returns the arrays that `wanted` names, status, duplicate_of when there are duplicates, and ids when there are any.
-// They are valid as long as `cells` and `ids`.
-[[nodiscard]] std::vector<ResultArray> result_arrays(const votess::Tessellation& cells, const votess::Want& wanted,
-                                                     std::span<const std::int64_t> ids);
+// Returns the arrays that `wanted` names, status, duplicate_of when there are duplicates, ids when there are any, and
+// the columns that are carried. They are valid as long as what `data` refers to.
+[[nodiscard]] std::vector<ResultArray> result_arrays(const OutputData& data);
+
+// Whether an array of .npz or .h5 may have that name.
+[[nodiscard]] bool is_result_array(std::string_view name);
 
 // The domain: box (2, 3), periodic (3,), of a triclinic one cell (3, 3) and origin (3,), and the walls (M, 4) that cut
 // a box. In .h5 all but the walls are attributes of the root.

@@ -114,7 +114,7 @@ private:
 void write_hdf5(OutputFile& file, const OutputData& data) {
     begin_hdf5();
     Hdf5Writer writer(file);
-    for (const ResultArray& array : result_arrays(data.tessellation, data.wanted, data.input.ids)) writer.add(array);
+    for (const ResultArray& array : result_arrays(data)) writer.add(array);
     const DomainArrays domain(data.tessellation);
     for (const ResultArray& array : domain.all()) {
         if (array.name == "walls") {  // attributes hold 64 kB at most

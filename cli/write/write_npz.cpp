@@ -43,7 +43,7 @@ void write_npz(OutputFile& file, const OutputData& data) {
             array.columns == 1 ? "(" + rows + ",)" : "(" + rows + ", " + std::to_string(array.columns) + ")",
             array.bytes);
     };
-    for (const ResultArray& array : result_arrays(data.tessellation, data.wanted, data.input.ids)) add_array(array);
+    for (const ResultArray& array : result_arrays(data)) add_array(array);
     const DomainArrays domain(data.tessellation);
     for (const ResultArray& array : domain.all()) add_array(array);
     for (const auto& [name, value] : data.input.units) {

@@ -33,6 +33,12 @@ public:
                     put(piece.code, i);
                 }
             }
+            for (const InputColumn& column : data_.carried) {
+                for (std::size_t k = 0; k < column.width; ++k) {
+                    buffer_.put(' ');
+                    buffer_.put_number(column.values[column.width * i + k]);
+                }
+            }
             buffer_.put('\n');
         }
         buffer_.flush();
@@ -53,7 +59,7 @@ private:
             case 'q':
                 return buffer_.put_three(seed[0], seed[1], seed[2]);
             case 'r':
-                return buffer_.put_number(data_.radii ? data_.input.column[i] : radius_of_voropp);
+                return buffer_.put_number(data_.radii.empty() ? radius_of_voropp : data_.radii[i]);
             case 'w':
                 return buffer_.put_number(cells_.vertex_counts()[i]);
             case 'g':

@@ -1,6 +1,8 @@
 // VTK's .vtu: one polyhedron for each cell, with data. The XML in front says where each array begins behind it, where
 // they lie raw, so everything is written front to back; the few arrays that the library does not hold are made on the
 // way.
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -23,6 +25,15 @@ template <typename Number>
 Block as_it_is(std::string attributes, std::span<const Number> values) {
     const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
     return {std::move(attributes), values.size_bytes(), [bytes](OutputBuffer& out) { out.put(bytes); }};
+}
+
+// For an attribute of XML.
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+    }
+    return result;
 }
 
 class VtuWriter {
@@ -51,6 +62,11 @@ public:
         });
         values_.push_back(as_it_is(R"(type="Float64" Name="centroid" NumberOfComponents="3")", cells_.centroids()));
         values_.push_back(as_it_is(R"(type="UInt8" Name="status")", cells_.status()));
+        for (const InputColumn& column : data_.carried) {
+            values_.push_back(as_it_is("type=\"Float64\" Name=\"" + escaped(column.name) + "\" NumberOfComponents=\"" +
+                                           std::to_string(column.width) + "\"",
+                                       std::span<const double>(column.values)));
+        }
     }
 
     void write(OutputFile& file) {
@@ -137,6 +153,11 @@ private:
 };
 
 }  // namespace
+
+bool is_vtu_array(std::string_view name) {
+    constexpr std::array<std::string_view, 5> names{"id", "volume", "neighbors", "centroid", "status"};
+    return std::ranges::find(names, name) != names.end();
+}
 
 void write_vtu(OutputFile& file, const OutputData& data) {
     VtuWriter(data).write(file);

@@ -100,7 +100,7 @@ class Hdf5Files(ReaderTest):
         self.refuse("c.h5", "--dataset", "a/b", says="'a/b'")
         self.refuse("a.h5", "--dataset", "a", says="(30, 2)")
         self.refuse("b.h5", "--dataset", "a", says="int64")
-        self.refuse("c.h5", "--dataset", "a", "--radii", "b", says="(30, 3)")
+        self.refuse("c.h5", "--dataset", "a", "--radii", "b", says="3 numbers for each point")
         self.refuse("c.h5", "--dataset", "a", "--radii", "q", says="'q'")
         self.refuse("c.h5", "--dataset", "a", "--frame", "0", says="--frame")
         (self.folder / "folder.h5").mkdir()
@@ -193,16 +193,18 @@ class Hdf5Files(ReaderTest):
         points = random_points(2000) * 100
         self.snapshot("snap", 2, points, BoxSize=100.0, UnitLength_in_cm=3.085678e21, HubbleParam=0.7)
         self.run_cli("snap", "--dataset", "PartType1/Coordinates", "--periodic", "xz", "-o", "out.h5", "-o", "out.npz",
-                     "--want", "volumes,centroids")
+                     "--want", "volumes,centroids", "--density", "SmoothingLength", "--copy", "Velocities")
         with h5py.File(self.folder / "out.h5") as file, np.load(self.folder / "out.npz") as arrays:
             self.assertAlmostEqual(file["volumes"][()].sum(), 1e6, places=3)
             np.testing.assert_array_equal(file["ids"], np.arange(1000, 3000))
+            np.testing.assert_array_equal(file["Velocities"], points * 2)
+            np.testing.assert_array_equal(file["density"], points[:, 0] / file["volumes"])
             np.testing.assert_array_equal(file.attrs["box"], [[0, 0, 0], [100, 100, 100]])
             np.testing.assert_array_equal(file.attrs["periodic"], [1, 0, 1])
             self.assertEqual((file.attrs["UnitLength_in_cm"], file.attrs["HubbleParam"]), (3.085678e21, 0.7))
             self.assertEqual((arrays["UnitLength_in_cm"], arrays["HubbleParam"]), (3.085678e21, 0.7))
         for name in ["out.h5", "out.npz"]:
-            domain = self.json(name)["domain"]
+            domain = self.json(name, "--dataset", "centroids")["domain"]
             self.assertEqual((domain["from"], domain["upper"], domain["periodic"]),
                              ("file", [100, 100, 100], [True, False, True]))
         self.put("in.npy", random_points(300) * 0.3 + 0.35)

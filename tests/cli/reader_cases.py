@@ -118,7 +118,7 @@ class ArrayFiles(ReaderTest):
         self.refuse("a.npz", "--dataset", "q", says=["'q'", "points r s"])
         self.refuse("a.npz", "--radii", "q", says="'q'")
         self.refuse("a.npz", "--radii", "r", says=["r has 9", "50"])
-        self.refuse("a.npz", "--radii", "s", says="(N,)")
+        self.refuse("a.npz", "--radii", "s", says="3 numbers for each point")
         self.refuse("a.npz", "--frame", "1", says="--frame")
         points[7, 1] = np.nan
         np.savez(self.folder / "a.npz", points=points)
@@ -230,3 +230,115 @@ class PlyFiles(ReaderTest):
                                                                                  7))
             self.put("a.ply", self.ply(kind, properties, rows, front))
             self.damage("a.ply", "y")
+
+
+class Columns(ReaderTest):
+    """--copy and --density, out of every kind of file."""
+
+    OWN = {"box", "periodic", "cell", "origin", "version", "indptr", "indices", "shifts", "volumes", "status", "ids"}
+
+    def carried(self, *arguments):
+        """What an .npz holds beside the result."""
+        self.run_cli(*arguments, "-o", "out.npz")
+        with np.load(self.folder / "out.npz") as arrays:
+            return {name: arrays[name] for name in arrays.files if name not in self.OWN}, arrays["volumes"]
+
+    def assert_carried(self, name, expected, *options):
+        """The columns one by one, in another order, all at once, and as density."""
+        for names in [list(expected), list(expected)[::-1], ["all"]]:
+            got, _ = self.carried(name, "--copy", ",".join(names), *options)
+            self.assertEqual(set(got), set(expected), name)
+            for column, values in expected.items():
+                np.testing.assert_array_equal(got[column], values, f"{name}: {column}")
+        column = next(c for c, values in expected.items() if np.ndim(values) == 1)
+        got, volumes = self.carried(name, "--density", column, *options)
+        self.assertEqual(set(got), {"density"})
+        np.testing.assert_array_equal(got["density"], expected[column] / volumes)
+
+    def test_rows(self):
+        points, mass = random_points(40), np.random.default_rng(2).random(40)
+        kind = np.arange(40) % 3
+        rows = text_of(points).splitlines()
+        together = list(zip(range(40), rows, mass.tolist(), kind.tolist()))
+        self.put("a.csv", "id,x,y,z,mass,type,word\n"
+                 + "".join(f"{i},{row.replace(' ', ',')},{m!r},{k},w{i}\n" for i, row, m, k in together))
+        expected = {"mass": mass, "type": kind}
+        self.assert_carried("a.csv", expected)
+        self.put("a.dump", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n40\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n"
+                 "ITEM: ATOMS id element x y z mass type\n"
+                 + "".join(f"{i} Cu {row} {m!r} {k}\n" for i, row, m, k in together))
+        self.assert_carried("a.dump", expected)
+        self.put("a.xyz", "40\nProperties=species:S:1:pos:R:3:mass:R:1:type:I:1:forces:R:3\n"
+                 + "".join(f"Cu {row} {m!r} {k} 1 {m!r} 3\n" for i, row, m, k in together))
+        forces = np.column_stack((np.ones(40), mass, np.full(40, 3)))
+        got, _ = self.carried("a.xyz", "--copy", "forces,mass")
+        self.assertEqual(set(got), {"forces", "mass"})
+        np.testing.assert_array_equal(got["forces"], forces)
+        self.assert_carried("a.xyz", {**expected, **{f"forces_{k + 1}": forces[:, k] for k in range(3)}})
+        self.put("a.data", "c\n\n40 atoms\n0 1 xlo xhi\n0 1 ylo yhi\n0 1 zlo zhi\n\nAtoms # sphere\n\n"
+                 + "".join(f"{i} {k} {m!r} 2.5 {row}\n" for i, row, m, k in together))
+        got, _ = self.carried("a.data", "--copy", "all")
+        self.assertEqual(set(got), {"type", "diameter", "density"})
+        np.testing.assert_array_equal(got["density"], np.full(40, 2.5))
+        got, _ = self.carried("a.data", "--radii", "radius", "--copy", "radius,diameter", "--outside", "drop")
+        np.testing.assert_array_equal(got["radius"], mass / 2)
+        np.testing.assert_array_equal(got["diameter"], mass)
+        self.put("a.ply", "ply\nformat ascii 1.0\nelement vertex 40\n"
+                 + "".join(f"property double {name}\n" for name in ["x", "y", "z", "mass", "type"]) + "end_header\n"
+                 + "".join(f"{row} {m!r} {k}\n" for i, row, m, k in together))
+        self.assert_carried("a.ply", expected)
+        self.put("a.txt", "".join(f"{i} {row} {m!r} {k}\n" for i, row, m, k in together))
+        got, _ = self.carried("a.txt", "--copy", "6,5")
+        np.testing.assert_array_equal(got["column_5"], mass)
+        np.testing.assert_array_equal(got["column_6"], kind)
+        self.refuse("a.txt", "--copy", "all", "-o", "out.npz", says="line of names")
+
+    def test_arrays(self):
+        points, mass, flow = random_points(30), np.arange(30) * 0.5, random_points(30, 9)[:, :2]
+        expected = {"mass": mass, "flow": flow, "type": np.arange(30)}
+        np.savez(self.folder / "a.npz", points=points, ids=np.arange(30) + 7, other=np.zeros(3), deep=np.zeros((30, 2, 2)),
+                 **expected)
+        self.assert_carried("a.npz", expected)
+
+        def array(name, values):
+            width = values.shape[1] if values.ndim == 2 else 1
+            return (f'<DataArray type="Float64" Name="{name}" NumberOfComponents="{width}" format="ascii">'
+                    + " ".join(map(repr, values.astype(float).ravel().tolist())) + "</DataArray>\n")
+
+        self.put("a.vtp", '<VTKFile type="PolyData" byte_order="LittleEndian">\n<PolyData>\n<Piece NumberOfPoints="30">\n'
+                 + "<PointData>\n" + "".join(array(name, values) for name, values in expected.items()) + "</PointData>\n"
+                 + "<Points>\n" + array("Points", points) + "</Points>\n</Piece>\n</PolyData>\n</VTKFile>\n")
+        self.assert_carried("a.vtp", expected)
+
+    def test_outputs(self):
+        points, mass = random_points(25), np.random.default_rng(4).random(25)
+        np.savez(self.folder / "a.npz", points=points, mass=mass, flow=points[:, :2] * 3)
+        options = ["--copy", "mass,flow", "--density", "mass"]
+        self.run_cli("a.npz", *options, "-o", "out.txt", "-o", "out.vtu", "-o", "out.npz", "--format", "%i %v")
+        rows = np.array([row.split() for row in (self.folder / "out.txt").read_text().splitlines()], float)
+        np.testing.assert_array_equal(rows[:, 2:5], np.column_stack((mass, points[:, :2] * 3)))
+        np.testing.assert_array_equal(rows[:, 5], mass / rows[:, 1])
+        content = (self.folder / "out.vtu").read_bytes()
+        for name, values in [("mass", mass), ("flow", points[:, :2] * 3), ("density", rows[:, 5])]:
+            self.assertIn(f'Name="{name}" NumberOfComponents="{values.shape[1] if values.ndim == 2 else 1}"'.encode(), content)
+            self.assertIn(np.ascontiguousarray(values).tobytes(), content)
+        # A cell without a volume has no density; a file of no points has empty columns.
+        self.put("two.csv", "x,y,z,m\n0,0,0,2\n0,0,0,3\n1,1,1,4\n")
+        rows = self.rows("two.csv", "--density", "m", "--format", "%i")
+        self.assertEqual([row.split()[1] == "nan" for row in rows], [False, True, False])
+        self.put("none.csv", "x,y,z,m\n")
+        self.assertEqual(self.rows("none.csv", "--density", "m", "--copy", "m", "--radii", "m"), [])
+
+    def test_refused(self):
+        np.savez(self.folder / "a.npz", points=random_points(25), mass=np.zeros(25), volumes=np.zeros(25), flow=np.zeros((25, 2)))
+        for options, says in [(["--copy", "mass"], "-o FILE"), (["--copy", "mass", "-o", "out.ply"], "--copy"),
+                              (["--copy", "q", "-o", "out.npz"], "'q'"),
+                              (["--copy", "mass,mass", "-o", "out.npz"], "twice"),
+                              (["--copy", "volumes", "-o", "out.npz"], ["'volumes'", "rename"]),
+                              (["--copy", ",", "-o", "out.npz"], "--copy is empty"),
+                              (["--density", "flow", "-o", "out.npz"], "2 numbers for each point"),
+                              (["--radii", "flow", "-o", "out.npz"], "2 numbers for each point")]:
+            self.refuse("a.npz", *options, says=says)
+        self.run_cli("a.npz", "--copy", "volumes", "-o", "out.vtu")
+        self.refuse("--random", "5", "--copy", "mass", "-o", "out.npz", says="--copy goes with INPUT")
+        self.refuse("--random", "5", "--copy", "all", "-o", "out.npz", says="--copy goes with INPUT")

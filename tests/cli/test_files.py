@@ -12,10 +12,10 @@ from domain_cases import FileDomains, Regressions
 from frame_cases import FrameFiles
 from hdf5_cases import Hdf5Files, Hdf5Module
 from lammps_cases import LammpsFiles
-from reader_cases import ArrayFiles, PlyFiles, TextFiles
+from reader_cases import ArrayFiles, Columns, PlyFiles, TextFiles
 from vtk_cases import VtkFiles
 
-__all__ = ["ArrayFiles", "FileDomains", "FrameFiles", "Hdf5Files", "Hdf5Module", "LammpsFiles", "PlyFiles", "Regressions", "TextFiles", "VtkFiles"]
+__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "Hdf5Files", "Hdf5Module", "LammpsFiles", "PlyFiles", "Regressions", "TextFiles", "VtkFiles"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -6,6 +6,7 @@
 
 #include "failure.hpp"
 #include "files/line_reader.hpp"
+#include "read/columns.hpp"
 #include "read/input.hpp"
 #include "read/lammps/lammps_box.hpp"
 #include "read/lammps/lammps_styles.hpp"
@@ -116,14 +117,21 @@ private:
     }
 
     // A diameter is also there as `radius`, its half.
-    void find_value(const Words& columns) {
-        if (request_.column.empty()) return;
-        const auto diameter = std::find(columns.begin(), columns.end(), "diameter");
-        if (request_.column == "radius" && diameter != columns.end()) {
-            value_column_ = static_cast<std::size_t>(diameter - columns.begin());
-            factor_ = 0.5;
-        } else {
-            value_column_ = find_column(columns, request_.column, lines_.name());
+    void find_wanted(const AtomColumns& columns, Input& input) {
+        ReadRequest request = request_;
+        std::vector<bool> halved;
+        for (std::string& column : request.columns) {
+            halved.push_back(column == "radius" && std::ranges::find(columns.names, "diameter") != columns.names.end());
+            if (halved.back()) column = "diameter";
+        }
+        wanted_.emplace(request, columns.names, lines_.name());
+        const std::array<std::size_t, 4> taken{0, columns.x, columns.x + 1, columns.x + 2};
+        if (request_.all_columns) wanted_->add_others(columns.names, taken, words_);
+        input.columns = wanted_->columns(static_cast<std::size_t>(*count_));
+        for (std::size_t c = 0; c < halved.size(); ++c) {
+            if (!halved[c]) continue;
+            input.columns[c].name = "radius";
+            halved_.push_back(c);
         }
     }
 
@@ -160,7 +168,7 @@ private:
                 row_size = words_.size();
                 columns = columns_of(hint, row_size);
                 four_whole_ = row_size == spin_columns;
-                find_value(columns.names);
+                find_wanted(columns, input);
             }
             if (words_.size() != row_size) {
                 throw lines_.error("this row has " + columns_text(words_.size()) + ", the rows before it have " +
@@ -178,7 +186,10 @@ private:
                 }
                 if (columns.guessed) flags.back()[k - columns.names.size()] = static_cast<std::uint64_t>(*flag);
             }
-            if (value_column_) input.column.push_back(factor_ * lines_.number(words_[*value_column_]));
+            wanted_->append(input.columns, [this](std::size_t k) { return lines_.number(words_[k]); });
+        }
+        for (const std::size_t c : halved_) {
+            for (double& diameter : input.columns[c].values) diameter *= 0.5;
         }
         if (!flags.empty()) check_guess(input.points, flags);
         return input;
@@ -199,8 +210,8 @@ private:
     std::optional<AtomColumns> named_;  // points into names_text_
     bool names_commented_ = false;
     bool four_whole_ = false;  // the last four columns of rows as long as those of style spin
-    std::optional<std::size_t> value_column_;
-    double factor_ = 1;
+    std::optional<ColumnPlaces> wanted_;
+    std::vector<std::size_t> halved_;  // those of them that are diameters and wanted as radii
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "failure.hpp"
 #include "files/line_reader.hpp"
+#include "read/columns.hpp"
 #include "read/input.hpp"
 #include "read/lammps/lammps_box.hpp"
 
@@ -148,8 +149,8 @@ private:
         const Place place = find_place(names);
         const auto id = std::find(names.begin(), names.end(), "id");
         const auto id_column = static_cast<std::size_t>(id - names.begin());
-        const bool has_column = !request_.column.empty();
-        const std::size_t column = has_column ? find_column(names, request_.column, lines_.name()) : 0;
+        ColumnPlaces wanted(request_, names, lines_.name());
+        bool others = request_.all_columns;  // known from the first row
 
         Input input;
         input.domain = box_.domain();
@@ -158,7 +159,7 @@ private:
         if (!can_hold(lines_.rest().size(), count, 2 * names.size())) throw short_frame(0);
         input.points.reserve(3 * count);
         if (id != names.end()) input.ids.reserve(count);
-        if (has_column) input.column.reserve(count);
+        input.columns = wanted.columns(count);
         Words row;
         for (std::size_t i = 0; i < count; ++i) {
             std::string_view line;
@@ -173,7 +174,14 @@ private:
             if (place.scaled) position = box_.unscaled(position);
             input.points.insert(input.points.end(), position.begin(), position.end());
             if (id != names.end()) input.ids.push_back(lines_.whole(row[id_column], "an id"));
-            if (has_column) input.column.push_back(lines_.number(row[column]));
+            if (others) {
+                std::vector<std::size_t> taken(place.columns.begin(), place.columns.end());
+                taken.push_back(id_column);
+                wanted.add_others(names, taken, row);
+                input.columns = wanted.columns(count);
+                others = false;
+            }
+            wanted.append(input.columns, [&](std::size_t k) { return lines_.number(row[k]); });
         }
         std::string_view next;
         if (lines_.next(next) && next.find_first_not_of(" \t\r") != std::string_view::npos &&

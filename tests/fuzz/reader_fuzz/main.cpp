@@ -76,7 +76,10 @@ void check(const Input& input, const ReadRequest& request, const std::string& by
     const std::size_t count = input.size();
     if (input.points.size() != 3 * count) complain("no whole number of points", bytes);
     if (!input.ids.empty() && input.ids.size() != count) complain("ids of another number than points", bytes);
-    if (input.column.size() != (request.column.empty() ? 0 : count)) complain("values of another number", bytes);
+    if (count > 0 && input.columns.size() < request.columns.size()) complain("fewer columns than wanted", bytes);
+    for (const InputColumn& column : input.columns) {
+        if (column.values.size() != column.width * count) complain("values of another number", bytes);
+    }
 }
 
 }  // namespace
@@ -86,7 +89,7 @@ int main(int argc, char** argv) {
     const std::string path = argv[1];
     const long rounds = std::atol(argv[2]);
     ReadRequest request;
-    if (argc > 3) request.column = argv[3];
+    if (argc > 3) request.columns = {argv[3]};
     std::ifstream stream(path, std::ios::binary);
     const std::string good{std::istreambuf_iterator<char>(stream), {}};
     const Parser parse = parsers.at(extension_of(path));
@@ -95,6 +98,7 @@ int main(int argc, char** argv) {
     for (long round = 0; round <= rounds; ++round) {
         const std::string bytes = round == 0 ? good : damaged(good, random);
         const std::vector<char> exact(bytes.begin(), bytes.end());  // no byte behind the last
+        request.all_columns = round % 3 == 2;
         try {
             check(parse({exact.data(), exact.size()}, "file", request), request, bytes);
             ++read;

@@ -1,0 +1,72 @@
+#include "read/columns.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace clvotess {
+namespace {
+
+// A column that has only a number is called column_NUMBER.
+std::string name_of(std::string_view name) {
+    return (read_uint64(name) ? "column_" : "") + std::string(name);
+}
+
+std::optional<std::size_t> find(const Words& names, const std::string& name) {
+    const auto at = std::ranges::find(names, std::string_view(name));
+    if (at == names.end()) return std::nullopt;
+    return static_cast<std::size_t>(at - names.begin());
+}
+
+}  // namespace
+
+std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::size_t columns) {
+    for (std::size_t k = names.size(); k < columns; ++k) names.push_back(std::to_string(k + 1));
+    return names;
+}
+
+ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where) {
+    for (const std::string& wish : request.columns) {
+        Place& place = places_.emplace_back();
+        if (!find(names, wish) && find(names, wish + "_1")) {
+            place.name = wish;
+            for (std::size_t part = 1;; ++part) {
+                const auto at = find(names, wish + "_" + std::to_string(part));
+                if (!at) break;
+                place.at.push_back(*at);
+            }
+            continue;
+        }
+        place.at.push_back(find_column(names, wish, where));
+        place.name = name_of(names[place.at[0]]);
+    }
+}
+
+void ColumnPlaces::add_others(const Words& names, std::span<const std::size_t> taken, const Words& row) {
+    for (std::size_t k = 0; k < std::min(names.size(), row.size()); ++k) {
+        const bool free = std::ranges::find(taken, k) == taken.end() && !holds(k) && !names[k].empty();
+        if (free && read_double(row[k])) places_.push_back({name_of(names[k]), {k}});
+    }
+}
+
+bool ColumnPlaces::holds(std::size_t column) const {
+    return std::ranges::any_of(places_, [&](const Place& place) {
+        return std::ranges::find(place.at, column) != place.at.end();
+    });
+}
+
+std::size_t ColumnPlaces::end() const {
+    std::size_t end = 0;
+    for (const Place& place : places_) end = std::max(end, *std::ranges::max_element(place.at) + 1);
+    return end;
+}
+
+std::vector<InputColumn> ColumnPlaces::columns(std::size_t rows) const {
+    std::vector<InputColumn> columns;
+    for (const Place& place : places_) {
+        columns.push_back({place.name, place.at.size(), {}});
+        columns.back().values.reserve(rows * place.at.size());
+    }
+    return columns;
+}
+
+}  // namespace clvotess
