@@ -77,7 +77,8 @@ output
                          .npz   NumPy arrays: indptr, indices (row i of the neighbor lists is
                                 indices[indptr[i]:indptr[i+1]]), shifts in periodic domains, what
                                 --want names, status, duplicate_of when there are duplicates, ids,
-                                the domain (box, periodic, cell, origin, walls), units, version
+                                the domain (box, periodic, cell, origin, walls, domain_from),
+                                units that the file states, version
                          .h5    HDF5: the same (also .hdf5), the domain and units as attributes
                          .vtu   the cells as polyhedra for ParaView and PyVista, with id, volume,
                                 neighbors, centroid and status; empty cells are VTK_EMPTY_CELL

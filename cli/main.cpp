@@ -175,7 +175,8 @@ int run(const Arguments& arguments) {
             image.emplace(arguments.picture->file).write(png);
             image->finish();
         }
-        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, carried});
+        write_outputs(arguments.outputs,
+                      {input, tessellation, arguments.wanted, arguments.format, radii, domain_from, carried});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

@@ -49,9 +49,8 @@ void ColumnPlaces::add_others(const Words& names, std::span<const std::size_t> t
 }
 
 bool ColumnPlaces::holds(std::size_t column) const {
-    return std::ranges::any_of(places_, [&](const Place& place) {
-        return std::ranges::find(place.at, column) != place.at.end();
-    });
+    return std::ranges::any_of(
+        places_, [&](const Place& place) { return std::ranges::find(place.at, column) != place.at.end(); });
 }
 
 std::size_t ColumnPlaces::end() const {

@@ -16,8 +16,8 @@ namespace clvotess {
 // Where the columns that a run wants lie in the rows of a file. Those of one vector NAME may be called NAME_1, NAME_2.
 class ColumnPlaces {
 public:
-    // names: of all columns, numbers from 1 where they have none. where: for messages. Throws Failure when a column that
-    // the request names is not there.
+    // names: of all columns, numbers from 1 where they have none. where: for messages. Throws Failure when a column
+    // that the request names is not there.
     ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where);
 
     // For `all`: adds the columns that are not taken, for coordinates and ids, and hold a number in this row.

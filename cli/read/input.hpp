@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
+#include <variant>
 #include <vector>
 #include <votess/votess.hpp>
 
@@ -20,6 +20,12 @@ struct FileDomain {
     std::array<bool, 3> periodic{};            // may be told without a box
     std::optional<votess::TriclinicBox> cell;  // instead of box and periodic, with its own
     std::vector<votess::Wall> walls;           // that cut the box
+};
+
+// A number or a word that belongs to the whole of a file.
+struct Attribute {
+    std::string name;
+    std::variant<double, std::string> value;
 };
 
 // Numbers beside the points.
@@ -34,7 +40,7 @@ struct Input {
     std::vector<std::int64_t> ids;     // N when the file has a column of ids, else empty
     std::vector<InputColumn> columns;  // those that ReadRequest names, in its order, then all others if it says so
     FileDomain domain;
-    std::vector<std::pair<std::string, double>> units;  // of a snapshot, for the output
+    std::vector<Attribute> units;  // that the file states, for the output
     std::string
         note;  // what was taken out of a file that holds more; for the summary, empty when there is nothing to say
 

@@ -178,8 +178,8 @@ public:
     }
 
     // Of a snapshot: Unit... and what else scales its numbers, out of the groups Header and Units.
-    [[nodiscard]] std::vector<std::pair<std::string, double>> units() const {
-        std::vector<std::pair<std::string, double>> all;
+    [[nodiscard]] std::vector<Attribute> units() const {
+        std::vector<Attribute> all;
         for (const char* const group : {"Header", "Units"}) {
             if (!has(group)) continue;
             std::vector<std::string> names;
@@ -194,7 +194,7 @@ public:
                     name.starts_with("Unit") || name == "HubbleParam" || name == "Time" || name == "Redshift";
                 const std::vector<double> values = attribute(group, name.c_str());
                 if (scales && values.size() == 1 && name.find('/') == std::string::npos)
-                    all.emplace_back(name, values[0]);
+                    all.push_back({name, values[0]});
             }
         }
         return all;

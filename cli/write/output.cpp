@@ -104,6 +104,13 @@ void check_outputs(const std::vector<std::string>& paths, const std::string& inp
     }
 }
 
+std::vector<Attribute> attributes_of(const OutputData& data) {
+    std::vector<Attribute> attributes = data.input.units;
+    attributes.push_back({"domain_from", data.domain_from});
+    attributes.push_back({"version", VOTESS_VERSION_STRING});
+    return attributes;
+}
+
 void write_outputs(const std::vector<std::string>& paths, const OutputData& data) {
     std::vector<OutputFile> files;
     files.reserve(paths.size());

@@ -28,8 +28,12 @@ struct OutputData {
     const votess::Want& wanted;  // arrays for .npz and .h5; the tessellation may hold more
     const TextFormat& format;
     std::span<const double> radii;            // for %r; empty when there are none
+    const std::string& domain_from;           // "given", "file" or "bounds"
     const std::vector<InputColumn>& carried;  // columns of the input, behind what each file holds of a cell
 };
+
+// What .npz and .h5 hold once: the units of the input, domain_from and version.
+[[nodiscard]] std::vector<Attribute> attributes_of(const OutputData& data);
 
 // Columns that go from the input into the output, and the density. Throws Failure when a file has an array of that name
 // itself.

@@ -25,7 +25,7 @@ ResultArray as_array(std::string_view name, std::span<const Number> values, std:
 }  // namespace
 
 bool is_result_array(std::string_view name) {
-    constexpr std::array<std::string_view, 26> names{"ids",
+    constexpr std::array<std::string_view, 27> names{"ids",
                                                      "indptr",
                                                      "indices",
                                                      "shifts",
@@ -50,7 +50,8 @@ bool is_result_array(std::string_view name) {
                                                      "cell",
                                                      "origin",
                                                      "walls",
-                                                     "version"};
+                                                     "version",
+                                                     "domain_from"};
     return std::ranges::find(names, name) != names.end();
 }
 

@@ -123,8 +123,9 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
             writer.add_attribute(array);
         }
     }
-    for (const auto& [name, value] : data.input.units) writer.add_attribute(name, value);
-    writer.add_attribute("version", VOTESS_VERSION_STRING);
+    for (const auto& [name, value] : attributes_of(data)) {
+        std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
+    }
     writer.finish();
 }
 

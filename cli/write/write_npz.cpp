@@ -46,13 +46,15 @@ void write_npz(OutputFile& file, const OutputData& data) {
     for (const ResultArray& array : result_arrays(data)) add_array(array);
     const DomainArrays domain(data.tessellation);
     for (const ResultArray& array : domain.all()) add_array(array);
-    for (const auto& [name, value] : data.input.units) {
-        add(name, "<f8", "()", {reinterpret_cast<const char*>(&value), sizeof value});
+    for (const auto& [name, value] : attributes_of(data)) {
+        if (const double* const number = std::get_if<double>(&value)) {
+            add(name, "<f8", "()", {reinterpret_cast<const char*>(number), sizeof *number});
+            continue;
+        }
+        std::string letters;  // a text of NumPy has four bytes for each
+        for (const char c : std::get<std::string>(value)) letters += {c, '\0', '\0', '\0'};
+        add(name, "<U" + std::to_string(letters.size() / 4), "()", letters);
     }
-    // A text of NumPy has four bytes a letter.
-    std::string letters;
-    for (const char c : std::string_view(VOTESS_VERSION_STRING)) letters += {c, '\0', '\0', '\0'};
-    add("version", "<U" + std::to_string(letters.size() / 4), "()", letters);
     zip.finish();
 }
 

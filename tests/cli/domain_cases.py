@@ -75,6 +75,12 @@ class FileDomains(CliTest):
                            f"Atoms # atomic\n\n{rows}")
         self.assertEqual(self.rows("a.data", "--format", "%n"), expected)
         self.assertEqual(self.rows("a.data", "--periodic", "xy", "--list-walls", "--format", "%n %v"), slab)
+        self.put("u.data", (self.folder / "a.data").read_text().replace("comment\n", "LAMMPS, timestep = 0, units = metal\n", 1))
+        self.put("u.dump", "ITEM: UNITS\nreal\n" + (self.folder / "a.dump").read_text())
+        for name, units in [("u.data", "metal"), ("u.dump", "real")]:
+            self.run_cli(name, "-o", "out.npz")
+            with np.load(self.folder / "out.npz") as arrays:
+                self.assertEqual(arrays["units"], units)
         # Scaled coordinates are fractions of the three edges.
         whole = (self.folder / "a.dump").read_text()
         head = whole[:whole.index("ITEM: ATOMS")]

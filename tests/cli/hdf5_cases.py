@@ -181,8 +181,10 @@ class Hdf5Files(ReaderTest):
                 self.run_cli(*source, *want, "-o", "out.npz", "-o", "out.h5", "-o", "out.hdf5")
                 with np.load(self.folder / "out.npz") as arrays, h5py.File(self.folder / "out.h5") as file:
                     self.assertEqual(sorted(arrays.files), sorted([*file, *file.attrs]))
-                    self.assertEqual(arrays["version"], file.attrs["version"].decode())
-                    for name in set(arrays.files) - {"version"}:
+                    texts = {"version", "domain_from"}
+                    for name in texts:
+                        self.assertEqual(arrays[name], file.attrs[name].decode())
+                    for name in set(arrays.files) - texts:
                         other = file[name][()] if name in file else file.attrs[name]
                         self.assertEqual((arrays[name].dtype, arrays[name].shape), (other.dtype, other.shape), name)
                         np.testing.assert_array_equal(arrays[name], other, name)
@@ -202,6 +204,7 @@ class Hdf5Files(ReaderTest):
             np.testing.assert_array_equal(file.attrs["box"], [[0, 0, 0], [100, 100, 100]])
             np.testing.assert_array_equal(file.attrs["periodic"], [1, 0, 1])
             self.assertEqual((file.attrs["UnitLength_in_cm"], file.attrs["HubbleParam"]), (3.085678e21, 0.7))
+            self.assertEqual(arrays["domain_from"], "file")
             self.assertEqual((arrays["UnitLength_in_cm"], arrays["HubbleParam"]), (3.085678e21, 0.7))
         for name in ["out.h5", "out.npz"]:
             domain = self.json(name, "--dataset", "centroids")["domain"]

@@ -235,7 +235,7 @@ class PlyFiles(ReaderTest):
 class Columns(ReaderTest):
     """--copy and --density, out of every kind of file."""
 
-    OWN = {"box", "periodic", "cell", "origin", "version", "indptr", "indices", "shifts", "volumes", "status", "ids"}
+    OWN = {"box", "periodic", "cell", "origin", "version", "domain_from", "units", "indptr", "indices", "shifts", "volumes", "status", "ids"}
 
     def carried(self, *arguments):
         """What an .npz holds beside the result."""

@@ -31,7 +31,11 @@ public:
 
     Input read() {
         std::string_view line;
-        (void)lines_.next(line);  // the first line is a comment, whatever it holds
+        (void)lines_.next(line);  // the first line is a comment; LAMMPS itself ends it with "units = metal"
+        split_words(line, words_);
+        for (std::size_t k = 2; k < words_.size(); ++k) {
+            if (words_[k - 2] == "units" && words_[k - 1] == "=") units_ = words_[k];
+        }
         while (lines_.next(line)) {
             const auto mark = std::min(line.find('#'), line.size());
             split_words(line.substr(0, mark), words_);
@@ -145,6 +149,7 @@ private:
 
         Input input;
         input.domain = box_.domain();
+        if (!units_.empty()) input.units.push_back({"units", std::string(units_)});
         const auto count = static_cast<std::size_t>(*count_);
         constexpr std::size_t shortest_row = 10;
         if (!can_hold(lines_.rest().size(), count, shortest_row)) throw short_section(0);
@@ -204,6 +209,7 @@ private:
     const ReadRequest& request_;
     Words words_;
     std::optional<std::uint64_t> count_;
+    std::string_view units_;
     LammpsBox box_;
     std::array<bool, 3> bounds_seen_{};
     std::string names_text_;

@@ -57,7 +57,10 @@ public:
                 }
                 if (frames++ == wanted) return read_atoms(wanted, timestep);
                 skip_atoms();
-            } else if (head.starts_with("UNITS") || head.starts_with("TIME")) {
+            } else if (head.starts_with("UNITS")) {
+                split_words(lines_.need("the units"), words_);
+                if (words_.size() == 1) units_ = words_[0];
+            } else if (head.starts_with("TIME")) {
                 (void)lines_.need("its value");
             } else {
                 throw lines_.error("unknown block " + in_quotes(line));
@@ -154,6 +157,7 @@ private:
 
         Input input;
         input.domain = box_.domain();
+        if (!units_.empty()) input.units.push_back({"units", std::string(units_)});
         input.note = "frame " + std::to_string(frame) + ", timestep " + std::string(timestep);
         const auto count = static_cast<std::size_t>(*count_);
         if (!can_hold(lines_.rest().size(), count, 2 * names.size())) throw short_frame(0);
@@ -196,6 +200,7 @@ private:
     Words words_;
     std::optional<std::uint64_t> count_;
     bool has_box_ = false;
+    std::string_view units_;  // metal, lj, ...
     LammpsBox box_;
 };
 
