@@ -177,7 +177,7 @@ public:
         return values;
     }
 
-    // Of a snapshot: Unit... and what else scales its numbers, out of the groups Header and Units.
+    // Returns Unit... and what else scales the numbers of a snapshot, out of the groups Header and Units.
     [[nodiscard]] std::vector<Attribute> units() const {
         std::vector<Attribute> all;
         for (const char* const group : {"Header", "Units"}) {

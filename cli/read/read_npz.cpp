@@ -129,7 +129,7 @@ private:
                         " has " + std::to_string(count));
     }
 
-    // Of numbers, one or a row of them for each point.
+    // Whether it holds a number, or a row of them, for each point.
     [[nodiscard]] static bool may_be_column(const NpyArray& array) {
         const auto& shape = array.shape();
         return (shape.size() == 1 || (shape.size() == 2 && shape[1] > 0)) && (array.is_float() || array.is_whole());

@@ -116,8 +116,8 @@ private:
 
     [[nodiscard]] Failure bad_properties(const std::string& text) const {
         return lines_.error("Properties=" + text +
-                            " must be name:type:columns of each property, with pos:R:3 among "
-                            "them");
+                            " must be name:type:columns of each property, with pos:R:3 "
+                            "among them");
     }
 
     [[nodiscard]] std::array<double, 9> numbers_of(const char* key, const std::string& text, std::size_t count) {

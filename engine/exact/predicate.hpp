@@ -27,7 +27,7 @@ inline constexpr std::int32_t most_shift = 1 << 30;
 // of a triclinic box are doubles.
 struct Lattice {
     std::array<std::array<DoubleDouble, 3>, 3> vector{};
-    // Of a triclinic box with walls: the cross products of the other two vectors, each rounded to two doubles.
+    // A triclinic box with walls has here the cross products of the other two vectors, each rounded to two doubles.
     std::array<std::array<DoubleDouble, 3>, 3> across{};
 };
 
@@ -76,7 +76,7 @@ struct Plane {
     }
 
     [[nodiscard]] bool is_bisector() const { return kind == Kind::bisector; }
-    // Of a cell_wall; each component is rounded once.
+    // Returns N of a cell_wall; each component is rounded once.
     [[nodiscard]] Point rounded_normal() const {
         const auto& [x, y, z] = lattice->across[static_cast<std::size_t>(axis)];
         return {wall * x.high, wall * y.high, wall * z.high};

@@ -73,7 +73,5 @@ def from_ase(atoms: Any, **options: Any) -> Tessellation:
                 f"the cell of the atoms has no edge {missing[0]}: give it one, in ASE by atoms.center(vacuum=...)"
             )
         options.update(cell=edges, origin=origin)
-        options.setdefault("periodic", repeats)
-    elif any(repeats):
-        options.setdefault("periodic", repeats)
+    options.setdefault("periodic", repeats)
     return tessellate(positions, **options)

@@ -184,7 +184,7 @@ class Tessellation:
         else:
             where = f"box {text(self._box[0])} to {text(self._box[1])}"
         if len(self.walls):
-            where += f" cut by {len(self.walls)} walls"
+            where += f" cut by {len(self.walls)} wall{'s' if len(self.walls) > 1 else ''}"
         axes = "".join(axis for axis, repeats in zip("xyz" if self._cell is None else "abc", self._periodic) if repeats)
         return where + (f", periodic {axes}" if axes else "") + ("" if self._domain_given else " around them")
 
@@ -255,11 +255,11 @@ class Tessellation:
 
     @property
     def least_face(self) -> float:
-        """The area below which ``min_face`` has dropped faces; 0 when none were."""
+        """The area below which ``min_face`` or ``min_area`` has dropped faces; 0 when none were."""
         return float(lib.votess_result_least_face(self._result.pointer))
 
     def delaunay(self) -> Delaunay:
-        """The dual Delaunay complex. Needs "faces" in want, and no ``min_face``."""
+        """The dual Delaunay complex. Needs "faces" in want, and neither ``min_face`` nor ``min_area``."""
         handle = Handle(lib.votess_delaunay_free)
         raise_on_failure(lib.votess_delaunay_new(self._result.pointer, ctypes.byref(handle.pointer)))
         return make_delaunay(

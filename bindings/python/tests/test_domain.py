@@ -102,7 +102,7 @@ class Domains(unittest.TestCase):
         self.assertRegex(repr(vt.tessellate(p)), r"in a box \(.*\) to \(.*\) around them:")
         self.assertIn("in a cell (1, 0, 0), (0, 1, 0), (0, 0, 1) at (0, 0, 0), periodic ab:",
                       repr(vt.tessellate(p, cell=np.eye(3), periodic="xy")))
-        self.assertIn("cut by 1 walls", repr(vt.tessellate(p, box=UNIT, walls=[(1, 1, 1, 3)])))
+        self.assertIn("cut by 1 wall:", repr(vt.tessellate(p, box=UNIT, walls=[(1, 1, 1, 3)])))
 
     def test_wrapped_points_and_pairs(self):
         edges = np.array([(2.0, 0, 0), (0.8, 1.5, 0), (-0.5, 0.3, 1)])
