@@ -229,6 +229,23 @@ TEST_SUITE("cases") {
     }
 
     // Inner atoms of a face-centered crystal have 12 neighbors; rows of the outer ones are those of brute force.
+    TEST_CASE("slabs: the volume of leaning edges has all its digits") {
+        // The edges span 3e-9 of the product of their lengths; what fuzz found had lost half of its digits.
+        Options options = test::all_options();
+        options.cell = TriclinicBox{.origin = {0x1p+1, 0x1.f7b766d9c9cf9p+0, 0x1.30a6f7f895ef9p+0},
+                                    .a = {0x1.8p+2, 0, 0},
+                                    .b = {0x1.7454866666666p+18, 0x1.2076a91aef7f4p-7, 0},
+                                    .c = {-0x1.b933333333333p+9, -0x1.c0a0b528ea8d8p+8, 0x1.1a2c7b4001a36p+6},
+                                    .periodic = {false, true, true}};
+        const Coordinates points{0x1.03ddp+18,          -0x1.572c8bb61af36p+8, 0x1.bbb23747c5049p+5,
+                                 0x1.0629266666666p+17, 0x1.f88280786063fp+0,  0x1.30a6f8098d01cp+0,
+                                 -0x1.97b3333333333p+9, -0x1.9e20915e5d69ap+8, 0x1.0a78c15ef96d6p+6};
+        const votess::Tessellation t = votess::tessellate(points, options);
+        const double volume = 3.7260513700581526;  // in rational arithmetic
+        CHECK(std::abs(t.stats().box_volume - volume) <= 1e-15 * volume);
+        CHECK(std::abs(t.stats().volume_sum - volume) <= 1e-13 * volume);
+    }
+
     TEST_CASE("slabs: a crystal's surface has nothing across the vacuum") {
         const double spacing = 3.61 / std::sqrt(2.0), layer = 3.61 / std::sqrt(3.0), vacuum = 5;
         TriclinicBox cell{
