@@ -21,6 +21,7 @@ private:
     std::array<struct sigaction, signals.size()> old_{};
 };
 
+// Also thrown, with SIGPIPE, when the reader of stdout has left.
 class Interrupted : public std::exception {
 public:
     explicit Interrupted(int signal) : signal_(signal) {}

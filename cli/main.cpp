@@ -16,7 +16,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
-#include "arguments.hpp"
+#include "arguments/arguments.hpp"
 #include "domain.hpp"
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
@@ -36,7 +36,9 @@ double seconds_since(Clock::time_point begin) {
 }
 
 void print(const std::string& text) {
+    errno = 0;
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+        if (errno == EPIPE) throw Interrupted(SIGPIPE);
         throw runtime_failure(std::string("cannot write to stdout: ") + std::strerror(errno));
     }
 }
@@ -136,6 +138,7 @@ int run(const Arguments& arguments) {
         if (arguments.has_radii) radii = options.radii;
     }
     std::vector<InputColumn> carried = take_carried(arguments, input);
+    arguments.coloring.check(carried);
     summary.input_note = input.note;
     const std::string domain_from = choose_domain(input.domain, arguments.periodic, options);
     // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
@@ -166,8 +169,9 @@ int run(const Arguments& arguments) {
         const auto write_began = Clock::now();
         std::string png;
         if (arguments.picture) {
-            png = draw_picture(*arguments.picture, input,
-                               once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began));
+            png =
+                draw_picture(*arguments.picture, input,
+                             once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began), carried);
         }
         const InterruptGuard guard;
         std::optional<OutputFile> image;
@@ -175,8 +179,8 @@ int run(const Arguments& arguments) {
             image.emplace(arguments.picture->file).write(png);
             image->finish();
         }
-        write_outputs(arguments.outputs,
-                      {input, tessellation, arguments.wanted, arguments.format, radii, domain_from, carried});
+        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, domain_from,
+                                          carried, arguments.coloring});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }
@@ -201,11 +205,11 @@ int complain(int code, std::string message) {
 
 int main_inside(int count, const char* const* values) {
     try {
-        const Arguments arguments = read_arguments(count, values);
-        if (arguments.help) {
-            print(help_text);
-        } else if (arguments.version) {
-            print("clvotess " VOTESS_VERSION_STRING "\n");
+        const bool as_voropp = count > 1 && std::strcmp(values[1], "--voro++") == 0;
+        const Arguments arguments =
+            as_voropp ? read_voropp_arguments(count - 1, values + 1) : read_arguments(count, values);
+        if (!arguments.answer.empty()) {
+            print(arguments.answer);
         } else if (arguments.list_devices) {
             print_devices();
         } else {
@@ -215,7 +219,9 @@ int main_inside(int count, const char* const* values) {
     } catch (const Failure& failure) {
         return complain(failure.code(), failure.what());
     } catch (const Interrupted& interrupted) {
-        return complain(exit_code::signal_base + interrupted.signal(), interrupted.what());
+        // A reader that has what it wants, such as head, is no failure to tell of.
+        const int code = exit_code::signal_base + interrupted.signal();
+        return interrupted.signal() == SIGPIPE ? code : complain(code, interrupted.what());
     } catch (const votess::Error& error) {
         return complain(exit_code_of(error.code()), error.what());
     } catch (const std::bad_alloc&) {

@@ -14,16 +14,8 @@ template <class Value>
 struct Word {
     std::string_view word;
     Value value;
-    const char* label = "";
 };
 
-constexpr Word<Column> columns[] = {{"volume", Column::volume, "volume"},
-                                    {"neighbors", Column::neighbors, "neighbors"},
-                                    {"area", Column::area, "surface area"},
-                                    {"x", Column::x, "x"},
-                                    {"y", Column::y, "y"},
-                                    {"z", Column::z, "z"},
-                                    {"index", Column::index, "index"}};
 constexpr Word<votess::Cut> cuts[] = {{"corner", votess::Cut::corner},
                                       {"half", votess::Cut::half},
                                       {"cells", votess::Cut::cells},
@@ -90,47 +82,24 @@ void check_file(const std::string& file, const std::string& input, const std::ve
     }
 }
 
-std::vector<double> values_of(Column column, const Input& input, const votess::Tessellation& tessellation) {
-    const std::size_t n = tessellation.size();
-    std::vector<double> values(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        switch (column) {
-            case Column::volume:
-                values[i] = tessellation.volumes()[i];
-                break;
-            case Column::area:
-                values[i] = tessellation.surface_areas()[i];
-                break;
-            case Column::neighbors:
-                for (const auto j : tessellation.neighbors(i)) values[i] += j >= 0;
-                break;
-            case Column::x:
-            case Column::y:
-            case Column::z:
-                values[i] =
-                    input.points[3 * i + static_cast<std::size_t>(column) - static_cast<std::size_t>(Column::x)];
-                break;
-            case Column::index:
-                values[i] = static_cast<double>(i);
-                break;
-        }
-    }
-    return values;
-}
-
 }  // namespace
+
+Coloring read_coloring(const TypedPicture& typed) {
+    Coloring coloring;
+    if (typed.color) coloring.column = *typed.color;
+    if (typed.colormap) coloring.colormap = find_word("--colormap", colormaps, *typed.colormap).value;
+    return coloring;
+}
 
 std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
                                              const std::vector<std::string>& outputs) {
     if (!typed.image) {
-        const char* alone = typed.slice      ? "--slice"
-                            : typed.size     ? "--image-size"
-                            : typed.color    ? "--color"
-                            : typed.colormap ? "--colormap"
-                            : typed.cut      ? "--cut"
-                            : typed.view     ? "--view"
-                            : typed.seeds    ? "--seeds"
-                                             : nullptr;
+        const char* alone = typed.slice   ? "--slice"
+                            : typed.size  ? "--image-size"
+                            : typed.cut   ? "--cut"
+                            : typed.view  ? "--view"
+                            : typed.seeds ? "--seeds"
+                                          : nullptr;
         if (alone != nullptr) throw bad_input(std::string(alone) + " is for a picture: add --image FILE.png");
         return {};
     }
@@ -144,12 +113,9 @@ std::optional<PictureArguments> read_picture(const TypedPicture& typed, const st
     votess::PictureOptions& options = picture.options;
     if (typed.slice) options.slice = read_slice(*typed.slice);
     if (typed.size) read_size(*typed.size, options);
-    if (typed.color) {
-        const auto& column = find_word("--color", columns, *typed.color);
-        picture.column = column.value;
-        options.label = column.label;
-    }
-    if (typed.colormap) options.colormap = find_word("--colormap", colormaps, *typed.colormap).value;
+    picture.coloring = read_coloring(typed);
+    options.colormap = picture.coloring.colormap;
+    options.label = picture.coloring.label();
     if (typed.cut) options.cut = find_word("--cut", cuts, *typed.cut).value;
     if (typed.view) read_view(*typed.view, options);
     options.seeds = typed.seeds;
@@ -158,13 +124,12 @@ std::optional<PictureArguments> read_picture(const TypedPicture& typed, const st
 
 void add_needs(const PictureArguments& picture, votess::Want& want) {
     want.faces = true;
-    want.volumes |= picture.column == Column::volume;
-    want.surfaces |= picture.column == Column::area;
+    picture.coloring.add_needs(want);
 }
 
-std::string draw_picture(const PictureArguments& picture, const Input& input,
-                         const votess::Tessellation& tessellation) {
-    const std::vector<double> values = values_of(picture.column, input, tessellation);
+std::string draw_picture(const PictureArguments& picture, const Input& input, const votess::Tessellation& tessellation,
+                         const std::vector<InputColumn>& carried) {
+    const std::vector<double> values = picture.coloring.values(input, tessellation, carried);
     votess::PictureOptions options = picture.options;
     options.values = values;
     return to_png(votess::render(tessellation, input.points, options));

@@ -6,16 +6,13 @@
 #include <vector>
 #include <votess/picture.hpp>
 
-#include "read/input.hpp"
+#include "coloring.hpp"
 
 namespace clvotess {
 
-// What to color the cells by.
-enum class Column { volume, neighbors, area, x, y, z, index };
-
 struct PictureArguments {
     std::string file;
-    Column column = Column::volume;
+    Coloring coloring;
     votess::PictureOptions options;  // without its values
 };
 
@@ -24,6 +21,9 @@ struct TypedPicture {
     std::optional<std::string> image, slice, size, color, colormap, cut, view;
     bool seeds = false;
 };
+
+// --color and --colormap.
+[[nodiscard]] Coloring read_coloring(const TypedPicture& typed);
 
 // Returns nothing without --image. It checks the file's name against the other files of the run.
 [[nodiscard]] std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
@@ -34,6 +34,7 @@ void add_needs(const PictureArguments& picture, votess::Want& want);
 
 // The bytes of the file. The tessellation has what add_needs() adds.
 [[nodiscard]] std::string draw_picture(const PictureArguments& picture, const Input& input,
-                                       const votess::Tessellation& tessellation);
+                                       const votess::Tessellation& tessellation,
+                                       const std::vector<InputColumn>& carried);
 
 }  // namespace clvotess

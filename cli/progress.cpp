@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -21,7 +22,14 @@ void Progress::show(double fraction) {
     fraction = std::clamp(fraction, 0.0, 1.0);
     const int filled = static_cast<int>(fraction * width);
     const std::string bar = std::string(filled, '#') + std::string(width - filled, '.');
-    std::fprintf(stderr, "\r[%s] %3d %%", bar.c_str(), static_cast<int>(fraction * 100));
+    std::string left;
+    // The first per cent tells too little.
+    if (fraction > 0.01) {
+        const std::chrono::duration<double> since = Clock::now() - run_began_;
+        const auto seconds = static_cast<long>(std::lround(since.count() * (1 - fraction) / fraction));
+        left = seconds < 100 ? std::to_string(seconds) + " s left" : std::to_string((seconds + 30) / 60) + " min left";
+    }
+    std::fprintf(stderr, "\r[%s] %3d %% %s\x1b[K", bar.c_str(), static_cast<int>(fraction * 100), left.c_str());
     drawn_ = true;
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what a part of votess needs and the machine lacks, on Debian and Ubuntu.
-#   ./tools/setup.sh [run|test|bench]...     default: all three
+#   ./tools/setup.sh [run|test|bench|wheel]...     default: the first three
 # With nothing missing it does nothing and needs no network. Elsewhere it says what to install.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -30,6 +30,7 @@ for part in "$@"; do
             need zlib1g-dev
             need libhdf5-dev
             need libpng-dev
+            need libtinygltf-dev
             need libvulkan-dev
             need libvulkan-volk-dev
             need libglm-dev
@@ -56,8 +57,11 @@ for part in "$@"; do
             need libcgal-dev
             tools/python.sh -c 'import matplotlib' 2>/dev/null || wanted+=(python3-matplotlib)
             ;;
+        wheel)
+            python3 -c 'import ensurepip' 2>/dev/null || wanted+=(python3-venv)
+            ;;
         *)
-            echo "setup: unknown part '$part'; it is run, test or bench" >&2
+            echo "setup: unknown part '$part'; it is run, test, bench or wheel" >&2
             exit 2
             ;;
     esac

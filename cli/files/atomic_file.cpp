@@ -124,6 +124,7 @@ void OutputFile::write(std::string_view bytes) {
         const ssize_t written = ::write(descriptor_, bytes.data(), std::min(bytes.size(), piece));
         if (written < 0) {
             if (errno == EINTR) continue;
+            if (errno == EPIPE && name_ == "-") throw Interrupted(SIGPIPE);
             throw cannot_write(description(), errno);
         }
         bytes.remove_prefix(static_cast<std::size_t>(written));

@@ -30,6 +30,9 @@ public:
         bytes_[used_++] = c;
     }
 
+    // Numbers that are no whole ones get at most so many digits, as %g prints them; else as few as read back the same.
+    void set_digits(int digits) { digits_ = digits; }
+
     // Writes a number as text.
     template <typename Number>
     void put_number(Number value) {
@@ -38,7 +41,15 @@ public:
             if (std::isnan(value)) return put(std::string_view("nan"));  // never -nan
         }
         char* const begin = bytes_.data() + used_;
-        used_ += static_cast<std::size_t>(std::to_chars(begin, begin + longest_number, value).ptr - begin);
+        char* end = nullptr;
+        if constexpr (std::is_floating_point_v<Number>) {
+            end = digits_ > 0
+                      ? std::to_chars(begin, begin + longest_number, value, std::chars_format::general, digits_).ptr
+                      : std::to_chars(begin, begin + longest_number, value).ptr;
+        } else {
+            end = std::to_chars(begin, begin + longest_number, value).ptr;
+        }
+        used_ += static_cast<std::size_t>(end - begin);
     }
 
     void put_three(double x, double y, double z, char between = ' ') {
@@ -73,6 +84,7 @@ private:
     OutputFile& file_;
     std::string bytes_;
     std::size_t used_ = 0;
+    int digits_ = 0;
 };
 
 }  // namespace clvotess

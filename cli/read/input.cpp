@@ -75,9 +75,9 @@ FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 
 }
 
 Input read_input(const std::string& path, const ReadRequest& request) {
-    const bool packed = path != "-" && extension_of(path) == ".gz";
-    const std::string extension = kind_of(packed ? path.substr(0, path.size() - 3) : path);
-    const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
+    const bool packed = !request.text && path != "-" && extension_of(path) == ".gz";
+    const std::string extension = request.text ? ".txt" : kind_of(packed ? path.substr(0, path.size() - 3) : path);
+    const bool hdf5 = extension == ".h5" || extension == ".hdf5" || (!request.text && is_snapshot_base(path));
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
     if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
     constexpr std::array<std::string_view, 7> binary{".h5", ".hdf5", ".npy", ".npz", ".ply", ".vtp", ".vtu"};

@@ -54,6 +54,7 @@ struct Input {
 
 // What to take out of a file.
 struct ReadRequest {
+    bool text = false;    // rows, whatever the name of the file says
     std::string dataset;  // HDF5: path of the points; .npz: name of their member; empty: the only one that fits
     std::vector<std::string> columns;    // by names, or in files of rows numbers from 1
     bool all_columns = false;            // the others too

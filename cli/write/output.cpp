@@ -23,13 +23,15 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
     load_hdf5("cannot write HDF5").write(file, data);
 }
 
-constexpr std::array<Kind, 7> kinds{{{".txt", write_text, false, true},
+constexpr std::array<Kind, 9> kinds{{{".txt", write_text, false, true},
+                                     {".vol", write_text, false, true},
                                      {".npz", write_npz, false, true},
                                      {".h5", write_hdf5, false, true},
                                      {".hdf5", write_hdf5, false, true},
                                      {".vtu", write_vtu, true, true},
                                      {".ply", write_ply, true, false},
-                                     {".obj", write_obj, true, false}}};
+                                     {".obj", write_obj, true, false},
+                                     {".glb", write_glb, true, false}}};
 
 // Text also goes to stdout, and to a device or a pipe without a known extension. Null when there is no such kind.
 const Kind* kind_of(const std::string& path) {
@@ -49,6 +51,11 @@ bool is_text_output(const std::string& path) {
 bool carries_columns(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->carries;
+}
+
+bool is_colored(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && kind->write == write_glb;
 }
 
 // A dataset of HDF5 keeps the last part of its path.
@@ -87,8 +94,9 @@ void check_outputs(const std::vector<std::string>& paths, const std::string& inp
         const Kind* const kind = kind_of(path);
         if (!kind) {
             throw bad_input("cannot write " + in_quotes(path) +
-                            ": known are .txt .npz .h5 .hdf5 .vtu .ply .obj, and text on stdout as -");
+                            ": known are .txt .npz .h5 .hdf5 .vtu .ply .obj .glb, and text on stdout as -");
         }
+        if (kind->write == write_glb) check_glb();
         if (kind->write == write_hdf5) {
             load_hdf5("cannot write " + in_quotes(path));
             if (is_special_file(path)) {

@@ -6,6 +6,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "coloring.hpp"
 #include "read/input.hpp"
 #include "write/text_format.hpp"
 
@@ -18,6 +19,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::string& inp
 
 [[nodiscard]] bool is_text_output(const std::string& path);
 [[nodiscard]] bool carries_columns(const std::string& path);
+[[nodiscard]] bool is_colored(const std::string& path);
 
 // Adds to `want` the arrays that a file of this extension holds; text is asked by its format.
 void add_output_needs(const std::string& path, votess::Want& want);
@@ -30,6 +32,7 @@ struct OutputData {
     std::span<const double> radii;            // for %r; empty when there are none
     const std::string& domain_from;           // "given", "file" or "bounds"
     const std::vector<InputColumn>& carried;  // columns of the input, behind what each file holds of a cell
+    const Coloring& coloring;                 // of .glb
 };
 
 // What .npz and .h5 hold once: the units of the input, domain_from and version.
@@ -48,5 +51,7 @@ void write_vtu(OutputFile& file, const OutputData& data);
 [[nodiscard]] bool is_vtu_array(std::string_view name);  // of cells, that .vtu always holds
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
+void write_glb(OutputFile& file, const OutputData& data);
+void check_glb();  // Throws Failure when .glb cannot be written.
 
 }  // namespace clvotess

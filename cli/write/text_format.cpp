@@ -4,7 +4,7 @@
 
 namespace clvotess {
 
-TextFormat::TextFormat(std::string_view format) {
+TextFormat::TextFormat(std::string_view format, bool like_voropp) : like_voropp_(like_voropp) {
     if (format.empty()) throw bad_input("--format is empty: give codes such as \"%i %n\"");
     if (format.find('\n') != std::string_view::npos) throw bad_input("--format holds a line end: one cell is one line");
     std::string literal;

@@ -17,8 +17,10 @@ class TextFormat {
 public:
     static constexpr std::string_view codes = "ixyzqrwpPomgEesFAaftlnvcC";
 
-    // Throws Failure on an unknown code.
-    explicit TextFormat(std::string_view format);
+    // like_voropp: six digits a number, and no row for a seed without a cell. Throws Failure on an unknown code.
+    explicit TextFormat(std::string_view format, bool like_voropp = false);
+
+    [[nodiscard]] bool like_voropp() const noexcept { return like_voropp_; }
 
     [[nodiscard]] const std::vector<FormatPiece>& pieces() const noexcept { return pieces_; }
     // Adds to `want` the arrays that the codes print.
@@ -26,6 +28,7 @@ public:
 
 private:
     std::vector<FormatPiece> pieces_;
+    bool like_voropp_ = false;
 };
 
 }  // namespace clvotess

@@ -1,8 +1,9 @@
-// The faces of all cells, each once: .ply in binary, with the two cells of each face, and .obj.
+// The faces of all cells, each once, as text: .ply with the two cells of each face, and .obj.
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "files/output_buffer.hpp"
 #include "write/output.hpp"
@@ -44,36 +45,48 @@ private:
 
 }  // namespace
 
+// Text, and faces that ascend by their number of corners: readers differ in what they take. Some expect lists of one
+// length in binary rows (trimesh), some no numbers beside them, and data by blocks of equal lengths (meshio 5).
 void write_ply(OutputFile& file, const OutputData& data) {
+    struct Face {
+        std::int32_t cell, neighbor;
+        std::span<const std::int32_t> polygon;
+        [[nodiscard]] std::size_t size() const { return polygon.size(); }
+    };
     const votess::Tessellation& cells = data.tessellation;
-    const FacesOnce faces(cells);
-    std::size_t count = 0, longest = 0;
-    faces.each([&](std::int32_t, std::int32_t, std::span<const std::int32_t> polygon) {
-        ++count;
-        longest = std::max(longest, polygon.size());
+    std::vector<Face> faces;
+    FacesOnce(cells).each([&](std::int32_t cell, std::int32_t neighbor, std::span<const std::int32_t> polygon) {
+        faces.push_back({cell, neighbor, polygon});
     });
-    const bool small = longest <= std::numeric_limits<std::uint8_t>::max();
+    std::ranges::stable_sort(faces, {}, &Face::size);
+    const bool small = faces.empty() || faces.back().size() <= std::numeric_limits<std::uint8_t>::max();
     OutputBuffer out(file);
     out.put(
-        "ply\nformat binary_little_endian 1.0\n"
+        "ply\nformat ascii 1.0\n"
         "comment Voronoi cells by clvotess: each face once, counterclockwise seen from outside `cell`\n"
         "comment cell and neighbor are rows of the input from 0; a negative neighbor is a wall\n"
         "element vertex " +
         std::to_string(cells.vertices().size() / 3) +
-        "\nproperty double x\nproperty double y\nproperty double z\nelement face " + std::to_string(count) +
+        "\nproperty double x\nproperty double y\nproperty double z\nelement face " + std::to_string(faces.size()) +
         "\nproperty list " + (small ? "uchar" : "int") +
         " int vertex_indices\nproperty int cell\nproperty int neighbor\nend_header\n");
-    out.put(std::string_view(reinterpret_cast<const char*>(cells.vertices().data()), cells.vertices().size_bytes()));
-    faces.each([&](std::int32_t cell, std::int32_t neighbor, std::span<const std::int32_t> polygon) {
-        if (small) {
-            out.put_binary(static_cast<std::uint8_t>(polygon.size()));
-        } else {
-            out.put_binary(static_cast<std::int32_t>(polygon.size()));
+    const auto vertices = cells.vertices();
+    for (std::size_t k = 0; k + 2 < vertices.size(); k += 3) {
+        out.put_three(vertices[k], vertices[k + 1], vertices[k + 2]);
+        out.put('\n');
+    }
+    for (const Face& face : faces) {
+        out.put_number(face.size());
+        for (const std::int32_t vertex : face.polygon) {
+            out.put(' ');
+            out.put_number(vertex);
         }
-        for (const std::int32_t vertex : polygon) out.put_binary(vertex);
-        out.put_binary(cell);
-        out.put_binary(neighbor);
-    });
+        out.put(' ');
+        out.put_number(face.cell);
+        out.put(' ');
+        out.put_number(face.neighbor);
+        out.put('\n');
+    }
     out.flush();
 }
 

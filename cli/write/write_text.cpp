@@ -21,11 +21,14 @@ public:
           cells_(data.tessellation),
           buffer_(file),
           seeds_(data.input.points, cells_),
-          areas_(cells_.face_areas()) {}
+          areas_(cells_.face_areas()) {
+        if (data_.format.like_voropp()) buffer_.set_digits(6);
+    }
 
     void write() {
         for (std::size_t i = 0; i < cells_.size(); ++i) {
             ordered_ = false;
+            if (data_.format.like_voropp() && cells_.status()[i] != votess::CellStatus::certified) continue;
             for (const FormatPiece& piece : data_.format.pieces()) {
                 if (piece.code == 0) {
                     buffer_.put(piece.literal);

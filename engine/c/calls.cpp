@@ -3,7 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
+#include <votess/picture.hpp>
 
 #include "c/handles.hpp"
 
@@ -148,6 +151,23 @@ votess_status votess_wrapped_points(const votess_result* result, const double* p
         require(result, "result");
         if (count > 0) require(places, "places");
         std::ranges::copy(votess::wrapped_points(result->tessellation, coordinates(points, count)), places);
+    });
+}
+
+votess_status votess_value_colors(const double* values, size_t count, int32_t colormap, uint8_t* rgb) {
+    return guarded([&] {
+        if (count > 0) {
+            require(values, "values");
+            require(rgb, "rgb");
+        }
+        if (colormap < 0 || colormap > 2) {
+            throw votess::Error(votess::ErrorCode::invalid_argument,
+                                "colormap = " + std::to_string(colormap) + ": it is 0 tide, 1 ember or 2 gray");
+        }
+        votess::PictureOptions options;
+        options.values = std::span(values, count);
+        options.colormap = static_cast<votess::Colormap>(colormap);
+        std::ranges::copy(votess::value_colors(options), rgb);
     });
 }
 

@@ -40,6 +40,15 @@ void check_slice(const Slice& slice, const Box& box) {
     }
 }
 
+void check_colors(const PictureOptions& options) {
+    if (options.colormap > Colormap::gray) refuse("picture: no such color map");
+    if (!options.range) return;
+    const auto& [low, high] = *options.range;
+    if (!std::isfinite(low) || !std::isfinite(high) || !(low < high)) {
+        refuse("picture: color range " + number(low) + " to " + number(high) + ": give a lower and a higher number");
+    }
+}
+
 void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
     const std::size_t n = t.size();
     check_size("width", options.width);
@@ -57,13 +66,7 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     if (!options.values.empty() && options.values.size() != n) {
         refuse("picture: " + std::to_string(options.values.size()) + " values for " + std::to_string(n) + " cells");
     }
-    if (options.range) {
-        const auto& [low, high] = *options.range;
-        if (!std::isfinite(low) || !std::isfinite(high) || !(low < high)) {
-            refuse("picture: color range " + number(low) + " to " + number(high) +
-                   ": give a lower and a higher number");
-        }
-    }
+    check_colors(options);
     if (!std::isfinite(options.azimuth) || !(std::abs(options.elevation) <= 89)) {
         refuse("picture: view " + number(options.azimuth) + ", " + number(options.elevation) +
                ": the elevation is at most 89 degrees either way");
@@ -72,7 +75,6 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
         for (const double x : *options.cut_at)
             if (!std::isfinite(x)) refuse("picture: the cut is at " + number(x));
     }
-    if (options.colormap > Colormap::gray) refuse("picture: no such color map");
     if (options.slice) check_slice(*options.slice, t.box());
     Options run;  // the options that both share
     run.device = options.device;
@@ -190,6 +192,17 @@ Picture render(const Tessellation& tessellation, std::span<const double> points,
                                       picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
     return picture::draw(picture::build_scene(mesh, domain, points, values, options), options.device);
+}
+
+std::vector<std::uint8_t> value_colors(const PictureOptions& options) {
+    picture::check_colors(options);
+    const std::vector<char> all(options.values.size(), 1);
+    const picture::Scale scale = picture::choose_scale(options.values, all, options);
+    std::vector<std::uint8_t> colors;
+    for (const picture::Color color : picture::color_cells(options.values, scale, options.colormap)) {
+        for (const unsigned shift : {0U, 8U, 16U}) colors.push_back(static_cast<std::uint8_t>(color >> shift & 0xFF));
+    }
+    return colors;
 }
 
 }  // namespace votess

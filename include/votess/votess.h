@@ -222,6 +222,10 @@ VOTESS_API votess_status votess_verify(const votess_result* result, const double
 VOTESS_API votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count,
                                                double* places);
 
+// Writes to rgb, 3 * count, the colors that pictures give to values, see value_colors() in picture.hpp. colormap: 0
+// tide, 1 ember, 2 gray.
+VOTESS_API votess_status votess_value_colors(const double* values, size_t count, int32_t colormap, uint8_t* rgb);
+
 // Walls around round bodies, see sphere_walls() in votess.hpp; they write 4 * faces numbers, as votess_options.walls.
 VOTESS_API votess_status votess_sphere_walls(const double center[3], double radius, size_t faces, double* walls);
 VOTESS_API votess_status votess_cylinder_walls(const double point[3], const double axis[3], double radius, size_t faces,

@@ -23,7 +23,7 @@ OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--rad
            "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder",
            "--wall-cone", "--outside", "--min-face", "--min-area", "--image", "--image-size", "--slice", "--cut",
            "--view", "--color", "--colormap", "--seeds", "--device", "--threads", "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
-           "--json", "--list-devices", "--version", "--quiet", "--help"]
+           "--json", "--list-devices", "--version", "--quiet", "--help", "--help-all", "--man", "--completion", "--voro++"]
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 
 CUBE = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"

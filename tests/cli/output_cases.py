@@ -239,6 +239,60 @@ class TextOutput(CliTest):
         self.assertEqual(len(text), count + 1)
 
 
+class VoroppCommand(CliTest):
+    """clvotess --voro++, beside the program where it is installed."""
+
+    def both(self, *arguments, radii=False, count=300, beyond=False):
+        """Rows of either program by id, after the same command line."""
+        points = random_points(count, 21) * (1.2 if beyond else 1)
+        columns = [points] + ([0.02 + points[:, :1] / 50] if radii else [])
+        rows = [f"{i + 7} {' '.join(map(repr, row))}\n" for i, row in enumerate(np.hstack(columns).tolist())]
+        self.put("pack.x", "".join(rows))
+        line = [*arguments, *"0 1 0 1 0 1 pack.x".split()]
+        done = self.run_cli("--voro++", *line)
+        self.assertEqual((done.stdout, done.stderr), ("", ""))
+        ours = (self.folder / "pack.x.vol").read_text().splitlines()
+        program = shutil.which("voro++")
+        if not program:
+            self.skipTest("no voro++")
+        (self.folder / "pack.x.vol").unlink()
+        subprocess.run([program, *line], cwd=self.folder, check=True, capture_output=True)
+        theirs = (self.folder / "pack.x.vol").read_text().splitlines()
+        self.assertEqual([row.split()[0] for row in ours], sorted((row.split()[0] for row in theirs), key=int))
+        return ours, sorted(theirs, key=lambda row: int(row.split()[0]))
+
+    def test_default_rows(self):
+        for arguments, words in [(["-o"], {}), (["-p"], {}), (["-px", "-pz", "-n", "5", "5", "5", "-m", "9"], {}),
+                                 (["-r"], {"radii": True}), (["-l", "0.2"], {"beyond": True})]:
+            with self.subTest(arguments):
+                ours, theirs = self.both(*arguments, **words)
+                for mine, other in zip(ours, theirs, strict=True):
+                    self.assertEqual(len(mine.split()), len(other.split()))
+                    np.testing.assert_allclose(np.array(mine.split(), float), np.array(other.split(), float), rtol=2e-5)
+                    self.assertEqual(mine.split()[:4], other.split()[:4])  # six digits, as %g
+
+    def test_neighbors_and_walls(self):
+        for arguments in [["-p"], ["-r", "-py"]]:
+            with self.subTest(arguments):
+                ours, theirs = self.both(*arguments, "-c", "%i %s %n", radii="-r" in arguments)
+                for mine, other in zip(ours, theirs, strict=True):
+                    self.assertEqual(mine.split()[:2] + sorted(mine.split()[2:]),
+                                     other.split()[:2] + sorted(other.split()[2:]))
+
+    def test_refused(self):
+        self.put("a", "0 0.5 0.5 0.5\n")
+        box = "0 1 0 1 0 1".split()
+        for arguments, says in [([], "missing"), (["-p"], "missing"), ([*box], ["x_min", "6 words"]),
+                                (["-g", *box, "a"], "gnuplot"), (["-ws", "0", "0", "0", "1", *box, "a"], "--wall-sphere"),
+                                (["-z", *box, "a"], "'-z'"), (["-n", "3", "x", "3", *box, "a"], ["-n", "'x'"]),
+                                ([*box, "b"], "b"), ([*box, "a", "more"], "8 words"), (["-c", "%k", *box, "a"], "%k"),
+                                (["-c"], "-c"), (["0", "1", "0", "y", "0", "1", "a"], "'y'")]:
+            with self.subTest(arguments):
+                self.refuse("--voro++", *arguments, says=says)
+        self.run_cli("--voro++", "-v", *box, "a")
+        self.assertEqual((self.folder / "a.vol").read_text(), "0 0.5 0.5 0.5 1\n")
+
+
 class ArrayOutput(CliTest):
     def load(self, *arguments):
         self.run_cli(*arguments, "-o", "out.npz")

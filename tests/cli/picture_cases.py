@@ -110,6 +110,8 @@ class Pictures(CliTest):
             (["p.npy", "--slice", "x=0.5"], ["--slice", "--image"]),
             (["p.npy", "--image-size", "100x100"], "--image"),
             (["p.npy", "--seeds"], "--image"),
+            (["p.npy", "--color", "area"], ["--image", ".glb"]),
+            (["p.npy", "--colormap", "gray", "-o", "a.ply"], ["--colormap", ".glb"]),
             ([*call, "--seeds"], "--slice"),
             ([*call, "--slice", "w=1"], ["--slice", "w=1"]),
             ([*call, "--slice", "x="], "x="),

@@ -11,10 +11,10 @@ import unittest
 from cli_test import CLI
 from file_cases import Files
 from input_cases import Source
-from output_cases import ArrayOutput, TextOutput
+from output_cases import ArrayOutput, TextOutput, VoroppCommand
 from usage_cases import Usage
 
-__all__ = ["ArrayOutput", "Files", "Source", "TextOutput", "Usage"]
+__all__ = ["ArrayOutput", "Files", "Source", "TextOutput", "Usage", "VoroppCommand"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -13,9 +13,9 @@ from frame_cases import FrameFiles
 from hdf5_cases import Hdf5Files, Hdf5Module
 from lammps_cases import LammpsFiles
 from reader_cases import ArrayFiles, Columns, PlyFiles, TextFiles
-from vtk_cases import VtkFiles
+from vtk_cases import GltfFiles, VtkFiles
 
-__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "Hdf5Files", "Hdf5Module", "LammpsFiles", "PlyFiles", "Regressions", "TextFiles", "VtkFiles"]
+__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "LammpsFiles", "PlyFiles", "Regressions", "TextFiles", "VtkFiles"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

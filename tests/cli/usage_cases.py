@@ -23,7 +23,8 @@ class Usage(CliTest):
         for arguments, says in [([], "INPUT"), (["a.txt", "b.txt"], "'b.txt'"), (["a.txt", "--random", "5"], "not both"),
                                 (["a.txt", "--rng-seed", "5"], "--rng-seed"), (["--rng-seed", "5"], "--random"),
                                 (["--random", "-5"], "'-5'"), (["--random", "x"], "'x'"), (["--random", "1.5"], "'1.5'"),
-                                (["--random", "2147483648"], "'2147483648'"), (["--random"], "--random"),
+                                (["--random", "2147483648"], "'2147483648'"),
+                                (["--random", "3e9"], "'3e9'"), (["--random", "1e-1"], "'1e-1'"), (["--random"], "--random"),
                                 (["--random", "5", "--rng-seed", "-1"], "'-1'"),
                                 (["a.txt", "--box", "0,0,0,1,1"], "--box"), (["a.txt", "--box", "0,0,0,1,1,z"], "'z'"),
                                 (["a.txt", "--box", "0,0,0,1,1,1,1"], "--box"), (["a.txt", "--box", ""], "--box"),
@@ -147,21 +148,49 @@ class Usage(CliTest):
         for option in ["-h", "--help"]:
             done = self.run_cli(option)
             self.assertEqual(done.stderr, "")
-        text = done.stdout
-        self.assertEqual(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", text)), set(OPTIONS))
+        usual = done.stdout
+        rows = [line for line in usual.splitlines() if re.match(r"  [-I]", line)]
+        self.assertTrue(10 <= len(rows) <= 12, usual)
+        text = self.run_cli("--help-all").stdout
+        self.assertEqual(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*(?:\+\+)?", text)), set(OPTIONS))
         for option in SHORT_OPTIONS:
             self.assertRegex(text, rf"(?m)^  {option}, --")
         for code in "ixyzqrwpPomgEesFAaftlnvcC%":
             self.assertIn("%" + code, text)
         for word in ["units", "exit codes", ".xyz", ".txt", ".dat ", ".csv", ".npy", ".npz", ".h5", ".hdf5", ".dump",
-                     ".lammpstrj", ".data", ".lmp", ".ply", ".vtp", ".vtu", ".obj", "stdin", "stdout", "default"]:
+                     ".lammpstrj", ".data", ".lmp", ".ply", ".vtp", ".vtu", ".obj", ".glb", "stdin", "stdout", "default"]:
             self.assertIn(word, text)
-        self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        for page in [usual, text]:
+            self.assertLessEqual(max(map(len, page.splitlines())), 100)
         # The example runs as it stands, with fewer points.
-        example = next(line for line in text.splitlines() if line.startswith("  clvotess --random 1000000"))
-        example = example.strip().replace("1000000", "1000").replace("clvotess", f'"{CLI}"', 1)
+        example = next(line for line in text.splitlines() if line.startswith("  clvotess --random 1e6"))
+        example = example.strip().replace("1e6", "1e3").replace("clvotess", f'"{CLI}"', 1)
         subprocess.run(example, shell=True, cwd=self.folder, check=True, capture_output=True)
         self.assertEqual(len((self.folder / "cells.txt").read_text().splitlines()), 1000)
+
+    def test_manual_page(self):
+        page = self.run_cli("--man").stdout
+        self.assertTrue(page.startswith(".TH CLVOTESS 1"))
+        for option in OPTIONS:
+            self.assertIn(option.replace("-", "\\-"), page)
+        if shutil.which("groff"):
+            done = subprocess.run(["groff", "-man", "-Tascii", "-ww", "-z"], input=page, text=True, capture_output=True,
+                                  check=True)
+            self.assertEqual(done.stderr, "")
+
+    def test_completion(self):
+        for shell in ["bash", "zsh", "fish"]:
+            script = self.run_cli("--completion", shell).stdout
+            for option in OPTIONS:
+                self.assertIn(option if shell != "fish" else "-l " + option[2:], script)
+        self.refuse("--completion", "tcsh", says="'tcsh'")
+        ask = f"""source <("{CLI}" --completion bash)
+            COMP_WORDS=(clvotess a.txt --dev); COMP_CWORD=2; _clvotess; echo "${{COMPREPLY[*]}}"
+            COMP_WORDS=(clvotess -x l); COMP_CWORD=2; _clvotess; echo "${{COMPREPLY[*]}}"
+            COMP_WORDS=(clvotess some); COMP_CWORD=1; _clvotess; echo "${{COMPREPLY[*]}}" """
+        self.put("something.xyz", "")
+        done = subprocess.run(["bash", "-euc", ask], cwd=self.folder, text=True, capture_output=True, check=True)
+        self.assertEqual(done.stdout.splitlines(), ["--device", "lavapipe", "something.xyz"])
 
     def test_readme_names_only_options_that_exist(self):
         readme = ROOT / "README.md"
@@ -170,7 +199,7 @@ class Usage(CliTest):
         commands = re.findall(r"clvotess [^\n`]*", readme.read_text())
         self.assertTrue(commands)
         for command in commands:
-            for option in re.findall(r"(?<=\s)--[a-z][a-z-]*", command):
+            for option in re.findall(r"(?<=\s)--[a-z][a-z-]*(?:\+\+)?", command):
                 self.assertIn(option, OPTIONS, command)
 
     def test_version(self):

@@ -1,6 +1,8 @@
 """VTK's files in and out, and faces as .ply and .obj, with VTK as the other side."""
 
 import itertools
+import json
+import struct
 import unittest
 
 import numpy as np
@@ -121,16 +123,19 @@ class VtkFiles(ReaderTest):
         assert len(faces) == numbers[0]
         return faces
 
-    def check_grid(self, name, volumes, box_volume):
-        """Watertight, oriented cells whose volumes are those of the library and fill the box."""
+    def check_grid(self, name, volumes, box_volume, first_id=0):
+        """Watertight, oriented cells whose volumes are those of the library, by `id`, and fill the box."""
         grid = self.grid(name)
-        self.assertEqual(grid.GetNumberOfCells(), len(volumes))
+        volumes = np.asarray(volumes)
+        self.assertEqual(grid.GetNumberOfCells(), np.count_nonzero(volumes))
+        ids = vtk_to_numpy(grid.GetCellData().GetArray("id")) - first_id
+        self.assertEqual(sorted(ids), np.flatnonzero(volumes).tolist())
+        volumes = volumes[ids]
+        sizes = [grid.GetCell(cell).GetNumberOfPoints() for cell in range(grid.GetNumberOfCells())]
+        self.assertEqual(sizes, sorted(sizes))
         vertices = vtk_to_numpy(grid.GetPoints().GetData())
         total = 0
         for cell in range(grid.GetNumberOfCells()):
-            if volumes[cell] == 0:
-                self.assertEqual(grid.GetCellType(cell), 0)
-                continue
             self.assertEqual(grid.GetCellType(cell), 42)
             faces = self.polygons(grid, cell)
             edges = [edge for face in faces for edge in zip(face, face[1:] + face[:1])]
@@ -154,16 +159,15 @@ class VtkFiles(ReaderTest):
     def test_vtu(self):
         self.put("a.txt", "".join(f"{i + 50} {row}\n" for i, row in enumerate(CUBE.splitlines())) + "99 0 0 0\n")
         self.run_cli("a.txt", "--box", CUBE_BOX, "-o", "a.vtu")
-        grid = self.check_grid("a.vtu", [1] * 8 + [0], 8)
+        grid = self.check_grid("a.vtu", [1] * 8 + [0], 8, 50)
         self.assertEqual(grid.GetNumberOfPoints(), 27)
         data = {grid.GetCellData().GetArrayName(k): vtk_to_numpy(grid.GetCellData().GetArray(k))
                 for k in range(grid.GetCellData().GetNumberOfArrays())}
-        self.assertEqual(data["id"].tolist(), [*range(50, 58), 99])
-        self.assertEqual(data["volume"].tolist(), [1] * 8 + [0])
-        self.assertEqual(data["neighbors"].tolist(), [3] * 8 + [0])
-        self.assertEqual(data["status"].tolist(), [0] * 8 + [5])
-        np.testing.assert_allclose(data["centroid"][:8], np.loadtxt(CUBE.splitlines()), atol=1e-15)
-        self.assertTrue(np.isnan(data["centroid"][8]).all())
+        self.assertEqual(data["id"].tolist(), list(range(50, 58)))
+        self.assertEqual(data["volume"].tolist(), [1] * 8)
+        self.assertEqual(data["neighbors"].tolist(), [3] * 8)
+        self.assertEqual(data["status"].tolist(), [0] * 8)
+        np.testing.assert_allclose(data["centroid"], np.loadtxt(CUBE.splitlines()), atol=1e-15)
         self.run_cli("--random", 0, "-o", "none.vtu")
         self.assertEqual(self.grid("none.vtu").GetNumberOfCells(), 0)
 
@@ -190,20 +194,89 @@ class VtkFiles(ReaderTest):
             np.testing.assert_allclose(vtk_to_numpy(mesh.GetPoints().GetData()), arrays["vertices"], rtol=0, atol=1e-6)
             self.assertEqual(mesh.GetNumberOfPolys(), len(once))
             ids = vtkIdList()
-            for k, polygon in enumerate(polygons):
+            for k, polygon in enumerate(sorted(polygons, key=len) if name == "a.ply" else polygons):
                 mesh.GetCellPoints(k, ids)
                 self.assertEqual([ids.GetId(j) for j in range(ids.GetNumberOfIds())], polygon)
         obj = (self.folder / "a.obj").read_text().splitlines()
         vertices = np.array([line.split()[1:] for line in obj if line.startswith("v ")], float)
         np.testing.assert_array_equal(vertices, arrays["vertices"])
-        # The two cells of each face, out of the binary rows.
-        content = (self.folder / "a.ply").read_bytes()
-        head, body = content.split(b"end_header\n", 1)
-        self.assertIn(b"property list uchar int vertex_indices\nproperty int cell\nproperty int neighbor", head)
-        at = 24 * len(vertices)
-        for k, polygon in zip(once, polygons):
-            self.assertEqual(body[at], len(polygon))
-            pair = np.frombuffer(body, "<i4", 2, at + 1 + 4 * len(polygon)).tolist()
-            self.assertEqual(pair, [rows[k], arrays["indices"][k]])
-            at += 9 + 4 * len(polygon)
-        self.assertEqual(at, len(body))
+        # The two cells of each face.
+        head, body = (self.folder / "a.ply").read_text().split("end_header\n", 1)
+        self.assertIn("property list uchar int vertex_indices\nproperty int cell\nproperty int neighbor", head)
+        lines = body.splitlines()
+        np.testing.assert_array_equal(np.array([line.split() for line in lines[:len(vertices)]], float), vertices)
+        faces = [[int(word) for word in line.split()] for line in lines[len(vertices):]]
+        expected = [[len(polygon), *polygon, rows[k], arrays["indices"][k]] for k, polygon in zip(once, polygons)]
+        self.assertEqual(faces, sorted(expected, key=lambda face: face[0]))
+
+
+class GltfFiles(ReaderTest):
+    def read(self, name):
+        """The JSON of a .glb file, and its arrays by what they are of the one mesh."""
+        content = (self.folder / name).read_bytes()
+        magic, version, length, size, kind = struct.unpack_from("<4sIII4s", content)
+        self.assertEqual((magic, version, length, kind), (b"glTF", 2, len(content), b"JSON"))
+        head = json.loads(content[20:20 + size])
+        binary, kind = struct.unpack_from("<I4s", content, 20 + size)
+        self.assertEqual((binary, kind), (len(content) - 28 - size, b"BIN\0"))
+        body = content[28 + size:]
+        self.assertLessEqual(head["buffers"][0]["byteLength"], len(body))
+        primitive = head["meshes"][0]["primitives"][0]
+        arrays = {}
+        for name, number in {**primitive["attributes"], "indices": primitive["indices"]}.items():
+            accessor = head["accessors"][number]
+            view = head["bufferViews"][accessor["bufferView"]]
+            width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+            kind = {5126: "<f4", 5125: "<u4"}[accessor["componentType"]]
+            self.assertEqual(view["byteLength"], 4 * width * accessor["count"])
+            array = np.frombuffer(body, kind, width * accessor["count"], view.get("byteOffset", 0))
+            arrays[name] = array.reshape(-1, width).squeeze()
+            if "min" in accessor:
+                np.testing.assert_array_equal(arrays[name].min(axis=0), np.array(accessor["min"], "f4"))
+                np.testing.assert_array_equal(arrays[name].max(axis=0), np.array(accessor["max"], "f4"))
+        return head, arrays
+
+    def test_solids(self):
+        for more, count in [([], 300), (["--box", "1e6,0,0,1000001,1,1", "--outside", "drop"], 1)]:
+            if count == 1:
+                self.put("a.txt", "1000000.25 0.5 0.5\n1000000.25 0.5 0.5\n")
+            self.run_cli(*(["--random", 300] if count > 1 else ["a.txt", *more]), "-o", "a.glb", "-o", "a.npz")
+            head, arrays = self.read("a.glb")
+            with np.load(self.folder / "a.npz") as file:
+                volumes = file["volumes"]
+            corners = arrays["POSITION"].astype(float)
+            triangles = arrays["indices"].reshape(-1, 3)
+            a, b, c = (corners[triangles[:, k]] for k in range(3))
+            cross = np.cross(b - a, c - a)
+            cells = arrays["_CELL"].astype(int)
+            measured = np.bincount(cells[triangles[:, 0]], np.einsum("tk,tk->t", a, cross) / 6, len(volumes))
+            np.testing.assert_allclose(measured, volumes, atol=1e-6)
+            # Each triangle shows its front along the normal of its corners, and is of one cell.
+            self.assertTrue((np.einsum("tk,tk->t", cross, arrays["NORMAL"][triangles[:, 0]]) >= 0).all())
+            np.testing.assert_allclose(np.linalg.norm(arrays["NORMAL"], axis=1), 1, atol=1e-6)
+            self.assertTrue((cells[triangles] == cells[triangles[:, :1]]).all())
+            node = head["nodes"][0]
+            middle = [0.5, 0.5, 0.5] if count > 1 else [1000000.5, 0.5, 0.5]
+            np.testing.assert_allclose(node["translation"], middle, rtol=0, atol=1e-9)
+
+    def test_colors(self):
+        points = random_points(50)
+        mass = np.arange(50.0)
+        np.savez(self.folder / "p.npz", points=points, mass=mass)
+        self.run_cli("p.npz", "--copy", "mass", "--color", "mass", "--colormap", "gray", "-o", "a.glb")
+        arrays = self.read("a.glb")[1]
+        colors, cells = arrays["COLOR_0"], arrays["_CELL"].astype(int)
+        self.assertTrue((colors[:, :3] == colors[:, :1]).all() and (colors[:, 3] == 1).all())
+        of_cell = np.empty(50)
+        of_cell[cells] = colors[:, 0]
+        np.testing.assert_array_equal(of_cell[cells], colors[:, 0])
+        self.assertTrue((np.diff(of_cell) > 0).all())  # as the mass
+        for column in ["volume", "neighbors", "area", "x", "index"]:
+            self.run_cli("p.npz", "--color", column, "-o", "a.glb")
+            self.assertGreater(len(np.unique(self.read("a.glb")[1]["COLOR_0"], axis=0)), 5)
+        self.refuse("p.npz", "--color", "mass", "-o", "b.glb", says=["'mass'", "--copy"])
+        self.refuse("p.npz", "--copy", "mass", "-o", "b.obj", says=["--copy", ".glb"])
+
+    def test_no_points(self):
+        self.put("none.txt", "")
+        self.run_cli("none.txt", "-o", "a.glb")

@@ -12,9 +12,10 @@ from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._library import VERSION as __version__
 from .atoms import from_ase
-from .mesh import Delaunay, Faces, Lists
+from .mesh import Delaunay, Faces, Lists, Neighbors
 from .pairs import Pairs
-from .tessellation import Neighbors, StageSeconds, Stats, Tessellation, VerifyReport
+from .stats import StageSeconds, Stats, VerifyReport
+from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 
 __all__ = [

@@ -213,6 +213,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
         ),
     ),
     "votess_wrapped_points": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
+    "votess_value_colors": (c_int, (c_void_p, c_size_t, c_int32, c_void_p)),
     "votess_sphere_walls": (c_int, (c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cylinder_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cone_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),

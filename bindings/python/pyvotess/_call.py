@@ -58,7 +58,7 @@ class Handle:
         self.free()
 
     def __reduce__(self) -> Any:
-        raise TypeError("a result of votess cannot be pickled or deep-copied: take its arrays")
+        raise TypeError("an object of the library cannot be pickled or deep-copied")
 
 
 class _Memory:

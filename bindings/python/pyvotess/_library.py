@@ -26,9 +26,9 @@ _SKIPPED_BUILDS = ("asan", "tsan")
 
 
 def _folders() -> List[Path]:
-    """Where to look, best first: beside this package, then, in a source tree, its builds with release first."""
+    """Where to look, best first: in this package, then, in a source tree, its builds with release first."""
     package = Path(__file__).resolve().parent
-    folders = [package]
+    folders = [package / "lib"]
     source = package.parents[2] if len(package.parents) > 2 else package
     if (source / "include" / "votess" / "votess.h").is_file():
         builds = [source / "build" / "release"]

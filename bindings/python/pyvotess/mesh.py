@@ -62,6 +62,23 @@ class Lists:
         return f"<pyvotess.{type(self).__name__}: {len(self)} rows, {len(self._indices)} ids>"
 
 
+class Neighbors(Lists):
+    """The neighbor lists as rows of a compressed sparse row matrix, without its values.
+
+    ``neighbors[i]`` is the row of seed i: ascending ids, walls (negative) first. A slice gives a list of rows.
+    """
+
+    def to_scipy(self) -> Any:
+        """The (N, N) adjacency matrix as a new scipy.sparse.csr_array of True. Walls are no seeds: they are dropped."""
+        from scipy.sparse import csr_array
+
+        is_seed = self._indices >= 0
+        seeds_before = np.concatenate(([0], np.cumsum(is_seed, dtype=np.int64)))
+        indices = self._indices[is_seed]
+        values = np.ones(len(indices), dtype=bool)
+        return csr_array((values, indices, seeds_before[self._indptr]), shape=(len(self), len(self)))
+
+
 class Faces(Lists):
     """Polygons as rows of ``vertices``, counterclockwise seen from outside the cell.
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple, Union
+import os
+from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _c_api
-from ._call import Handle, array_of, raise_on_failure
+from ._c_api import ErrorCode
+from ._call import Handle, VotessError, array_of, raise_on_failure
 from ._input import as_count
 from ._library import lib
-from .mesh import Delaunay, Faces, Lists, make_delaunay
+from ._state import locked, read_result, tessellated_anew
+from .mesh import Delaunay, Faces, Lists, Neighbors, make_delaunay
 from .pairs import Pairs, count_edges, make_pairs
+from .stats import Stats, VerifyReport
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -26,89 +29,6 @@ if TYPE_CHECKING:
     UInt8Array = npt.NDArray[np.uint8]
 
 
-class Neighbors(Lists):
-    """The neighbor lists as rows of a compressed sparse row matrix, without its values.
-
-    ``neighbors[i]`` is the row of seed i: ascending ids, walls (negative) first. A slice gives a list of rows.
-    """
-
-    def to_scipy(self) -> Any:
-        """The (N, N) adjacency matrix as a new scipy.sparse.csr_array of True. Walls are no seeds: they are dropped."""
-        from scipy.sparse import csr_array
-
-        is_seed = self._indices >= 0
-        seeds_before = np.concatenate(([0], np.cumsum(is_seed, dtype=np.int64)))
-        indices = self._indices[is_seed]
-        values = np.ones(len(indices), dtype=bool)
-        return csr_array((values, indices, seeds_before[self._indptr]), shape=(len(self), len(self)))
-
-
-@dataclass(frozen=True)
-class StageSeconds:
-    """Seconds of wall clock per stage. On the CPU ``knn`` and ``fallback`` are part of ``clip``."""
-
-    upload: float
-    sort: float
-    knn: float
-    clip: float
-    fallback: float
-    download: float
-    total: float
-
-
-@dataclass(frozen=True)
-class Stats:
-    """What a run did. ``dataclasses.asdict(stats)`` makes it a dict."""
-
-    device: str  #: name of the device that ran
-    points: int  #: N
-    faces: int  #: sum over cells of their number of faces, walls included
-    mean_faces: float  #: faces / cells that are not empty
-    volume_sum: float  #: sum of all volumes; 0 when volumes were not wanted
-    box_volume: float  #: volume of the domain
-    duplicates: int  #: seeds with status DUPLICATE
-    empty_cells: int  #: seeds that have no cell: duplicate, empty or outside
-    fallback_cells: int  #: cells redone on the CPU after another device
-    exact_cells: int  #: cells where exact arithmetic decided a sign
-    threads: int  #: CPU threads used
-    peak_memory_bytes: int  #: peak resident memory of the process so far
-    precision: str  #: of volumes, centroids and areas, "single" or "double"; the CPU always gives "double"
-    seconds: StageSeconds
-
-
-def _read_stats(result: Handle) -> Stats:
-    c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
-    raise_on_failure(lib.votess_result_stats(result.pointer, ctypes.byref(c_stats)))
-    fields: Dict[str, Any] = {field[0]: getattr(c_stats, field[0]) for field in _c_api.Stats._fields_}
-    del fields["struct_size"]
-    fields["precision"] = next(word for word, value in _c_api.PRECISIONS.items() if value == c_stats.precision)
-    fields["device"] = fields["device"].decode("utf-8", "replace")
-    stages = {name: fields.pop("seconds_" + name) for name in StageSeconds.__dataclass_fields__}
-    return Stats(seconds=StageSeconds(**stages), **fields)
-
-
-@dataclass(frozen=True)
-class VerifyReport:
-    """Outcome of :meth:`Tessellation.verify`. True when all checks that could be made passed."""
-
-    passed: bool
-    failure: str  #: one line on the first failed check; empty when passed
-    skipped: Tuple[str, ...]  #: checks whose arrays were not wanted: "volumes", "symmetry", "euler", "sample"
-    sampled: int = 0  #: cells tried by brute force, up to the one that failed
-
-    def __bool__(self) -> bool:
-        return self.passed
-
-
-_Vector = ctypes.c_double * 3
-
-
-def _constant(values: Any) -> Float64Array:
-    array = np.array(values, dtype=np.float64)
-    array.flags.writeable = False
-    return array
-
-
 class Tessellation:
     """The cells of N seeds; rows follow the input order.
 
@@ -117,56 +37,58 @@ class Tessellation:
     """
 
     def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain_given: bool) -> None:
-        self._result = result
+        self._result: Optional[Handle] = result  # None once unpickled, until it is needed
         self._points = points
         self._wanted = wanted
         self._domain_given = domain_given
-        self._stats = _read_stats(result)
-        self._arrays: Dict[str, npt.NDArray[Any]] = {}
-        if "neighbors" in wanted:
-            self._neighbors = Neighbors(array_of(result, "indptr", np.int64), array_of(result, "indices", np.int32))
-        if "areas" in wanted:
-            self._arrays["face_areas"] = array_of(result, "face_areas", np.float64)
-        if "normals" in wanted:
-            self._arrays["face_normals"] = array_of(result, "face_normals", np.float64, columns=3)
-        if "surfaces" in wanted:
-            self._arrays["surface_areas"] = array_of(result, "surface_areas", np.float64)
-        if "radii" in wanted:
-            self._arrays["security_radii"] = array_of(result, "security_radii", np.float64)
-        if "vertices" in wanted:
-            self._arrays["vertices"] = array_of(result, "vertices", np.float64, columns=3)
-            self._cell_vertices = Lists(
-                array_of(result, "cell_vertex_indptr", np.int64), array_of(result, "cell_vertex_indices", np.int32)
-            )
-        if "faces" in wanted:
-            self._faces = Faces(array_of(result, "face_offsets", np.int64), array_of(result, "face_vertices", np.int32))
-        shifts = array_of(result, "shifts", np.int8, columns=3)
-        self._shifts = shifts if len(shifts) else None
-        if "volumes" in wanted:
-            self._arrays["volumes"] = array_of(result, "volumes", np.float64)
-        if "centroids" in wanted:
-            self._arrays["centroids"] = array_of(result, "centroids", np.float64, columns=3)
-        if "counts" in wanted:
-            for name in ("face_counts", "edge_counts", "vertex_counts"):
-                self._arrays[name] = array_of(result, name, np.uint32)
-        self._status = array_of(result, "status", np.uint8)
-        duplicate_of = array_of(result, "duplicate_of", np.int32)
-        self._duplicate_of = duplicate_of if len(duplicate_of) else None
-        lower, upper = _Vector(), _Vector()
-        raise_on_failure(lib.votess_result_box(result.pointer, lower, upper))
-        self._box = _constant((lower, upper))
-        axes = (ctypes.c_int32 * 3)()
-        raise_on_failure(lib.votess_result_periodic(result.pointer, axes))
-        self._periodic = (bool(axes[0]), bool(axes[1]), bool(axes[2]))
-        has_cell, vectors = ctypes.c_int32(), [_Vector() for _ in range(4)]
-        raise_on_failure(lib.votess_result_cell(result.pointer, ctypes.byref(has_cell), *vectors))
-        self._origin = _constant(vectors[0]) if has_cell.value else None
-        self._cell = _constant(vectors[1:]) if has_cell.value else None
+        self._places: Optional[Float64Array] = None  # wrapped_points, kept where it was pickled
+        self._data = read_result(result, wanted)
+        self._bind()
+
+    def _bind(self) -> None:
+        """Makes the lists out of the arrays."""
+        arrays = self._data.arrays
+        if "neighbors" in self._wanted:
+            self._neighbors = Neighbors(arrays["indptr"], arrays["indices"])
+        if "vertices" in self._wanted:
+            self._cell_vertices = Lists(arrays["cell_vertex_indptr"], arrays["cell_vertex_indices"])
+        if "faces" in self._wanted:
+            self._faces = Faces(arrays["face_offsets"], arrays["face_vertices"])
+
+    def __getstate__(self) -> Dict[str, Any]:
+        """The arrays go along, the library's object stays behind."""
+        state = dict(self.__dict__, _result=None, _places=self.wrapped_points if any(self.periodic) else None)
+        for name in ("_neighbors", "_cell_vertices", "_faces"):
+            state.pop(name, None)
+        return state
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        locked(self._data)
+        self._bind()
+
+    def __copy__(self) -> Tessellation:
+        """Shares all arrays, which are read-only."""
+        other = type(self).__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        return other
+
+    def _handle(self) -> Handle:
+        """The library's object; of an unpickled result it is made anew, with the same arrays."""
+        if self._result is None:
+            result, differs = tessellated_anew(self)
+            if differs:
+                raise VotessError(
+                    f"this result was unpickled, and its points give other {differs} when they are tessellated again",
+                    ErrorCode.INVALID_USE,
+                )
+            self._result = result
+        return self._result
 
     def _wanted_array(self, name: str, word: str) -> npt.NDArray[Any]:
         if word not in self._wanted:
             raise AttributeError(f"{name} was not computed: put {word!r} into want, which was {self._wanted}")
-        return self._arrays[name]
+        return self._data.arrays[name]
 
     def __len__(self) -> int:
         return len(self._points)
@@ -179,14 +101,25 @@ class Tessellation:
         def text(vector: Float64Array) -> str:
             return f"({', '.join(f'{x:g}' for x in vector)})"
 
-        if self._cell is not None and self._origin is not None:
-            where = f"cell {', '.join(text(edge) for edge in self._cell)} at {text(self._origin)}"
+        if self.cell is not None and self.origin is not None:
+            where = f"cell {', '.join(text(edge) for edge in self.cell)} at {text(self.origin)}"
         else:
-            where = f"box {text(self._box[0])} to {text(self._box[1])}"
+            where = f"box {text(self.box[0])} to {text(self.box[1])}"
         if len(self.walls):
             where += f" cut by {len(self.walls)} wall{'s' if len(self.walls) > 1 else ''}"
-        axes = "".join(axis for axis, repeats in zip("xyz" if self._cell is None else "abc", self._periodic) if repeats)
+        axes = "".join(axis for axis, repeats in zip("xyz" if self.cell is None else "abc", self.periodic) if repeats)
         return where + (f", periodic {axes}" if axes else "") + ("" if self._domain_given else " around them")
+
+    def _repr_html_(self) -> str:
+        """For notebooks: a table, and a picture of a section when the faces were wanted."""
+        from .export.html import as_html
+
+        return as_html(self)
+
+    @property
+    def wanted(self) -> Tuple[str, ...]:
+        """The words of ``want``, with those that they imply."""
+        return self._wanted
 
     @property
     def neighbors(self) -> Neighbors:
@@ -222,7 +155,7 @@ class Tessellation:
     @property
     def shifts(self) -> Optional[Int8Array]:
         """(indptr[N], 3) int8: box vectors that carry each neighbor to where it touches; None unless periodic."""
-        return self._shifts
+        return self._data.arrays.get("shifts")
 
     @property
     def surface_areas(self) -> Float64Array:
@@ -256,14 +189,14 @@ class Tessellation:
     @property
     def least_face(self) -> float:
         """The area below which ``min_face`` or ``min_area`` has dropped faces; 0 when none were."""
-        return float(lib.votess_result_least_face(self._result.pointer))
+        return self._data.least_face
 
     def delaunay(self) -> Delaunay:
         """The dual Delaunay complex. Needs "faces" in want, and neither ``min_face`` nor ``min_area``."""
         handle = Handle(lib.votess_delaunay_free)
-        raise_on_failure(lib.votess_delaunay_new(self._result.pointer, ctypes.byref(handle.pointer)))
+        raise_on_failure(lib.votess_delaunay_new(self._handle().pointer, ctypes.byref(handle.pointer)))
         return make_delaunay(
-            lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"), self._shifts is not None
+            lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"), self.shifts is not None
         )
 
     @property
@@ -289,48 +222,47 @@ class Tessellation:
     @property
     def status(self) -> UInt8Array:
         """(N,) uint8, values of :class:`CellStatus`."""
-        return self._status
+        return self._data.arrays["status"]
 
     @property
     def duplicate_of(self) -> Optional[Int32Array]:
         """(N,) int32: index of the seed that keeps the cell, -1 when not a duplicate. None when there is none."""
-        return self._duplicate_of
+        return self._data.arrays.get("duplicate_of")
 
     @property
     def box(self) -> Float64Array:
         """(2, 3) float64, lower and upper corner of the domain that was used; of a triclinic one the bounds."""
-        return self._box
+        return self._data.box
 
     @property
     def periodic(self) -> Tuple[bool, bool, bool]:
         """Whether the domain repeats along x, y, z, or along the edges of ``cell``."""
-        return self._periodic
+        return self._data.periodic
 
     @property
     def cell(self) -> Optional[Float64Array]:
         """(3, 3) float64, the edges of a triclinic box, a row each; None for other domains."""
-        return self._cell
+        return self._data.cell
 
     @property
     def origin(self) -> Optional[Float64Array]:
         """(3,) float64, the corner of a triclinic box; None for other domains."""
-        return self._origin
+        return self._data.origin
 
     @property
     def walls(self) -> Float64Array:
         """(M, 4) float64, rows nx, ny, nz, d of the walls n.x <= d that were given."""
-        return array_of(self._result, "walls", np.float64, columns=4)
+        return self._data.walls
 
     @property
     def weights(self) -> Optional[Float64Array]:
         """(N,) float64, the weights of a power diagram, of radii their squares; None for a Voronoi diagram."""
-        weights = array_of(self._result, "weights", np.float64)
-        return weights if len(weights) else None
+        return self._data.arrays.get("weights")
 
     @property
     def lists_walls(self) -> bool:
         """Whether the rows hold wall ids."""
-        return bool(lib.votess_result_lists_walls(self._result.pointer))
+        return self._data.lists_walls
 
     @property
     def points(self) -> npt.NDArray[Any]:
@@ -340,7 +272,11 @@ class Tessellation:
     @property
     def wrapped_points(self) -> Float64Array:
         """(N, 3) float64, a new array: where the points lie inside a periodic domain. :attr:`shifts` count from there."""
-        points = np.ascontiguousarray(self._points, dtype=np.float64)
+        if self._places is not None:
+            return np.array(self._places)
+        points = np.array(self._points, dtype=np.float64, order="C")
+        if self._result is None:
+            return points  # of a domain without periods
         places = np.empty_like(points)
         raise_on_failure(
             lib.votess_wrapped_points(self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
@@ -361,7 +297,7 @@ class Tessellation:
     @property
     def stats(self) -> Stats:
         """Counts and seconds per stage."""
-        return self._stats
+        return self._data.stats
 
     def plot(
         self,
@@ -378,9 +314,70 @@ class Tessellation:
         ``color``: "volume", "neighbors", "area", "x", "y", "z", or one value for each cell. ``style`` goes to
         matplotlib's PolyCollection or to PyVista's add_mesh, such as ``cmap="magma"``.
         """
-        from ._plot import plot
+        from .export.plot import plot
 
         return plot(self, slice, color, ax, **style)
+
+    def save(
+        self,
+        path: Union[str, os.PathLike[str]],
+        columns: Optional[Mapping[str, npt.ArrayLike]] = None,
+        color: Any = None,
+        colormap: str = "tide",
+    ) -> None:
+        """Writes the result into a file, whole or not at all, as its extension says; names are those of clvotess.
+
+        ``.npz``, ``.h5``, ``.hdf5`` hold the arrays that were wanted, the domain and the version. The others need
+        "faces" in want: ``.vtu`` polyhedra with id, volume, neighbors, centroid and status, without empty cells and
+        ascending by their number of vertices, as meshio needs them, so that ``id`` tells the seed; ``.ply`` and ``.obj`` the
+        faces, each once, in ``.ply`` with its two cells; ``.glb`` solids in colors.
+
+        ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu.
+        ``color``: for .ply, which then holds triangles, and .glb: a column of :meth:`to_dataframe`, (N,) values, or
+        (N, 3) red, green and blue as uint8 or from 0 to 1. Default: none, and the volumes in .glb.
+        ``colormap``: "tide", "ember" or "gray".
+        """
+        from .export.save import save
+
+        save(self, path, columns, color, colormap)
+
+    def to_dataframe(self) -> Any:
+        """A pandas.DataFrame, a row a seed: x, y, z, and a column for each number that is known of its cell."""
+        from .export.packages import to_dataframe
+
+        return to_dataframe(self)
+
+    def to_scipy(self) -> Any:
+        """The same as ``neighbors.to_scipy()``."""
+        return self.neighbors.to_scipy()
+
+    def to_networkx(self) -> Any:
+        """A networkx.Graph of the seeds, which have the columns of :meth:`to_dataframe`, and pairs of neighbors.
+
+        An edge has the least ``distance`` of the seeds' images that touch, their number of ``faces``, and the sum of
+        their ``area`` where "areas" was wanted. A seed that touches its own image has an edge to itself.
+        """
+        from .export.packages import to_networkx
+
+        return to_networkx(self)
+
+    def to_freud(self) -> Any:
+        """A freud.locality.NeighborList, float32, an entry for each of :meth:`pairs`. Needs "areas" in want.
+
+        Its vectors and distances are those of the pairs, its weights the areas of the faces.
+        """
+        from .export.packages import to_freud
+
+        return to_freud(self)
+
+    def to_pyvista(self, columns: Optional[Mapping[str, npt.ArrayLike]] = None) -> Any:
+        """A pyvista.UnstructuredGrid, cell i the polyhedron of seed i, or an empty cell. Needs "faces" in want.
+
+        Its cell data are those of the .vtu file of :meth:`save`, and ``columns``.
+        """
+        from .export.packages import to_pyvista
+
+        return to_pyvista(self, columns)
 
     def verify(self, sample: Optional[int] = None, rng_seed: int = 1) -> VerifyReport:
         """Checks this result against its points.
@@ -388,16 +385,22 @@ class Tessellation:
         Volumes sum to the box (relative 1e-9; 1e-4 when ``stats.precision`` is "single"), neighbor lists are symmetric,
         Euler's formula holds, and ``sample`` cells drawn with ``rng_seed`` equal cells cut anew by every seed; None takes
         as many as take about a second, at least 64 or all, a number that depends on the input alone. Checks whose
-        arrays were not wanted are skipped.
+        arrays were not wanted are skipped. A result that was unpickled is compared with its points tessellated again.
         """
         points = np.ascontiguousarray(self._points, dtype=np.float64)
         bits = 8 * ctypes.sizeof(ctypes.c_size_t)
         count = _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits)
+        try:
+            handle = self._handle()
+        except VotessError as error:
+            if error.code != ErrorCode.INVALID_USE:
+                raise
+            return VerifyReport(False, str(error), ())
         passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
         failure = ctypes.create_string_buffer(1024)
         raise_on_failure(
             lib.votess_verify(
-                self._result.pointer,
+                handle.pointer,
                 points.ctypes.data,
                 len(points),
                 count,

@@ -6,7 +6,7 @@ import contextlib
 import ctypes
 import threading
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, List, Optional, Union
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Union
 
 import numpy as np
 
@@ -15,15 +15,13 @@ from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantW
 from ._call import Handle, VotessError, raise_on_failure, run
 from ._input import Domain, as_count, as_points, as_text, as_want, as_word
 from ._library import lib
+from ._progress import Progress, showing
 from .tessellation import Tessellation
 
 if TYPE_CHECKING:
     from types import TracebackType
 
     import numpy.typing as npt
-
-#: Called some ten times a second with the fraction done, 0 to 1. Return False to stop the run; None goes on.
-Progress = Callable[[float], Optional[bool]]
 
 
 def _new_options(
@@ -55,7 +53,7 @@ def _tessellate(
     want: Union[str, Iterable[WantWord]],
     list_walls: bool,
     duplicates: DuplicatesWord,
-    progress: Optional[Progress],
+    progress: Union[None, bool, Progress],
     min_face: float,
     min_area: float,
 ) -> Tessellation:
@@ -66,8 +64,6 @@ def _tessellate(
     options.list_walls = bool(list_walls)
     options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
     kept = domain.fill(options, len(array))
-    if progress is not None and not callable(progress):
-        raise TypeError(f"progress must be callable, not {type(progress).__name__}")
 
     implied = ctypes.c_uint32()
     raise_on_failure(lib.votess_options_implied_want(ctypes.byref(options), ctypes.byref(implied)))
@@ -76,7 +72,8 @@ def _tessellate(
     function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
     result = Handle(lib.votess_result_free)
     arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
-    run(function, arguments, options, ctypes.byref(result.pointer), progress)
+    with showing(progress) as call:
+        run(function, arguments, options, ctypes.byref(result.pointer), call)
     del kept
     return Tessellation(result, array, wanted, domain.box is not None or domain.cell is not None)
 
@@ -95,7 +92,7 @@ def tessellate(
     threads: int = 0,
     precision: PrecisionWord = "single",
     duplicates: DuplicatesWord = "merge",
-    progress: Optional[Progress] = None,
+    progress: Union[None, bool, Progress] = None,
     origin: Optional[npt.ArrayLike] = None,
     outside: OutsideWord = "error",
     min_face: float = 0.0,
@@ -142,8 +139,9 @@ def tessellate(
         normals, polygons and face_counts; decided once per pair of cells. 0 drops nothing.
     min_area : the same for faces below this area, length unit squared.
     outside : of points outside of ``box`` or ``walls``: "error" refuses them, "drop" gives them an empty cell, status OUTSIDE.
-    progress : called some ten times a second with the fraction done; returning False stops the run with
-        :class:`VotessError`, an exception stops it and goes on to the caller.
+    progress : True shows a bar of tqdm where it is installed, else a line on stderr. A callable is called some ten
+        times a second with the fraction done; returning False stops the run with :class:`VotessError`, an exception
+        stops it and goes on to the caller.
 
     The GIL is released. Ctrl-C in the main thread stops the run and raises KeyboardInterrupt.
 
@@ -215,7 +213,7 @@ class Tessellator:
         walls: npt.ArrayLike = (),
         list_walls: bool = False,
         duplicates: DuplicatesWord = "merge",
-        progress: Optional[Progress] = None,
+        progress: Union[None, bool, Progress] = None,
         origin: Optional[npt.ArrayLike] = None,
         outside: OutsideWord = "error",
         min_face: float = 0.0,

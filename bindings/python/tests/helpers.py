@@ -1,5 +1,6 @@
 """What the tests share: the package of this tree, points, and words."""
 
+import importlib.util
 import os
 import pathlib
 import sys
@@ -7,6 +8,8 @@ import sys
 import numpy as np
 
 PACKAGE_PARENT = str(pathlib.Path(__file__).resolve().parents[1])
+if "VOTESS_TEST_INSTALLED" in os.environ:  # the package that pip has installed
+    PACKAGE_PARENT = str(pathlib.Path(importlib.util.find_spec("pyvotess").origin).parents[1])
 sys.path.insert(0, PACKAGE_PARENT)
 
 UNIT_BOX = (0, 0, 0, 1, 1, 1)

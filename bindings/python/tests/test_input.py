@@ -251,7 +251,7 @@ class Memory(unittest.TestCase):
         self.assertTrue(copy.deepcopy(t.volumes).flags.owndata)
         for function in (copy.deepcopy, pickle.dumps):
             with self.assertRaisesRegex(TypeError, "pickled"):
-                function(t)
+                function(t._result)
         np.testing.assert_array_equal(pickle.loads(pickle.dumps(t.volumes)), t.volumes)
 
 

@@ -7,7 +7,7 @@ import unittest
 import numpy as np
 
 import pyvotess as vt
-from pyvotess import _plot
+from pyvotess.export import plot as _plot
 
 try:
     import matplotlib

@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 import unittest
+from unittest import mock
 
 import numpy as np
 from helpers import EVERYTHING, PACKAGE_PARENT, UNIT_BOX, long_run_points, uniform
@@ -50,6 +51,27 @@ class Running(unittest.TestCase):
         self.assertTrue(fractions)
         self.assertTrue(all(0 <= f <= 1 for f in fractions), fractions)
         self.assertEqual(fractions, sorted(fractions))
+
+    def test_progress_shown(self):
+        points = long_run_points()
+        for hidden in ({}, {"tqdm": None, "tqdm.auto": None}):
+            shown = io.StringIO()
+            with mock.patch.dict(sys.modules, hidden), contextlib.redirect_stderr(shown):
+                t = vt.tessellate(points, threads=1, progress=True)
+                vt.Tessellator().tessellate(points[:5], progress=True)
+            self.assertEqual(len(t), len(points))
+            *lines, end = shown.getvalue().split("\n")
+            self.assertEqual((len(lines), end), (2, ""))
+            for line in lines:
+                self.assertIn("100 %", line.split("\r")[-1])
+        shown = io.StringIO()
+        with contextlib.redirect_stderr(shown):
+            vt.tessellate(points[:5], progress=False)
+            with self.assertRaisesRegex(ValueError, "nan"), mock.patch.dict(sys.modules, {"tqdm.auto": None}):
+                vt.tessellate([[np.nan, 0, 0]], progress=True)
+        self.assertEqual(shown.getvalue(), "")
+        with self.assertRaisesRegex(TypeError, "progress must be callable, True or False, not int"):
+            vt.tessellate(points[:5], progress=1)
 
     def test_returning_false_cancels(self):
         with self.assertRaises(vt.VotessError) as caught:

@@ -26,6 +26,7 @@ struct Arguments {
     std::vector<std::string> outputs;
     TextFormat format{"%i %n"};
     std::optional<PictureArguments> picture;
+    Coloring coloring;
 
     // Arrays that the user or an output wants, and the options of the run, where --verify may add to `options.want`.
     votess::Want wanted;
@@ -36,14 +37,15 @@ struct Arguments {
     bool json = false;
     bool quiet = false;
 
-    bool help = false;
-    bool version = false;
+    // What to print instead of a run: for --help, --version and their kin.
+    std::string answer;
     bool list_devices = false;
 };
 
-// Throws Failure with exit_code::bad_input. After --help, --version or --list-devices nothing else is checked.
+// Throws Failure with exit_code::bad_input. When there is something to print instead of a run, nothing else is checked.
 [[nodiscard]] Arguments read_arguments(int count, const char* const* values);
 
-extern const char* const help_text;
+// The same from arguments of voro++ 0.4.6, values[0] aside. The output is the .vol file beside the input.
+[[nodiscard]] Arguments read_voropp_arguments(int count, const char* const* values);
 
 }  // namespace clvotess

@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Tuple, Un
 
 import numpy as np
 
+from .colors import limits
+from .columns import color_values
+from .geometry import mesh_of, polyhedra, with_lengths
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .tessellation import Tessellation
+    from ..tessellation import Tessellation
 
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
@@ -18,25 +22,12 @@ if TYPE_CHECKING:
 _AXES = "xyz"
 
 
-def _mesh(t: Tessellation) -> Tuple[Int64Array, Int64Array, Int64Array, Float64Array]:
-    """Face of each row's begin, begins of the faces' polygons, their vertices, and the vertices' coordinates."""
-    try:
-        return (
-            np.asarray(t.neighbors.indptr, np.int64),
-            np.asarray(t.faces.indptr, np.int64),
-            np.asarray(t.faces.indices, np.int64),
-            np.asarray(t.vertices, np.float64),
-        )
-    except AttributeError:
-        raise ValueError("plot() needs the polygons of the cells: put 'faces' into want") from None
-
-
 def section(t: Tessellation, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
     """The cells that the plane ``coordinate[axis] == value`` cuts, ascending, and for each its polygon (M, 2).
 
     The coordinates of the polygons are the other two, in the order x, y, z.
     """
-    indptr, offsets, loops, vertices = _mesh(t)
+    indptr, offsets, loops, vertices = mesh_of(t, "plot()")
     above = vertices[:, axis] > value
     # Every side of every polygon, to the next corner of its loop.
     following = np.arange(1, len(loops) + 1)
@@ -66,39 +57,11 @@ def section(t: Tessellation, axis: int, value: float) -> Tuple[Int64Array, List[
     return cells[kept], [polygon for polygon, keep in zip(polygons, kept) if keep]
 
 
-def _values(t: Tessellation, color: Any) -> Tuple[Float64Array, str]:
-    if isinstance(color, str):
-        if color == "volume":
-            return np.asarray(t.volumes), "volume"
-        if color == "neighbors":
-            lists = t.neighbors
-            cell = np.repeat(np.arange(len(t)), np.diff(lists.indptr))
-            return np.bincount(cell[lists.indices >= 0], minlength=len(t)).astype(np.float64), "neighbors"
-        if color == "area":
-            return np.asarray(t.surface_areas), "surface area"
-        if color in _AXES:
-            return np.asarray(t.points, np.float64)[:, _AXES.index(color)], color
-        raise ValueError(f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values")
-    values = np.asarray(color, np.float64)
-    if values.shape != (len(t),):
-        raise ValueError(f"color has shape {values.shape}: give one value for each of the {len(t)} cells")
-    return values, ""
-
-
-def _limits(values: Float64Array) -> Tuple[float, float, bool]:
-    """The range of colors, and whether it is so wide that a logarithmic scale serves better."""
-    finite = values[np.isfinite(values)]
-    if len(finite) == 0:
-        return 0.0, 1.0, False
-    low, high = (float(x) for x in np.quantile(finite, (0.005, 0.995)))
-    return low, high, low > 0 and high / low > 30
-
-
 def _periods(t: Tessellation) -> List[Float64Array]:
     """The vectors by which the cells repeat, found where a face and its counterpart across the domain lie."""
     if t.shifts is None:
         return []
-    indptr, offsets, loops, vertices = _mesh(t)
+    indptr, offsets, loops, vertices = mesh_of(t, "plot()")
 
     def middle(face: int) -> Any:
         return vertices[loops[offsets[face] : offsets[face + 1]]].mean(axis=0)
@@ -130,6 +93,19 @@ def _images(t: Tessellation, axis: int, value: float) -> Iterator[Tuple[Int64Arr
         yield cells, [polygon + shift[others] for polygon in polygons]
 
 
+def sections_in_box(t: Tessellation, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
+    """As :func:`section`, with the images of periodic cells, and without what lies outside of the bounds."""
+    others = [k for k in range(3) if k != axis]
+    lower, upper = np.asarray(t.box)[:, others]
+    found: List[Int64Array] = []
+    polygons: List[Float64Array] = []
+    for cells, some in _images(t, axis, value):
+        seen = [bool((p.max(axis=0) > lower).all() and (p.min(axis=0) < upper).all()) for p in some]
+        polygons += itertools.compress(some, seen)
+        found.append(cells[np.array(seen, bool)])
+    return np.concatenate(found), polygons
+
+
 def _parse_slice(t: Tessellation, where: Any) -> Tuple[int, float]:
     try:
         name, value = where
@@ -147,22 +123,17 @@ def _plot_slice(t: Tessellation, axis: int, value: float, color: Any, ax: Any, *
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import LogNorm, Normalize
 
-    values, label = _values(t, color)
-    low, high, logarithmic = _limits(values)
+    values, label = color_values(t, color)
+    low, high, logarithmic = limits(values)
     style.setdefault("norm", (LogNorm if logarithmic else Normalize)(low, high))
     style.setdefault("edgecolors", (0, 0, 0, 0.6))
     style.setdefault("linewidths", 0.5)
-    polygons: List[Float64Array] = []
-    colors: List[Float64Array] = []
     box = np.asarray(t.box)
-    across, up = others = [k for k in range(3) if k != axis]
-    for cells, some in _images(t, axis, value):
-        seen = [bool((p.max(axis=0) > box[0, others]).all() and (p.min(axis=0) < box[1, others]).all()) for p in some]
-        polygons += itertools.compress(some, seen)
-        colors.append(values[cells[np.array(seen, bool)]])
+    across, up = (k for k in range(3) if k != axis)
+    cells, polygons = sections_in_box(t, axis, value)
     if ax is None:
         ax = plt.subplots()[1]
-    collection = PolyCollection(polygons, array=np.concatenate(colors), **style)
+    collection = PolyCollection(polygons, array=values[cells], **style)
     ax.add_collection(collection)
     ax.set(
         xlim=box[:, across],
@@ -177,24 +148,15 @@ def _plot_slice(t: Tessellation, axis: int, value: float, color: Any, ax: Any, *
 
 
 def _polyhedra(t: Tessellation) -> Tuple[Int64Array, Int64Array, Float64Array]:
-    """The cells that are not empty, their faces as VTK wants polyhedra, and the vertices' coordinates."""
-    indptr, offsets, loops, vertices = _mesh(t)
-    # A face is its number of corners, then these; a cell the length of the rest, its number of faces, then these.
-    sizes = np.diff(offsets)
-    face_begin = np.concatenate(([0], np.cumsum(sizes + 1)))
-    faces = np.empty(face_begin[-1], np.int64)
-    faces[face_begin[:-1]] = sizes
-    faces[np.delete(np.arange(len(faces)), face_begin[:-1])] = loops
-    cells = np.flatnonzero(np.diff(indptr) > 0)
-    words: List[npt.NDArray[Any]] = []
-    for i in cells:
-        stream = faces[face_begin[indptr[i]] : face_begin[indptr[i + 1]]]
-        words += [np.array((len(stream) + 1, indptr[i + 1] - indptr[i])), stream]
-    return cells, np.concatenate(words) if words else np.empty(0, np.int64), vertices
+    """The cells that are not empty, these as VTK's cells, each with its length in front, and the vertices."""
+    mesh = mesh_of(t, "plot()")
+    cells = np.flatnonzero(np.diff(mesh.indptr) > 0)
+    words, begin = polyhedra(mesh, cells)
+    return cells, with_lengths(words, np.diff(begin)), mesh.vertices
 
 
 def _plot_space(t: Tessellation, pyvista: Any, color: Any, **style: Any) -> Any:
-    values, label = _values(t, color)
+    values, label = color_values(t, color)
     cells, words, vertices = _polyhedra(t)
     vtk_polyhedron = 42
     grid = pyvista.UnstructuredGrid(words, np.full(len(cells), vtk_polyhedron, np.uint8), vertices)
@@ -203,7 +165,7 @@ def _plot_space(t: Tessellation, pyvista: Any, color: Any, **style: Any) -> Any:
     points = np.asarray(t.points, np.float64)[cells]
     middle = np.asarray(t.box).mean(axis=0)
     grid = grid.extract_cells(np.flatnonzero(~(points > middle).all(axis=1)))
-    low, high, logarithmic = _limits(values)
+    low, high, logarithmic = limits(values)
     plotter = pyvista.Plotter()
     style = {"scalars": label or "value", "show_edges": True, "clim": (low, high), "log_scale": logarithmic, **style}
     plotter.add_mesh(grid, **style)
@@ -220,7 +182,7 @@ def plot(
     **style: Any,
 ) -> Any:
     """See :meth:`Tessellation.plot`."""
-    _mesh(t)
+    mesh_of(t, "plot()")
     if slice is None and ax is None:
         try:
             import pyvista

@@ -1,4 +1,4 @@
-#include "arguments.hpp"
+#include "arguments/arguments.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -7,6 +7,7 @@
 
 #include "failure.hpp"
 #include "files/numbers.hpp"
+#include "help/help.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -21,7 +22,8 @@ struct Typed {
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
     bool list_walls = false, verify = false, json = false, quiet = false;
-    bool help = false, version = false, list_devices = false;
+    bool help = false, help_all = false, man = false, version = false, list_devices = false;
+    std::optional<std::string> completion;
     TypedPicture picture;
 };
 
@@ -66,7 +68,10 @@ Typed split_command_line(int count, const char* const* values) {
     add_flag("--json", typed.json);
     add_flag("-q,--quiet", typed.quiet);
     add_flag("-h,--help", typed.help);
+    add_flag("--help-all", typed.help_all);
+    add_flag("--man", typed.man);
     add_flag("--version", typed.version);
+    app.add_option("--completion", typed.completion);
     add_flag("--list-devices", typed.list_devices);
     app.add_option("--image", typed.picture.image);
     app.add_option("--slice", typed.picture.slice);
@@ -106,6 +111,14 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
                         ", not " + in_quotes(text));
     }
     return *value;
+}
+
+// Also written as 1e6.
+std::uint64_t read_random_count(const std::string& text) {
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+    const auto number = read_double(text);
+    const bool whole = number && *number >= 0 && *number <= static_cast<double>(most) && *number == std::floor(*number);
+    return whole ? static_cast<std::uint64_t>(*number) : whole_number("--random", text, most);
 }
 
 // The library knows how large it may be.
@@ -287,7 +300,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
         arguments.read.frame = whole_number("--frame", *typed.frame, std::numeric_limits<std::uint64_t>::max());
     }
     if (typed.random) {
-        arguments.random_count = whole_number("--random", *typed.random, std::numeric_limits<std::int32_t>::max());
+        arguments.random_count = read_random_count(*typed.random);
         arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, 1}};
     }
     if (typed.rng_seed) {
@@ -305,12 +318,34 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     }
     const bool to_stdout = std::count(arguments.outputs.begin(), arguments.outputs.end(), "-") > 0;
     if (to_stdout && typed.json) throw bad_input("-o - and --json both go to stdout: give the output a file name");
-    if ((typed.copy || typed.density) && std::ranges::none_of(arguments.outputs, carries_columns)) {
-        throw bad_input("--copy and --density go with text, .npz, .h5 and .vtu: add -o FILE");
+    if ((typed.copy || typed.density) && !typed.picture.image &&
+        std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
+        throw bad_input(
+            "--copy and --density go with text, .npz, .h5, .vtu and as --color with .glb and pictures: "
+            "add -o FILE");
     }
     if (typed.want) arguments.wanted = read_want(*typed.want);
     if (text) arguments.format.add_needs(arguments.wanted);
     for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
+}
+
+void read_colors(const Typed& typed, Arguments& arguments) {
+    arguments.coloring = read_coloring(typed.picture);
+    const bool colored = std::ranges::any_of(arguments.outputs, is_colored);
+    if (colored) arguments.coloring.add_needs(arguments.wanted);
+    if (!colored && !arguments.picture && (typed.picture.color || typed.picture.colormap)) {
+        throw bad_input(std::string(typed.picture.color ? "--color" : "--colormap") +
+                        " is for pictures and .glb: add --image FILE.png or -o FILE.glb");
+    }
+}
+
+std::string answer_to(const Typed& typed) {
+    if (typed.help) return usual_help();
+    if (typed.help_all) return whole_help();
+    if (typed.man) return manual_page();
+    if (typed.completion) return completion(*typed.completion);
+    if (typed.version) return "clvotess " VOTESS_VERSION_STRING "\n";
+    return {};
 }
 
 }  // namespace
@@ -318,10 +353,9 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
 Arguments read_arguments(int count, const char* const* values) {
     const Typed typed = split_command_line(count, values);
     Arguments arguments;
-    arguments.help = typed.help;
-    arguments.version = typed.version;
     arguments.list_devices = typed.list_devices;
-    if (arguments.help || arguments.version || arguments.list_devices) return arguments;
+    arguments.answer = answer_to(typed);
+    if (arguments.list_devices || !arguments.answer.empty()) return arguments;
 
     arguments.verify = typed.verify;
     arguments.json = typed.json;
@@ -340,6 +374,7 @@ Arguments read_arguments(int count, const char* const* values) {
     read_domain(typed, arguments);
     read_outputs(typed, arguments);
     arguments.picture = read_picture(typed.picture, arguments.input, arguments.outputs);
+    read_colors(typed, arguments);
     if (arguments.picture) {
         arguments.picture->options.device = options.device;
         arguments.picture->options.threads = options.threads;

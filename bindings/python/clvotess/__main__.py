@@ -1,0 +1,3 @@
+from clvotess import main
+
+main()

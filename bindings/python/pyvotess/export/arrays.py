@@ -1,0 +1,84 @@
+"""The arrays of a result as .npz and .h5: names, types and shapes as clvotess writes them."""
+
+from __future__ import annotations
+
+import zipfile
+from typing import TYPE_CHECKING, Any, Dict
+
+import numpy as np
+
+from .optional import imported
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ..tessellation import Tessellation
+
+    Arrays = Dict[str, npt.NDArray[Any]]
+
+#: Names of both formats that no column of the caller may have. "ids" are those of clvotess' input.
+NAMES = frozenset(
+    "ids indptr indices shifts face_areas face_normals volumes centroids surface_areas security_radii face_counts "
+    "edge_counts vertex_counts vertices cell_vertex_indptr cell_vertex_indices face_offsets face_vertices status "
+    "duplicate_of box periodic cell origin walls version domain_from".split()
+)
+
+# In the order of the file.
+_WANTED = (
+    ("neighbors", ("indptr", "indices", "shifts")),
+    ("areas", ("face_areas",)),
+    ("normals", ("face_normals",)),
+    ("volumes", ("volumes",)),
+    ("centroids", ("centroids",)),
+    ("surfaces", ("surface_areas",)),
+    ("radii", ("security_radii",)),
+    ("counts", ("face_counts", "edge_counts", "vertex_counts")),
+    ("vertices", ("vertices", "cell_vertex_indptr", "cell_vertex_indices")),
+    ("faces", ("face_offsets", "face_vertices")),
+)
+
+
+def _result_arrays(t: Tessellation) -> Arrays:
+    held = t._data.arrays
+    names = [name for word, some in _WANTED if word in t.wanted for name in some]
+    return {name: held[name] for name in (*names, "status", "duplicate_of") if name in held}
+
+
+def _domain_arrays(t: Tessellation) -> Arrays:
+    arrays: Arrays = {"box": t.box, "periodic": np.array(t.periodic, np.uint8)}
+    if t.cell is not None and t.origin is not None:
+        arrays.update(cell=t.cell, origin=t.origin)
+    if len(t.walls):
+        arrays["walls"] = t.walls
+    return arrays
+
+
+def _texts(t: Tessellation) -> Dict[str, str]:
+    from .._library import VERSION
+
+    return {"domain_from": "given" if t._domain_given else "bounds", "version": VERSION}
+
+
+def write_npz(path: str, t: Tessellation, columns: Arrays) -> None:
+    """An archive without compression. numpy.savez would take a column named "file" for its own argument."""
+    arrays = {**_result_arrays(t), **columns, **_domain_arrays(t)}
+    arrays.update({name: np.array(text) for name, text in _texts(t).items()})
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED, allowZip64=True) as archive:
+        for name, array in arrays.items():
+            with archive.open(name + ".npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asanyarray(array), allow_pickle=False)
+
+
+def write_h5(path: str, t: Tessellation, columns: Arrays) -> None:
+    """Datasets at the root; the domain but for the walls, and the texts, are attributes of the root."""
+    h5py = imported("h5py", "writing .h5")
+    with h5py.File(path, "w") as file:
+        for name, array in {**_result_arrays(t), **columns}.items():
+            file.create_dataset(name, data=array)
+        for name, array in _domain_arrays(t).items():
+            if name == "walls":  # attributes hold 64 kB at most
+                file.create_dataset(name, data=array)
+            else:
+                file.attrs[name] = array
+        for name, text in _texts(t).items():
+            file.attrs[name] = np.bytes_(text)

@@ -1,0 +1,54 @@
+"""From values to colors, those of the library's pictures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Tuple
+
+import numpy as np
+
+from .._call import raise_on_failure
+from .._input import as_word
+from .._library import lib
+from .columns import color_values
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ..tessellation import Tessellation
+
+    Float64Array = npt.NDArray[np.float64]
+    UInt8Array = npt.NDArray[np.uint8]
+
+_COLORMAPS = {"tide": 0, "ember": 1, "gray": 2}
+
+
+def limits(values: Float64Array) -> Tuple[float, float, bool]:
+    """The range of colors, and whether it is so wide that a logarithmic scale serves better."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return 0.0, 1.0, False
+    low, high = (float(x) for x in np.quantile(finite, (0.005, 0.995)))
+    return low, high, low > 0 and high / low > 30
+
+
+def map_values(values: Float64Array, colormap: str) -> UInt8Array:
+    """(M, 3) uint8 in sRGB: colors of these values, gray where they are NaN, on a logarithmic scale if they range far."""
+    number = as_word(colormap, "colormap", _COLORMAPS)
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    colors = np.empty((len(values), 3), np.uint8)
+    raise_on_failure(lib.votess_value_colors(values.ctypes.data, len(values), number, colors.ctypes.data))
+    return colors
+
+
+def cell_colors(t: Tessellation, color: Any, colormap: str) -> UInt8Array:
+    """(N, 3) colors in sRGB of values, see :func:`color_values`, or colors as they are: (N, 3) uint8, or 0 to 1."""
+    if not isinstance(color, str) and np.ndim(color) == 2:
+        given = np.asarray(color)
+        if given.shape != (len(t), 3) or given.dtype.kind not in "uif":
+            raise ValueError(f"color has shape {given.shape}: give {len(t)} values, or as many red, green and blue")
+        if given.dtype == np.uint8:
+            return given
+        if given.dtype.kind != "f" or not ((given >= 0) & (given <= 1)).all():
+            raise ValueError("color holds red, green and blue that are neither uint8 nor numbers from 0 to 1")
+        return np.asarray(np.rint(255 * given), np.uint8)
+    return map_values(color_values(t, color)[0], colormap)

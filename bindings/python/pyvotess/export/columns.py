@@ -1,0 +1,86 @@
+"""What is known of each cell, under the names that tables and colors use, and columns that the caller adds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Container, Dict, Mapping, Optional, Tuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ..tessellation import Tessellation
+
+    Float64Array = npt.NDArray[np.float64]
+    Columns = Optional[Mapping[str, npt.ArrayLike]]
+
+_PLOT_WORDS = {"volume": "volumes", "area": "surface_areas"}
+
+
+def neighbor_counts(t: Tessellation) -> npt.NDArray[np.int32]:
+    """(N,) how many neighbors each cell has that are no walls."""
+    rows = t.neighbors
+    cell = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
+    return np.bincount(cell[rows.indices >= 0], minlength=len(t)).astype(np.int32)
+
+
+def cell_columns(t: Tessellation) -> Dict[str, npt.NDArray[Any]]:
+    """All that the result holds of each cell, as columns (N,)."""
+    points = np.asarray(t.points)
+    columns: Dict[str, npt.NDArray[Any]] = {axis: points[:, k] for k, axis in enumerate("xyz")}
+    if t.weights is not None:
+        columns["weights"] = t.weights
+    if "neighbors" in t.wanted:
+        columns["neighbors"] = neighbor_counts(t)
+    if "volumes" in t.wanted:
+        columns["volumes"] = t.volumes
+    if "centroids" in t.wanted:
+        columns.update({f"centroid_{axis}": t.centroids[:, k] for k, axis in enumerate("xyz")})
+    for word, names in (
+        ("surfaces", ("surface_areas",)),
+        ("radii", ("security_radii",)),
+        ("counts", ("face_counts", "edge_counts", "vertex_counts")),
+    ):
+        if word in t.wanted:
+            columns.update({name: getattr(t, name) for name in names})
+    columns["status"] = t.status
+    if t.duplicate_of is not None:
+        columns["duplicate_of"] = t.duplicate_of
+    return columns
+
+
+def added_columns(t: Tessellation, columns: Columns, taken: Container[str]) -> Dict[str, npt.NDArray[Any]]:
+    """The caller's columns, (N,) or (N, k), as little-endian numbers of at most 8 bytes. ValueError names a bad one."""
+    result: Dict[str, npt.NDArray[Any]] = {}
+    for name, values in (columns or {}).items():
+        if not isinstance(name, str) or not name or "/" in name or "\0" in name:
+            raise ValueError(f"columns has the name {name!r}: give a text without / and zero characters")
+        if name in taken:
+            raise ValueError(f"columns has {name!r}, but the file has an array of that name: rename it")
+        array = np.asarray(values)
+        if array.ndim not in (1, 2) or len(array) != len(t) or array.shape[1:] == (0,):
+            raise ValueError(f"column {name!r} has shape {array.shape}: give one row for each of the {len(t)} cells")
+        if array.dtype.kind not in "biuf":
+            raise ValueError(f"column {name!r} has dtype {array.dtype}: give numbers")
+        kind = {"b": "u1", "f": f"f{min(max(array.dtype.itemsize, 4), 8)}"}.get(array.dtype.kind)
+        result[name] = np.ascontiguousarray(array, np.dtype(kind) if kind else array.dtype.newbyteorder("<"))
+    return result
+
+
+def color_values(t: Tessellation, color: Any) -> Tuple[Float64Array, str]:
+    """(N,) values for colors, and what a legend calls them. ``color``: a column of :func:`cell_columns`, or values."""
+    if isinstance(color, str):
+        columns = cell_columns(t)
+        name = _PLOT_WORDS.get(color, color)
+        if name in columns:
+            return np.asarray(columns[name], np.float64), {"area": "surface area"}.get(color, color)
+        if name in ("volumes", "surface_areas", "neighbors"):
+            getattr(t, name)  # says what to put into want
+        raise ValueError(
+            f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values; "
+            f"columns are {', '.join(columns)}"
+        )
+    values = np.asarray(color, np.float64)
+    if values.shape != (len(t),):
+        raise ValueError(f"color has shape {values.shape}: give one value for each of the {len(t)} cells")
+    return values, ""

@@ -1,0 +1,106 @@
+"""The mesh of all cells as files and viewers want it: polyhedra, faces that are there once, triangles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, Tuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ..tessellation import Tessellation
+
+    Float64Array = npt.NDArray[np.float64]
+    Int64Array = npt.NDArray[np.int64]
+
+
+class Mesh(NamedTuple):
+    """The polygons of all cells. Face k has the corners ``loops[offsets[k]:offsets[k+1]]``, rows of vertices."""
+
+    indptr: Int64Array  #: (N + 1,) the faces of cell i begin at indptr[i]
+    offsets: Int64Array  #: (F + 1,)
+    loops: Int64Array  #: (offsets[F],) counterclockwise seen from outside the cell
+    vertices: Float64Array  #: (V, 3)
+
+    @property
+    def cell_of_face(self) -> Int64Array:
+        return np.repeat(np.arange(len(self.indptr) - 1), np.diff(self.indptr))
+
+
+def mesh_of(t: Tessellation, caller: str) -> Mesh:
+    """ValueError, which names ``caller``, when the faces were not wanted."""
+    try:
+        return Mesh(
+            np.asarray(t.neighbors.indptr, np.int64),
+            np.asarray(t.faces.indptr, np.int64),
+            np.asarray(t.faces.indices, np.int64),
+            np.asarray(t.vertices, np.float64),
+        )
+    except AttributeError:
+        raise ValueError(f"{caller} needs the polygons of the cells: put 'faces' into want") from None
+
+
+def begins(counts: npt.NDArray[np.integer]) -> Int64Array:
+    """Where rows of these lengths begin, and where the last one ends: one value more."""
+    result = np.zeros(len(counts) + 1, np.int64)
+    np.cumsum(counts, out=result[1:])
+    return result
+
+
+def ranges(first: npt.NDArray[np.integer], counts: npt.NDArray[np.integer]) -> Int64Array:
+    """All of first[0], first[0] + 1, ... (counts[0] numbers), then first[1], ..."""
+    begin = begins(counts)
+    return np.repeat(first - begin[:-1], counts) + np.arange(begin[-1])
+
+
+def polyhedra(mesh: Mesh, cells: Int64Array) -> Tuple[Int64Array, Int64Array]:
+    """These cells, none of them empty, as VTK has polyhedra, and where each begins (one value more).
+
+    A cell is its number of faces, then each face its number of corners, then these.
+    """
+    face_count = mesh.indptr[cells + 1] - mesh.indptr[cells]
+    faces = ranges(mesh.indptr[cells], face_count)
+    sizes = mesh.offsets[faces + 1] - mesh.offsets[faces]
+    # In front of a face lie the earlier ones with their numbers of corners, and a number for each cell up to its own.
+    place = begins(sizes + 1)[:-1] + np.repeat(np.arange(1, len(cells) + 1), face_count)
+    face_begin = begins(face_count)
+    begin = begins(sizes + 1)[face_begin] + np.arange(len(cells) + 1)
+    words = np.empty(begin[-1], np.int64)
+    words[begin[:-1]] = face_count
+    words[place] = sizes
+    words[ranges(place + 1, sizes)] = mesh.loops[ranges(mesh.offsets[faces], sizes)]
+    return words, begin
+
+
+def with_lengths(words: Int64Array, lengths: Int64Array) -> Int64Array:
+    """The words of all cells with its number of words in front of each."""
+    place = begins(lengths + 1)
+    stream = np.empty(place[-1], np.int64)
+    stream[place[:-1]] = lengths
+    stream[ranges(place[:-1] + 1, lengths)] = words
+    return stream
+
+
+def faces_once(t: Tessellation, mesh: Mesh) -> Int64Array:
+    """The faces, ascending, without one of the two that each pair of cells has.
+
+    Kept is that of the cell of lower index, or, where a cell is its own neighbor across the domain, that of the greater
+    shift.
+    """
+    cell, neighbor = mesh.cell_of_face, t.neighbors.indices
+    kept = (neighbor < 0) | (cell < neighbor)
+    if t.shifts is not None:
+        x, y, z = t.shifts.T
+        kept |= (neighbor == cell) & ((x > 0) | ((x == 0) & ((y > 0) | ((y == 0) & (z > 0)))))
+    return np.flatnonzero(kept)
+
+
+def triangles(mesh: Mesh, faces: Int64Array) -> Tuple[Int64Array, Int64Array]:
+    """These faces as fans of triangles (M, 3), as counterclockwise as they are, and the face of each (M,)."""
+    sizes = mesh.offsets[faces + 1] - mesh.offsets[faces]
+    count = np.maximum(sizes - 2, 0)
+    first = mesh.offsets[faces]
+    second = ranges(first + 1, count)
+    corners = np.stack((np.repeat(first, count), second, second + 1), axis=1)
+    return mesh.loops[corners], np.repeat(faces, count)

@@ -1,0 +1,87 @@
+"""Results as objects of other packages, each of which is imported only when it is called for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .columns import added_columns, cell_columns
+from .geometry import mesh_of, polyhedra, with_lengths
+from .optional import imported
+from .vtu import NAMES, POLYHEDRON, cell_data
+
+if TYPE_CHECKING:
+    from ..tessellation import Tessellation
+    from .columns import Columns
+
+
+def to_pyvista(t: Tessellation, columns: Columns) -> Any:
+    """See :meth:`Tessellation.to_pyvista`."""
+    mesh = mesh_of(t, "to_pyvista()")
+    data = {**cell_data(t), **added_columns(t, columns, NAMES)}
+    pyvista = imported("pyvista", "to_pyvista()")
+    full = np.diff(mesh.indptr) > 0
+    words, begin = polyhedra(mesh, np.flatnonzero(full))
+    # In front of each cell its number of words, which is 0 for an empty one.
+    lengths = np.zeros(len(t), np.int64)
+    lengths[full] = np.diff(begin)
+    types = np.where(full, POLYHEDRON, 0).astype(np.uint8)
+    grid = pyvista.UnstructuredGrid()
+    if len(t):
+        grid = pyvista.UnstructuredGrid(with_lengths(words, lengths), types, np.array(mesh.vertices))
+    for name, array in data.items():
+        grid.cell_data[name] = np.array(array)
+    return grid
+
+
+def to_dataframe(t: Tessellation) -> Any:
+    """See :meth:`Tessellation.to_dataframe`."""
+    pandas = imported("pandas", "to_dataframe()")
+    columns = {name: np.array(array) for name, array in cell_columns(t).items()}
+    return pandas.DataFrame(columns, index=pandas.RangeIndex(len(t), name="id"))
+
+
+def to_networkx(t: Tessellation) -> Any:
+    """See :meth:`Tessellation.to_networkx`."""
+    networkx = imported("networkx", "to_networkx()")
+    pairs = t.pairs()
+    # Each face is there from both sides: as (i, j) and (j, i), or twice as (i, i).
+    once = pairs.i <= pairs.j
+    i, j = pairs.i[once], pairs.j[once].astype(np.int64)
+    keys, which = np.unique(i * max(len(t), 1) + j, return_inverse=True)
+    share = np.where(i == j, 0.5, 1.0)
+    distance = np.full(len(keys), np.inf)
+    np.minimum.at(distance, which, pairs.distance[once])
+    values = {"distance": distance.tolist(), "faces": np.bincount(which, share, len(keys)).astype(int).tolist()}
+    if pairs.area is not None:
+        values["area"] = np.bincount(which, share * pairs.area[once], len(keys)).tolist()
+    graph = networkx.Graph()
+    nodes = {name: column.tolist() for name, column in cell_columns(t).items()}
+    graph.add_nodes_from(zip(range(len(t)), _records(nodes, len(t))))
+    first, second = (keys // max(len(t), 1)).tolist(), (keys % max(len(t), 1)).tolist()
+    graph.add_edges_from(zip(first, second, _records(values, len(keys))))
+    return graph
+
+
+def _records(columns: Any, count: int) -> Any:
+    """The rows of these columns as dicts."""
+    if not columns:
+        return ({} for _ in range(count))
+    names = tuple(columns)
+    return (dict(zip(names, row)) for row in zip(*columns.values()))
+
+
+def to_freud(t: Tessellation) -> Any:
+    """See :meth:`Tessellation.to_freud`."""
+    areas = t.face_areas  # says what to put into want
+    freud = imported("freud", "to_freud()", "freud-analysis")
+    pairs = t.pairs()
+    return freud.locality.NeighborList.from_arrays(
+        len(t),
+        len(t),
+        pairs.i.astype(np.uint32),
+        pairs.j.astype(np.uint32),
+        pairs.vector.astype(np.float32),
+        areas[t.neighbors.indices >= 0].astype(np.float32),
+    )

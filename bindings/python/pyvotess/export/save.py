@@ -1,0 +1,84 @@
+"""Which file holds what, by its extension."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Union
+
+from . import arrays, vtu
+from .colors import cell_colors
+from .columns import added_columns
+from .faces import write_obj, write_ply
+from .geometry import mesh_of
+from .glb import write_glb
+from .optional import imported
+from .whole_file import whole_file
+
+if TYPE_CHECKING:
+    from ..tessellation import Tessellation
+    from .columns import Columns
+
+
+class _Kind(NamedTuple):
+    mesh: bool = False  # needs the polygons
+    columns: bool = False  # takes columns of the caller
+    color: bool = False
+    package: str = ""  # that writes it
+
+
+_KINDS: Dict[str, _Kind] = {
+    ".npz": _Kind(columns=True),
+    ".h5": _Kind(columns=True, package="h5py"),
+    ".hdf5": _Kind(columns=True, package="h5py"),
+    ".vtu": _Kind(mesh=True, columns=True),
+    ".ply": _Kind(mesh=True, color=True),
+    ".obj": _Kind(mesh=True),
+    ".glb": _Kind(mesh=True, color=True, package="trimesh"),
+}
+
+
+def _that(**flags: bool) -> str:
+    return " ".join(e for e, kind in _KINDS.items() if all(getattr(kind, k) == v for k, v in flags.items()))
+
+
+def _checked_kind(t: Tessellation, name: str, extension: str, columns: Columns, color: Any) -> _Kind:
+    """Refuses what cannot be written before any work."""
+    kind = _KINDS.get(extension)
+    if kind is None:
+        raise ValueError(f"cannot write {name!r}: known are {' '.join(_KINDS)}")
+    if columns and not kind.columns:
+        raise ValueError(f"{extension} holds no columns: {_that(columns=True)} do")
+    if color is not None and not kind.color:
+        raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
+    if kind.mesh:
+        mesh_of(t, f"a {extension} file")
+    if kind.package:
+        imported(kind.package, f"writing {extension}")
+    return kind
+
+
+def save(
+    t: Tessellation, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str
+) -> None:
+    """See :meth:`Tessellation.save`."""
+    name = os.fspath(path)
+    extension = os.path.splitext(name)[1].lower()
+    kind = _checked_kind(t, name, extension, columns, color)
+    taken = vtu.NAMES if extension == ".vtu" else arrays.NAMES
+    added = added_columns(t, columns, taken)
+    if extension == ".glb" and color is None:
+        color = "volumes" if "volumes" in t.wanted else "neighbors"
+    colors = cell_colors(t, color, colormap) if kind.color and color is not None else None
+    with whole_file(name) as temporary:
+        if extension == ".npz":
+            arrays.write_npz(temporary, t, added)
+        elif extension in (".h5", ".hdf5"):
+            arrays.write_h5(temporary, t, added)
+        elif extension == ".vtu":
+            vtu.write_vtu(temporary, t, added)
+        elif extension == ".ply":
+            write_ply(temporary, t, colors)
+        elif extension == ".obj":
+            write_obj(temporary, t)
+        elif colors is not None:
+            write_glb(temporary, t, colors)

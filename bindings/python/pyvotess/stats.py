@@ -1,0 +1,68 @@
+"""What a run did, and what a check found."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import Any, Dict, Tuple
+
+from . import _c_api
+from ._call import Handle, raise_on_failure
+from ._library import lib
+
+
+@dataclass(frozen=True)
+class StageSeconds:
+    """Seconds of wall clock per stage. On the CPU ``knn`` and ``fallback`` are part of ``clip``."""
+
+    upload: float
+    sort: float
+    knn: float
+    clip: float
+    fallback: float
+    download: float
+    total: float
+
+
+@dataclass(frozen=True)
+class Stats:
+    """What a run did. ``dataclasses.asdict(stats)`` makes it a dict."""
+
+    device: str  #: name of the device that ran
+    points: int  #: N
+    faces: int  #: sum over cells of their number of faces, walls included
+    mean_faces: float  #: faces / cells that are not empty
+    volume_sum: float  #: sum of all volumes; 0 when volumes were not wanted
+    box_volume: float  #: volume of the domain
+    duplicates: int  #: seeds with status DUPLICATE
+    empty_cells: int  #: seeds that have no cell: duplicate, empty or outside
+    fallback_cells: int  #: cells redone on the CPU after another device
+    exact_cells: int  #: cells where exact arithmetic decided a sign
+    threads: int  #: CPU threads used
+    peak_memory_bytes: int  #: peak resident memory of the process so far
+    precision: str  #: of volumes, centroids and areas, "single" or "double"; the CPU always gives "double"
+    seconds: StageSeconds
+
+
+def read_stats(result: Handle) -> Stats:
+    c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
+    raise_on_failure(lib.votess_result_stats(result.pointer, ctypes.byref(c_stats)))
+    fields: Dict[str, Any] = {field[0]: getattr(c_stats, field[0]) for field in _c_api.Stats._fields_}
+    del fields["struct_size"]
+    fields["precision"] = next(word for word, value in _c_api.PRECISIONS.items() if value == c_stats.precision)
+    fields["device"] = fields["device"].decode("utf-8", "replace")
+    stages = {name: fields.pop("seconds_" + name) for name in StageSeconds.__dataclass_fields__}
+    return Stats(seconds=StageSeconds(**stages), **fields)
+
+
+@dataclass(frozen=True)
+class VerifyReport:
+    """Outcome of :meth:`Tessellation.verify`. True when all checks that could be made passed."""
+
+    passed: bool
+    failure: str  #: one line on the first failed check; empty when passed
+    skipped: Tuple[str, ...]  #: checks whose arrays were not wanted: "volumes", "symmetry", "euler", "sample"
+    sampled: int = 0  #: cells tried by brute force, up to the one that failed
+
+    def __bool__(self) -> bool:
+        return self.passed

@@ -1,0 +1,172 @@
+"""Results as objects of other packages, as DLPack, and as HTML."""
+
+import sys
+import unittest
+import xml.etree.ElementTree
+from unittest import mock
+
+import numpy as np
+from helpers import UNIT_BOX, lattice, uniform
+from saved import cells, have
+
+import pyvotess as vt
+
+
+class Packages(unittest.TestCase):
+    @have("pyvista")
+    def test_pyvista(self):
+        t = cells(100)
+        mass = np.arange(102.0)
+        grid = t.to_pyvista(columns={"mass": mass})
+        self.assertEqual(grid.celltypes.tolist(), [42] * 100 + [0, 0])
+        np.testing.assert_array_equal(grid.points, t.vertices)
+        for name, values in (("volume", t.volumes), ("centroid", t.centroids), ("mass", mass), ("status", t.status)):
+            np.testing.assert_array_equal(grid.cell_data[name], values)
+        np.testing.assert_array_equal(grid.cell_data["neighbors"], [(row >= 0).sum() for row in t.neighbors])
+        np.testing.assert_allclose(grid.compute_cell_sizes().cell_data["Volume"], t.volumes, atol=1e-4)
+        for i in (0, 17):
+            faces = [face.point_ids for face in grid.get_cell(i).faces]
+            expected = t.faces[t.neighbors.indptr[i] : t.neighbors.indptr[i + 1]]
+            self.assertEqual(faces, [face.tolist() for face in expected])
+        grid.points[0] = 7  # its own
+        self.assertEqual(vt.tessellate(np.empty((0, 3)), want="faces").to_pyvista().n_cells, 0)
+        with self.assertRaisesRegex(ValueError, "'faces' into want"):
+            vt.tessellate(uniform(5)).to_pyvista()
+
+    @have("pandas")
+    def test_dataframe(self):
+        t = cells(want="volumes,centroids,counts,surfaces,radii,areas")
+        frame = t.to_dataframe()
+        self.assertEqual(len(frame), 62)
+        self.assertEqual(list(frame.columns), [
+            "x", "y", "z", "neighbors", "volumes", "centroid_x", "centroid_y", "centroid_z", "surface_areas",
+            "security_radii", "face_counts", "edge_counts", "vertex_counts", "status", "duplicate_of",
+        ])
+        self.assertEqual(frame.index.name, "id")
+        np.testing.assert_array_equal(frame[["x", "y", "z"]], t.points)
+        np.testing.assert_array_equal(frame.volumes, t.volumes)
+        np.testing.assert_array_equal(frame.neighbors, [len(row) for row in t.neighbors])
+        frame.loc[0, "volumes"] = 9
+        weighted = vt.tessellate(uniform(5), weights=np.full(5, 0.01), want=())
+        self.assertEqual(list(weighted.to_dataframe().columns), ["x", "y", "z", "weights", "status"])
+
+    @have("networkx")
+    def test_networkx(self):
+        t = cells(list_walls=True)
+        graph = t.to_networkx()
+        self.assertEqual(list(graph), list(range(62)))
+        pairs = t.pairs()
+        self.assertEqual(2 * graph.number_of_edges(), len(pairs))
+        for k in (0, 20, 100):
+            edge = graph[int(pairs.i[k])][int(pairs.j[k])]
+            self.assertAlmostEqual(edge["area"], pairs.area[k])
+            self.assertAlmostEqual(edge["distance"], pairs.distance[k])
+            self.assertEqual(edge["faces"], 1)
+        self.assertEqual(graph.nodes[3]["volumes"], t.volumes[3])
+        self.assertEqual(len(graph[60]), 0)
+        self.assertNotIn("area", next(iter(vt.tessellate(uniform(9)).to_networkx().edges(data=True)))[2])
+        # Two cells of 1 x 2 x 2 in a periodic cube: two faces to each other, and images of their own beside and above.
+        both = vt.tessellate([(0.5, 1, 1), (1.5, 1, 1)], box=(0, 0, 0, 2, 2, 2), periodic=True, want="areas")
+        both = both.to_networkx()
+        self.assertEqual({(i, j): (e["area"], e["faces"], e["distance"]) for i, j, e in both.edges(data=True)},
+                         {(0, 1): (8, 2, 1), (0, 0): (4, 2, 2), (1, 1): (4, 2, 2)})
+        self.assertEqual(len(vt.tessellate(np.empty((0, 3))).to_networkx()), 0)
+
+    @have("scipy")
+    def test_scipy(self):
+        t = cells()
+        self.assertEqual((t.to_scipy() != t.neighbors.to_scipy()).nnz, 0)
+
+    @have("freud")
+    def test_freud(self):
+        import freud
+
+        points = uniform(300) - 0.5
+        t = vt.tessellate(points, box=(-0.5,) * 3 + (0.5,) * 3, periodic=True, want="areas,volumes")
+        found = t.to_freud()
+        pairs = t.pairs()
+        np.testing.assert_array_equal(found.query_point_indices, pairs.i)
+        np.testing.assert_array_equal(found.point_indices, pairs.j)
+        np.testing.assert_allclose(found.weights, pairs.area, rtol=1e-6)
+        np.testing.assert_allclose(found.distances, pairs.distance, rtol=1e-6)
+        np.testing.assert_allclose(found.vectors, pairs.vector, atol=1e-7)
+        # As freud has them itself, but for faces that its tolerance drops.
+        box = freud.box.Box.cube(1)
+        theirs = freud.locality.Voronoi().compute((box, points)).nlist
+        ours = dict(zip(zip(found.query_point_indices.tolist(), found.point_indices.tolist()), found.weights.tolist()))
+        missing = 0
+        for i, j, area in zip(theirs.query_point_indices.tolist(), theirs.point_indices.tolist(), theirs.weights):
+            self.assertAlmostEqual(ours.get((i, j), 0.0), area, delta=1e-5)
+            missing += (i, j) not in ours
+        self.assertLess(missing, 5)
+        order = freud.order.Steinhardt(6, weighted=True).compute((box, points), neighbors=found)
+        self.assertEqual(len(order.particle_order), 300)
+        with self.assertRaisesRegex(AttributeError, "'areas' into want"):
+            vt.tessellate(points).to_freud()
+
+    def test_missing(self):
+        t = cells()
+        for method, module, install in (
+            (t.to_pyvista, "pyvista", "pyvista"), (t.to_dataframe, "pandas", "pandas"),
+            (t.to_networkx, "networkx", "networkx"), (t.to_freud, "freud", "freud-analysis"),
+        ):
+            with mock.patch.dict(sys.modules, {module: None}):
+                says = rf"{method.__name__}\(\) needs {module}: pip install {install}"
+                with self.assertRaisesRegex(ImportError, says):
+                    method()
+
+
+class DLPack(unittest.TestCase):
+    @unittest.skipUnless(hasattr(np, "from_dlpack"), "NumPy before 1.23 has no DLPack")
+    def test_numpy(self):
+        t = cells()
+        if np.lib.NumpyVersion(np.__version__) >= "2.1.0":
+            shared = np.from_dlpack(t.volumes)
+            self.assertTrue(np.shares_memory(shared, t.volumes))
+            self.assertFalse(shared.flags.writeable)
+        else:  # before, DLPack could not say that an array is read-only
+            with self.assertRaises((BufferError, TypeError)):
+                np.from_dlpack(t.volumes)
+        np.testing.assert_array_equal(np.from_dlpack(t.volumes.copy()), t.volumes)
+
+
+class Html(unittest.TestCase):
+    def picture(self, t):
+        root = xml.etree.ElementTree.fromstring(t._repr_html_())
+        return root.find("{http://www.w3.org/2000/svg}svg")
+
+    def test_picture(self):
+        t = vt.tessellate(lattice(3), box=(0, 0, 0, 3, 3, 3), want="faces,volumes")
+        svg = self.picture(t)
+        shapes = svg.findall("{http://www.w3.org/2000/svg}polygon")
+        self.assertEqual(len(shapes), 9)
+        places = np.array([[p.split(",") for p in s.get("points").split()] for s in shapes], float)
+        self.assertEqual((places.min(), places.max()), (0, 260))
+        for box, axis in (((0, 0, 0, 1, 2, 3), "x"), ((0, 0, 0, 3, 1, 2), "y"), ((0, 0, 0, 1, 1, 1), "z")):
+            svg = self.picture(vt.tessellate(uniform(50) * np.reshape(box, (2, 3))[1], box=box, want="faces"))
+            self.assertIn(f"at {axis} = ", svg.find("{http://www.w3.org/2000/svg}title").text)
+        for options in ({"box": UNIT_BOX, "periodic": True}, {"cell": [(1, 0, 0), (0.3, 1, 0), (0, 0, 1)]}):
+            t = vt.tessellate(uniform(20), want="faces", outside="drop", **options)
+            self.assertGreater(len(self.picture(t)), 5)
+
+    def test_table(self):
+        html = cells(want="neighbors,volumes")._repr_html_()
+        for text in ("62", "box (0, 0, 0) to (1, 1, 1)", "mean faces", "volume sum", "empty cells"):
+            self.assertIn(text, html)
+        self.assertNotIn("<svg", html)
+
+    def test_never_raises(self):
+        for points in (np.empty((0, 3)), uniform(1), np.zeros((3, 3)) + 0.5):
+            for want in ((), "faces", "faces,volumes", "volumes"):
+                xml.etree.ElementTree.fromstring(vt.tessellate(points, box=UNIT_BOX, want=want)._repr_html_())
+        t = cells()
+        with mock.patch("pyvotess.export.html.sections_in_box", side_effect=RuntimeError):
+            self.assertIn("62", t._repr_html_())
+        with mock.patch("pyvotess.export.html._rows", side_effect=RuntimeError):
+            self.assertIn("Tessellation", t._repr_html_())
+        with mock.patch("pyvotess.export.html._MOST_POLYGONS", 3):
+            self.assertNotIn("<svg", t._repr_html_())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,217 @@
+"""Files that save() writes: arrays, colors, and that they are written whole or not at all."""
+
+import os
+import stat
+import subprocess
+import sys
+import unittest
+from unittest import mock
+
+import numpy as np
+from helpers import UNIT_BOX, uniform
+from saved import CELL, Folder, cells, have, once
+
+import pyvotess as vt
+from pyvotess.export import colors, geometry
+
+
+class Geometry(unittest.TestCase):
+    def test_ranges(self):
+        numbers = geometry.ranges(np.array([5, 9, 2, 7]), np.array([2, 0, 3, 1]))
+        np.testing.assert_array_equal(numbers, [5, 6, 2, 3, 4, 7])
+        self.assertEqual(len(geometry.ranges(np.array([], int), np.array([], int))), 0)
+
+    def test_faces_once(self):
+        for options in ({}, {"box": UNIT_BOX, "periodic": True}, {"box": UNIT_BOX, "periodic": "xz"}):
+            for count in (1, 2, 40):
+                t = cells(count, **options)
+                mesh = geometry.mesh_of(t, "this")
+                kept = geometry.faces_once(t, mesh)
+                self.assertEqual([mesh.loops[mesh.offsets[k] : mesh.offsets[k + 1]].tolist() for k in kept],
+                                 [face for face, _, _ in once(t)])
+
+    def test_polyhedra_and_triangles(self):
+        t = cells()
+        mesh = geometry.mesh_of(t, "this")
+        some = np.array([7, 3, 30])
+        words, begin = geometry.polyhedra(mesh, some)
+        expected, ends = [], [0]
+        for i in some:
+            faces = t.faces[t.neighbors.indptr[i] : t.neighbors.indptr[i + 1]]
+            expected.append(len(faces))
+            for face in faces:
+                expected += [len(face), *face.tolist()]
+            ends.append(len(expected))
+        self.assertEqual((words.tolist(), begin.tolist()), (expected, ends))
+        corners, face = geometry.triangles(mesh, np.arange(len(t.faces)))
+        a, b, c = (mesh.vertices[corners[:, k]] for k in range(3))
+        areas = np.bincount(face, np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+        np.testing.assert_allclose(areas, t.face_areas, rtol=1e-9)
+        volumes = np.bincount(mesh.cell_of_face[face], np.einsum("ij,ij->i", a, np.cross(b, c)) / 6, len(t))
+        np.testing.assert_allclose(volumes, t.volumes, atol=1e-14)
+
+
+class Arrays(Folder):
+    def check(self, t, arrays):
+        for name, expected in {
+            "indptr": t.neighbors.indptr, "indices": t.neighbors.indices, "volumes": t.volumes, "status": t.status,
+            "centroids": t.centroids, "face_areas": t.face_areas, "vertices": t.vertices, "box": t.box,
+            "cell_vertex_indptr": t.cell_vertices.indptr, "cell_vertex_indices": t.cell_vertices.indices,
+            "face_offsets": t.faces.indptr, "face_vertices": t.faces.indices, "duplicate_of": t.duplicate_of,
+            "periodic": np.array(t.periodic, np.uint8), "shifts": t.shifts, "cell": t.cell, "origin": t.origin,
+            "walls": t.walls if len(t.walls) else None,
+        }.items():
+            if expected is None:
+                self.assertNotIn(name, arrays)
+                continue
+            np.testing.assert_array_equal(arrays[name], expected, name)
+            self.assertEqual(np.asarray(arrays[name]).dtype, expected.dtype, name)
+        self.assertEqual(np.asarray(arrays["version"]).astype(str), vt.__version__)
+
+    def results(self):
+        yield cells(), "given"
+        yield cells(periodic=True), "given"
+        yield cells(box=None), "bounds"
+        yield cells(box=None, cell=CELL, outside="drop"), "given"
+        yield cells(walls=[(1, 1, 1, 2.5)], outside="drop"), "given"
+
+    def test_npz(self):
+        for t, domain_from in self.results():
+            t.save(self.path("a.npz"))
+            with np.load(self.path("a.npz"), allow_pickle=False) as arrays:
+                self.check(t, dict(arrays))
+                self.assertEqual(str(arrays["domain_from"]), domain_from)
+        vt.tessellate(uniform(5), want=()).save(self.path("b.npz"))
+        with np.load(self.path("b.npz")) as arrays:
+            self.assertEqual(sorted(arrays), ["box", "domain_from", "periodic", "status", "version"])
+        first = (self.folder / "b.npz").read_bytes()
+        vt.tessellate(uniform(5), want=()).save(self.path("b.npz"))
+        self.assertEqual((self.folder / "b.npz").read_bytes(), first, "equal results give equal files")
+
+    @have("h5py")
+    def test_h5(self):
+        import h5py
+
+        for t, domain_from in self.results():
+            t.save(self.path("a.h5"), columns={"mass": np.arange(62.0)})
+            with h5py.File(self.path("a.h5")) as file:
+                self.check(t, {**{name: values[()] for name, values in file.items()}, **file.attrs})
+                self.assertEqual(file.attrs["domain_from"].decode(), domain_from)
+                np.testing.assert_array_equal(file["mass"], np.arange(62.0))
+                self.assertIn("box", file.attrs)
+
+    def test_columns(self):
+        t = cells()
+        given = {
+            "mass": np.arange(62.0), "velocity": np.ones((62, 3), np.float32), "file": list(range(62)),
+            "kept": np.arange(62) % 2 == 0, "big": np.arange(62, dtype=">i2"), "half": np.ones(62, np.float16),
+        }
+        t.save(self.path("a.npz"), columns=given)
+        with np.load(self.path("a.npz")) as arrays:
+            for name, values in given.items():
+                np.testing.assert_array_equal(arrays[name], values)
+            types = [arrays[name].dtype.str for name in given]
+        self.assertEqual(types, ["<f8", "<f4", "<i8", "|u1", "<i2", "<f4"])
+        for name, values, says in [
+            ("volumes", np.ones(62), "'volumes'"), ("m", np.ones(3), r"\(3,\).*62"), ("m", ["a"] * 62, "<U1"),
+            ("a/b", np.ones(62), "'a/b'"), ("", np.ones(62), "''"), ("m", np.ones((62, 2, 2)), r"\(62, 2, 2\)"),
+        ]:
+            with self.assertRaisesRegex(ValueError, says):
+                t.save(self.path("b.npz"), columns={name: values})
+        with self.assertRaisesRegex(ValueError, "'volume'"):
+            t.save(self.path("b.vtu"), columns={"volume": t.volumes})
+        self.assertEqual(os.listdir(self.folder), ["a.npz"])
+
+
+class Colors(unittest.TestCase):
+    def test_maps(self):
+        for name in ("tide", "ember", "gray"):
+            table = colors.map_values(np.linspace(1, 2, 256), name)
+            self.assertEqual((table.shape, table.dtype), ((256, 3), np.uint8))
+            light = (table / 255) ** 2.2 @ [0.2126, 0.7152, 0.0722]
+            self.assertTrue((light[16:] > light[:-16]).all(), name)
+            self.assertGreater(light[-1] - light[0], 0.6)
+        with self.assertRaisesRegex(ValueError, "'rainbows'.*tide"):
+            colors.map_values(np.ones(2), "rainbows")
+
+    def test_values(self):
+        gray = [c[0] for c in colors.map_values(np.linspace(0, 1, 257), "gray").tolist()]
+        np.testing.assert_array_equal(colors.map_values(np.array([0, np.nan, 1]), "gray")[1], [150, 150, 150])
+        self.assertEqual(colors.map_values(np.ones(3), "gray")[:, 0].tolist(), [gray[128]] * 3)
+        wide = colors.map_values(np.array([0.0, 1.0, 10.0, 100.0, np.inf] + [1.0, 100.0] * 400), "gray")
+        self.assertEqual(wide[:5, 0].tolist(), [gray[0], gray[0], gray[128], gray[256], gray[256]])
+        self.assertEqual(len(colors.map_values(np.empty(0), "gray")), 0)
+
+    def test_refused(self):
+        t = cells()
+        for color, says in [
+            ("mass", "'mass'.*volumes"), (np.ones(3), r"\(3,\).*62"), (np.ones((62, 4)), r"\(62, 4\)"),
+            (2.0 * np.ones((62, 3)), "0 to 1"), (np.full((62, 3), 7), "0 to 1"),
+        ]:
+            with self.assertRaisesRegex(ValueError, says):
+                colors.cell_colors(t, color, "tide")
+        np.testing.assert_array_equal(colors.cell_colors(t, np.ones((62, 3)), "tide"), np.full((62, 3), 255))
+        with self.assertRaisesRegex(AttributeError, "surface_areas"):
+            colors.cell_colors(t, "area", "tide")
+
+
+class Whole(Folder):
+    def test_refused(self):
+        t = vt.tessellate(uniform(9))
+        for name in ("a.txt", "a", "a.VTK"):
+            with self.assertRaisesRegex(ValueError, "known are .npz"):
+                t.save(self.path(name))
+        for name in ("a.vtu", "a.ply", "a.obj", "a.glb"):
+            with self.assertRaisesRegex(ValueError, "'faces' into want"):
+                t.save(self.path(name))
+        with self.assertRaisesRegex(ValueError, ".npz holds no colors: .ply .glb do"):
+            t.save(self.path("a.npz"), color="x")
+        with self.assertRaisesRegex(ValueError, ".obj holds no columns"):
+            t.save(self.path("a.obj"), columns={"m": np.ones(9)})
+        with self.assertRaisesRegex(FileNotFoundError, "nowhere"):
+            t.save(self.path("nowhere/a.npz"))
+        (self.folder / "folder.npz").mkdir()
+        with self.assertRaisesRegex(ValueError, "no regular file"):
+            t.save(self.path("folder.npz"))
+        self.assertEqual(os.listdir(self.folder), ["folder.npz"])
+
+    def test_a_failure_leaves_the_old_file(self):
+        t = vt.tessellate(uniform(9))
+        (self.folder / "a.npz").write_text("old")
+        with mock.patch("numpy.lib.format.write_array", side_effect=OSError("disk full")):
+            with self.assertRaisesRegex(OSError, "disk full"):
+                t.save(self.path("a.npz"))
+        self.assertEqual((self.folder / "a.npz").read_text(), "old")
+        self.assertEqual(os.listdir(self.folder), ["a.npz"])
+
+    @unittest.skipUnless(os.name == "posix", "links and permissions are those of POSIX")
+    def test_links_and_permissions(self):
+        t = vt.tessellate(uniform(9))
+        t.save(self.folder / "new.NPZ")
+        mask = os.umask(0)
+        os.umask(mask)
+        self.assertEqual(stat.S_IMODE(os.stat(self.path("new.NPZ")).st_mode), 0o666 & ~mask)
+        real = self.folder / "real.npz"
+        real.write_text("old")
+        real.chmod(0o640)
+        (self.folder / "link.npz").symlink_to("real.npz")
+        t.save(self.path("link.npz"))
+        self.assertTrue((self.folder / "link.npz").is_symlink())
+        self.assertEqual(stat.S_IMODE(real.stat().st_mode), 0o640)
+        with np.load(real) as arrays:
+            np.testing.assert_array_equal(arrays["volumes"], t.volumes)
+
+    def test_importing_imports_no_other_package(self):
+        code = (
+            "import sys, pyvotess as vt, numpy as np\n"
+            "t = vt.tessellate(np.random.default_rng(1).random((20, 3)), want='faces,volumes')\n"
+            "t._repr_html_()\n"
+            "names = 'scipy matplotlib pyvista h5py trimesh pandas networkx freud tqdm meshio'.split()\n"
+            "print([name for name in names if name in sys.modules])\n"
+        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        self.assertEqual(done.stdout, "[]\n")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,250 @@
+"""Meshes that save() writes, read back: by NumPy, and by other packages where they are installed."""
+
+import os
+import sys
+import unittest
+import xml.etree.ElementTree
+from unittest import mock
+
+import numpy as np
+from helpers import lattice, uniform
+from saved import CELL, Folder, cells, have, once
+
+import pyvotess as vt
+from pyvotess.export import colors
+
+
+class Vtu(Folder):
+    def read(self, name):
+        """The arrays of a .vtu file by the offsets that its XML states."""
+        content = (self.folder / name).read_bytes()
+        head, body = content.split(b'<AppendedData encoding="raw">\n_', 1)
+        piece = xml.etree.ElementTree.fromstring(head + b"</VTKFile>").find("UnstructuredGrid/Piece")
+        arrays, end = {}, 0
+        for array in piece.iter("DataArray"):
+            at = int(array.get("offset"))
+            self.assertEqual(at, end)
+            size = int(np.frombuffer(body, "<u8", 1, at)[0])
+            kind = array.get("type")
+            dtype = np.dtype(kind.lower()).newbyteorder("<")
+            values = np.frombuffer(body, dtype, size // dtype.itemsize, at + 8)
+            arrays[array.get("Name")] = values.reshape(-1, int(array.get("NumberOfComponents", 1))).squeeze()
+            end = at + 8 + size
+        self.assertEqual(body[end:], b"\n</AppendedData>\n</VTKFile>\n")
+        self.assertEqual(int(piece.get("NumberOfCells")), len(arrays["types"]))
+        self.assertEqual(int(piece.get("NumberOfPoints")), len(arrays["Points"]))
+        return arrays
+
+    def test_arrays(self):
+        t = cells()
+        mass = np.arange(62.0)
+        t.save(self.path("a.vtu"), columns={'m "1" <&>': mass})
+        arrays = self.read("a.vtu")
+        ids = arrays["id"]
+        np.testing.assert_array_equal(arrays["centroid"], t.centroids[ids])
+        np.testing.assert_array_equal(arrays["status"], t.status[ids])
+        np.testing.assert_array_equal(arrays["neighbors"], [(t.neighbors[i] >= 0).sum() for i in ids])
+        self.assertEqual(arrays["types"].tolist(), [42] * 60)
+        self.assertEqual(sorted(ids.tolist()), list(range(60)))
+        counts = np.diff(t.cell_vertices.indptr)[ids]
+        self.assertTrue((np.diff(counts) >= 0).all())
+        np.testing.assert_array_equal(np.diff(arrays["offsets"], prepend=0), counts)
+        np.testing.assert_array_equal(arrays["volume"], t.volumes[ids])
+        np.testing.assert_array_equal(arrays['m "1" <&>'], mass[ids])
+        ends = np.concatenate(([0], arrays["faceoffsets"]))
+        for k, i in enumerate(ids):
+            faces = [[len(face), *face.tolist()] for face in t.faces[t.neighbors.indptr[i] : t.neighbors.indptr[i + 1]]]
+            expected = [len(faces), *(number for face in faces for number in face)]
+            self.assertEqual(arrays["faces"][ends[k] : ends[k + 1]].tolist(), expected)
+            own = arrays["connectivity"][arrays["offsets"][k] - counts[k] : arrays["offsets"][k]]
+            np.testing.assert_array_equal(own, t.cell_vertices[i])
+
+    def test_what_was_not_wanted_is_left_out(self):
+        cells(want="faces").save(self.path("a.vtu"))
+        self.assertEqual(set(self.read("a.vtu")), {"Points", "connectivity", "offsets", "types", "faces", "faceoffsets",
+                                                   "id", "neighbors", "status"})
+        vt.tessellate(np.empty((0, 3)), want="faces,volumes").save(self.path("none.vtu"))
+        self.assertEqual(len(self.read("none.vtu")["id"]), 0)
+
+    @have("meshio")
+    def test_meshio(self):
+        import meshio
+
+        for t in (cells(200), vt.tessellate(lattice(3), want="faces,volumes")):
+            t.save(self.path("a.vtu"), columns={"double": 2 * t.volumes})
+            mesh = meshio.read(self.path("a.vtu"))
+            np.testing.assert_array_equal(mesh.points, t.vertices)
+            ids = np.concatenate(mesh.cell_data["id"])
+            self.assertEqual(sorted(ids.tolist()), np.flatnonzero(t.volumes > 0).tolist())
+            np.testing.assert_array_equal(np.concatenate(mesh.cell_data["double"]), 2 * t.volumes[ids])
+            for block, ids in zip(mesh.cells, mesh.cell_data["id"]):
+                for faces, i in zip(block.data, ids):
+                    expected = t.faces[t.neighbors.indptr[i] : t.neighbors.indptr[i + 1]]
+                    self.assertEqual([f.tolist() for f in faces], [f.tolist() for f in expected])
+
+    @have("pyvista")
+    def test_pyvista(self):
+        import pyvista
+
+        t = cells(200)
+        t.save(self.path("a.vtu"))
+        grid = pyvista.read(self.path("a.vtu"))
+        ids = grid.cell_data["id"]
+        np.testing.assert_array_equal(grid.cell_data["volume"], t.volumes[ids])
+        np.testing.assert_allclose(grid.compute_cell_sizes().cell_data["Volume"], t.volumes[ids], atol=1e-4)
+        self.assertEqual(grid.n_cells, 200)
+
+
+class FacesTest(Folder):
+    def read_ply(self, name):
+        """Names of the properties, the vertices, and the rows of the faces."""
+        lines = (self.folder / name).read_text().splitlines()
+        head = lines[: lines.index("end_header")]
+        counts = [int(line.split()[2]) for line in head if line.startswith("element")]
+        rows = lines[len(head) + 1 :]
+        self.assertEqual(len(rows), sum(counts))
+        names = [line.split()[-1] for line in head if line.startswith("property")]
+        vertices = np.array([row.split() for row in rows[: counts[0]]], float).reshape(-1, 3)
+        return names, vertices, [[int(x) for x in row.split()] for row in rows[counts[0] :]]
+
+    def test_ply(self):
+        for t in (cells(), cells(periodic=True), cells(2, periodic=True)):
+            t.save(self.path("a.ply"))
+            names, vertices, rows = self.read_ply("a.ply")
+            self.assertEqual(names, ["x", "y", "z", "vertex_indices", "cell", "neighbor"])
+            np.testing.assert_array_equal(vertices, t.vertices)
+            expected = sorted(once(t), key=lambda face: len(face[0]))
+            self.assertEqual(rows, [[len(face), *face, i, j] for face, i, j in expected])
+        vt.tessellate(np.empty((0, 3)), want="faces").save(self.path("a.ply"))
+        self.assertEqual(self.read_ply("a.ply")[2], [])
+
+    def test_ply_in_colors(self):
+        t = cells()
+        rgb = np.arange(3 * 62).reshape(62, 3).astype(np.uint8)
+        t.save(self.path("a.ply"), color=rgb)
+        names, _, rows = self.read_ply("a.ply")
+        self.assertEqual(names[-3:], ["red", "green", "blue"])
+        expected = [
+            [3, face[0], face[k], face[k + 1], i, j, *rgb[i].tolist()]
+            for face, i, j in once(t) for k in range(1, len(face) - 1)
+        ]
+        self.assertEqual(rows, expected)
+
+    def test_obj(self):
+        t = cells()
+        with mock.patch("pyvotess.export.faces._ROWS", 100):  # in several pieces
+            t.save(self.path("a.obj"))
+        lines = [line.split() for line in (self.folder / "a.obj").read_text().splitlines()]
+        np.testing.assert_array_equal(np.array([x[1:] for x in lines if x[0] == "v"], float), t.vertices)
+        faces = [[int(x) - 1 for x in line[1:]] for line in lines if line[0] == "f"]
+        self.assertEqual(faces, [face for face, _, _ in once(t)])
+
+    @have("meshio")
+    def test_meshio(self):
+        import meshio
+
+        t = cells(200)
+        expected = once(t)
+        t.save(self.path("a.ply"))
+        mesh = meshio.read(self.path("a.ply"))
+        self.assertEqual(sum(len(block.data) for block in mesh.cells), len(expected))
+        found = [
+            (face.tolist(), i, j)
+            for block, first, second in zip(mesh.cells, mesh.cell_data["cell"], mesh.cell_data["neighbor"])
+            for face, i, j in zip(block.data, first.tolist(), second.tolist())
+        ]
+        self.assertEqual(sorted(found), sorted(expected))
+        np.testing.assert_array_equal(mesh.points, t.vertices)
+        t.save(self.path("b.ply"), color="volumes")
+        mesh = meshio.read(self.path("b.ply"))
+        self.assertEqual([block.type for block in mesh.cells], ["triangle"])
+        self.assertIn("red", mesh.cell_data)
+        t.save(self.path("a.obj"))
+        self.assertEqual(sum(len(block.data) for block in meshio.read(self.path("a.obj")).cells), len(expected))
+
+    @have("trimesh")
+    def test_trimesh(self):
+        import trimesh
+
+        t = cells(200)
+        expected = once(t)
+        triangles = sum(len(face) - 2 for face, _, _ in expected)
+        area = sum(t.face_areas[k] for i, row in enumerate(t.neighbors) for k, j in
+                   zip(range(t.neighbors.indptr[i], t.neighbors.indptr[i + 1]), row) if j < 0 or i < j)
+        for name, color in (("a.ply", None), ("b.ply", "volumes"), ("a.obj", None)):
+            t.save(self.path(name), color=color)
+            mesh = trimesh.load(self.path(name), process=False)
+            self.assertEqual(len(mesh.faces), triangles)
+            self.assertAlmostEqual(mesh.area, area, places=9)
+        mesh = trimesh.load(self.path("b.ply"), process=False)
+        rgb = colors.cell_colors(t, "volumes", "tide")
+        first = [i for face, i, _ in expected for _ in face[2:]]
+        np.testing.assert_array_equal(mesh.visual.face_colors[:, :3], rgb[first])
+
+    @have("pyvista")
+    def test_pyvista(self):
+        import pyvista
+
+        t = cells(100)
+        for name in ("a.ply", "a.obj"):
+            t.save(self.path(name))
+            self.assertEqual(pyvista.read(self.path(name)).n_cells, len(once(t)))
+
+
+class Glb(Folder):
+    @have("trimesh")
+    def test_solids(self):
+        import trimesh
+
+        for options in ({}, {"periodic": True}, {"box": None, "cell": CELL, "outside": "drop"}):
+            t = cells(**options)
+            rgb = np.random.default_rng(4).integers(0, 256, (len(t), 3)).astype(np.uint8)
+            t.save(self.path("a.glb"), color=rgb)
+            scene = trimesh.load(self.path("a.glb"), process=False)
+            (mesh,) = scene.dump()  # the node moves it
+            np.testing.assert_allclose(mesh.bounds, [t.vertices.min(axis=0), t.vertices.max(axis=0)], atol=1e-6)
+            counts = np.diff(t.cell_vertices.indptr)
+            cell = np.repeat(np.arange(len(t)), counts)
+            np.testing.assert_allclose(mesh.vertices, t.vertices[t.cell_vertices.indices], atol=1e-6)
+            x = rgb / 255
+            linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+            seen = scene.geometry["cells"].visual.vertex_attributes["color"][:, :3]
+            np.testing.assert_allclose(seen, 255 * linear[cell], atol=0.51)
+            owner = cell[mesh.faces]
+            self.assertTrue((owner == owner[:, :1]).all(), "a triangle has the vertices of one cell")
+            a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+            volumes = np.bincount(owner[:, 0], np.einsum("ij,ij->i", a, np.cross(b, c)) / 6, len(t))
+            np.testing.assert_allclose(volumes, t.volumes, atol=1e-6)
+
+    @have("trimesh")
+    def test_far_from_zero(self):
+        import trimesh
+
+        t = vt.tessellate(uniform(50) + 1e6, want="faces,volumes")
+        t.save(self.path("a.glb"))
+        (mesh,) = trimesh.load(self.path("a.glb"), process=False).dump()
+        np.testing.assert_allclose(mesh.vertices, t.vertices[t.cell_vertices.indices], rtol=0, atol=1e-6)
+
+    @have("pygltflib", "trimesh")
+    def test_pygltflib(self):
+        import pygltflib
+
+        cells().save(self.path("a.glb"), color="neighbors", colormap="ember")
+        file = pygltflib.GLTF2().load(self.path("a.glb"))
+        (mesh,) = file.meshes
+        (primitive,) = mesh.primitives
+        self.assertIsNotNone(primitive.attributes.COLOR_0)
+        self.assertIsNone(primitive.attributes.NORMAL)
+        self.assertEqual(file.materials[primitive.material].pbrMetallicRoughness.metallicFactor, 0)
+
+    def test_without_its_package(self):
+        t = cells()
+        for module, name in (("trimesh", "a.glb"), ("h5py", "a.h5")):
+            with mock.patch.dict(sys.modules, {module: None}):
+                with self.assertRaisesRegex(ImportError, f"{name[1:]}.*pip install {module}"):
+                    t.save(self.path(name))
+        self.assertEqual(os.listdir(self.folder), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
