@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/text.hpp"
+
 namespace votess::picture {
 namespace {
 
@@ -180,4 +182,44 @@ Scale choose_scale(std::span<const double> values, std::span<const char> shown, 
     return scale;
 }
 
+std::vector<Color> color_cells(std::span<const double> values, const Scale& scale, Colormap map) {
+    constexpr int steps = 1024;
+    std::vector<Color> table(steps + 1);
+    for (int i = 0; i <= steps; ++i)
+        table[static_cast<std::size_t>(i)] = map_color(map, static_cast<double>(i) / steps);
+    std::vector<Color> colors(values.size(), no_value);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (std::isnan(values[i])) continue;
+        // Some of what lies beyond a logarithmic scale has no logarithm.
+        const double t = values[i] <= scale.low ? 0 : values[i] >= scale.high ? 1 : scale.at(values[i]);
+        colors[i] = table[static_cast<std::size_t>(std::lround(t * steps))];
+    }
+    return colors;
+}
+
+void check_colors(const PictureOptions& options) {
+    if (options.colormap > Colormap::gray) throw Error(ErrorCode::invalid_argument, "picture: no such color map");
+    if (!options.range) return;
+    const auto& [low, high] = *options.range;
+    if (!std::isfinite(low) || !std::isfinite(high) || !(low < high)) {
+        throw Error(ErrorCode::invalid_argument, "picture: color range " + number(low) + " to " + number(high) +
+                                                     ": give a lower and a higher number");
+    }
+}
+
 }  // namespace votess::picture
+
+namespace votess {
+
+std::vector<std::uint8_t> value_colors(const PictureOptions& options) {
+    picture::check_colors(options);
+    const std::vector<char> all(options.values.size(), 1);
+    const picture::Scale scale = picture::choose_scale(options.values, all, options);
+    std::vector<std::uint8_t> colors;
+    for (const picture::Color color : picture::color_cells(options.values, scale, options.colormap)) {
+        for (const unsigned shift : {0U, 8U, 16U}) colors.push_back(static_cast<std::uint8_t>(color >> shift & 0xFF));
+    }
+    return colors;
+}
+
+}  // namespace votess

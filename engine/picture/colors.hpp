@@ -40,4 +40,10 @@ struct Scale {
 [[nodiscard]] Scale choose_scale(std::span<const double> values, std::span<const char> shown,
                                  const PictureOptions& options);
 
+// A color for each value; gray where there is none.
+[[nodiscard]] std::vector<Color> color_cells(std::span<const double> values, const Scale& scale, Colormap map);
+
+// Throws Error when range or map of the options are none.
+void check_colors(const PictureOptions& options);
+
 }  // namespace votess::picture

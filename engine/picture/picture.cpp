@@ -40,15 +40,6 @@ void check_slice(const Slice& slice, const Box& box) {
     }
 }
 
-void check_colors(const PictureOptions& options) {
-    if (options.colormap > Colormap::gray) refuse("picture: no such color map");
-    if (!options.range) return;
-    const auto& [low, high] = *options.range;
-    if (!std::isfinite(low) || !std::isfinite(high) || !(low < high)) {
-        refuse("picture: color range " + number(low) + " to " + number(high) + ": give a lower and a higher number");
-    }
-}
-
 void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
     const std::size_t n = t.size();
     check_size("width", options.width);
@@ -80,21 +71,6 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     run.device = options.device;
     run.threads = options.threads;
     check_options(run);
-}
-
-std::vector<Color> color_cells(std::span<const double> values, const Scale& scale, Colormap map) {
-    constexpr int steps = 1024;
-    std::vector<Color> table(steps + 1);
-    for (int i = 0; i <= steps; ++i)
-        table[static_cast<std::size_t>(i)] = map_color(map, static_cast<double>(i) / steps);
-    std::vector<Color> colors(values.size(), no_value);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (std::isnan(values[i])) continue;
-        // Some of what lies beyond a logarithmic scale has no logarithm.
-        const double t = values[i] <= scale.low ? 0 : values[i] >= scale.high ? 1 : scale.at(values[i]);
-        colors[i] = table[static_cast<std::size_t>(std::lround(t * steps))];
-    }
-    return colors;
 }
 
 // The domain's corners, bit k of the index telling the end along edge k; none for a polyhedron.
@@ -192,17 +168,6 @@ Picture render(const Tessellation& tessellation, std::span<const double> points,
                                       picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
     return picture::draw(picture::build_scene(mesh, domain, points, values, options), options.device);
-}
-
-std::vector<std::uint8_t> value_colors(const PictureOptions& options) {
-    picture::check_colors(options);
-    const std::vector<char> all(options.values.size(), 1);
-    const picture::Scale scale = picture::choose_scale(options.values, all, options);
-    std::vector<std::uint8_t> colors;
-    for (const picture::Color color : picture::color_cells(options.values, scale, options.colormap)) {
-        for (const unsigned shift : {0U, 8U, 16U}) colors.push_back(static_cast<std::uint8_t>(color >> shift & 0xFF));
-    }
-    return colors;
 }
 
 }  // namespace votess

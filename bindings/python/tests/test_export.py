@@ -135,7 +135,7 @@ class Colors(unittest.TestCase):
             colors.map_values(np.ones(2), "rainbows")
 
     def test_values(self):
-        gray = [c[0] for c in colors.map_values(np.linspace(0, 1, 257), "gray").tolist()]
+        gray = [c[0] for c in colors.map_values(np.linspace(1, 2, 257), "gray").tolist()]
         np.testing.assert_array_equal(colors.map_values(np.array([0, np.nan, 1]), "gray")[1], [150, 150, 150])
         self.assertEqual(colors.map_values(np.ones(3), "gray")[:, 0].tolist(), [gray[128]] * 3)
         wide = colors.map_values(np.array([0.0, 1.0, 10.0, 100.0, np.inf] + [1.0, 100.0] * 400), "gray")

@@ -1,0 +1,209 @@
+"""Cells as dicts in the shape of Voro++'s Python packages, filled in when they are first looked into."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Tuple
+
+import numpy as np
+
+from ._pause import garbage_collector_paused
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ..tessellation import Tessellation
+
+    Float64Array = npt.NDArray[np.float64]
+    Int64Array = npt.NDArray[np.int64]
+
+#: Cells that are filled together: enough to spread the cost of NumPy's calls, few enough to be quick. Blocks that
+#: follow each other double up to the second number: the garbage collector looks through all cells after some of them.
+_BLOCK, _LARGEST_BLOCK = 128, 4096
+
+Face = Dict[str, Any]
+
+
+class Cell(Dict[str, Any]):
+    """A cell, all of it. It pickles and copies as a dict."""
+
+    __slots__ = ("_blocks", "_row")
+
+    _blocks: CellBlocks
+    _row: int
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        return dict, (dict(self.items()),)
+
+
+class LazyCell(Cell):
+    """A cell that holds its first keys only. Any other use fills it in, and makes it a :class:`Cell`."""
+
+    __slots__ = ()
+
+    def __missing__(self, key: str) -> Any:
+        self._blocks.fill(self._row)
+        return self[key]  # KeyError when a cell has no such key
+
+
+def _after_filling(name: str) -> Callable[..., Any]:
+    def method(self: LazyCell, *arguments: Any, **keywords: Any) -> Any:
+        if type(self) is LazyCell:
+            self._blocks.fill(self._row)
+        return getattr(dict, name)(self, *arguments, **keywords)
+
+    method.__name__ = name
+    return method
+
+
+for _name in (
+    "__contains__", "__delitem__", "__eq__", "__ge__", "__gt__", "__ior__", "__iter__", "__le__", "__len__", "__lt__",
+    "__ne__", "__or__", "__repr__", "__reversed__", "__ror__", "__setitem__", "clear", "copy", "get", "items", "keys",
+    "pop", "popitem", "setdefault", "update", "values",
+):  # fmt: skip
+    setattr(LazyCell, _name, _after_filling(_name))
+
+
+class CellBlocks:
+    """Makes the cells of a tessellation with faces, and fills them block by block.
+
+    ``keep`` names what a cell gets out of "vertices", "adjacency" and "faces". Vertices are moved by ``offsets``
+    (N, 3), and made by ``vector`` from lists of three floats; faces get the rows of ``shifts`` (indptr[N], 3) where
+    they are given. ``ids`` (N,) rename the neighbors.
+    """
+
+    def __init__(
+        self,
+        t: Tessellation,
+        keep: Tuple[str, ...] = ("vertices", "adjacency", "faces"),
+        offsets: Optional[Float64Array] = None,
+        shifts: Optional[npt.NDArray[Any]] = None,
+        ids: Optional[Int64Array] = None,
+        vector: Optional[Callable[[List[float]], Any]] = None,
+    ) -> None:
+        self._t = t
+        self._keep = keep
+        self._offsets = offsets
+        self._shifts = shifts
+        self._ids = ids
+        self._vector = vector
+        self._cells: List[Optional[LazyCell]] = []
+        self._lock = threading.Lock()
+        self._size, self._next = _BLOCK, -1
+
+    def add(self, cell: LazyCell) -> LazyCell:
+        """The next cell, in the order of the seeds, with those keys that it has from the start."""
+        cell._blocks = self
+        cell._row = len(self._cells)
+        self._cells.append(cell)
+        return cell
+
+    def skip(self) -> None:
+        """The next seed gets no cell of this object."""
+        self._cells.append(None)
+
+    def fill(self, row: int) -> None:
+        """Fills this row and some around it."""
+        with self._lock, garbage_collector_paused():
+            if self._cells[row] is None:
+                return  # another thread was faster
+            follows = row == self._next
+            self._size = min(2 * self._size, _LARGEST_BLOCK) if follows else _BLOCK
+            first = row if follows else row - row % _BLOCK
+            last = self._next = min(first + self._size, len(self._cells))
+            parts = self._parts(first, last)
+            for index in range(first, last):
+                cell = self._cells[index]
+                if cell is not None:
+                    dict.update(cell, {name: values[index - first] for name, values in parts})
+                    setattr(cell, "__class__", Cell)
+                self._cells[index] = None
+
+    def _parts(self, first: int, last: int) -> List[Tuple[str, List[Any]]]:
+        """Name and one value for each cell, in the order of ``keep``."""
+        rows, faces, cell_vertices = self._t.neighbors, self._t.faces, self._t.cell_vertices
+        entries = rows.indptr[first : last + 1]
+        polygons = faces.indptr[entries[0] : entries[-1] + 1]
+        bounds = cell_vertices.indptr[first : last + 1]
+        corners = faces.indices[polygons[0] : polygons[-1]].astype(np.int64)
+        ids = cell_vertices.indices[bounds[0] : bounds[-1]].astype(np.int64)
+        cells = np.arange(last - first, dtype=np.int64)
+        cell_of_vertex = np.repeat(cells, np.diff(bounds))
+        cell_of_corner = np.repeat(cells, np.diff(polygons[entries - entries[0]]))
+        # The place of each corner among the vertices of the block; its number in the cell counts from the cell's first.
+        count = len(self._t.vertices)
+        place = np.searchsorted(cell_of_vertex * count + ids, cell_of_corner * count + corners)
+        number = place - (bounds[cell_of_corner] - bounds[0])
+
+        parts: List[Tuple[str, List[Any]]] = []
+        slices = [slice(a, b) for a, b in _pairs((bounds - bounds[0]).tolist())]
+        if "vertices" in self._keep:
+            places = self._t.vertices[ids]
+            if self._offsets is not None:
+                places += self._offsets[first:last][cell_of_vertex]
+            flat: List[Any] = places.tolist()
+            if self._vector is not None:
+                flat = [self._vector(xyz) for xyz in flat]
+            parts.append(("vertices", [flat[part] for part in slices]))
+        begins = polygons - polygons[0]
+        if "adjacency" in self._keep:
+            around = _adjacency(place, number, begins, len(ids))
+            parts.append(("adjacency", [around[part] for part in slices]))
+        if "faces" in self._keep:
+            flat_faces = self._faces(entries, begins, number)
+            parts.append(("faces", [flat_faces[a:b] for a, b in _pairs((entries - entries[0]).tolist())]))
+        return parts
+
+    def _faces(self, entries: Int64Array, begins: Int64Array, number: Int64Array) -> List[Face]:
+        # Voro++ goes clockwise around a face seen from outside, votess counterclockwise.
+        mirrored = np.repeat(begins[:-1] + begins[1:] - 1, np.diff(begins)) - np.arange(len(number))
+        corners = number[mirrored].tolist()
+        adjacent = self._t.neighbors.indices[entries[0] : entries[-1]]
+        if self._ids is not None:
+            adjacent = np.where(adjacent >= 0, self._ids[adjacent], adjacent)
+        ends = _pairs(begins.tolist())
+        if self._shifts is None:
+            return [{"adjacent_cell": j, "vertices": corners[a:b]} for j, (a, b) in zip(adjacent.tolist(), ends)]
+        shifts = self._shifts[entries[0] : entries[-1]].tolist()
+        return [
+            {"adjacent_cell": j, "vertices": corners[a:b], "adjacent_shift": tuple(shift)}
+            for j, (a, b), shift in zip(adjacent.tolist(), ends, shifts)
+        ]
+
+
+def _pairs(bounds: List[int]) -> List[Tuple[int, int]]:
+    return list(zip(bounds[:-1], bounds[1:]))
+
+
+def _adjacency(place: Int64Array, number: Int64Array, begins: Int64Array, count: int) -> List[List[int]]:
+    """For each of ``count`` vertices the numbers of those it shares an edge with, in order around it.
+
+    A polygon that comes from w to u and goes on to v makes w follow v around u.
+    """
+    size = np.diff(begins)
+    step = np.arange(len(number))
+    first, last = np.repeat(begins[:-1], size), np.repeat(begins[1:], size) - 1
+    after = number[np.where(step == last, first, step + 1)]
+    before = number[np.where(step == first, last, step - 1)]
+    order = np.argsort(place, kind="stable")
+    after, before = after[order], before[order]
+    valence = np.bincount(place, minlength=count)
+    ends = np.cumsum(valence)
+    starts = ends - valence
+    simple = starts[valence == 3]
+    triples = np.empty((len(simple), 3), dtype=np.int64)
+    triples[:, 0], triples[:, 1] = after[simple], before[simple]
+    triples[:, 2] = after[simple] + after[simple + 1] + after[simple + 2] - triples[:, 0] - triples[:, 1]
+    if len(simple) == count:
+        return triples.tolist()
+    around: List[List[int]] = [[] for _ in range(count)]
+    for vertex, triple in zip(np.flatnonzero(valence == 3).tolist(), triples.tolist()):
+        around[vertex] = triple
+    for vertex in np.flatnonzero(valence != 3).tolist():
+        begin, end = int(starts[vertex]), int(ends[vertex])
+        follows = dict(zip(after[begin:end].tolist(), before[begin:end].tolist()))
+        at = int(after[begin])
+        for _ in range(end - begin):
+            around[vertex].append(at)
+            at = follows[at]
+    return around

@@ -1,0 +1,261 @@
+"""scipy.spatial.Delaunay for three dimensions."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+
+import numpy as np
+
+from ._unbounded import Diagram, diagram_of_space, orientation, read_points
+from ._voronoi import refuse_options
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Float64Array = npt.NDArray[np.float64]
+    Int64Array = npt.NDArray[np.int64]
+    Int32Array = npt.NDArray[np.int32]
+    BoolArray = npt.NDArray[np.bool_]
+
+#: the corners opposite to each corner of a tetrahedron, counterclockwise seen from outside where it is positive
+_OPPOSITE = np.array([(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)])
+_QUERIES_AT_ONCE = 1 << 16
+
+
+class Delaunay:
+    """The Delaunay tetrahedra of points in space, with the attributes of scipy.spatial.Delaunay.
+
+    Parameters
+    ----------
+    points : (N, 3) numbers, N >= 4, not all in one plane.
+    furthest_site, incremental : must be False.
+    qhull_options : not used.
+    options : of :func:`pyvotess.tessellate`: ``threads``, ``device``, ``instructions``, ``progress``.
+
+    Attributes: ``points``, ``simplices``, ``neighbors``, ``convex_hull``, ``coplanar``, ``vertex_to_simplex``,
+    ``vertex_neighbor_vertices``, ``transform``, ``npoints``, ``nsimplex``, ``ndim``, ``min_bound``, ``max_bound``,
+    ``furthest_site``, as in scipy. All but the first two are made when they are first asked for.
+
+    The simplices fill the convex hull. That is checked in exact arithmetic: their surface bends inwards nowhere.
+    QhullError is raised when a simplex at the hull is so flat that no box holds the center of its sphere.
+
+    What differs from scipy: corners of a simplex are ordered so that det(b-a, c-a, d-a) > 0; five or more points on one
+    sphere are cut up from the lowest index, so that their simplices fit those beside them; flat simplices at the
+    hull, which Qhull may merge away, are there; ``coplanar`` lists only points that equal an earlier one;
+    ``equations``, ``paraboloid_*``, ``plane_distance`` and ``lift_points``, which show the inside of Qhull, are not.
+    """
+
+    ndim = 3
+    furthest_site = False
+
+    def __init__(
+        self,
+        points: npt.ArrayLike,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: Optional[str] = None,
+        **options: Any,
+    ) -> None:
+        del qhull_options
+        refuse_options(furthest_site, incremental)
+        self.points = read_points(points)
+        self.npoints = len(self.points)
+        diagram = diagram_of_space(self.points, options)
+        tetrahedra, lowest = _tetrahedra(diagram)
+        if (lowest >= 0).any():
+            tetrahedra = np.concatenate((tetrahedra, _cut_polytopes(diagram, lowest)))
+            self._edges = None
+        else:
+            self._edges = diagram.ridge_seeds
+        self.simplices: Int32Array = tetrahedra.astype(np.int32)
+        self.nsimplex = len(self.simplices)
+        self._duplicate_of = diagram.duplicate_of
+
+    @property
+    def min_bound(self) -> Float64Array:
+        """(3,) float64, the least coordinates of the points."""
+        lower: Float64Array = self.points.min(axis=0)
+        return lower
+
+    @property
+    def max_bound(self) -> Float64Array:
+        """(3,) float64, the largest coordinates of the points."""
+        upper: Float64Array = self.points.max(axis=0)
+        return upper
+
+    @cached_property
+    def neighbors(self) -> Int32Array:
+        """(T, 4) int32: the simplex opposite to each corner, -1 at the hull."""
+        faces = np.sort(self.simplices[:, _OPPOSITE].reshape(-1, 3), axis=1).astype(np.int64)
+        if self.npoints < 2**21:  # three ids in one number sort faster
+            order = np.argsort((faces[:, 0] << 42) | (faces[:, 1] << 21) | faces[:, 2], kind="stable")
+        else:
+            order = np.lexsort((faces[:, 2], faces[:, 1], faces[:, 0]))
+        sorted_faces = faces[order]
+        first = np.flatnonzero((sorted_faces[1:] == sorted_faces[:-1]).all(axis=1))
+        neighbors = np.full(len(faces), -1, dtype=np.int32)
+        neighbors[order[first]] = order[first + 1] // 4
+        neighbors[order[first + 1]] = order[first] // 4
+        return neighbors.reshape(-1, 4)
+
+    @cached_property
+    def convex_hull(self) -> Int32Array:
+        """(F, 3) int32: the triangles of the hull, counterclockwise seen from outside."""
+        simplex, corner = np.nonzero(self.neighbors < 0)
+        return np.take_along_axis(self.simplices[simplex], _OPPOSITE[corner], axis=1)
+
+    @cached_property
+    def vertex_to_simplex(self) -> Int32Array:
+        """(N,) int32: some simplex that has the point, or the one that it equals."""
+        simplex = np.full(self.npoints, -1, dtype=np.int32)
+        simplex[self.simplices.ravel()] = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 4)
+        return np.where(self._duplicate_of >= 0, simplex[self._duplicate_of], simplex)
+
+    @cached_property
+    def coplanar(self) -> Int32Array:
+        """(K, 3) int32: points that equal another one, a simplex that has that one, and that one."""
+        copies = np.flatnonzero(self._duplicate_of >= 0)
+        return np.column_stack((copies, self.vertex_to_simplex[copies], self._duplicate_of[copies])).astype(np.int32)
+
+    @cached_property
+    def vertex_neighbor_vertices(self) -> Tuple[Int32Array, Int32Array]:
+        """(indptr, indices): the points that share an edge with point k are ``indices[indptr[k]:indptr[k+1]]``."""
+        edges = self._edges
+        if edges is None:
+            ends = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
+            all_edges = np.sort(self.simplices[:, ends].reshape(-1, 2), axis=1).astype(np.int64)
+            numbers = np.unique(all_edges[:, 0] * self.npoints + all_edges[:, 1])
+            edges = np.column_stack(np.divmod(numbers, self.npoints))
+        both = np.concatenate((edges, edges[:, ::-1]))
+        indices = both[np.lexsort((both[:, 1], both[:, 0])), 1].astype(np.int32)
+        counts = np.bincount(both[:, 0], minlength=self.npoints)
+        return np.concatenate(([0], np.cumsum(counts))).astype(np.int32), indices
+
+    @cached_property
+    def transform(self) -> Float64Array:
+        """(T, 4, 3) float64: inverse matrix and last corner r, so that ``matrix @ (x - r)`` are the first barycentric
+        coordinates; NaN where the simplex is too flat for that.
+        """
+        corners = self.points[self.simplices]
+        a, b, c = (corners[:, k] - corners[:, 3] for k in range(3))
+        crosses = np.stack((np.cross(b, c), np.cross(c, a), np.cross(a, b)), axis=1)
+        volume = np.einsum("tk,tk->t", a, crosses[:, 0])
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            inverse = crosses / volume[:, None, None]
+            lengths = np.abs(np.stack((a, b, c), axis=1)).sum(axis=2).max(axis=1)
+            condition = lengths * np.abs(inverse).sum(axis=1).max(axis=1)
+        inverse[~(condition * 1000 * np.finfo(np.float64).eps < 1)] = np.nan
+        return np.concatenate((inverse, corners[:, 3:]), axis=1)
+
+    def find_simplex(self, xi: npt.ArrayLike, bruteforce: bool = False, tol: Optional[float] = None) -> Int32Array:
+        """(...,) int32: the simplex that each point of ``xi`` (..., 3) lies in, -1 outside of the hull.
+
+        The search walks from simplex to simplex by exact signs. A point outside counts as inside when its barycentric
+        coordinates in the last simplex are at least ``-tol``, by default 100 machine epsilons. ``bruteforce`` is not
+        used.
+        """
+        del bruteforce
+        array = np.asarray(xi, dtype=np.float64)
+        if array.ndim == 0 or array.shape[-1] != 3:
+            raise ValueError(f"xi has shape {array.shape}: it must be (..., 3)")
+        queries = array.reshape(-1, 3)
+        allowed = 100 * float(np.finfo(np.float64).eps) if tol is None else tol
+        found = np.full(len(queries), -1, dtype=np.int32)
+        known = np.flatnonzero(np.isfinite(queries).all(axis=1))
+        for begin in range(0, len(known), _QUERIES_AT_ONCE):
+            some = known[begin : begin + _QUERIES_AT_ONCE]
+            found[some] = self._walk(queries[some], allowed)
+        return found.reshape(array.shape[:-1])
+
+    def _walk(self, queries: Float64Array, allowed: float) -> Int32Array:
+        at = self.vertex_to_simplex[self._near(queries)]
+        # The queries go behind the points, so that both have ids.
+        places = np.concatenate((self.points, queries))
+        found = np.full(len(queries), -1, dtype=np.int32)
+        walking = np.arange(len(queries))
+        while len(walking):
+            corners = self.simplices[at[walking]].astype(np.int64)
+            beyond = np.full(len(walking), -1)
+            for k in range(4):
+                undecided = np.flatnonzero(beyond < 0)
+                a, b, c = corners[undecided][:, _OPPOSITE[k]].T
+                beyond[undecided[orientation(places, a, b, c, self.npoints + walking[undecided]) > 0]] = k
+            found[walking[beyond < 0]] = at[walking[beyond < 0]]
+            walking, beyond = walking[beyond >= 0], beyond[beyond >= 0]
+            following = self.neighbors[at[walking], beyond]
+            outside = walking[following < 0]
+            found[outside] = np.where(self._is_close(queries[outside], at[outside], allowed), at[outside], -1)
+            at[walking] = following
+            walking = walking[following >= 0]
+        return found
+
+    def _near(self, queries: Float64Array) -> Int64Array:
+        """A point not far from each query: the nearest one of some."""
+        sample = np.flatnonzero(self._duplicate_of < 0)[:: max(1, int(self.npoints ** (2 / 3) / 4))]
+        nearest = np.zeros(len(queries), dtype=np.int64)
+        least = np.full(len(queries), np.inf)
+        for point in sample:
+            with np.errstate(over="ignore"):
+                distance = ((queries - self.points[point]) ** 2).sum(axis=1)
+            closer = distance < least
+            nearest[closer], least[closer] = point, distance[closer]
+        nearest[np.isinf(least)] = sample[0]
+        return nearest
+
+    def _is_close(self, queries: Float64Array, simplices: Int32Array, allowed: float) -> BoolArray:
+        transform = self.transform[simplices]
+        first = np.einsum("tij,tj->ti", transform[:, :3], queries - transform[:, 3])
+        least = np.minimum(first.min(axis=1, initial=np.inf), 1 - first.sum(axis=1))
+        return np.asarray(least >= -allowed)
+
+    def add_points(self, points: Any, restart: bool = False) -> None:
+        """Raises NotImplementedError."""
+        refuse_options(False, True)
+
+    def close(self) -> None:
+        """Does nothing: no points can be added anyway."""
+
+
+def _tetrahedra(diagram: Diagram) -> Tuple[Int64Array, Int64Array]:
+    """(T, 4) positive tetrahedra; and (V,) the lowest seed of the polytope around each vertex that has one, else -1."""
+    found: List[Int64Array] = []
+    lowest = np.full(len(diagram.vertices), -1, dtype=np.int64)
+    first = 0  # the number of the first vertex that no part before this one has
+    for part in diagram.parts:
+        complex_ = part.t.delaunay()
+        found.append(part.seeds[complex_.tetrahedra[part.number[complex_.centers] >= first]])
+        center = part.number[complex_.polytope_centers]
+        least = part.seeds[complex_.polytopes.indices[complex_.polytopes.indptr[:-1]]]
+        lowest[center[center >= first]] = least[center >= first]
+        first = int(part.number.max(initial=-1)) + 1
+    return np.concatenate(found), lowest
+
+
+def _cut_polytopes(diagram: Diagram, lowest: Int64Array) -> Int64Array:
+    """(T, 4) positive tetrahedra of the points around those vertices that have a lowest seed.
+
+    A facet of the polytope around a vertex is dual to an edge of the diagram from there, and an edge of the facet to a
+    ridge at that edge. Each facet is a fan from its lowest seed, and the tetrahedra are cones from the polytope's
+    lowest seed to the triangles of those facets that do not have it: two polytopes cut their common facet the same way.
+    """
+    indptr, corners = diagram.ridges
+    ridge = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
+    following = np.empty_like(corners)
+    following[:-1] = corners[1:]
+    following[indptr[1:] - 1] = corners[indptr[:-1]]
+    has_polytope = np.append(lowest >= 0, False)  # places on the box have none
+    leaves = np.flatnonzero(has_polytope[np.maximum(corners, -1)])
+    enters = np.flatnonzero(has_polytope[np.maximum(following, -1)])
+    center = np.concatenate((corners[leaves], following[enters]))
+    other = np.concatenate((following[leaves], corners[enters]))
+    # Seen against the edge from the center, the facet lies left of the way from seed i to seed j.
+    i, j = diagram.ridge_seeds[np.concatenate((ridge[leaves], ridge[enters]))].T
+    i, j = np.where(np.arange(len(center)) < len(leaves), (i, j), (j, i))
+    order = np.lexsort((other, center))
+    center, other, i, j = center[order], other[order], i[order], j[order]
+    is_first = np.append(True, (center[1:] != center[:-1]) | (other[1:] != other[:-1]))
+    least = np.minimum.reduceat(np.minimum(i, j), np.flatnonzero(is_first))[np.cumsum(is_first) - 1]
+    apex = lowest[center]
+    kept = (least != apex) & (i != least) & (j != least)
+    return np.column_stack((apex[kept], i[kept], j[kept], least[kept]))

@@ -1,0 +1,135 @@
+"""scipy.spatial.Voronoi for three dimensions."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
+
+import numpy as np
+
+from .._input import as_box
+from ._pause import garbage_collector_paused
+from ._unbounded import diagram_in_box, diagram_of_space, read_points
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Float64Array = npt.NDArray[np.float64]
+    Int64Array = npt.NDArray[np.int64]
+    Int32Array = npt.NDArray[np.int32]
+    BoolArray = npt.NDArray[np.bool_]
+
+
+def refuse_options(furthest_site: bool, incremental: bool) -> None:
+    if furthest_site:
+        raise NotImplementedError("furthest_site: votess has no furthest-site diagram, scipy.spatial has")
+    if incremental:
+        raise NotImplementedError("incremental: make a new object of all points, or keep scipy.spatial")
+
+
+def _rows(indptr: Int64Array, values: Int64Array, kept: BoolArray) -> List[List[int]]:
+    """The rows of values, those that are kept, as lists."""
+    ends = np.concatenate(([0], np.cumsum(kept)))[indptr].tolist()
+    flat = values[kept].tolist()
+    with garbage_collector_paused():
+        return [flat[a:b] for a, b in zip(ends[:-1], ends[1:])]
+
+
+class Voronoi:
+    """The Voronoi diagram of points in space, with the attributes of scipy.spatial.Voronoi.
+
+    Parameters
+    ----------
+    points : (N, 3) numbers, N >= 4, not all in one plane.
+    furthest_site, incremental : must be False.
+    qhull_options : not used.
+    box : what :func:`pyvotess.tessellate` takes: vertices beyond it become -1, and pairs of cells that meet only there
+        are missing. Default: a box that is found to hold every vertex, in exact arithmetic, or QhullError is raised.
+    options : of :func:`pyvotess.tessellate`: ``threads``, ``device``, ``instructions``, ``progress``.
+
+    Attributes: ``points``, ``vertices``, ``ridge_points``, ``ridge_vertices``, ``regions``, ``point_region``,
+    ``ridge_dict``, ``npoints``, ``ndim``, ``min_bound``, ``max_bound``, ``furthest_site``, as in scipy. Those that are
+    lists are made when they are first asked for.
+
+    What differs from scipy: five or more points on one sphere have one vertex, where Qhull gives several at the same
+    place, or merges some that are close together; ridges with a single vertex, which Qhull leaves out, are there; point
+    i has region i, without the empty region of Qhull's point at infinity; the region of a point that equals an earlier
+    one is empty, and ``point_region`` leads to that one's.
+    """
+
+    ndim = 3
+    furthest_site = False
+
+    def __init__(
+        self,
+        points: npt.ArrayLike,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: Optional[str] = None,
+        *,
+        box: Optional[npt.ArrayLike] = None,
+        **options: Any,
+    ) -> None:
+        del qhull_options
+        refuse_options(furthest_site, incremental)
+        self.points = read_points(points)
+        if box is None:
+            self._diagram = diagram_of_space(self.points, options)
+        else:
+            self._diagram = diagram_in_box(self.points, as_box(box), options)
+        self.npoints = len(self.points)
+        self.vertices = self._diagram.vertices
+        self.ridge_points: Int32Array = self._diagram.ridge_seeds.astype(np.int32)
+        duplicate_of = self._diagram.duplicate_of
+        self.point_region: Int64Array = np.where(duplicate_of >= 0, duplicate_of, np.arange(self.npoints))
+
+    @property
+    def min_bound(self) -> Float64Array:
+        """(3,) float64, the least coordinates of the points."""
+        lower: Float64Array = self.points.min(axis=0)
+        return lower
+
+    @property
+    def max_bound(self) -> Float64Array:
+        """(3,) float64, the largest coordinates of the points."""
+        upper: Float64Array = self.points.max(axis=0)
+        return upper
+
+    @cached_property
+    def ridge_vertices(self) -> List[List[int]]:
+        """For each row of ``ridge_points`` the vertices around the polygon between the two, -1 where it is open."""
+        indptr, corners = self._diagram.ridges
+        is_inner = corners >= 0
+        # Of a run of corners on the box the first stays, or of a polygon of nothing else the first corner.
+        before = np.empty_like(is_inner)
+        before[1:] = is_inner[:-1]
+        before[indptr[:-1]] = is_inner[indptr[1:] - 1]
+        kept = is_inner | before
+        if len(indptr) > 1:
+            kept[indptr[:-1]] |= ~np.logical_or.reduceat(is_inner, indptr[:-1])
+        return _rows(indptr, np.maximum(corners, -1), kept)
+
+    @cached_property
+    def regions(self) -> List[List[int]]:
+        """The vertices of each cell, ascending, after a -1 where the cell is open."""
+        indptr, corners = self._diagram.cells
+        is_inner = corners >= 0
+        regions = _rows(indptr, corners, is_inner)
+        for row in np.flatnonzero(np.diff(np.concatenate(([0], np.cumsum(~is_inner)))[indptr])).tolist():
+            regions[row].append(-1)
+        for row in self._diagram.unordered.tolist():
+            regions[row].sort()
+        return regions
+
+    @cached_property
+    def ridge_dict(self) -> Dict[Tuple[int, int], List[int]]:
+        """The vertices of each ridge, by its row of ``ridge_points``."""
+        with garbage_collector_paused():
+            return dict(zip(map(tuple, self.ridge_points.tolist()), self.ridge_vertices))
+
+    def add_points(self, points: Any, restart: bool = False) -> None:
+        """Raises NotImplementedError."""
+        refuse_options(False, True)
+
+    def close(self) -> None:
+        """Does nothing: no points can be added anyway."""

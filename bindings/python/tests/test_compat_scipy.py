@@ -1,0 +1,310 @@
+"""Voronoi and Delaunay with scipy's attributes: against scipy where it is installed, and by what must hold anyway."""
+
+import unittest
+
+import numpy as np
+from helpers import lattice, uniform
+from pyvotess.compat.scipy import Delaunay, QhullError, Voronoi
+
+try:
+    import scipy.spatial as peer
+except ImportError:
+    peer = None
+
+needs_scipy = unittest.skipUnless(peer, "SciPy is not installed")
+
+
+def turned(points, seed=4):
+    axes, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return points @ axes
+
+
+def face_centered(n):
+    return np.concatenate([lattice(n) + shift for shift in ((0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5))])
+
+
+def on_sphere(count):
+    points = np.random.default_rng(6).normal(size=(count, 3))
+    return points / np.linalg.norm(points, axis=1)[:, None]
+
+
+def ring(ids):
+    """A polygon from its least corner on, in whichever direction."""
+    first = ids.index(min(ids))
+    ids = ids[first:] + ids[:first]
+    return min(tuple(ids), (ids[0], *ids[:0:-1]))
+
+
+def sets(rows):
+    return {tuple(sorted(row)) for row in rows.tolist()}
+
+
+CLOUDS = {
+    "uniform": uniform(400),
+    "one tetrahedron": np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]),
+    "cube": lattice(2),
+    "octahedron": np.concatenate((np.eye(3), -np.eye(3))),
+    "lattice": lattice(5),
+    "lattice in any order": np.random.default_rng(2).permutation(lattice(5)),
+    "body-centered": np.concatenate((lattice(4), lattice(4) + 0.5)),
+    "face-centered": np.random.default_rng(3).permutation(face_centered(4)),
+    "face-centered, turned": turned(face_centered(3)),
+    "almost a lattice": lattice(5) + 1e-10 * uniform(125),
+    "as close to a lattice as can be": lattice(4) + 2e-16 * uniform(64),
+    "sphere": on_sphere(150),
+    "thin": uniform(300) * (1, 1, 1e-6),
+    "needle": uniform(300) * (1, 1e-6, 1e-6),
+    "far away": uniform(200) + 1e6,
+    "small": uniform(200) * 1e-9,
+}
+
+
+class VoronoiTest(unittest.TestCase):
+    def compare(self, points):
+        ours, theirs = Voronoi(points), peer.Voronoi(points)
+        self.assertEqual(len(ours.vertices), len(theirs.vertices))
+        place = peer.cKDTree(ours.vertices).query(theirs.vertices)[1]
+        self.assertEqual(len(set(place)), len(place))
+        size = 1 + np.linalg.norm(theirs.vertices, axis=1)
+        self.assertLess((np.linalg.norm(ours.vertices[place] - theirs.vertices, axis=1) / size).max(), 1e-9)
+        place = np.append(place, -1).tolist()
+
+        expected = {tuple(sorted(key)): ring([place[v] for v in row]) for key, row in theirs.ridge_dict.items()}
+        found = {key: ring(row) for key, row in ours.ridge_dict.items()}
+        self.assertEqual({key: found[key] for key in expected}, expected)
+        # Qhull leaves out the ridges that have but one vertex.
+        self.assertTrue(all(len(found[key]) == 2 and -1 in found[key] for key in set(found) - set(expected)))
+        for point in range(len(points)):
+            row = theirs.regions[theirs.point_region[point]]
+            self.assertEqual(ours.regions[ours.point_region[point]], sorted(place[v] for v in row))
+
+    @needs_scipy
+    def test_equals_scipy(self):
+        for count in (4, 5, 6, 20, 500, 3000):
+            self.compare(uniform(count, seed=count))
+        self.compare(uniform(300) * (5, 1, 0.2) - 3)
+
+    @needs_scipy
+    def test_attributes(self):
+        points = uniform(50).astype(np.float32)
+        ours, theirs = Voronoi(points), peer.Voronoi(points)
+        for name in ("points", "min_bound", "max_bound"):
+            np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
+        for name in ("ndim", "npoints", "furthest_site"):
+            self.assertEqual(getattr(ours, name), getattr(theirs, name))
+        for name in ("points", "vertices", "ridge_points", "point_region"):
+            self.assertEqual(getattr(ours, name).dtype, getattr(theirs, name).dtype, name)
+        for name in ("regions", "ridge_vertices"):
+            self.assertIs(type(getattr(ours, name)), list)
+            self.assertIs(type(getattr(ours, name)[3]), list)
+            self.assertIs(type(getattr(ours, name)[3][-1]), int)
+            self.assertIs(getattr(ours, name), getattr(ours, name))
+
+    def test_one_run_in_a_large_box_gives_the_same(self):
+        for name, points in CLOUDS.items():
+            with self.subTest(name):
+                ours = Voronoi(points)
+                reach = 1e40 if name == "as close to a lattice as can be" else 1e24
+                whole = Voronoi(points, box=np.stack((points.min(axis=0) - reach, points.max(axis=0) + reach)))
+                self.assertLess(np.abs(whole.vertices).max(), reach / 2)
+                self.assertEqual(len(ours.vertices), len(whole.vertices))
+                self.assertEqual(sets(ours.ridge_points), sets(whole.ridge_points))
+                self.assertEqual(sorted(map(len, ours.ridge_vertices)), sorted(map(len, whole.ridge_vertices)))
+                self.assertEqual([len(row) for row in ours.regions], [len(row) for row in whole.regions])
+                self.assertEqual([-1 in row for row in ours.regions], [-1 in row for row in whole.regions])
+
+    def test_vertices_are_as_far_from_all_cells_around(self):
+        points = uniform(3000, seed=9)
+        vor = Voronoi(points)
+        self.assertGreater(np.abs(vor.vertices).max(), 50)
+        distances = [[] for _ in vor.vertices]
+        for point, region in enumerate(vor.regions):
+            for vertex in region:
+                if vertex >= 0:
+                    distances[vertex].append(np.linalg.norm(points[point] - vor.vertices[vertex]))
+        for row in distances:
+            self.assertEqual(len(row), 4)
+            self.assertLess(np.ptp(row), 1e-9 * row[0])
+
+    def test_steps_of_the_manual_on_a_lattice(self):
+        # 3 x 3 x 3 points: the middle one has the only finite region, whose 8 vertices are all there are.
+        points = lattice(3)
+        vor = Voronoi(points)
+        self.assertEqual(sorted(vor.vertices.tolist()), sorted((lattice(2) + 0.5).tolist()))
+        finite = [row for row in vor.regions if row and -1 not in row]
+        self.assertEqual(finite, [list(range(8))])
+        self.assertEqual(vor.regions[vor.point_region[13]], list(range(8)))
+        closed = [pair for pair, row in vor.ridge_dict.items() if -1 not in row]
+        self.assertEqual(sorted(closed), sorted(tuple(sorted((13, 13 + step))) for step in (-9, -3, -1, 1, 3, 9)))
+        # A ridge lies midway between its points, across the way from one to the other.
+        for (i, j), row in vor.ridge_dict.items():
+            inner = vor.vertices[[v for v in row if v >= 0]]
+            np.testing.assert_allclose((inner - (points[i] + points[j]) / 2) @ (points[j] - points[i]), 0, atol=1e-14)
+        self.assertEqual(len(vor.ridge_vertices), 54)
+
+    def test_box(self):
+        points = uniform(200)
+        whole, cut = Voronoi(points), Voronoi(points, box=(0, 0, 0, 1, 1, 1))
+        inside = ((whole.vertices > 0) & (whole.vertices < 1)).all(axis=1)
+        self.assertEqual(len(cut.vertices), np.count_nonzero(inside))
+        self.assertTrue(sets(cut.ridge_points) <= sets(whole.ridge_points))
+        self.assertGreater(sum(-1 in row for row in cut.regions), sum(-1 in row for row in whole.regions))
+
+    def test_equal_points(self):
+        points = np.concatenate((uniform(50), uniform(50)[7:9]))
+        vor = Voronoi(points)
+        self.assertEqual(vor.point_region[-2:].tolist(), [7, 8])
+        self.assertEqual(vor.regions[-2:], [[], []])
+        self.assertEqual(vor.regions[:50], Voronoi(points[:50]).regions)
+
+    def test_what_is_refused(self):
+        points = uniform(50)
+        for make in (Voronoi, Delaunay):
+            for flat in (points * (1, 1, 0), points * (1, 0, 0), points[:3], points[:0], points * 0, lattice(3)[:9]):
+                with self.assertRaises(QhullError):
+                    make(flat)
+            with self.assertRaisesRegex(ValueError, "NaN"):
+                make(np.where(points == points[0], np.nan, points))
+            with self.assertRaisesRegex(ValueError, "shape"):
+                make(points[:, :2])
+            with self.assertRaisesRegex(NotImplementedError, "furthest_site"):
+                make(points, furthest_site=True)
+            with self.assertRaisesRegex(NotImplementedError, "incremental"):
+                make(points, incremental=True)
+            with self.assertRaisesRegex(NotImplementedError, "incremental"):
+                make(points, qhull_options="Qbb").add_points(points)
+            make(points, threads=1).close()
+
+
+class DelaunayTest(unittest.TestCase):
+    def test_simplices_fill_the_hull(self):
+        for name, points in CLOUDS.items():
+            with self.subTest(name):
+                tri = Delaunay(points)
+                corners = points[tri.simplices]
+                volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6
+                self.assertGreater(volumes.min(), -1e-9 * volumes.max())  # rounding of flat ones
+                # The volume inside of the surface is that of the simplices.
+                base = points.mean(axis=0)
+                inside = np.linalg.det(points[tri.convex_hull] - base).sum() / 6
+                self.assertAlmostEqual(volumes.sum() / inside, 1, delta=1e-9)
+                # No face has three simplices, and those with one form a sphere.
+                opposite = [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)]
+                faces = np.sort(tri.simplices[:, opposite].reshape(-1, 3), axis=1)
+                _, counts = np.unique(faces, axis=0, return_counts=True)
+                self.assertLessEqual(counts.max(), 2)
+                self.assertEqual(np.count_nonzero(counts == 1), len(tri.convex_hull))
+                hull = tri.convex_hull
+                sides = np.sort(hull[:, [(0, 1), (1, 2), (2, 0)]].reshape(-1, 2))
+                edges, counts = np.unique(sides, axis=0, return_counts=True)
+                self.assertTrue((counts == 2).all())
+                self.assertEqual(len(np.unique(hull)) - len(edges) + len(hull), 2)
+                self.assertEqual(len(np.unique(tri.simplices)), len(points))
+                if peer and name not in ("thin", "needle"):
+                    self.assertAlmostEqual(volumes.sum() / peer.ConvexHull(points).volume, 1, delta=1e-9)
+
+    def test_neighbors(self):
+        tri = Delaunay(uniform(300))
+        for simplex, row in enumerate(tri.neighbors.tolist()):
+            for corner, neighbor in enumerate(row):
+                if neighbor >= 0:
+                    shared = set(tri.simplices[simplex]) & set(tri.simplices[neighbor])
+                    self.assertEqual(shared, set(np.delete(tri.simplices[simplex], corner)))
+        # Ids that do not fit three into one number are sorted another way.
+        other = Delaunay(uniform(300))
+        other.npoints = 2**21
+        np.testing.assert_array_equal(other.neighbors, tri.neighbors)
+
+    @needs_scipy
+    def test_equals_scipy(self):
+        for count in (4, 5, 30, 600):
+            points = uniform(count, seed=count)
+            ours, theirs = Delaunay(points), peer.Delaunay(points)
+            self.assertEqual(sets(ours.simplices), sets(theirs.simplices))
+            self.assertEqual(sets(ours.convex_hull), sets(theirs.convex_hull))
+            self.assertEqual((ours.nsimplex, ours.npoints, ours.ndim), (theirs.nsimplex, theirs.npoints, theirs.ndim))
+            (indptr, indices), (their_indptr, their_indices) = (t.vertex_neighbor_vertices for t in (ours, theirs))
+            for point in range(count):
+                row = their_indices[their_indptr[point] : their_indptr[point + 1]]
+                self.assertEqual(indices[indptr[point] : indptr[point + 1]].tolist(), sorted(row))
+            queries = uniform(500, seed=1) * 1.4 - 0.2
+            mine, other = ours.find_simplex(queries), theirs.find_simplex(queries)
+            np.testing.assert_array_equal(mine >= 0, other >= 0)
+            inside = mine >= 0
+            corners = np.sort(ours.simplices[mine[inside]]), np.sort(theirs.simplices[other[inside]])
+            np.testing.assert_array_equal(*corners)
+            for name in ("points", "simplices", "neighbors", "convex_hull", "coplanar", "vertex_to_simplex"):
+                self.assertEqual(getattr(ours, name).dtype, getattr(theirs, name).dtype, name)
+            for name in ("min_bound", "max_bound"):
+                np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
+
+    def test_edges_of_cut_polytopes(self):
+        tri = Delaunay(lattice(3))
+        indptr, indices = tri.vertex_neighbor_vertices
+        edges = {(i, int(j)) for i in range(27) for j in indices[indptr[i] : indptr[i + 1]]}
+        expected = {(int(a), int(b)) for row in tri.simplices for a in row for b in row if a != b}
+        self.assertEqual(edges, expected)
+
+    def test_find_simplex(self):
+        for name in ("uniform", "face-centered", "almost a lattice", "sphere", "thin"):
+            with self.subTest(name):
+                points = CLOUDS[name]
+                tri = Delaunay(points)
+                queries = points.min(axis=0) + (uniform(300, seed=8) * 1.2 - 0.1) * np.ptp(points, axis=0)
+                found = tri.find_simplex(queries)
+                self.assertTrue((found >= 0).any() and (found < 0).any())
+                # The least barycentric coordinate over all simplices tells inside from outside.
+                corners = points[tri.simplices]
+                inverse = np.linalg.inv(corners[:, :3] - corners[:, 3:])
+                for query, simplex in zip(queries, found):
+                    first = np.einsum("tk,tki->ti", query - corners[:, 3], inverse)
+                    least = np.minimum(first.min(axis=1), 1 - first.sum(axis=1))
+                    self.assertEqual(simplex >= 0, least.max() >= 0)
+                    if simplex >= 0:
+                        self.assertGreater(least[simplex], -1e-6)
+
+    def test_find_simplex_shapes(self):
+        tri = Delaunay(uniform(40))
+        self.assertEqual(tri.find_simplex((0.5, 0.5, 0.5)).shape, ())
+        self.assertEqual(tri.find_simplex(np.full((2, 5, 3), 0.5)).shape, (2, 5))
+        self.assertEqual(tri.find_simplex(np.zeros((0, 3))).shape, (0,))
+        nowhere = [(np.nan, 0, 0), (np.inf, 0, 0), (9, 9, 9), (1e300, 0, 0)]
+        self.assertEqual(tri.find_simplex(nowhere).tolist(), [-1] * 4)
+        with self.assertRaisesRegex(ValueError, "shape"):
+            tri.find_simplex(np.zeros((3, 2)))
+        for point, simplex in enumerate(tri.find_simplex(tri.points)):
+            self.assertIn(point, tri.simplices[simplex])
+        corner = Delaunay(lattice(2))
+        self.assertEqual(corner.find_simplex((0.5, 1, 1.5 + 1e-15)) >= 0, True)
+        self.assertEqual(corner.find_simplex((0.5, 1, 1.5 + 1e-9)), -1)
+        self.assertEqual(corner.find_simplex((0.5, 1, 1.5 + 1e-9), tol=1e-6) >= 0, True)
+
+    def test_steps_of_the_manual(self):
+        # Two tetrahedra on one triangle: each is the other's neighbor, opposite to the corner that it alone has.
+        points = np.array([(0, 0, 0), (1, 0, 0), (0, 1.1, 0), (0.2, 0.2, 1), (0.2, 0.2, -1)])
+        tri = Delaunay(points)
+        self.assertEqual(sets(tri.simplices), {(0, 1, 2, 3), (0, 1, 2, 4)})
+        for simplex in range(2):
+            (corner,) = np.flatnonzero(tri.neighbors[simplex] >= 0)
+            self.assertEqual(tri.neighbors[simplex, corner], 1 - simplex)
+            self.assertIn(tri.simplices[simplex, corner], (3, 4))
+        queries = np.array([(0.1, 0.2, 0.3), (1.5, 0.5, 0), (0.2, 0.2, -0.9)])
+        found = tri.find_simplex(queries)
+        self.assertEqual(found[1], -1)
+        self.assertEqual([set(tri.simplices[k]) for k in found[[0, 2]]], [{0, 1, 2, 3}, {0, 1, 2, 4}])
+        matrix = tri.transform[found[0]]
+        first = matrix[:3].dot(queries[0] - matrix[3])
+        weights = np.append(first, 1 - first.sum())
+        np.testing.assert_allclose(weights @ points[tri.simplices[found[0]]], queries[0], atol=1e-15)
+
+    def test_equal_points(self):
+        points = np.concatenate((uniform(50), uniform(50)[7:9]))
+        tri = Delaunay(points)
+        self.assertEqual(tri.coplanar[:, [0, 2]].tolist(), [[50, 7], [51, 8]])
+        self.assertEqual(tri.vertex_to_simplex[50], tri.vertex_to_simplex[7])
+        self.assertTrue(all(7 in tri.simplices[k] for k in tri.coplanar[:1, 1]))
+        np.testing.assert_array_equal(tri.simplices, Delaunay(points[:50]).simplices)
+
+
+if __name__ == "__main__":
+    unittest.main()
