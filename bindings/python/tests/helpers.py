@@ -1,9 +1,11 @@
-"""What the tests share: the package of this tree, points, and words."""
+"""What the tests share: the package of this tree, points, words, results to save and a folder for them."""
 
 import importlib.util
 import os
 import pathlib
 import sys
+import tempfile
+import unittest
 
 import numpy as np
 
@@ -12,8 +14,11 @@ if "VOTESS_TEST_INSTALLED" in os.environ:  # the package that pip has installed
     PACKAGE_PARENT = str(pathlib.Path(importlib.util.find_spec("pyvotess").origin).parents[1])
 sys.path.insert(0, PACKAGE_PARENT)
 
+import pyvotess as vt  # noqa: E402
+
 UNIT_BOX = (0, 0, 0, 1, 1, 1)
 EVERYTHING = ("neighbors", "volumes", "centroids", "counts", "areas")
+CELL = [(1, 0, 0), (0.3, 1, 0), (0.2, 0.4, 1)]
 
 
 def uniform(count, seed=1):
@@ -29,3 +34,37 @@ def lattice(n):
 def long_run_points():
     """Enough points for about a second of one thread."""
     return uniform(int(os.environ.get("VOTESS_TEST_LONG_RUN", "200000")), seed=3)
+
+
+def have(*modules):
+    """Whether all of these packages are installed, the reason to skip for unittest otherwise."""
+    missing = [name for name in modules if importlib.util.find_spec(name) is None]
+    return unittest.skipIf(missing, f"{', '.join(missing)} is not installed")
+
+
+def cells(count=60, **options):
+    """Cells with two duplicates at the end."""
+    points = uniform(count)
+    options.setdefault("box", UNIT_BOX)
+    options.setdefault("want", "faces,volumes,centroids,areas")
+    return vt.tessellate(np.concatenate((points, points[:2])), **options)
+
+
+def once(t):
+    """The faces, each once, as lists of corners with their two cells, made without the code under test."""
+    faces = []
+    for i, row in enumerate(t.neighbors):
+        for k, j in zip(range(t.neighbors.indptr[i], t.neighbors.indptr[i + 1]), row.tolist()):
+            if j < 0 or i < j or (i == j and tuple(t.shifts[k].tolist()) > (0, 0, 0)):
+                faces.append((t.faces[k].tolist(), i, j))
+    return faces
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def path(self, name):
+        return str(self.folder / name)

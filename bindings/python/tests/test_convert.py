@@ -6,8 +6,7 @@ import xml.etree.ElementTree
 from unittest import mock
 
 import numpy as np
-from helpers import UNIT_BOX, lattice, uniform
-from saved import cells, have
+from helpers import UNIT_BOX, cells, have, lattice, uniform
 
 import pyvotess as vt
 

@@ -8,8 +8,7 @@ import unittest
 from unittest import mock
 
 import numpy as np
-from helpers import UNIT_BOX, uniform
-from saved import CELL, Folder, cells, have, once
+from helpers import CELL, UNIT_BOX, Folder, cells, have, once, uniform
 
 import pyvotess as vt
 from pyvotess.export import colors, geometry

@@ -7,8 +7,7 @@ import xml.etree.ElementTree
 from unittest import mock
 
 import numpy as np
-from helpers import lattice, uniform
-from saved import CELL, Folder, cells, have, once
+from helpers import CELL, Folder, cells, have, lattice, once, uniform
 
 import pyvotess as vt
 from pyvotess.export import colors

@@ -1,18 +1,18 @@
 """Copies and pickles of results."""
 
 import copy
+import os
 import pickle
 import subprocess
 import sys
 import unittest
 
 import numpy as np
-from helpers import UNIT_BOX, uniform
+from helpers import CELL, PACKAGE_PARENT, UNIT_BOX, uniform
 
 import pyvotess as vt
 
 EVERYTHING = "neighbors,volumes,centroids,counts,areas,normals,surfaces,radii,vertices,faces"
-CELL = [(1, 0, 0), (0.3, 1, 0), (0.2, 0.4, 1)]
 ARRAYS = (
     "volumes", "centroids", "face_areas", "face_normals", "surface_areas", "security_radii", "vertices", "face_counts",
     "edge_counts", "vertex_counts", "status", "duplicate_of", "shifts", "box", "cell", "origin", "walls", "weights",
@@ -130,7 +130,8 @@ class Pickles(unittest.TestCase):
             "t = pickle.load(sys.stdin.buffer)\n"
             "print(len(t), t.delaunay().tetrahedra.shape[0], bool(t.verify()))\n"
         )
-        done = subprocess.run([sys.executable, "-c", code], input=pickle.dumps(t), capture_output=True, check=True)
+        done = subprocess.run([sys.executable, "-c", code], input=pickle.dumps(t), capture_output=True, check=True,
+                              env=dict(os.environ, PYTHONPATH=PACKAGE_PARENT))
         self.assertEqual(done.stdout.decode().split(), ["50", str(len(t.delaunay().tetrahedra)), "True"])
 
 
