@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 import numpy as np
 
 from .._input import as_points
+from ..export.geometry import ranges
 from ..tessellator import tessellate
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ class Diagram:
         for part, entry in reversed(list(zip(self.parts, self.entries))):
             begin, end = part.t.faces.indptr[entry], part.t.faces.indptr[entry + 1]
             sizes.append(end - begin)
-            corners.append(part.number[part.t.faces.indices[ranges(begin, end)]])
+            corners.append(part.number[part.t.faces.indices[ranges(begin, end - begin)]])
         return np.concatenate(([0], np.cumsum(np.concatenate(sizes)))), np.concatenate(corners)
 
     @cached_property
@@ -98,7 +99,7 @@ class Diagram:
             corners.append(part.number[rows.indices])
             total += len(rows.indices)
         indptr = np.concatenate(([0], np.cumsum(end - begin)))
-        return indptr, np.concatenate(corners)[ranges(begin, end)] if len(corners) > 1 else corners[0]
+        return indptr, np.concatenate(corners)[ranges(begin, end - begin)] if len(corners) > 1 else corners[0]
 
 
 def diagram_of_space(points: Float64Array, options: Dict[str, Any]) -> Diagram:
@@ -141,7 +142,8 @@ def _tessellate(points: Float64Array, box: Any, options: Dict[str, Any]) -> Tupl
     t = tessellate(points, box=box, want="faces", **options)
     is_inner = np.ones(len(t.vertices), dtype=bool)
     is_wall = np.flatnonzero(t.neighbors.indices < 0)
-    is_inner[t.faces.indices[ranges(t.faces.indptr[is_wall], t.faces.indptr[is_wall + 1])]] = False
+    begin = t.faces.indptr[is_wall]
+    is_inner[t.faces.indices[ranges(begin, t.faces.indptr[is_wall + 1] - begin)]] = False
     return t, is_inner
 
 
@@ -209,12 +211,6 @@ def _merge(parts: List[Part], is_open: BoolArray) -> Diagram:
     return Diagram(parts, is_open, vertices, np.concatenate(pairs), entries)
 
 
-def ranges(begin: Int64Array, end: Int64Array) -> Int64Array:
-    """All numbers from each begin to its end, one range after the other."""
-    size = end - begin
-    return np.repeat(begin - np.cumsum(size) + size, size) + np.arange(size.sum())
-
-
 def _is_hull_convex(t: Tessellation, is_inner: BoolArray) -> bool:
     """Whether no vertex lies beyond the box, in exact arithmetic.
 
@@ -229,7 +225,7 @@ def _is_hull_convex(t: Tessellation, is_inner: BoolArray) -> bool:
     outer = np.unique(polygon_of[on_box])
     outer = outer[seed[outer] < rows.indices[outer]]
     size = faces.indptr[outer + 1] - faces.indptr[outer]
-    corner = ranges(faces.indptr[outer], faces.indptr[outer + 1])
+    corner = ranges(faces.indptr[outer], size)
     first = np.repeat(faces.indptr[outer], size)
     following = np.where(corner + 1 < np.repeat(faces.indptr[outer + 1], size), corner + 1, first)
     number = np.repeat(np.arange(len(outer)), size)
