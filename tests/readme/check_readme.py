@@ -1,21 +1,92 @@
-"""Runs the examples of README.md, so that what it promises stays true.
+"""Runs the examples of README.md, or of other Markdown files, so that what they promise stays true.
 
-A fenced block counts when the line before it is <!-- tested -->. Blocks run in order in one empty directory: sh with
-the build's bin directory on PATH, python with pyvotess importable, cpp and c compiled as whole programs against the
-build and run. A line "# prints: text" or "// prints: text" in a block demands that the output contains the text.
+A fenced block counts when the line before it is <!-- tested -->. Blocks of a file run in order in one empty directory:
+sh with the build's bin directory on PATH, python with pyvotess importable, cpp and c compiled as whole programs against
+the build and run. A line "# prints: text" or "// prints: text" in a block demands that the output contains the text.
+
+Files that are named are pages of the documentation. There python blocks build on those before them, as they are one
+session. <!-- tested, needs ase --> skips a block where that package is missing, unless --all. Every block must be
+tested, or be a listing of the language text, or stand behind <!-- not run: reason -->. --keep DIR leaves the pictures
+that the blocks of page.md make in DIR/page.
 """
 
 import argparse
+import importlib.util
+import json
 import os
 import re
+import select
+import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import NamedTuple
 
-BLOCK = re.compile(r"^<!-- tested -->\n```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FENCED = re.compile(r"^(?:<!-- ([^\n]*) -->\n)?```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+TESTED = re.compile(r"tested(?:, needs ([\w, ]+))?")
 PRINTS = re.compile(r"^\s*(?:#|//) prints: (.*)$", re.MULTILINE)
 LANGUAGES = {"sh", "python", "cpp", "c"}
+PICTURES = {".png", ".svg", ".jpg"}
+TIMEOUT = 120
+
+# Runs blocks in one namespace: a line of input names the code and the file for its output, a line of output tells 1 or 0.
+SESSION = """
+import json, os, sys, traceback
+replies = os.fdopen(os.dup(1), "w")
+names = {"__name__": "__main__"}
+for line in iter(sys.stdin.readline, ""):
+    code, path = json.loads(line)
+    file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    os.dup2(file, 1)
+    os.dup2(file, 2)
+    os.close(file)
+    passed = True
+    try:
+        exec(compile(code, "block", "exec"), names)
+    except BaseException:
+        traceback.print_exc()
+        passed = False
+    sys.stdout.flush()
+    sys.stderr.flush()
+    print(int(passed), file=replies, flush=True)
+"""
+
+
+class Block(NamedTuple):
+    line: int
+    mark: str  # the comment on the line before, "" when there is none
+    language: str
+    code: str
+
+
+class Session:
+    """A Python that remembers what the blocks before have made."""
+
+    def __init__(self, directory, environment):
+        self.output = directory.parent / f"{directory.name}.output"
+        self.process = subprocess.Popen([sys.executable, "-c", SESSION], cwd=directory, env=environment, text=True,
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+    def run(self, code):
+        """Whether the code went to its end, and what it printed."""
+        reply = ""
+        try:
+            print(json.dumps([code, str(self.output)]), file=self.process.stdin, flush=True)
+            if select.select([self.process.stdout], [], [], TIMEOUT)[0]:
+                reply = self.process.stdout.readline()
+        except BrokenPipeError:
+            pass
+        output = self.output.read_text() if self.output.exists() else ""
+        if not reply:
+            self.process.kill()
+            output += f"the session ended, or took more than {TIMEOUT} s\n"
+        return reply.strip() == "1", output
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
+        self.process.stdout.close()
 
 
 def compile_command(language, source, program, args):
@@ -37,43 +108,107 @@ def commands(language, code, directory, args):
     return [compile_command(language, source, program, args), [str(program)]]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--source", type=Path, required=True, help="root of the repository")
-    parser.add_argument("--build", type=Path, required=True, help="build tree")
-    parser.add_argument("--bin", type=Path, required=True, help="directory of clvotess")
-    parser.add_argument("--lib", type=Path, required=True, help="directory of libvotess")
-    args = parser.parse_args()
+def run(block, directory, environment, args):
+    """Whether the commands of a block succeeded, and what they printed."""
+    output = ""
+    for command in commands(block.language, block.code, directory, args):
+        done = subprocess.run(command, cwd=directory, env=environment, text=True, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, timeout=TIMEOUT, check=False)
+        output += done.stdout
+        if done.returncode != 0:
+            return False, f"{output}exit code {done.returncode}\n"
+    return True, output
 
-    text = (args.source / "README.md").read_text()
-    blocks = [(text.count("\n", 0, m.start(2)) + 1, m[1], m[2]) for m in BLOCK.finditer(text)]
-    environment = dict(os.environ, PATH=f"{args.bin}{os.pathsep}{os.environ['PATH']}")
+
+def read(path):
+    text = path.read_text(encoding="utf-8")
+    blocks = [Block(text.count("\n", 0, m.start(3)) + 1, m[1] or "", m[2], m[3]) for m in FENCED.finditer(text)]
+    return text, blocks
+
+
+def complaints(text, blocks, is_page):
+    """What is wrong with the marks of a file."""
+    tested = [block for block in blocks if TESTED.fullmatch(block.mark)]
+    if len(tested) != len(re.findall("<!-- tested", text)):
+        yield "every <!-- tested --> must stand on the line before a fenced block"
+    for block in tested:
+        if block.language not in LANGUAGES:
+            yield f"line {block.line}: {block.language!r} cannot be run, only {', '.join(sorted(LANGUAGES))}"
+    if not is_page:
+        if {block.language for block in tested} != LANGUAGES:
+            yield f"each of {', '.join(sorted(LANGUAGES))} must have a tested block"
+        return
+    if 2 * len(blocks) != len(re.findall(r"^\s*```", text, re.MULTILINE)):
+        yield "there are fences that begin no block, or blocks that are indented"
+    for paragraph in re.findall(r"(?:\A|\n\n)((?:    |\t).*)", FENCED.sub("", text)):
+        yield f"a block without fences, which is not tested: {paragraph.strip()}"
+    for block in blocks:
+        if block not in tested and block.language != "text" and not block.mark.startswith("not run: "):
+            yield f"line {block.line}: a block that is neither tested nor of the language text nor marked as not run"
+
+
+def check(path, is_page, args, environment):
+    """Runs the blocks of a file; returns the number of failures."""
+    name = os.path.relpath(path, args.source)
+    text, blocks = read(path)
     failures = 0
-    if len(blocks) != text.count("<!-- tested -->") or {language for _, language, _ in blocks} != LANGUAGES:
-        print("README.md: every <!-- tested --> must stand on the line before a fenced block, and each of",
-              ", ".join(sorted(LANGUAGES)), "must have one")
+    for complaint in complaints(text, blocks, is_page):
+        print(f"{name}: {complaint}")
         failures += 1
-
-    with tempfile.TemporaryDirectory() as name:
-        directory = Path(name)
-        for line, language, code in blocks:
-            output = ""
-            code_ok = True
-            for command in commands(language, code, directory, args):
-                done = subprocess.run(command, cwd=directory, env=environment, text=True, stdout=subprocess.PIPE,
-                                      stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, timeout=120, check=False)
-                output += done.stdout
-                if done.returncode != 0:
-                    code_ok = False
-                    output += f"exit code {done.returncode}\n"
-                    break
-            absent = [wanted for wanted in PRINTS.findall(code) if wanted not in output]
-            print(f"README.md:{line}: {language}: {'ok' if code_ok and not absent else 'FAILED'}")
-            if not code_ok or absent:
+    with tempfile.TemporaryDirectory() as folder:
+        directory = Path(folder) / path.stem
+        directory.mkdir()
+        session = Session(directory, environment) if is_page else None
+        for block in blocks:
+            tested = TESTED.fullmatch(block.mark)
+            if not tested or block.language not in LANGUAGES:
+                if block.mark.startswith("not run: "):
+                    print(f"{name}:{block.line}: {block.language}: {block.mark}")
+                continue
+            needs = re.findall(r"\w+", tested[1] or "")
+            missing = [package for package in needs if importlib.util.find_spec(package) is None]
+            if missing and not args.all:
+                print(f"{name}:{block.line}: {block.language}: skipped, there is no {' '.join(missing)}")
+                continue
+            if session and block.language == "python":
+                passed, output = session.run(block.code)
+            else:
+                passed, output = run(block, directory, environment, args)
+            absent = [wanted for wanted in PRINTS.findall(block.code) if wanted not in output]
+            print(f"{name}:{block.line}: {block.language}: {'ok' if passed and not absent else 'FAILED'}", flush=True)
+            if not passed or absent:
                 failures += 1
                 print(output)
                 for wanted in absent:
                     print(f"the output does not contain: {wanted}")
+        if session:
+            session.close()
+        if args.keep:
+            target = args.keep / path.stem
+            target.mkdir(parents=True, exist_ok=True)
+            for file in sorted(directory.iterdir()):
+                if file.suffix in PICTURES:
+                    shutil.copy(file, target)
+    return failures
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--source", type=Path, required=True, help="root of the repository")
+    parser.add_argument("--build", type=Path, required=True, help="build tree")
+    parser.add_argument("--bin", type=Path, required=True, help="directory of clvotess")
+    parser.add_argument("--lib", type=Path, required=True, help="directory of libvotess")
+    parser.add_argument("--all", action="store_true", help="a package that a block needs must be there")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="where pictures go")
+    parser.add_argument("pages", type=Path, nargs="*", help="Markdown files; default: README.md")
+    args = parser.parse_args()
+
+    for name in ("source", "build", "bin", "lib"):
+        setattr(args, name, getattr(args, name).resolve())
+    environment = dict(os.environ, PATH=f"{args.bin}{os.pathsep}{os.environ['PATH']}", MPLBACKEND="agg")
+    failures = sum(check(page, True, args, environment) for page in map(Path.resolve, args.pages))
+    if not args.pages:
+        failures += check(args.source / "README.md", False, args, environment)
     return 1 if failures else 0
 
 

@@ -1,0 +1,43 @@
+"""For mkdocstrings: how docstrings of pyvotess are read.
+
+A comment "#: text" behind an attribute is its docstring. In the lists of parameters and exceptions "name : text" has a
+description behind the colon; types are those of the signature. Paragraphs behind the list of parameters, which is the
+end of a docstring for griffe, go in front of it.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, List
+
+import griffe
+
+ENTRY = re.compile(r"^(\w[\w, ]*) : (.*)$", re.MULTILINE)
+HEADING = re.compile(r"^(\w+)\n-+\n")
+
+
+def rearranged(text: str) -> str:
+    """The docstring as griffe expects it."""
+    prose: List[str] = []
+    lists: List[str] = []
+    for paragraph in text.split("\n\n"):
+        if HEADING.match(paragraph):
+            lists.append(ENTRY.sub(r"\1\n    \2", paragraph))
+        elif lists and (paragraph.startswith(" ") or ENTRY.match(paragraph)):
+            lists[-1] += "\n\n" + ENTRY.sub(r"\1\n    \2", paragraph)
+        else:
+            prose.append(paragraph)
+    return "\n\n".join(prose + lists)
+
+
+class Docstrings(griffe.Extension):
+    def on_instance(self, *, obj: griffe.Object, **kwargs: Any) -> None:
+        if obj.docstring is not None:
+            obj.docstring.value = rearranged(obj.docstring.value)
+
+    def on_attribute_instance(self, *, attr: griffe.Attribute, **kwargs: Any) -> None:
+        if attr.docstring is not None or attr.lineno is None:
+            return
+        _, mark, text = attr.lines_collection[attr.filepath][attr.lineno - 1].partition("#: ")
+        if mark:
+            attr.docstring = griffe.Docstring(text.strip(), lineno=attr.lineno, parent=attr)

@@ -1,0 +1,133 @@
+"""Hooks of mkdocs: what pages show of the sources is taken from there when they are built.
+
+A line of its own in a page
+
+    [[section README.md: Benchmark]]     that section of a Markdown file, without its heading
+    [[header votess.hpp]]                that public header, in parts with headings
+    [[help]]                             what `clvotess --help-all` prints
+
+is replaced. Pictures lie in the folder that VOTESS_DOCS_MADE names, made/page/picture.png in links.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from pathlib import Path
+from typing import Any, Iterator, List, Tuple
+
+from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File, Files
+
+ROOT = Path(__file__).resolve().parents[4]
+MADE = Path(os.environ.get("VOTESS_DOCS_MADE", ROOT / "build/docs/made"))
+PLACE = re.compile(r"^\[\[(\w+)(?: ([^\]:]+))?(?:: ([^\]]+))?\]\]$", re.MULTILINE)
+
+_shown: List[Path] = []  # pictures that sections of other files show
+
+
+def _section(name: str, title: str) -> str:
+    """A section of a Markdown file. Its pictures become pictures of the site, its other links text."""
+    file = ROOT / name
+    found = re.search(rf"^(#+) {re.escape(title)}\n(.*?)(?=^#{{1,2}} |\Z)", file.read_text("utf-8"), re.M | re.S)
+    if not found:
+        raise PluginError(f"{name} has no section {title!r}")
+
+    def picture(link: re.Match[str]) -> str:
+        path = (file.parent / link[2]).resolve()
+        if path not in _shown:
+            raise PluginError(f"{name} shows {link[2]}: name it in PICTURES of {__file__}")
+        return f"![{link[1]}](made/{path.name})"
+
+    text = re.sub(r"!\[([^\]]*)\]\(([^)]+)\)", picture, found[2])
+    return re.sub(r"(?<!!)\[([^\]]*)\]\((?!https?:)[^)]+\)", r"\1", text)
+
+
+#: Pictures of the repository that sections show.
+PICTURES = ("tools/bench/results/speed.png",)
+
+# At the left edge: what a part of a header declares.
+_TYPE = re.compile(r"^(?:enum class|struct|class|using|typedef (?:enum|struct))\s+(?:VOTESS_API\s+)?(\w+)(?!.*;$)", re.M)
+_FUNCTION = re.compile(r"^(?:\[\[nodiscard\]\] )?VOTESS_API [^(;]*?\b(\w+)\(", re.M)
+
+
+def _parts(text: str) -> Iterator[Tuple[str, str]]:
+    """The paragraphs of a header, each with what it declares; several in one where braces are open between them."""
+    part: List[str] = []
+    depth = 0
+    for paragraph in text.split("\n\n"):
+        part.append(paragraph)
+        code = re.sub(r"//.*", "", paragraph)
+        # Namespaces and extern "C" stay open.
+        code = re.sub(r"^(?:namespace [\w:]+|extern \"C\") \{|^\}(?:  )?$", "", code, flags=re.M)
+        depth += code.count("{") - code.count("}")
+        if depth == 0:
+            whole = "\n\n".join(part)
+            names = _TYPE.findall(whole) + _FUNCTION.findall(whole)
+            yield (names[0] if names else ""), whole
+            part = []
+    if part:
+        raise PluginError(f"a header with braces that stay open: {part[0][:60]}")
+
+
+def _header(name: str) -> str:
+    """All of a header: parts that declare nothing go with those before them."""
+    text = (ROOT / "include/votess" / name).read_text("utf-8").strip("\n")
+    language = "c" if name.endswith(".h") else "cpp"
+    parts: List[Tuple[str, str]] = []
+    for title, part in _parts(text):
+        if parts and (not title or title in (known for known, _ in parts)):
+            parts[-1] = (parts[-1][0], parts[-1][1] + "\n\n" + part)
+        else:
+            parts.append((title, part))
+    if "\n\n".join(part for _, part in parts) != text:
+        raise PluginError(f"{name}: its parts are not the whole")
+    return "\n".join(
+        (f"### {title} {{ #{Path(name).suffix[1:]}-{title} }}\n\n" if title else "") + f"```{language}\n{part}\n```\n"
+        for title, part in parts
+    )
+
+
+def _help() -> str:
+    text = subprocess.run(["clvotess", "--help-all"], check=True, capture_output=True, text=True).stdout
+    return f"```text\n{text}```"
+
+
+def on_files(files: Files, config: Any) -> Files:
+    """Pictures that were made, and those of the repository, become files of the site."""
+    for path in sorted(MADE.rglob("*.*")):
+        files.append(File.generated(config, f"made/{path.relative_to(MADE).as_posix()}", abs_src_path=str(path)))
+    for name in PICTURES:
+        _shown.append(ROOT / name)
+        files.append(File.generated(config, f"made/{Path(name).name}", abs_src_path=str(ROOT / name)))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str:
+    def source(place: re.Match[str]) -> str:
+        if place[1] == "section":
+            return _section(place[2], place[3])
+        if place[1] == "header":
+            return _header(place[2])
+        if place[1] == "help":
+            return _help()
+        raise PluginError(f"{page.file.src_uri}: {place[0]} is not known")
+
+    if page.file.src_uri == "python.md":
+        _all_documented(markdown)
+    return PLACE.sub(source, markdown)
+
+
+def _all_documented(markdown: str) -> None:
+    """Every name that the package shows must stand in the reference."""
+    init = (ROOT / "bindings/python/pyvotess/__init__.py").read_text("utf-8")
+    names = re.findall(r'"(\w+)"', init.split("__all__ = [", 1)[1].split("]", 1)[0])
+    missing = [name for name in names if f"::: pyvotess.{name}\n" not in markdown and name != "__version__"]
+    if missing:
+        raise PluginError(f"python.md lacks {', '.join(missing)}, which pyvotess.__all__ has")
+
+
+def on_page_content(html: str, page: Any, config: Any, files: Files) -> str:
+    """Roles of Sphinx in docstrings become plain code."""
+    return re.sub(r":(?:func|class|meth|attr):(<code)", r"\1", html)
