@@ -5,7 +5,8 @@
 
 The table under "Who may include whom" in engine/README.md says which folders a folder of the engine may include. cli/
 and bindings/ include nothing of the engine. No folder holds more than 15 files of sources beside each other, and no
-file has more than 500 lines. --include adds an include that is not there, to see the check fail.
+file has more than 500 lines. All files that state the version state the same. --include adds an include that is not
+there, to see the check fail.
 """
 import argparse
 import collections
@@ -16,6 +17,12 @@ import sys
 
 MOST_FILES, MOST_LINES = 15, 500
 SOURCES = {".cpp", ".hpp", ".inl", ".h", ".c", ".glsl", ".comp", ".vert", ".frag", ".py", ".sh"}
+VERSIONS = {
+    "CMakeLists.txt": r"project\(votess VERSION (\S+)",
+    "bindings/python/pyvotess/_library.py": r'^VERSION = "(.+)"',
+    "CITATION.cff": r"^version: (\S+)",
+    "tools/recipes/vcpkg/votess/vcpkg.json": r'"version": "(.+)"',
+}
 TREES = ("engine", "shaders", "cli", "bindings", "tests", "tools", "include")
 
 
@@ -86,6 +93,10 @@ def main():
         lines = (source / file).read_text().count("\n")
         if lines > MOST_LINES:
             wrong.append(f"{file}: {lines} lines, more than {MOST_LINES}")
+    versions = {file: re.findall(stated, (source / file).read_text(), re.M) for file, stated in VERSIONS.items()}
+    for file, stated in versions.items():
+        if len(stated) != 1 or stated != versions["CMakeLists.txt"]:
+            wrong.append(f"{file}: states version {stated}, CMakeLists.txt {versions['CMakeLists.txt']}")
     print("\n".join(wrong) if wrong else f"{len(files)} files, {len(includes)} includes: as engine/README.md says")
     return 1 if wrong else 0
 

@@ -9,7 +9,7 @@ from . import _library
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m pyvotess", description=__doc__)
     group = parser.add_mutually_exclusive_group(required=True)
-    group.add_argument("--cmake-dir", action="store_true", help="folder for CMAKE_PREFIX_PATH and find_package(votess)")
+    group.add_argument("--cmake-dir", action="store_true", help="what -Dvotess_DIR= takes, for find_package(votess)")
     group.add_argument("--include-dir", action="store_true", help="folder of the C and C++ headers")
     group.add_argument("--library", action="store_true", help="the file of libvotess that is used")
     group.add_argument("--version", action="store_true", help="the version")

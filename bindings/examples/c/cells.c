@@ -1,0 +1,55 @@
+// Prints volumes and neighbors of the cells of a cubic lattice of points in a periodic box, by the C interface.
+//
+//     cc -std=c11 cells.c $(pkg-config --cflags --libs votess) -o cells
+//     ./cells
+//
+// ../cmake builds it by CMake.
+#include <inttypes.h>
+#include <stdio.h>
+#include <votess/votess.h>
+
+enum { SIDE = 4, COUNT = SIDE * SIDE * SIDE };
+
+static void print(const votess_result* result) {
+    size_t cells = 0;
+    const double* volumes = votess_result_volumes(result, &cells);
+    // Row i of the neighbors is indices[indptr[i]] to indices[indptr[i + 1] - 1].
+    const int64_t* indptr = votess_result_indptr(result, NULL);
+    const int32_t* indices = votess_result_indices(result, NULL);
+    double sum = 0;
+    for (size_t i = 0; i < cells; ++i) sum += volumes[i];
+    for (size_t i = 0; i < cells && i < 3; ++i) {
+        printf("cell %zu: volume %g, neighbors", i, volumes[i]);
+        for (int64_t k = indptr[i]; k < indptr[i + 1]; ++k) printf(" %" PRId32, indices[k]);
+        printf("\n");
+    }
+    printf("sum of the volumes of %zu cells: %g\n", cells, sum);
+}
+
+int main(void) {
+    double points[3 * COUNT];
+    for (int i = 0; i < COUNT; ++i) {
+        points[3 * i] = i % SIDE + 0.5;
+        points[3 * i + 1] = i / SIDE % SIDE + 0.5;
+        points[3 * i + 2] = i / (SIDE * SIDE) + 0.5;
+    }
+
+    votess_options options;
+    votess_options_init(&options, sizeof options);  // neighbors and volumes; options.want says what else is made
+    options.has_box = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        options.box_lower[axis] = 0;
+        options.box_upper[axis] = SIDE;
+        options.periodic[axis] = 1;
+    }
+
+    // Where many sets follow each other, votess_tessellator_new() makes what is kept between calls.
+    votess_result* result = NULL;
+    if (votess_tessellate(NULL, points, COUNT, &options, &result) != VOTESS_OK) {
+        fprintf(stderr, "cells: %s\n", votess_last_error());
+        return 1;
+    }
+    print(result);
+    votess_result_free(result);  // its arrays end with it
+    return 0;
+}
