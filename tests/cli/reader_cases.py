@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import random
 import shutil
 import struct
@@ -318,10 +319,18 @@ class Columns(ReaderTest):
         rows = np.array([row.split() for row in (self.folder / "out.txt").read_text().splitlines()], float)
         np.testing.assert_array_equal(rows[:, 2:5], np.column_stack((mass, points[:, :2] * 3)))
         np.testing.assert_array_equal(rows[:, 5], mass / rows[:, 1])
-        content = (self.folder / "out.vtu").read_bytes()
+        head, body = (self.folder / "out.vtu").read_bytes().split(b'<AppendedData encoding="raw">\n_', 1)
+
+        def array(name, dtype):
+            tag = re.search(rf'<DataArray [^>]*Name="{name}"[^>]*>', head.decode())[0]
+            at = int(re.search('offset="([0-9]+)"', tag)[1])
+            values = np.frombuffer(body, dtype, int(np.frombuffer(body, "<u8", 1, at)[0]) // 8, at + 8)
+            return values.reshape(25, -1).squeeze()
+
+        ids = array("id", "<i8")
+        self.assertEqual(sorted(ids), list(range(25)))
         for name, values in [("mass", mass), ("flow", points[:, :2] * 3), ("density", rows[:, 5])]:
-            self.assertIn(f'Name="{name}" NumberOfComponents="{values.shape[1] if values.ndim == 2 else 1}"'.encode(), content)
-            self.assertIn(np.ascontiguousarray(values).tobytes(), content)
+            np.testing.assert_array_equal(array(name, "<f8"), values[ids])
         # A cell without a volume has no density; a file of no points has empty columns.
         self.put("two.csv", "x,y,z,m\n0,0,0,2\n0,0,0,3\n1,1,1,4\n")
         rows = self.rows("two.csv", "--density", "m", "--format", "%i")
