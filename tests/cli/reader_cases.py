@@ -2,8 +2,8 @@
 
 import io
 import os
-import re
 import random
+import re
 import shutil
 import struct
 import subprocess
