@@ -123,7 +123,7 @@ std::string judge(votess::Tessellator& tessellator, const Coordinates& points, v
 TEST_SUITE("fuzz") {
     TEST_CASE("gpu: small sets equal the CPU") {
         const auto first = test::environment("VOTESS_FUZZ_SEED", 1);
-        const auto sets = test::environment("VOTESS_FUZZ_SETS", test::by_size(400, 40));
+        const auto sets = test::environment("VOTESS_FUZZ_SETS", test::by_size(200, 40));
         votess::Tessellator tessellator;
         int failures = 0;
         for (std::uint64_t seed = first; seed < first + sets && failures < 5; ++seed) {

@@ -175,7 +175,7 @@ void run_sets(std::uint64_t sets, bool clusters, const auto& size) {
 
 TEST_SUITE("fuzz") {
     TEST_CASE("gpu: seeds and their translations by rounded periods against exact half-spaces") {
-        run_sets(test::environment("VOTESS_FUZZ_WRAPPED", test::by_size(100, 12)), false,
+        run_sets(test::environment("VOTESS_FUZZ_WRAPPED", test::by_size(50, 12)), false,
                  [](Random& random) { return 2 + random.below(4); });
     }
     TEST_CASE("gpu: many seeds and their translations by rounded periods verify") {

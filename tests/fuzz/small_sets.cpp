@@ -178,10 +178,10 @@ void fuzz(std::uint64_t sets, bool extreme) {
 
 TEST_SUITE("fuzz") {
     TEST_CASE("small sets equal the exact diagram") {
-        fuzz(test::environment("VOTESS_FUZZ_SETS", test::by_size(2500, 300)), false);
+        fuzz(test::environment("VOTESS_FUZZ_SETS", test::by_size(1500, 300)), false);
     }
 
     TEST_CASE("small sets whose coordinates span hundreds of binary digits equal the exact diagram, or are refused") {
-        fuzz(test::environment("VOTESS_FUZZ_SETS", test::by_size(2500, 300)) / 4, true);
+        fuzz(test::environment("VOTESS_FUZZ_SETS", test::by_size(1500, 300)) / 4, true);
     }
 }
