@@ -20,7 +20,7 @@ public:
     [[nodiscard]] std::size_t left() const { return words_.size() - next_; }
 
     std::string take(const std::string& of) {
-        if (at_end()) throw bad_input("--voro++: " + of + " is missing something behind it");
+        if (at_end()) throw bad_input("--voro++: " + of + " needs more behind it");
         return words_[next_++];
     }
 

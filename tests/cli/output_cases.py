@@ -282,7 +282,7 @@ class VoroppCommand(CliTest):
     def test_refused(self):
         self.put("a", "0 0.5 0.5 0.5\n")
         box = "0 1 0 1 0 1".split()
-        for arguments, says in [([], "missing"), (["-p"], "missing"), ([*box], ["x_min", "6 words"]),
+        for arguments, says in [([], "needs more"), (["-p"], "needs more"), ([*box], ["x_min", "6 words"]),
                                 (["-g", *box, "a"], "gnuplot"), (["-ws", "0", "0", "0", "1", *box, "a"], "--wall-sphere"),
                                 (["-z", *box, "a"], "'-z'"), (["-n", "3", "x", "3", *box, "a"], ["-n", "'x'"]),
                                 ([*box, "b"], "b"), ([*box, "a", "more"], "8 words"), (["-c", "%k", *box, "a"], "%k"),

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 import numpy as np
 
-from ._unbounded import Diagram, diagram_of_space, orientation, read_points
-from ._voronoi import refuse_options
+from ._points import OfPoints
+from ._unbounded import Diagram, diagram_of_space, orientation
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -23,7 +23,7 @@ _OPPOSITE = np.array([(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)])
 _QUERIES_AT_ONCE = 1 << 16
 
 
-class Delaunay:
+class Delaunay(OfPoints):
     """The Delaunay tetrahedra of points in space, with the attributes of scipy.spatial.Delaunay.
 
     Parameters
@@ -46,9 +46,6 @@ class Delaunay:
     ``equations``, ``paraboloid_*``, ``plane_distance`` and ``lift_points``, which show the inside of Qhull, are not.
     """
 
-    ndim = 3
-    furthest_site = False
-
     def __init__(
         self,
         points: npt.ArrayLike,
@@ -58,9 +55,7 @@ class Delaunay:
         **options: Any,
     ) -> None:
         del qhull_options
-        refuse_options(furthest_site, incremental)
-        self.points = read_points(points)
-        self.npoints = len(self.points)
+        super().__init__(points, furthest_site, incremental)
         diagram = diagram_of_space(self.points, options)
         tetrahedra, lowest = _tetrahedra(diagram)
         if (lowest >= 0).any():
@@ -71,18 +66,6 @@ class Delaunay:
         self.simplices: Int32Array = tetrahedra.astype(np.int32)
         self.nsimplex = len(self.simplices)
         self._duplicate_of = diagram.duplicate_of
-
-    @property
-    def min_bound(self) -> Float64Array:
-        """(3,) float64, the least coordinates of the points."""
-        lower: Float64Array = self.points.min(axis=0)
-        return lower
-
-    @property
-    def max_bound(self) -> Float64Array:
-        """(3,) float64, the largest coordinates of the points."""
-        upper: Float64Array = self.points.max(axis=0)
-        return upper
 
     @cached_property
     def neighbors(self) -> Int32Array:
@@ -209,12 +192,6 @@ class Delaunay:
         least = np.minimum(first.min(axis=1, initial=np.inf), 1 - first.sum(axis=1))
         return np.asarray(least >= -allowed)
 
-    def add_points(self, points: Any, restart: bool = False) -> None:
-        """Raises NotImplementedError."""
-        refuse_options(False, True)
-
-    def close(self) -> None:
-        """Does nothing: no points can be added anyway."""
 
 
 def _tetrahedra(diagram: Diagram) -> Tuple[Int64Array, Int64Array]:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, Dict, List, Tuple
 
 import numpy as np
 
-from .._input import as_points
 from ..export.geometry import ranges
 from ..tessellator import tessellate
 
@@ -32,14 +31,6 @@ _FAR = (2.0**64, 2.0**100, 2.0**170)
 
 class QhullError(RuntimeError):
     """The points have no diagram in space: they are fewer than four, or all in one plane."""
-
-
-def read_points(points: Any) -> Float64Array:
-    """(N, 3) float64, a copy only where one is needed. Refuses what scipy refuses."""
-    array = np.ascontiguousarray(as_points(points), dtype=np.float64)
-    if np.isnan(array).any():
-        raise ValueError("points cannot contain NaN")
-    return array
 
 
 @dataclass(frozen=True)

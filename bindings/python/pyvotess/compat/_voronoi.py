@@ -9,7 +9,8 @@ import numpy as np
 
 from .._input import as_box
 from ._pause import garbage_collector_paused
-from ._unbounded import diagram_in_box, diagram_of_space, read_points
+from ._points import OfPoints
+from ._unbounded import diagram_in_box, diagram_of_space
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -20,13 +21,6 @@ if TYPE_CHECKING:
     BoolArray = npt.NDArray[np.bool_]
 
 
-def refuse_options(furthest_site: bool, incremental: bool) -> None:
-    if furthest_site:
-        raise NotImplementedError("furthest_site: votess has no furthest-site diagram, scipy.spatial has")
-    if incremental:
-        raise NotImplementedError("incremental: make a new object of all points, or keep scipy.spatial")
-
-
 def _rows(indptr: Int64Array, values: Int64Array, kept: BoolArray) -> List[List[int]]:
     """The rows of values, those that are kept, as lists."""
     ends = np.concatenate(([0], np.cumsum(kept)))[indptr].tolist()
@@ -35,7 +29,7 @@ def _rows(indptr: Int64Array, values: Int64Array, kept: BoolArray) -> List[List[
         return [flat[a:b] for a, b in zip(ends[:-1], ends[1:])]
 
 
-class Voronoi:
+class Voronoi(OfPoints):
     """The Voronoi diagram of points in space, with the attributes of scipy.spatial.Voronoi.
 
     Parameters
@@ -57,9 +51,6 @@ class Voronoi:
     one is empty, and ``point_region`` leads to that one's.
     """
 
-    ndim = 3
-    furthest_site = False
-
     def __init__(
         self,
         points: npt.ArrayLike,
@@ -71,29 +62,15 @@ class Voronoi:
         **options: Any,
     ) -> None:
         del qhull_options
-        refuse_options(furthest_site, incremental)
-        self.points = read_points(points)
+        super().__init__(points, furthest_site, incremental)
         if box is None:
             self._diagram = diagram_of_space(self.points, options)
         else:
             self._diagram = diagram_in_box(self.points, as_box(box), options)
-        self.npoints = len(self.points)
         self.vertices = self._diagram.vertices
         self.ridge_points: Int32Array = self._diagram.ridge_seeds.astype(np.int32)
         duplicate_of = self._diagram.duplicate_of
         self.point_region: Int64Array = np.where(duplicate_of >= 0, duplicate_of, np.arange(self.npoints))
-
-    @property
-    def min_bound(self) -> Float64Array:
-        """(3,) float64, the least coordinates of the points."""
-        lower: Float64Array = self.points.min(axis=0)
-        return lower
-
-    @property
-    def max_bound(self) -> Float64Array:
-        """(3,) float64, the largest coordinates of the points."""
-        upper: Float64Array = self.points.max(axis=0)
-        return upper
 
     @cached_property
     def ridge_vertices(self) -> List[List[int]]:
@@ -126,10 +103,3 @@ class Voronoi:
         """The vertices of each ridge, by its row of ``ridge_points``."""
         with garbage_collector_paused():
             return dict(zip(map(tuple, self.ridge_points.tolist()), self.ridge_vertices))
-
-    def add_points(self, points: Any, restart: bool = False) -> None:
-        """Raises NotImplementedError."""
-        refuse_options(False, True)
-
-    def close(self) -> None:
-        """Does nothing: no points can be added anyway."""

@@ -1,0 +1,50 @@
+"""What scipy's diagrams and triangulations have in common: points, and that none can be added."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._input import as_points
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Float64Array = npt.NDArray[np.float64]
+
+
+class OfPoints:
+    """Holds ``points`` (N, 3) float64. Refuses what scipy refuses, and what votess does not do."""
+
+    ndim = 3
+    furthest_site = False
+
+    def __init__(self, points: Any, furthest_site: bool, incremental: bool) -> None:
+        if furthest_site:
+            raise NotImplementedError("furthest_site: votess has no furthest-site diagram, scipy.spatial has")
+        if incremental:
+            self.add_points(points)
+        self.points: Float64Array = np.ascontiguousarray(as_points(points), dtype=np.float64)
+        if np.isnan(self.points).any():
+            raise ValueError("points cannot contain NaN")
+        self.npoints = len(self.points)
+
+    @property
+    def min_bound(self) -> Float64Array:
+        """(3,) float64, the least coordinates of the points."""
+        lower: Float64Array = self.points.min(axis=0)
+        return lower
+
+    @property
+    def max_bound(self) -> Float64Array:
+        """(3,) float64, the largest coordinates of the points."""
+        upper: Float64Array = self.points.max(axis=0)
+        return upper
+
+    def add_points(self, points: Any, restart: bool = False) -> None:
+        """Raises NotImplementedError."""
+        raise NotImplementedError("incremental: make a new object of all points, or keep scipy.spatial")
+
+    def close(self) -> None:
+        """Does nothing: no points can be added anyway."""
