@@ -144,7 +144,10 @@ int run(const Arguments& arguments) {
     // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
     const bool once = !arguments.picture || options.list_walls || arguments.outputs.empty();
     votess::Options for_picture = options;
-    if (arguments.picture) add_needs(*arguments.picture, for_picture.want);
+    if (arguments.picture) {
+        for_picture.want.faces = true;
+        arguments.coloring.add_needs(for_picture.want);
+    }
     const votess::Tessellation tessellation =
         tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
     if (arguments.has_density) {
@@ -170,7 +173,7 @@ int run(const Arguments& arguments) {
         std::string png;
         if (arguments.picture) {
             png =
-                draw_picture(*arguments.picture, input,
+                draw_picture(*arguments.picture, arguments.coloring, input,
                              once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began), carried);
         }
         const InterruptGuard guard;

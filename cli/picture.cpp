@@ -113,25 +113,19 @@ std::optional<PictureArguments> read_picture(const TypedPicture& typed, const st
     votess::PictureOptions& options = picture.options;
     if (typed.slice) options.slice = read_slice(*typed.slice);
     if (typed.size) read_size(*typed.size, options);
-    picture.coloring = read_coloring(typed);
-    options.colormap = picture.coloring.colormap;
-    options.label = picture.coloring.label();
     if (typed.cut) options.cut = find_word("--cut", cuts, *typed.cut).value;
     if (typed.view) read_view(*typed.view, options);
     options.seeds = typed.seeds;
     return picture;
 }
 
-void add_needs(const PictureArguments& picture, votess::Want& want) {
-    want.faces = true;
-    picture.coloring.add_needs(want);
-}
-
-std::string draw_picture(const PictureArguments& picture, const Input& input, const votess::Tessellation& tessellation,
-                         const std::vector<InputColumn>& carried) {
-    const std::vector<double> values = picture.coloring.values(input, tessellation, carried);
+std::string draw_picture(const PictureArguments& picture, const Coloring& coloring, const Input& input,
+                         const votess::Tessellation& tessellation, const std::vector<InputColumn>& carried) {
+    const std::vector<double> values = coloring.values(input, tessellation, carried);
     votess::PictureOptions options = picture.options;
     options.values = values;
+    options.colormap = coloring.colormap;
+    options.label = coloring.label();
     return to_png(votess::render(tessellation, input.points, options));
 }
 

@@ -12,8 +12,7 @@ namespace clvotess {
 
 struct PictureArguments {
     std::string file;
-    Coloring coloring;
-    votess::PictureOptions options;  // without its values
+    votess::PictureOptions options;  // without values and colors
 };
 
 // The words as typed.
@@ -29,11 +28,8 @@ struct TypedPicture {
 [[nodiscard]] std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
                                                            const std::vector<std::string>& outputs);
 
-// Adds what the picture needs.
-void add_needs(const PictureArguments& picture, votess::Want& want);
-
-// The bytes of the file. The tessellation has what add_needs() adds.
-[[nodiscard]] std::string draw_picture(const PictureArguments& picture, const Input& input,
+// The bytes of the file. The tessellation has faces, and what the coloring needs.
+[[nodiscard]] std::string draw_picture(const PictureArguments& picture, const Coloring& coloring, const Input& input,
                                        const votess::Tessellation& tessellation,
                                        const std::vector<InputColumn>& carried);
 
