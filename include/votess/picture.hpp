@@ -95,8 +95,8 @@ struct Picture {
 [[nodiscard]] VOTESS_API Picture render(const Tessellation& tessellation, std::span<const double> points,
                                         const PictureOptions& options = {});
 
-// Red, green and blue of sRGB for each of the values, as render() colors cells: range, scale and colormap of the
-// options are used, and NaN is gray. Throws Error: invalid_argument.
+// Returns red, green and blue of sRGB for each of the values, as render() colors cells: range, scale and colormap of
+// the options are used, and NaN is gray. Throws Error: invalid_argument.
 [[nodiscard]] VOTESS_API std::vector<std::uint8_t> value_colors(const PictureOptions& options);
 
 }  // namespace votess
