@@ -13,7 +13,10 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t block_seeds = 2048;      // per task: neighbors in space, which share what they find
+// Blocks are tasks and stretches: neighbors in space, which share what they find. The longer they are the less is found
+// twice; later ones are shorter, so that threads end together. They depend on the number of seeds alone, and so do the
+// last bits of volumes.
+constexpr std::size_t longest_block = 16384, shortest_block = 2048, fewest_blocks = 4;
 constexpr std::size_t least_block_seeds = 16;  // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
 constexpr std::size_t index_task = 65536;  // entries of the inverse order per parallel task
@@ -128,8 +131,15 @@ std::span<const std::int32_t> CpuClipper::duplicate_of() {
 }
 
 void CpuClipper::clip_all(ResultBuilder& out, const Share& share) {
+    const std::size_t count = seeds_.size(), parts = std::max(fewest_blocks, count / longest_block);
+    blocks_.assign(1, 0);
+    while (blocks_.back() < count) {
+        const std::size_t left = count - blocks_.back();
+        const std::size_t size = round_up(std::clamp(left / parts, shortest_block, longest_block), Star::alignment);
+        blocks_.push_back(blocks_.back() + std::min(left, size));
+    }
     clip_blocks(
-        seeds_.input, block_seeds, [](std::size_t k) { return k; }, false, out, share);
+        seeds_.input, [](std::size_t k) { return k; }, false, out, share);
 }
 
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) {
@@ -139,9 +149,11 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     const std::span<std::int32_t> kept = out.keep(order_.size());
     std::ranges::transform(order_, kept.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     const std::size_t per_block =
-        std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, block_seeds);
+        std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, shortest_block);
+    blocks_.assign(1, 0);
+    while (blocks_.back() < kept.size()) blocks_.push_back(std::min(kept.size(), blocks_.back() + per_block));
     clip_blocks(
-        kept, per_block, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, share);
+        kept, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, share);
     for (const std::int32_t cell : kept) {
         CellStatus& status = out.status()[static_cast<std::size_t>(cell)];
         if (status != CellStatus::empty) status = CellStatus::certified;
@@ -196,21 +208,20 @@ void CpuClipper::begin_workers(ResultBuilder& out) {
 }
 
 template <class SeedAt>
-void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at,
-                             bool fallback, ResultBuilder& out, const Share& share) {
+void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at, bool fallback, ResultBuilder& out,
+                             const Share& share) {
     begin_workers(out);
-    const std::size_t blocks = ceil_div(cells.size(), block_cells);
+    const std::size_t blocks = blocks_.size() - 1;
     const bool measure = needs_geometry(job_.options.want);
-    const bool walks = !job_.domain->has_weights() && job_.domain->walls.empty();
+    const bool walks = !job_.domain->has_weights();
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t done) { return progress_.going_on(share.at(done, blocks)); };
     const auto task = [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
-        const std::size_t begin = block * block_cells;
-        const std::size_t end = std::min(cells.size(), begin + block_cells);
+        const std::size_t begin = blocks_[block], end = blocks_[block + 1];
         const std::size_t last = seed_at(end - 1) + 1;
         std::size_t stretch_end = 0;
-        worker.budget.begin(block_cells);
+        worker.budget.begin(end - begin);
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t seed = seed_at(k);
             if (walks && seed >= stretch_end) {

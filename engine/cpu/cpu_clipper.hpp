@@ -53,10 +53,10 @@ private:
     void find_positions();
     // Fills order_.
     void put_in_sorted_order(std::span<const std::int32_t> cells);
-    // cells[k] is the input index of the sorted seed seed_at(k).
+    // cells[k] is the input index of the sorted seed seed_at(k); blocks_ says where tasks begin.
     template <class SeedAt>
-    void clip_blocks(std::span<const std::int32_t> cells, std::size_t block_cells, SeedAt seed_at, bool fallback,
-                     ResultBuilder& out, const Share& share);
+    void clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at, bool fallback, ResultBuilder& out,
+                     const Share& share);
     void search(std::size_t seed, Worker& worker) const;
     // Writes the cell, or notes that its search was given up.
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;
@@ -81,6 +81,7 @@ private:
     Buffer<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
     bool positions_known_ = false;
     std::vector<std::int32_t> order_;  // sorted seeds to clip
+    std::vector<std::size_t> blocks_;  // where blocks of them begin, and where the last ends
     std::vector<bool> chosen_;
     const Kernels* kernels_ = nullptr;  // that the workers are made for
     std::deque<Worker> workers_;

@@ -220,6 +220,7 @@ TEST_SUITE("stages") {
             const double limit_wanted =
                 sorted.empty() ? 100 : std::min(sorted[std::min(wanted, sorted.size() - 1)], 3.0 * size * size);
             const auto limit = static_cast<float>(limit_wanted);
+            const auto near_limit = static_cast<float>(random.uniform(0, 1.2)) * limit;
             std::vector<int> inside, edge;  // for certain, and where the rounding of floats decides
             for (int i = 0; i < count; ++i) {
                 const double rounding = size == 20 ? 0 : 1e-6 * square[i];
@@ -232,14 +233,20 @@ TEST_SUITE("stages") {
                 const auto planes = std::make_unique<CandidatePlanes>();
                 CandidatePlanes& c = *planes;
                 const bool fits =
-                    kernels.select({x[0].data(), x[1].data(), x[2].data(), ids.data(), count}, p, limit, c);
+                    kernels.select({x[0].data(), x[1].data(), x[2].data(), ids.data(), count}, p, near_limit, limit, c);
                 // A set may give up when the last vector of seeds might not fit.
                 if (inside.size() + edge.size() <= CandidatePlanes::capacity - 8) REQUIRE(fits);
                 if (inside.size() > CandidatePlanes::capacity) REQUIRE_FALSE(fits);
                 if (!fits) return;
                 std::vector<int> found(c.id, c.id + c.count), sure;
-                std::ranges::set_difference(found, edge, std::back_inserter(sure));  // both ascend
-                REQUIRE(std::ranges::is_sorted(found));
+                // Both parts ascend, and what is near stands in the first.
+                REQUIRE((c.near >= 0 && c.near <= c.count));
+                REQUIRE(std::is_sorted(found.begin(), found.begin() + c.near));
+                REQUIRE(std::is_sorted(found.begin() + c.near, found.end()));
+                for (int i = c.near; i < c.count; ++i)
+                    REQUIRE(square[static_cast<std::size_t>(c.id[i])] * (1 + 1e-6) >= near_limit);
+                std::ranges::sort(found);
+                std::ranges::set_difference(found, edge, std::back_inserter(sure));
                 REQUIRE(sure == inside);
                 for (int i = 0; i < c.count; ++i) {
                     const int s = c.id[i];
@@ -267,7 +274,7 @@ TEST_SUITE("stages") {
                     const auto c = std::make_unique<CandidatePlanes>();
                     const std::int32_t p[3] = {0, 0, 0};
                     const bool fits =
-                        kernels.select({x.data(), zero.data(), zero.data(), ids.data(), 624}, p, 1e6f, *c);
+                        kernels.select({x.data(), zero.data(), zero.data(), ids.data(), 624}, p, 1e6f, 1e6f, *c);
                     CAPTURE(near);
                     if (near <= CandidatePlanes::capacity - 8) REQUIRE(fits);
                     if (near > CandidatePlanes::capacity) REQUIRE_FALSE(fits);
@@ -301,7 +308,7 @@ TEST_SUITE("stages") {
             }
             for_each_set([&](const StarKernels& kernels) {
                 int hits[2] = {-7, -7};
-                kernels.first_hits(c, rays, hits);
+                kernels.first_hits(c, count, rays, hits);
                 for (int r = 0; r < 2; ++r) {
                     const auto& [o, d, s, least] = rays[r];
                     auto leaving = [&](int i) {
@@ -346,8 +353,9 @@ TEST_SUITE("stages") {
                 int expected = begin;
                 while (expected < count && !touches(expected)) ++expected;
                 if (expected == count) expected = -1;
-                for_each_set(
-                    [&](const StarKernels& kernels) { REQUIRE(kernels.touching(c, v, three, begin) == expected); });
+                for_each_set([&](const StarKernels& kernels) {
+                    REQUIRE(kernels.touching(c, count, v, three, begin) == expected);
+                });
                 begin += count > 40 ? static_cast<int>(random.below(20)) : 0;
             }
         }
@@ -371,9 +379,9 @@ TEST_SUITE("stages") {
                 std::vector<std::int32_t> ids;
                 for (const std::size_t place : order) ids.push_back(sorted[place]);
                 for_each_set([&](const StarKernels& kernels) {
-                    std::vector<std::uint16_t> places(order.size(), 9999);
+                    std::vector<std::uint16_t> places(std::max<std::size_t>(order.size(), 32), 9999);
                     kernels.rank(ids.data(), count, places.data());
-                    REQUIRE(std::equal(places.begin(), places.end(), order.begin(), order.end()));
+                    REQUIRE(std::equal(order.begin(), order.end(), places.begin()));
                 });
             }
     }

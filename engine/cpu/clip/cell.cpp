@@ -82,6 +82,8 @@ CellPlane box_wall(const exact::Point& seed, const Box& box, int wall) {
 // h, as sums that cancel, must be known to half of all digits.
 constexpr double worst_cancellation = 0x1p-40;
 
+}  // namespace
+
 CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source, const exact::Shift& shift) {
     using exact::DoubleDouble;
     CellPlane plane;
@@ -129,8 +131,6 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
     plane.reliable = square > smallest_square && std::abs(plane.h) > worst_cancellation * size;
     return plane;
 }
-
-}  // namespace
 
 void Cell::start(const exact::Point& seed, const Box& box) {
     Domain domain;

@@ -37,6 +37,10 @@ struct CellPlane {
     exact::Shift shift{};  // of the image that q is, between positions inside a periodic box
 };
 
+// The plane of a bisector or a wall as a seed at p sees it.
+CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source,
+                     const exact::Shift& shift = {});
+
 struct CellGeometry {
     double volume = 0;
     std::array<double, 3> centroid{};  // relative to the seed

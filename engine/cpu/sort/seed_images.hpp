@@ -38,6 +38,8 @@ public:
     // Whether not even x + low is exact.
     [[nodiscard]] bool is_rough(std::int32_t id) const { return rough_[static_cast<std::size_t>(id)]; }
     [[nodiscard]] bool any_rough() const { return any_rough_; }
+    // Whether some seeds have been moved into the domain, or into its reduced cell.
+    [[nodiscard]] bool any_moved() const { return !wraps_.empty(); }
     // Whether some seeds have been moved from the domain into its reduced cell.
     [[nodiscard]] bool has_moves() const { return !moves_.empty(); }
     // Returns what to add to the shift of an image of `home`, as a cell of `seed` sees it, to count from the places of

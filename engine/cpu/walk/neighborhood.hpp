@@ -1,7 +1,8 @@
 // A stretch of the sorted seeds whose cells are built by one thread. Cells of the stretch hand the Voronoi vertices
 // that they have found to the other cells that share them, so each vertex is computed once.
 //
-// Vertices refer to cells by local ids: walls 0..5, the seeds of the stretch, then other seeds as they are met.
+// Vertices refer to cells by local ids: the walls (0..5 those of the box), the seeds of the stretch, then other seeds
+// as they are met.
 #pragma once
 
 #include <algorithm>
@@ -29,24 +30,25 @@ struct KnownVertex {
 
 class Neighborhood {
 public:
-    static constexpr int walls = 6;
-
-    void begin(const SortedSeeds& seeds, std::size_t first, std::size_t last, bool positions);
+    // walls: their ids are -1 .. -walls.
+    void begin(const SortedSeeds& seeds, std::size_t first, std::size_t last, std::int32_t walls, bool positions);
 
     [[nodiscard]] bool holds(std::int64_t seed) const {
         return seed >= static_cast<std::int64_t>(first_) && seed < static_cast<std::int64_t>(last_);
     }
-    // id: a sorted seed, or a wall -1..-6.
+    // id: a sorted seed, or a wall below 0.
     [[nodiscard]] std::int32_t local(std::int32_t id) {
         if (id < 0) return -1 - id;
-        if (holds(id)) return walls + id - static_cast<std::int32_t>(first_);
+        if (holds(id)) return walls_ + id - static_cast<std::int32_t>(first_);
         return foreign(id);
     }
     [[nodiscard]] std::int32_t id(std::int32_t local) const {
-        if (local < walls) return -1 - local;
-        if (local < own_end_) return static_cast<std::int32_t>(first_) + local - walls;
+        if (local < walls_) return -1 - local;
+        if (local < own_end_) return static_cast<std::int32_t>(first_) + local - walls_;
         return foreign_ids_[local - own_end_];
     }
+    // Whether a local id is a wall's or a seed's of the stretch.
+    [[nodiscard]] bool is_own(std::int32_t local) const { return local < own_end_; }
     [[nodiscard]] std::int32_t locals() const { return own_end_ + static_cast<std::int32_t>(foreign_ids_.size()); }
 
     // Whether a cell of the stretch has handed over all of its vertices.
@@ -54,6 +56,7 @@ public:
     void set_done(std::size_t seed) {
         done_[seed - first_] = 1;
         ++group_done_[(seed - first_) / group_size];
+        release(seed - first_);
     }
     [[nodiscard]] bool group_done(std::size_t group) const {
         const std::size_t begin = group * group_size;
@@ -70,17 +73,16 @@ public:
         give(a, p, c, b, index);
         give(b, p, a, c, index);
         give(c, p, b, a, index);
-        known_count_[own_count_] = 0;
+        forget_strangers();
     }
     // The same for a vertex of more than four cells, which have no order.
     void add_tie(std::span<const std::int32_t> cells, const Four& position);
 
     // What was handed to a seed of the stretch.
     [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
-        const std::size_t s = seed - first_;
-        const std::size_t count = known_count_[s];
-        if (count <= primary) return {known_.data() + s * primary, count};
-        return with_spilled(s);
+        const Handed& handed = handed_[seed - first_];
+        if (handed.count <= primary) return {known_.data() + handed.slab * primary, handed.count};
+        return with_spilled(seed - first_);
     }
     // All cells of a tie.
     [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
@@ -89,12 +91,20 @@ public:
     }
 
     // When positions are kept: a vertex, relative to its owner, in x[0..3), and in x[3] what bounds its error; and the
-    // coordinates of the owner.
+    // place of a seed of the stretch in the stretch. Seeds are sums of two doubles where they have been moved.
     [[nodiscard]] const Four& position(std::uint32_t vertex) const { return positions_[vertex]; }
-    [[nodiscard]] const Four& owner(std::uint32_t vertex) const { return seeds_[owners_[vertex]]; }
+    [[nodiscard]] std::size_t owner(std::uint32_t vertex) const { return static_cast<std::size_t>(owners_[vertex]); }
+    [[nodiscard]] const Four& seed_position(std::size_t place) const { return seeds_[place]; }
+    [[nodiscard]] bool has_lows() const { return !lows_.empty(); }
+    [[nodiscard]] const Four& seed_low(std::size_t place) const { return lows_[place]; }
 
 private:
     static constexpr std::size_t primary = 32;  // vertices of a cell before they spill into a linked list
+    // What was handed to a seed. It has a slab of known_ from the first vertex on and until it is done: only the front
+    // of the cells at hand needs memory, which stays in the cache.
+    struct Handed {
+        std::uint32_t count = 0, slab = 0;
+    };
     struct Spill {
         KnownVertex vertex;
         std::int32_t next;
@@ -105,35 +115,45 @@ private:
     std::uint32_t add_position(std::int32_t owner, const Four& position) {
         if (keep_positions_) {
             positions_.push_back(position);
-            owners_.push_back(owner - walls);
+            owners_.push_back(owner - walls_);
         }
         return vertices_++;
     }
     void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex) {
         // Cells that are not of the stretch share a place behind it.
-        const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls), own_count_);
-        const std::size_t count = known_count_[s]++;
+        const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
+        Handed& handed = handed_[s];
+        if (handed.count == 0) handed.slab = take_slab();
+        const std::size_t count = handed.count++;
         if (count >= primary) return spill(s, {{a, b, c}, vertex});
-        KnownVertex& known = known_[s * primary + count];
+        KnownVertex& known = known_[handed.slab * primary + count];
         known.cells[0] = a;
         known.cells[1] = b;
         known.cells[2] = c;
         known.vertex = vertex;
+    }
+    // Their slab is the first; they never have none.
+    void forget_strangers() { handed_[own_count_].count = 1; }
+    std::uint32_t take_slab();
+    void release(std::size_t s) {
+        if (handed_[s].count > 0) free_slabs_.push_back(handed_[s].slab);
     }
     void spill(std::size_t s, const KnownVertex& known);
     [[nodiscard]] std::span<const KnownVertex> with_spilled(std::size_t s);
 
     std::size_t first_ = 0, last_ = 0;
     std::uint32_t own_count_ = 0;
-    std::int32_t own_end_ = walls;
+    std::int32_t walls_ = 0, own_end_ = 0;
     bool keep_positions_ = false;
     std::uint32_t vertices_ = 0;
     std::vector<std::int32_t> foreign_ids_;
     std::vector<std::int32_t> table_;  // open addressing: index into foreign_ids_, or -1
-    std::vector<Four> positions_, seeds_;
+    std::vector<Four> positions_, seeds_, lows_;
     std::vector<std::int32_t> owners_;
-    std::vector<KnownVertex> known_;
-    std::vector<std::uint32_t> known_count_;
+    std::vector<KnownVertex> known_;  // slabs of `primary`
+    std::vector<Handed> handed_;
+    std::vector<std::uint32_t> free_slabs_;
+    std::uint32_t slabs_ = 0;
     std::vector<std::int32_t> spilled_;
     std::vector<Spill> spill_;
     std::vector<KnownVertex> gathered_;

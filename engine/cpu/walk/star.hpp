@@ -33,7 +33,7 @@ namespace votess::cpu {
 
 class Star {
 public:
-    static constexpr std::size_t most_seeds = 8192;  // of a stretch
+    static constexpr std::size_t most_seeds = 16384;  // of a stretch
     static constexpr int most_planes = 64;
     static constexpr int most_vertices = 2 * most_planes;
 
@@ -41,14 +41,14 @@ public:
 
     static constexpr std::size_t alignment = 16;  // of the first seed of a stretch
 
-    // Once a job and before begin(). The domain stays with the caller; it has no weights and no walls but the box's.
+    // Once a job and before begin(). The domain stays with the caller; it has no weights.
     virtual void begin_job(const Domain& domain) = 0;
     // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
     virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
     // False when the cell is beyond what this class handles: the caller clips it.
     virtual bool build(std::size_t seed) = 0;
 
-    // These are the faces of the last cell built, in no particular order: sorted seeds, or walls -1..-6.
+    // These are the faces of the last cell built, in no particular order: sorted seeds, or walls -1, -2, ...
     [[nodiscard]] std::span<const std::int32_t> faces() const {
         return {face_.data(), static_cast<std::size_t>(faces_)};
     }

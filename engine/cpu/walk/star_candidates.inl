@@ -12,6 +12,7 @@ bool StarWalk<Isa>::gather_candidates() {
     if (window_home_ != home) {
         window_home_ = home;
         window_open_ = window_.open(home, std::sqrt(reach2) * 1.02, cells_);
+        if (window_open_) collect_near_walls(home, window_.reach());
         if (window_open_)
             for (std::size_t s = home * Window::home_seeds; s < seed_; ++s)
                 if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
@@ -23,45 +24,43 @@ bool StarWalk<Isa>::gather_candidates() {
     window_.hide(seed_);
     have_candidates_ = true;
     own_x_ = p[0];
-    for (int tries = 0;; ++tries) {
-        if (kernels_.select(window_.seeds(), p.data(), static_cast<float>(reach2 * scale * scale), candidates_) &&
-            candidates_.count <= most_candidates)
-            break;
-        if (tries == 8) return false;
-        reach2 *= 0.5;
-    }
     scale_ = scale;
     unscale_ = 1 / scale;
     planes_known_ = 0;
-    const double reach = std::sqrt(reach2) * scale;
-    const double covered = reach * (1 - 0x1p-20) - quantum;
-    covered_ = covered > 0 ? covered * covered : 0;
-    longest_ = reach * (1 + 0x1p-20) + quantum;
-    inverse_longest_ = 1 / longest_;
-    extras_ = candidates_.count;
-    if (domain_->has_cell_walls()) return !near_cell_wall();
-    for (int wall = -1; wall >= -6; --wall) {
-        if (!domain_->has_box_wall(-1 - wall)) continue;
-        const int axis = (-1 - wall) / 2;
-        const double distance = (-1 - wall) % 2 == 0 ? p_[axis] - box_.lower[axis] : box_.upper[axis] - p_[axis];
-        if (2 * distance * scale < longest_) add_candidate(wall);
+    for (int tries = 0;; ++tries) {
+        const double reach = std::sqrt(reach2) * scale;
+        set_longest(reach * (1 + 0x1p-20) + quantum);
+        candidates_.count = 0;
+        if (!add_near_walls()) return false;
+        const double square = reach2 * scale * scale, near_square = near_share * square;
+        if (kernels_.select(window_.seeds(), p.data(), static_cast<float>(near_square), static_cast<float>(square),
+                            candidates_) &&
+            candidates_.count <= most_candidates) {
+            covered_ = surely_covered(square);
+            near_covered_ = surely_covered(near_square);
+            break;
+        }
+        if (tries == 8) return false;
+        reach2 *= 0.5;
     }
+    extras_ = candidates_.count;
     return true;
 }
 
-// Cells that a wall across no axis may cut are for the clipper.
+// With it the margin derived in star.hpp, for a vertex of squared length x2: |X| <= X^2 / L + L / 4.
 template <class Isa>
-bool StarWalk<Isa>::near_cell_wall() const {
-    const Basis& edges = domain_->edges;
-    const auto f = domain_->fraction(p_);
-    double size = 0;
-    for (int k = 0; k < 3; ++k) size = std::max({size, std::abs(p_[k]), std::abs(domain_->origin[k])});
-    for (int j = 0; j < 3; ++j) {
-        if (domain_->periodic[j]) continue;
-        const double distance = (std::min(f[j], 1 - f[j]) - edges.fraction_error(j, size)) * edges.width[j];
-        if (2 * distance * scale_ < longest_ * (1 + margin)) return true;
-    }
-    return false;
+void StarWalk<Isa>::set_longest(double length) {
+    longest_ = length;
+    const double square = length * length;
+    rounding_by_square_ = 1.01 * (float_unit * 6.5 + quantum / length);
+    rounding_ = 1.01 * (float_unit * (6.5 * 0.25 + 4.6) * square + quantum * 1.25 * length);
+}
+
+// The squared distance within which all seeds are candidates that were looked for within this one.
+template <class Isa>
+double StarWalk<Isa>::surely_covered(double square) const {
+    const double covered = std::sqrt(square) * (1 - 0x1p-20) - quantum;
+    return covered > 0 ? covered * covered : 0;
 }
 
 template <class Isa>
@@ -73,8 +72,7 @@ bool StarWalk<Isa>::add_candidate(std::int32_t id) {
     plane_through(id, n, h);
     const double length = std::sqrt(2 * h);
     if (!(length < longest_normal)) return false;
-    longest_ = std::max(longest_, length * (1 + 0x1p-20));
-    inverse_longest_ = 1 / longest_;
+    if (length * (1 + 0x1p-20) > longest_) set_longest(length * (1 + 0x1p-20));
     const int i = c.count++;
     c.nx[i] = static_cast<float>(n.x[0]);
     c.ny[i] = static_cast<float>(n.x[1]);
@@ -92,16 +90,8 @@ bool StarWalk<Isa>::add_candidate(std::int32_t id) {
 template <class Isa>
 bool StarWalk<Isa>::is_extra(std::int32_t id) const {
     const std::int32_t* end = candidates_.id + candidates_.count;
-    return std::find(candidates_.id + extras_, end, id) != end;
-}
-
-template <class Isa>
-bool StarWalk<Isa>::add_walls() {
-    if (domain_->has_cell_walls()) return false;
-    have_walls_ = true;
-    for (int wall = -1; wall >= -6; --wall)
-        if (domain_->has_box_wall(-1 - wall) && !is_extra(wall) && !add_candidate(wall)) return false;
-    return true;
+    const std::int32_t* begin = candidates_.id + (id < 0 ? 0 : extras_);
+    return std::find(begin, end, id) != end;
 }
 
 // The nearest seed is a neighbor, and the middle between the two lies inside their face. From there any way along the
@@ -109,7 +99,7 @@ bool StarWalk<Isa>::add_walls() {
 template <class Isa>
 bool StarWalk<Isa>::begin_anywhere() {
     if (!gather_candidates()) return false;
-    if (candidates_.count == extras_ && !add_walls()) return false;
+    if (candidates_.count == 0 && !add_walls()) return false;
     const CandidatePlanes& c = candidates_;
     if (c.count == 0) return false;  // a periodic domain has no walls
     const auto nearest = static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h);
@@ -133,14 +123,15 @@ bool StarWalk<Isa>::begin_anywhere() {
         hit = first_hit(ray);
     }
     if (hit < 0) return false;
-    OpenEdge edge;
-    return aim(a, new_slot(c.id[hit]), edge, ray) && close(edge, ray, -1);
+    const OpenEdge edge{static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(new_slot(c.id[hit]))};
+    aim(edge, ray);
+    return close(edge, ray, -1);
 }
 
 // Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
 // the vertex along its edge, and the sphere shrinks.
 template <class Isa>
-bool StarWalk<Isa>::add_inside(const OpenEdge& edge, Four x, const std::int32_t* three, int& added) {
+bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* three, int& added) {
     Box at;
     double reach2 = 0;
     GroupTest test{p_, scale_, {}, 0};
@@ -185,7 +176,7 @@ bool StarWalk<Isa>::add_inside(const OpenEdge& edge, Four x, const std::int32_t*
                 Third third;
                 Four nearer;
                 plane_through(id, third.n, third.h);
-                if (dot(wide(third.n), wide(x)) > third.h && solve(edge, third, nearer)) {
+                if (dot(wide(third.n), wide(x)) > third.h && solve(line, third, nearer)) {
                     x = nearer;
                     look_around();
                     inside &= kernels_.inside_ball(px, py, pz, test, covered_);

@@ -5,17 +5,14 @@
 
 namespace votess::cpu {
 
-// Without branches, for what is known of a cell follows no pattern. `planes` is planes_, in a register when it can be.
+// `planes` is planes_, in a register when it can be.
 template <class Isa>
 int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
     const unsigned known = slot_[static_cast<std::size_t>(local)];
-    const unsigned is_new = known == no_slot ? 1 : 0;
-    const unsigned mask = 0u - is_new;
-    const unsigned slot = (known & ~mask) | (static_cast<unsigned>(planes) & mask);
-    slot_[static_cast<std::size_t>(local)] = static_cast<std::uint16_t>(slot);
-    local_[static_cast<std::size_t>(planes)] = local;  // beyond the last one it does no harm
-    planes += static_cast<int>(is_new);
-    return static_cast<int>(slot);
+    if (known != no_slot) return static_cast<int>(known);
+    slot_[static_cast<std::size_t>(local)] = static_cast<std::uint16_t>(planes);
+    local_[static_cast<std::size_t>(planes)] = local;
+    return planes++;
 }
 
 // The edges a -> b, b -> c, c -> a of a vertex.
@@ -38,59 +35,65 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
 }
 
 template <class Isa>
-void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h) const {
-    if (id >= 0) {
-        const auto i = static_cast<std::size_t>(id);
-        const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
-        Wide difference = q - p;
-        if (seeds_.images != nullptr) {
-            // Near p the two may cancel, and what a third double holds would be missing.
-            if (any_rough_ && seeds_.images->is_rough(id)) {
-                const auto [x, y, z] = exact::differences(p_, exact_plane(id)).x;
-                difference = Wide{x.high, y.high, z.high, 0};
-            } else {
-                const auto& low = seeds_.images->low(id);
-                difference += Wide{low[0], low[1], low[2], 0};
-            }
-        }
-        difference *= scale_;
-        wide(n) = difference;
-        h = 0.5 * dot(difference, difference);
-        return;
+void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h) {
+    if (id < 0) return wall_plane(id, n, h);
+    const auto i = static_cast<std::size_t>(id);
+    const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
+    wide(n) = q - p;
+    if (seeds_.images != nullptr) image_plane(id, n);
+    wide(n) *= scale_;
+    h = 0.5 * dot(wide(n), wide(n));
+}
+
+// Adds what the rounding of coordinates took.
+template <class Isa>
+void StarWalk<Isa>::image_plane(std::int32_t id, Four& n) const {
+    const auto& low = seeds_.images->low(id);
+    const Wide rest = Wide{low[0], low[1], low[2], 0} - wide(low_);
+    // Where places nearly cancel, what a third double holds would be missing, and so would be the rounding of `rest`.
+    const double size = seeds_.images->largest_coordinate();
+    const bool close = moved_ && dot(wide(n), wide(n)) < closest_moved * closest_moved * size * size;
+    if (close || (any_rough_ && seeds_.images->is_rough(id))) {
+        const auto [x, y, z] = exact::differences(base_.point, exact_plane(id)).x;
+        wide(n) = Wide{x.high, y.high, z.high, 0};
+    } else {
+        wide(n) += rest;
     }
-    const int axis = (-1 - id) / 2;
-    const double distance = ((-1 - id) % 2 == 0 ? box_.lower[axis] - p_[axis] : box_.upper[axis] - p_[axis]) * scale_;
-    n = {};
-    n.x[axis] = 2 * distance;
-    h = 2 * distance * distance;
 }
 
 template <class Isa>
 void StarWalk<Isa>::need_plane(int slot) {
-    if ((planes_known_ >> slot) & 1) return;
+    if (((planes_known_ >> slot) & 1) == 0) find_plane(slot);
+}
+
+template <class Isa>
+void StarWalk<Isa>::find_plane(int slot) {
     planes_known_ |= 1ull << slot;
     id_[slot] = cells_.id(local_[slot]);
     plane_through(id_[slot], n_[slot], h_[slot]);
+    face(slot);
+}
+
+template <class Isa>
+void StarWalk<Isa>::face(int slot) {
+    const double length = std::sqrt(2 * h_[slot]);
+    narrow(wide(n_[slot]) * (1 / length), facing_[slot].normal);
+    facing_[slot].distance = static_cast<float>(0.5 * length);
 }
 
 template <class Isa>
 exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
-    if (id >= 0) {
-        if (seeds_.images != nullptr)
-            return seeds_.images->bisector({p_, {}}, seeds_.images->home(id), seeds_.images->shift(id));
-        const auto i = static_cast<std::size_t>(id);
-        return exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
-    }
-    const int axis = (-1 - id) / 2;
-    return (-1 - id) % 2 == 0 ? exact::Plane::lower(axis, box_.lower[axis])
-                              : exact::Plane::upper(axis, box_.upper[axis]);
+    if (id < 0) return walls_[static_cast<std::size_t>(wall_places_[static_cast<std::size_t>(-1 - id)])].plane;
+    if (seeds_.images != nullptr)
+        return seeds_.images->bisector(base_, seeds_.images->home(id), seeds_.images->shift(id));
+    const auto i = static_cast<std::size_t>(id);
+    return exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
 }
 
 template <class Isa>
 void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
-    for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;
-    planes_ = 0;
-    cells_.begin(seeds_, first, last, measure);
+    forget_planes();
+    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()), measure);
     make_room(cells_.locals());
     measure_ = measure;
     window_home_ = ~std::size_t{0};
@@ -107,24 +110,32 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
 }
 
 template <class Isa>
+void StarWalk<Isa>::forget_planes() {
+    for (int p = 0; p < planes_; ++p) {
+        slot_[static_cast<std::size_t>(local_[p])] = no_slot;
+        out_[p] = in_[p] = 0;
+    }
+    planes_ = 0;
+}
+
+template <class Isa>
 bool StarWalk<Isa>::build(std::size_t seed) {
-    for (int p = 0; p < planes_; ++p) slot_[static_cast<std::size_t>(local_[p])] = no_slot;
+    forget_planes();
     seed_ = seed;
     own_local_ = cells_.local(static_cast<std::int32_t>(seed));
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    base_ = {p_, {}};
     if (seeds_.images != nullptr) {
-        if (!seeds_.images->is_exact(seed)) {
-            planes_ = 0;
-            return false;
-        }
+        const auto& low = seeds_.images->low(static_cast<std::int32_t>(seed));
+        low_ = {{low[0], low[1], low[2], 0}};
+        base_ = seeds_.images->base(seed);
+        moved_ = !seeds_.images->is_exact(seed);
         any_rough_ = seeds_.images->any_rough();
         const double reach = seeds_.images->reach(p_);
         known_reach2_ = reach * reach;
     }
-    planes_ = vertices_ = ends_ = 0;
-    planes_known_ = active_ = 0;
-    out_.fill(0);
-    in_.fill(0);
+    vertices_ = ends_ = open_begin_ = open_end_ = 0;
+    planes_known_ = 0;
     scale_ = unscale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
     const bool done = complete();
@@ -138,21 +149,24 @@ template <class Isa>
 bool StarWalk<Isa>::complete() {
     if (!take_known()) return false;
     if (vertices_ == 0 && !begin_anywhere()) return false;
-    if (active_ != 0 && !have_candidates_ && !gather_candidates()) return false;
+    if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
     reached_ = 0;
-    while (active_ != 0) {
+    for (;;) {
         // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
         // been closed by the vertex of the first.
-        const int a = std::countr_zero(active_), b = std::countr_zero(open(a));
-        const int c = 63 - std::countl_zero(active_), d = 63 - std::countl_zero(open(c));
-        OpenEdge edges[2];
+        while (open_begin_ < open_end_ && !is_open(open_edges_[open_begin_])) ++open_begin_;
+        if (open_begin_ == open_end_) break;
+        const OpenEdge first = open_edges_[open_begin_++];
+        while (open_begin_ < open_end_ && !is_open(open_edges_[open_end_ - 1])) --open_end_;
+        const OpenEdge second = open_begin_ < open_end_ ? open_edges_[--open_end_] : first;
         Ray rays[2];
-        if (!aim(a, b, edges[0], rays[0]) || !aim(c, d, edges[1], rays[1])) return false;
+        aim(first, rays[0]);
+        aim(second, rays[1]);
         int hits[2];
-        kernels_.first_hits(candidates_, rays, hits);
-        if (!close(edges[0], rays[0], hits[0]) || ((open(a) >> b) & 1) != 0) return false;
-        if (((open(c) >> d) & 1) == 0) continue;
-        if (!close(edges[1], rays[1], hits[1]) || ((open(c) >> d) & 1) != 0) return false;
+        kernels_.first_hits(candidates_, candidates_.near, rays, hits);
+        if (!close(first, rays[0], hits[0]) || is_open(first)) return false;
+        if (!is_open(second)) continue;
+        if (!close(second, rays[1], hits[1]) || is_open(second)) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
@@ -160,10 +174,17 @@ bool StarWalk<Isa>::complete() {
 }
 
 template <class Isa>
+void StarWalk<Isa>::take_position(const KnownVertex& known, int vertex) {
+    const std::size_t owner = cells_.owner(known.vertex);
+    Wide from = wide(cells_.seed_position(owner)) - Wide{p_[0], p_[1], p_[2], 0};
+    if (cells_.has_lows()) from += wide(cells_.seed_low(owner)) - wide(low_);
+    wide(position_[vertex]) = wide(cells_.position(known.vertex)) + from;
+}
+
+template <class Isa>
 bool StarWalk<Isa>::take_known() {
     make_room(cells_.locals());
     int planes = 0, vertices = 0, ends = 0;
-    const Wide own{p_[0], p_[1], p_[2], 0};
     for (const KnownVertex& known : cells_.known(seed_)) {
         if (planes > most_planes - 4 || vertices > most_vertices - 4) {
             planes_ = planes;
@@ -175,28 +196,27 @@ bool StarWalk<Isa>::take_known() {
             planes = planes_, vertices = vertices_, ends = ends_;
             continue;
         }
-        if (measure_)
-            wide(position_[vertices]) = wide(cells_.position(known.vertex)) + (wide(cells_.owner(known.vertex)) - own);
+        if (measure_) take_position(known, vertices);
         const int a = slot_of(known.cells[0], planes), b = slot_of(known.cells[1], planes),
                   c = slot_of(known.cells[2], planes);
         link_corner(a, b, c, vertices++);
         ends += 3;
     }
     planes_ = planes, vertices_ = vertices, ends_ = ends;
-    active_ = 0;
-    for (int p = 0; p < planes; ++p) active_ |= static_cast<std::uint64_t>(open(p) != 0) << p;
+    for (int p = 0; p < planes; ++p)
+        for (std::uint64_t open = out_[p] & ~in_[p]; open != 0; open &= open - 1)
+            open_edges_[open_end_++] = {static_cast<std::uint8_t>(p),
+                                        static_cast<std::uint8_t>(std::countr_zero(open))};
     return true;
 }
 
 template <class Isa>
 bool StarWalk<Isa>::take_tie(const KnownVertex& known) {
-    const Wide own{p_[0], p_[1], p_[2], 0};
-    if (measure_)
-        wide(position_[vertices_]) = wide(cells_.position(known.vertex)) + (wide(cells_.owner(known.vertex)) - own);
+    if (measure_) take_position(known, vertices_);
     tied_cells_.clear();
     for (const std::int32_t cell : cells_.tie(known))
         if (cell != own_local_) tied_cells_.push_back(cell);
-    return link_polygon(tied_cells_, vertices_++);
+    return link_polygon(tied_cells_, vertices_++, false);
 }
 
 // Faces are the planes that have edges; a plane that was tried as a beginning may have none.
@@ -214,57 +234,64 @@ bool StarWalk<Isa>::collect_faces() {
     return edges == ends_;  // no edge was found twice in the same direction
 }
 
+// In floats: what it hits is a guess.
 template <class Isa>
-bool StarWalk<Isa>::aim(int a, int b, OpenEdge& edge, Ray& ray) {
-    need_plane(a);
-    need_plane(b);
-    const Wide &na = wide(n_[a]), &nb = wide(n_[b]);
-    const double ha = h_[a], hb = h_[b];
+void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
+    need_plane(edge.a);
+    need_plane(edge.b);
+    const Facing &a = facing_[edge.a], &b = facing_[edge.b];
+    Floats ab, across;
+    cross(floats(a.normal), floats(b.normal), ab);
+    // e x ab / |ab|^2 is the point of the line that is nearest to the seed.
+    cross(a.distance * floats(b.normal) - b.distance * floats(a.normal), ab, across);
+    const Floats squares = ab * ab;
+    const float square = squares[0] + squares[1] + squares[2];
+    floats(ray.o) = across;
+    floats(ray.d) = -ab;
+    ray.s = square;
+    ray.least = parallel * std::sqrt(square) * static_cast<float>(longest_);
+}
+
+// False when the planes are too near to parallel, or too large or small to square.
+template <class Isa>
+bool StarWalk<Isa>::draw_line(const OpenEdge& edge, Line& line) const {
+    const Wide &na = wide(n_[edge.a]), &nb = wide(n_[edge.b]);
+    const double ha = h_[edge.a], hb = h_[edge.b];
     Wide ab;
     cross(na, nb, ab);
-    edge.a = a;
-    edge.b = b;
-    edge.norms2 = 4 * ha * hb;
-    wide(edge.ab) = ab;
-    wide(edge.e) = ha * nb - hb * na;
-    const double square = dot(ab, ab);
-    // Planes that are too near to parallel, or too large or small to square.
-    if (!(ha > smallest_h && hb > smallest_h && edge.norms2 < largest_h && square * worst_condition2 > edge.norms2))
-        return false;
-    Wide across;
-    // e x ab / square is the point of the line that is nearest to the seed. Not divided, but in the range of floats.
-    cross(wide(edge.e), ab, across);
-    narrow(across * ray_scale, ray.o);
-    ray.s = static_cast<float>(square * ray_scale);
-    narrow(-ab, ray.d);
-    ray.least = parallel * std::sqrt(static_cast<float>(square)) * static_cast<float>(longest_);
-    return true;
+    line.norms2 = 4 * ha * hb;
+    wide(line.ab) = ab;
+    wide(line.e) = ha * nb - hb * na;
+    return ha > smallest_h && hb > smallest_h && line.norms2 < largest_h &&
+           dot(ab, ab) * worst_condition2 > line.norms2;
 }
 
 template <class Isa>
 int StarWalk<Isa>::first_hit(const Ray& ray) const {
     const Ray rays[2] = {ray, ray};
     int hits[2];
-    kernels_.first_hits(candidates_, rays, hits);
+    kernels_.first_hits(candidates_, candidates_.count, rays, hits);
     return hits[0];
 }
 
 // Cramer's rule: (ha nb x nc + hb nc x na + hc na x nb) / det = (e x nc + hc ab) / det. False when the planes are too
 // near to parallel, or meet behind where the edge begins.
 template <class Isa>
-bool StarWalk<Isa>::solve(const OpenEdge& edge, Third& c, Four& x) const {
-    const double determinant = dot(wide(c.n), wide(edge.ab));
-    c.norms2 = edge.norms2 * (2 * c.h);
+bool StarWalk<Isa>::solve(const Line& line, Third& c, Four& x) const {
+    const double determinant = dot(wide(c.n), wide(line.ab));
+    c.norms2 = line.norms2 * (2 * c.h);
     c.determinant2 = determinant * determinant;
     if (!(determinant < 0 && c.norms2 < worst_condition2 * c.determinant2 && c.h > smallest_h)) return false;
     Wide across;
-    cross(wide(edge.e), wide(c.n), across);
-    wide(x) = (across + c.h * wide(edge.ab)) * (1 / determinant);
+    cross(wide(line.e), wide(c.n), across);
+    wide(x) = (across + c.h * wide(line.ab)) * (1 / determinant);
     return true;
 }
 
 template <class Isa>
 bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
+    Line line;
+    if (!draw_line(edge, line)) return false;
     for (int pick = 0; pick < most_picks; ++pick) {
         if (lane < 0) {
             lane = first_hit(ray);
@@ -279,7 +306,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         Third third;
         alignas(32) Four x;
         plane_through(id, third.n, third.h);
-        if (!solve(edge, third, x)) return false;
+        if (!solve(line, third, x)) return false;
         const double x2 = dot(wide(x), wide(x));
         if (!(x2 < longest_normal * longest_normal)) {
             if (have_walls_ || !add_walls()) return false;
@@ -288,11 +315,12 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         }
         float v[4];
         narrow(wide(x), v);
-        v[3] = rounding_of(x2);
-        const int touching = kernels_.touching(candidates_, v, three, 0);
+        v[3] = static_cast<float>(rounding_by_square_ * x2 + rounding_);
+        const int count = in_reach_of(x2);
+        const int touching = kernels_.touching(candidates_, count, v, three, 0);
         tied_.clear();
         if (touching >= 0) {
-            const int cutting = examine(v, three, third, x, touching);
+            const int cutting = examine(v, three, third, x, touching, count);
             if (cutting >= 0) {
                 lane = cutting;
                 continue;
@@ -305,7 +333,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
             int added = 0;
-            if (!add_inside(edge, x, three, added)) return false;
+            if (!add_inside(line, x, three, added)) return false;
             if (added > 0) {
                 lane = -1;
                 continue;
@@ -325,18 +353,11 @@ bool StarWalk<Isa>::images_known(double x2) const {
            (!window_open_ || x2 > least_image_vertex2);
 }
 
-// The margin derived in star.hpp, for a vertex of squared length x2: |X| <= X^2 / L + L / 4.
-template <class Isa>
-float StarWalk<Isa>::rounding_of(double x2) const {
-    const double square = longest_ * longest_;
-    return static_cast<float>(1.01 * (float_unit * (6.5 * (x2 + 0.25 * square) + 4.6 * square) +
-                                      quantum * (x2 * inverse_longest_ + 1.25 * longest_)));
-}
-
 // Looks through the candidates that come too near to a vertex, from `lane` on. Returns one that cuts it off, or -1;
 // tied_ then holds those that go through it.
 template <class Isa>
-int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane) {
+int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane,
+                           int count) {
     std::optional<exact::ExactVertex> vertex;
     const double length2 = dot(wide(x), wide(x)), condition = third.condition();
     while (lane >= 0) {
@@ -349,12 +370,13 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
         if (excess > bound) return lane;
         if (!(excess < -bound)) {
             used_exact_ = true;
-            if (!vertex) vertex.emplace(p_, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
+            if (!vertex)
+                vertex.emplace(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
             const int side = vertex->side(exact_plane(id));
             if (side > 0) return lane;
             if (side == 0 && std::find(tied_.begin(), tied_.end(), id) == tied_.end()) tied_.push_back(id);
         }
-        lane = kernels_.touching(candidates_, v, three, lane + 1);
+        lane = kernels_.touching(candidates_, count, v, three, lane + 1);
     }
     return -1;
 }
@@ -370,17 +392,19 @@ template <class Isa>
 bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
     const int c = new_slot(id);
-    planes_known_ |= 1ull << c;
-    id_[c] = id;
-    wide(n_[c]) = wide(third.n);
-    h_[c] = third.h;
+    if (((planes_known_ >> c) & 1) == 0) {
+        planes_known_ |= 1ull << c;
+        id_[c] = id;
+        wide(n_[c]) = wide(third.n);
+        h_[c] = third.h;
+        face(c);
+    }
     if (measure_) keep_position(third, x);
     cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
     link_corner(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
-    update_active(edge.b);
-    update_active(edge.a);
-    update_active(c);
+    stack(edge.a, c);
+    stack(c, edge.b);
     return true;
 }
 
@@ -392,11 +416,11 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
     cells_.add_tie(tied_cells_, position_[vertices_]);
-    return link_polygon(std::span(tied_cells_).subspan(1), vertices_++);
+    return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 
 template <class Isa>
-bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex) {
+bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them) {
     if (cells.size() > most_ties || planes_ + cells.size() > most_planes || ends_ + cells.size() > 4 * most_vertices)
         return false;
     used_exact_ = true;
@@ -407,8 +431,8 @@ bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex
         pointers[k] = &planes[k];
     }
     std::array<int, most_ties> room;
-    const auto polygon =
-        exact::corner_polygon(p_, std::span(pointers).first(cells.size()), std::span(room).first(cells.size()));
+    const auto polygon = exact::corner_polygon(base_.point, std::span(pointers).first(cells.size()),
+                                               std::span(room).first(cells.size()));
     if (polygon.size() < 3) return false;
     std::array<std::uint8_t, most_ties> slots;
     const std::size_t count = polygon.size();
@@ -428,7 +452,7 @@ bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex
     }
     if (measure_) first_corner_[vertex + 1] = static_cast<std::uint16_t>(first_corner_[vertex] + count);
     ends_ += static_cast<int>(count);
-    for (std::size_t k = 0; k < count; ++k) update_active(slots[k]);
+    for (std::size_t k = 0; k < count && stack_them; ++k) stack(slots[k], slots[k + 1 == count ? 0 : k + 1]);
     return true;
 }
 

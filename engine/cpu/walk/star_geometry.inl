@@ -122,11 +122,8 @@ void StarWalk<Isa>::normals(std::vector<std::array<double, 3>>& out) {
     for (int p = 0; p < planes_; ++p) {
         if (out_[p] == 0) continue;
         need_plane(p);
-        const int wall = -1 - id_[p];
-        if (wall >= 0) {  // the seed may lie on it
-            std::array<double, 3> normal{};
-            normal[static_cast<std::size_t>(wall / 2)] = wall % 2 == 0 ? -1 : 1;
-            out.push_back(normal);
+        if (id_[p] < 0) {
+            out.push_back(wall_of(id_[p]).normal);
         } else {
             out.push_back(unit_vector({n_[p].x[0], n_[p].x[1], n_[p].x[2]}));
         }

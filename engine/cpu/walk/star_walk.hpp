@@ -14,10 +14,7 @@ public:
         static_assert(alignment % Window::home_seeds == 0);
     }
 
-    void begin_job(const Domain& domain) override {
-        domain_ = &domain;
-        box_ = domain.box;
-    }
+    void begin_job(const Domain& domain) override;
     void begin(std::size_t first, std::size_t last, bool measure) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
@@ -34,11 +31,12 @@ private:
     static constexpr double solved_factor = 80 * unit;  // Cell's 62 u, and 13 u for normals that are rounded twice
     static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
     static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.9;                    // of the squared security radius that is typical
+    static constexpr double reach_margin = 1.7;                    // of the squared security radius that is typical
     static constexpr int most_candidates = 160;                    // at first; room for others is left
+    static constexpr double near_share = 0.6;                      // of the squared reach
+    static constexpr double closest_moved = 0x1p-40;               // of the largest coordinate: nearer is near
     static constexpr double least_image_vertex2 = 0x1p36;          // of squared window units, where images are rounded
     static constexpr int most_picks = 64;                          // planes tried for one vertex
-    static constexpr double ray_scale = 0x1p-112;                  // (2^28 units)^-4
     static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
     static constexpr int most_new = 24;                            // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
@@ -69,17 +67,34 @@ private:
         turn(a * turned_b - turned_a * b, out);
     }
 
-    [[gnu::always_inline]] static void narrow(const Wide& w, float* out) {
-        using Floats __attribute__((vector_size(16), aligned(4), may_alias)) = float;
-        static_assert(alignof(Floats) == 4);
-        *reinterpret_cast<Floats*>(out) = __builtin_convertvector(w, Floats);
+    using Floats __attribute__((vector_size(16), aligned(4), may_alias)) = float;
+    static_assert(alignof(Floats) == 4);
+
+    [[gnu::always_inline]] static const Floats& floats(const float (&v)[4]) {
+        return reinterpret_cast<const Floats&>(v);
+    }
+    [[gnu::always_inline]] static Floats& floats(float (&v)[4]) { return reinterpret_cast<Floats&>(v); }
+    [[gnu::always_inline]] static void cross(const Floats& a, const Floats& b, Floats& out) {
+        const Floats turned =
+            a * __builtin_shufflevector(b, b, 1, 2, 0, 3) - __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
+        out = __builtin_shufflevector(turned, turned, 1, 2, 0, 3);
+    }
+    [[gnu::always_inline]] static void narrow(const Wide& w, float (&out)[4]) {
+        floats(out) = __builtin_convertvector(w, Floats);
     }
 
-    struct alignas(32) OpenEdge {
-        Four ab;        // n_a x n_b
-        Four e;         // h_a n_b - h_b n_a
-        double norms2;  // |n_a|^2 |n_b|^2
-        int a, b;       // slots of its planes
+    // An edge on two planes, by their slots, one of whose ends is known: the vertex that has a -> b.
+    struct OpenEdge {
+        std::uint8_t a, b;
+    };
+    struct alignas(32) Line {  // of an edge
+        Four ab;               // n_a x n_b
+        Four e;                // h_a n_b - h_b n_a
+        double norms2;         // |n_a|^2 |n_b|^2
+    };
+    struct alignas(16) Facing {  // a plane in floats
+        float normal[4];         // of length 1
+        float distance;
     };
     struct alignas(32) Third {  // the plane that ends an edge
         Four n;
@@ -88,60 +103,100 @@ private:
         [[nodiscard]] double condition() const { return std::sqrt(norms2 / determinant2); }
     };
 
-    // star_edges.hpp
+    // star_edges.inl
     bool complete();
     bool take_known();
+    [[gnu::always_inline]] inline void take_position(const KnownVertex& known, int vertex);
     bool take_tie(const KnownVertex& known);
     bool collect_faces();
-    bool aim(int a, int b, OpenEdge& edge, Ray& ray);
+    [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
+    bool draw_line(const OpenEdge& edge, Line& line) const;
+    // Finds the plane that the ray meets first: only a guess, unless all candidates are looked at.
     [[nodiscard]] int first_hit(const Ray& ray) const;
-    [[nodiscard]] bool solve(const OpenEdge& edge, Third& third, Four& x) const;
+    // How many candidates may come near to a vertex of squared length x2.
+    [[nodiscard]] int in_reach_of(double x2) const {
+        const bool near = 4 * x2 * (1 + margin) < near_covered_ && candidates_.count == extras_;
+        return near ? candidates_.near : candidates_.count;
+    }
+    [[nodiscard]] bool solve(const Line& line, Third& third, Four& x) const;
     // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
     bool close(const OpenEdge& edge, const Ray& ray, int lane);
-    int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane);
+    [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
+                                  int lane, int count);
     void keep_position(const Third& third, const Four& x);
-    bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
-    bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
-    bool link_polygon(std::span<const std::int32_t> cells, int vertex);
+    [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
+                                                  const Four& x);
+    [[gnu::noinline]] bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
+    bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
+    void forget_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
     [[gnu::always_inline]] inline void need_plane(int slot);
-    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h) const;
+    [[gnu::noinline]] void find_plane(int slot);
+    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h);
+    [[gnu::noinline]] void image_plane(std::int32_t id, Four& n) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
-    [[nodiscard]] float rounding_of(double x2) const;
+    void set_longest(double length);
     [[nodiscard]] bool images_known(double x2) const;
-    [[nodiscard]] std::uint64_t open(int a) const { return out_[a] & ~in_[a]; }
-    void update_active(int slot) {
-        active_ = (active_ & ~(1ull << slot)) | static_cast<std::uint64_t>(open(slot) != 0) << slot;
+    [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
+    // Of an edge a -> b that a vertex has brought: stacks it when the other end is not known.
+    [[gnu::always_inline]] void stack(int a, int b) {
+        open_edges_[static_cast<std::size_t>(open_end_)] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+        open_end_ += static_cast<int>(~(in_[a] >> b) & 1);
     }
+    [[gnu::always_inline]] inline void face(int slot);
     void make_room(std::int32_t locals) {
         if (slot_.size() < static_cast<std::size_t>(locals) + most_planes)
             slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
     }
     int new_slot(std::int32_t id) {
         const std::int32_t local = cells_.local(id);
-        make_room(local);
+        if (!cells_.is_own(local)) make_room(local);
         return slot_of(local, planes_);
     }
 
-    // star_candidates.hpp
+    // star_candidates.inl
     bool gather_candidates();
     bool begin_anywhere();
     bool add_candidate(std::int32_t id);
-    bool add_walls();
-    [[nodiscard]] bool near_cell_wall() const;
+    [[nodiscard]] double surely_covered(double square) const;
     [[nodiscard]] bool is_extra(std::int32_t id) const;
-    bool add_inside(const OpenEdge& edge, Four x, const std::int32_t* three, int& added);
+    [[gnu::noinline]] bool add_inside(const Line& line, Four x, const std::int32_t* three, int& added);
 
-    // star_geometry.hpp
+    // star_walls.inl
+    struct Wall {
+        std::int32_t id;
+        exact::Plane plane;
+        std::array<double, 3> normal;  // of length 1, outward
+        double offset;                 // normal.x = offset on it, rounded
+        double error;                  // of the distance of a seed
+        // How the seed mirror_of sees it: the bisector with its mirror image, h = 0 where that is not known well.
+        std::size_t mirror_of;
+        Four n;
+        double h;
+    };
+    void collect_near_walls(std::size_t home, double reach);
+    bool add_near_walls();
+    bool add_walls();
+    [[nodiscard]] bool two_walls_coincide() const;
+    [[nodiscard]] double distance_to(const Wall& wall) const;
+    void wall_plane(std::int32_t id, Four& n, double& h);
+    [[nodiscard]] Wall& wall_of(std::int32_t id) {
+        return walls_[static_cast<std::size_t>(wall_places_[static_cast<std::size_t>(-1 - id)])];
+    }
+
+    // star_geometry.inl
     [[nodiscard]] double measure_error() const;
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
-    Box box_;
-    bool any_rough_ = false;   // images, see SeedImages
-    double known_reach2_ = 0;  // squared distance within which all images of seeds are there
+    std::vector<Wall> walls_;
+    std::vector<std::int32_t> wall_places_;  // by -1 - id: in walls_, or -1
+    std::vector<std::size_t> near_walls_;    // of the seeds of the window's home
+    bool any_rough_ = false;                 // images, see SeedImages
+    bool moved_ = false;                     // the seed is not where the input has it
+    double known_reach2_ = 0;                // squared distance within which all images of seeds are there
     const StarKernels& kernels_;
     Neighborhood cells_;
     Window window_;
@@ -151,27 +206,33 @@ private:
 
     std::size_t seed_ = 0;
     std::int32_t own_local_ = 0;
-    exact::Point p_{};
+    exact::Point p_{};         // the seed, rounded where it has been moved
+    Four low_{};               // what rounding took from it
+    SeedImages::Base base_{};  // as exact arithmetic knows it
     bool have_candidates_ = false, have_walls_ = false;
     std::int32_t own_x_ = 0;  // in the window
     CandidatePlanes candidates_;
-    int extras_ = 0;      // candidates from here on are no seeds of the window
-    double covered_ = 0;  // squared distance within which all seeds not done are candidates
-    double longest_ = 0;  // at least the length of the longest candidate normal
-    double inverse_longest_ = 0;
-    double reached_ = 0;              // largest squared security radius of the vertices found
+    int extras_ = 0;                                // candidates from here on are no seeds of the window
+    double covered_ = 0;                            // squared distance within which all seeds not done are candidates
+    double near_covered_ = 0;                       // and are among the near ones
+    double longest_ = 0;                            // at least the length of the longest candidate normal
+    double rounding_ = 0, rounding_by_square_ = 0;  // margin of a vertex: rounding_by_square_ times its square more
+    double reached_ = 0;                            // largest squared security radius of the vertices found
     double scale_ = 1, unscale_ = 1;  // planes and vertices times this: window units, or 1 without a window
 
     // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b; the vertex at its
     // other end has b -> a, and sets bit b of in_[a].
     std::array<std::uint64_t, most_planes> out_{}, in_{};
-    std::uint64_t active_ = 0;        // planes with open edges
-    std::uint64_t planes_known_ = 0;  // planes with n_, h_, id_
+    // Edges that were open when they were put here; those from open_begin_ to open_end_ may still be.
+    std::array<OpenEdge, 4 * most_vertices> open_edges_;
+    int open_begin_ = 0, open_end_ = 0;
+    std::uint64_t planes_known_ = 0;  // planes with n_, h_, facing_, id_
     int ends_ = 0;                    // edges, counted at either end
     std::array<std::int32_t, most_planes> local_{}, id_{};
     int planes_ = 0;
     alignas(64) std::array<Four, most_planes> n_{};
     std::array<double, most_planes> h_{};
+    std::array<Facing, most_planes> facing_{};
     std::vector<std::uint16_t> slot_;  // by local id
 
     std::vector<std::int32_t> tied_;  // ids of the planes that go through the vertex examined
@@ -194,3 +255,4 @@ private:
 #include "cpu/walk/star_candidates.inl"
 #include "cpu/walk/star_edges.inl"
 #include "cpu/walk/star_geometry.inl"
+#include "cpu/walk/star_walls.inl"

@@ -41,7 +41,7 @@ bool Window::collect(const Box& box, double distance_squared) {
     return true;
 }
 
-bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
+Box Window::home_box(std::size_t home) const {
     const std::size_t first_group = home * home_groups;
     Box box = hierarchy_.box(0, first_group);
     for (std::size_t g = first_group + 1; g < std::min(first_group + home_groups, hierarchy_.count(0)); ++g) {
@@ -51,6 +51,11 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
             box.upper[k] = std::max(box.upper[k], other.upper[k]);
         }
     }
+    return box;
+}
+
+bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
+    const Box box = home_box(home);
     for (int tries = 0;; ++tries) {
         const bool all = collect(box, radius * radius * (1 + 1e-12));
         if (tries == most_tries) {

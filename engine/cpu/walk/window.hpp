@@ -24,6 +24,8 @@ public:
     // those of groups that are done. False when there is no representable window.
     bool open(std::size_t home, double radius, const Neighborhood& cells);
 
+    // The bounds of the seeds of a home.
+    [[nodiscard]] Box home_box(std::size_t home) const;
     [[nodiscard]] WindowSeeds seeds() const { return {x_.data(), y_.data(), z_.data(), id_.data(), count_}; }
     [[nodiscard]] double reach() const { return reach_; }  // complete within this distance of the home's box
     [[nodiscard]] double scale() const { return scale_; }  // units per length, a power of two

@@ -35,13 +35,15 @@ struct WindowSeeds {
 // image. Beyond `count` and up to the next multiple of 16 stand planes that nothing touches.
 struct CandidatePlanes {
     static constexpr int capacity = 256;
-    static constexpr float never = 1e30f;  // h of a plane that nothing touches
-    alignas(64) float nx[capacity + 16];
-    alignas(64) float ny[capacity + 16];
-    alignas(64) float nz[capacity + 16];
-    alignas(64) float h[capacity + 16];
-    alignas(64) std::int32_t id[capacity + 16];
+    static constexpr float never = 1e30f;           // h of a plane that nothing touches
+    static constexpr int room = 2 * capacity + 32;  // select() puts the far ones behind the others at first
+    alignas(64) float nx[room];
+    alignas(64) float ny[room];
+    alignas(64) float nz[room];
+    alignas(64) float h[room];
+    alignas(64) std::int32_t id[room];
     int count = 0;
+    int near = 0;  // planes of the walls and of the nearest seeds come first
 };
 
 struct Ray {  // (o + t d) / s; o[3] and d[3] are free
@@ -77,14 +79,17 @@ struct StarKernels {
     // The seeds of groups as window integers, and their ids: all of the first `kept` groups, of the others those nearer
     // to the box `home` than sqrt(distance_squared). Returns their number; there is room for all.
     int (*to_window)(const GroupSource&, const WindowFrame&, std::int32_t* const* out, std::int32_t* ids);
-    // Fills the planes of all window seeds nearer to p than sqrt(distance_squared); false when they are too many.
-    bool (*select)(const WindowSeeds&, const std::int32_t* p, float distance_squared, CandidatePlanes&);
-    // The plane that each of two rays meets first among those that it leaves (n.d > least), -1 if none. A guess:
-    // which of those within 2^-12 of the least t it is may vary.
-    void (*first_hits)(const CandidatePlanes&, const Ray* rays, int* hits);
-    // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none.
-    int (*touching)(const CandidatePlanes&, const float* v, const std::int32_t* three, int begin);
-    // places[k] = how many of `count` different ids are smaller than ids[k].
+    // Adds the planes of all window seeds nearer to p than sqrt(distance_squared); the near ones, at least those of
+    // seeds nearer than sqrt(near_squared), come first. False when they are too many.
+    bool (*select)(const WindowSeeds&, const std::int32_t* p, float near_squared, float distance_squared,
+                   CandidatePlanes&);
+    // The plane that each of two rays meets first among those of the first `count` that it leaves (n.d > least), -1 if
+    // none. A guess: which of those within 2^-12 of the least t it is may vary, and it may be one beyond `count`.
+    void (*first_hits)(const CandidatePlanes&, int count, const Ray* rays, int* hits);
+    // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none among
+    // the first `count`.
+    int (*touching)(const CandidatePlanes&, int count, const float* v, const std::int32_t* three, int begin);
+    // places[k] = how many of `count` different ids are smaller than ids[k]. There is room for 32 places or more.
     void (*rank)(const std::int32_t* ids, int count, std::uint16_t* places);
 };
 

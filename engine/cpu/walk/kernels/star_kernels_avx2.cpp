@@ -1,4 +1,5 @@
 // The loops of StarKernels in AVX2.
+#include <array>
 #include <bit>
 #include <limits>
 
@@ -33,41 +34,66 @@ VOTESS_AVX2 unsigned inside_ball_avx2(const double* x, const double* y, const do
     return inside_ball_body(x, y, z, t, least);
 }
 
+// Lanes in the order of compress(): by mask, a byte each; first those whose bit is set.
+constexpr std::array<std::uint64_t, 256> compress_orders = [] {
+    std::array<std::uint64_t, 256> orders{};
+    for (unsigned mask = 0; mask < 256; ++mask) {
+        int at = 0;
+        for (unsigned lane = 0; lane < 8; ++lane)
+            if ((mask >> lane) & 1) orders[mask] |= std::uint64_t{lane} << (8 * at++);
+    }
+    return orders;
+}();
+
+VOTESS_AVX2 VOTESS_INLINE __m256i compress_order(unsigned mask) {
+    return _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(&compress_orders[mask])));
+}
+
+VOTESS_AVX2 VOTESS_INLINE void compress(std::int32_t* to, __m256i values, __m256i order) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_permutevar8x32_epi32(values, order));
+}
+
+VOTESS_AVX2 VOTESS_INLINE void compress(float* to, __m256 values, __m256i order) {
+    _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(values, order));
+}
+
+// Seeds out of range become INT_MIN, which is far away.
 VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
                                std::int32_t* ids) {
-    const __m256d range = _mm256_set1_pd(window_range), least = _mm256_set1_pd(-window_range);
     const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     int count = 0;
-    for (std::size_t g = 0; g < from.groups.size(); ++g)
-        for (std::size_t i = 0; i < box_fan; i += 4) {
-            const std::size_t seed = std::size_t{from.groups[g]} * box_fan + i;
+    for (std::size_t g = 0; g < from.groups.size(); ++g) {
+        const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
+        __m128i at[2][3];
+        unsigned inside = 0;
+        for (int half = 0; half < 2; ++half) {
             __m256d sum = _mm256_setzero_pd();
-            alignas(16) std::int32_t at[3][4];
             for (int k = 0; k < 3; ++k) {
-                const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed);
+                const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed + 4 * half);
                 __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x),
                                             _mm256_sub_pd(x, _mm256_set1_pd(frame.home.upper[k])));
                 gap = _mm256_max_pd(gap, _mm256_setzero_pd());
-                sum = _mm256_add_pd(sum, _mm256_mul_pd(gap, gap));
-                __m256d v = _mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale);
-                v = _mm256_min_pd(_mm256_max_pd(v, least), range);
-                _mm_store_si128(reinterpret_cast<__m128i*>(at[k]), _mm256_cvtpd_epi32(v));
+                sum = _mm256_fmadd_pd(gap, gap, sum);
+                at[half][k] =
+                    _mm256_cvtpd_epi32(_mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale));
             }
-            auto inside = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ)));
-            if (g < from.kept) inside = 15;
-            for (; inside != 0; inside &= inside - 1, ++count) {
-                const int lane = std::countr_zero(inside);
-                for (int k = 0; k < 3; ++k) out[k][count] = at[k][lane];
-                ids[count] = static_cast<std::int32_t>(seed) + lane;
-            }
+            inside |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ))) << (4 * half);
         }
+        if (g < from.kept) inside = 255;
+        const __m256i order = compress_order(inside);
+        for (int k = 0; k < 3; ++k) compress(out[k] + count, _mm256_set_m128i(at[1][k], at[0][k]), order);
+        compress(ids + count, _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota), order);
+        count += std::popcount(inside);
+    }
     return count;
 }
 
-VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float distance_squared, CandidatePlanes& c) {
+VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float near_squared, float distance_squared,
+                             CandidatePlanes& c) {
     const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
-    const __m256 limit = _mm256_set1_ps(distance_squared);
-    int count = 0;
+    const __m256 limit = _mm256_set1_ps(distance_squared), near_limit = _mm256_set1_ps(near_squared);
+    int near = c.count, far = 0;
     for (int i = 0; i < w.count; i += 8) {
         auto difference = [i](const std::int32_t* at, __m256i from) VOTESS_AVX2 {
             return _mm256_cvtepi32_ps(
@@ -75,26 +101,27 @@ VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float 
         };
         const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
         const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
-        auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, limit, _CMP_LT_OQ)));
+        const auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, limit, _CMP_LT_OQ)));
         if (inside == 0) continue;
-        if (count > CandidatePlanes::capacity - 8) return false;
-        alignas(32) float n[4][8];
-        _mm256_store_ps(n[0], nx);
-        _mm256_store_ps(n[1], ny);
-        _mm256_store_ps(n[2], nz);
-        _mm256_store_ps(n[3], _mm256_mul_ps(d, _mm256_set1_ps(0.5f)));
-        for (; inside != 0; inside &= inside - 1, ++count) {
-            const int k = std::countr_zero(inside);
-            c.nx[count] = n[0][k];
-            c.ny[count] = n[1][k];
-            c.nz[count] = n[2][k];
-            c.h[count] = n[3][k];
-            c.id[count] = w.id[i + k];
-        }
+        const __m256 h = _mm256_mul_ps(d, _mm256_set1_ps(0.5f));
+        const unsigned is_near =
+            static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, near_limit, _CMP_LT_OQ))) & inside;
+        const unsigned is_far = inside & ~is_near;
+        if (near > CandidatePlanes::capacity || far > CandidatePlanes::capacity) return false;
+        const auto put = [&](unsigned mask, int to) VOTESS_AVX2 {
+            const __m256i order = compress_order(mask);
+            compress(c.nx + to, nx, order);
+            compress(c.ny + to, ny, order);
+            compress(c.nz + to, nz, order);
+            compress(c.h + to, h, order);
+            compress(c.id + to, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
+        };
+        if (is_near != 0) put(is_near, near);
+        if (is_far != 0) put(is_far, far_begin + far);
+        near += std::popcount(is_near);
+        far += std::popcount(is_far);
     }
-    c.count = count;
-    pad(c);
-    return true;
+    return join(c, near, far);
 }
 
 VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {
@@ -107,7 +134,7 @@ VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {
     return found[std::countr_zero(where) & 7];
 }
 
-VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int* hits) {
+VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
     const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
     for (int r = 0; r < 2; ++r) {
         const auto& [o, d, s, least] = rays[r];
@@ -116,7 +143,7 @@ VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int*
         const __m256 limit = _mm256_set1_ps(least);
         __m256 best = infinity;
         __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-        for (int i = 0; i < c.count; i += 8) {
+        for (int i = 0; i < count; i += 8) {
             const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i), nz = _mm256_load_ps(c.nz + i);
             const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
             const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
@@ -132,12 +159,13 @@ VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, const Ray* rays, int*
     }
 }
 
-VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
+VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, int count, const float* v, const std::int32_t* three,
+                              int begin) {
     const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
     const __m256 limit = _mm256_set1_ps(v[3]);
     const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]), i2 = _mm256_set1_epi32(three[2]);
     unsigned behind = ~0u << (begin % 8);
-    for (int i = begin / 8 * 8; i < c.count; i += 8, behind = ~0u) {
+    for (int i = begin / 8 * 8; i < count; i += 8, behind = ~0u) {
         const __m256 gap =
             _mm256_fnmadd_ps(_mm256_load_ps(c.nx + i), vx,
                              _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
@@ -153,7 +181,28 @@ VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, const float* v, const st
     return -1;
 }
 
+template <int Blocks>
+VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, std::uint16_t* places) {
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    __m256i of[Blocks], smaller[Blocks];
+    for (int b = 0; b < Blocks; ++b) {
+        const __m256i there = _mm256_cmpgt_epi32(_mm256_set1_epi32(count - 8 * b), iota);
+        of[b] = _mm256_maskload_epi32(ids + 8 * b, there);
+        smaller[b] = _mm256_setzero_si256();
+    }
+    for (int i = 0; i < count; ++i) {
+        const __m256i id = _mm256_set1_epi32(ids[i]);
+        for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi32(smaller[b], _mm256_cmpgt_epi32(of[b], id));
+    }
+    for (int b = 0; b < Blocks; ++b) {
+        const __m128i low = _mm256_castsi256_si128(smaller[b]), high = _mm256_extracti128_si256(smaller[b], 1);
+        _mm_storeu_si128(reinterpret_cast<__m128i*>(places + 8 * b), _mm_packus_epi32(low, high));
+    }
+}
+
 VOTESS_AVX2 void rank_avx2(const std::int32_t* ids, int count, std::uint16_t* places) {
+    if (count <= 16) return rank_blocks<2>(ids, count, places);
+    if (count <= 32) return rank_blocks<4>(ids, count, places);
     rank_body(ids, count, places);
 }
 

@@ -78,11 +78,12 @@ VOTESS_AVX512 int to_window_avx512(const GroupSource& from, const WindowFrame& f
     return count;
 }
 
-VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float distance_squared,
+// All are near: vectors are so long that it does not pay to look at fewer.
+VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float, float distance_squared,
                                  CandidatePlanes& c) {
     const __m512i px = _mm512_set1_epi32(p[0]), py = _mm512_set1_epi32(p[1]), pz = _mm512_set1_epi32(p[2]);
     const __m512 limit = _mm512_set1_ps(distance_squared), half = _mm512_set1_ps(0.5f);
-    int count = 0;
+    int count = c.count;
     for (int i = 0; i < w.count; i += 16) {
         const __m512 nx = _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(w.x + i), px));
         const __m512 ny = _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(w.y + i), py));
@@ -97,10 +98,7 @@ VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, fl
         _mm512_storeu_si512(c.id + count, _mm512_maskz_compress_epi32(inside, _mm512_loadu_si512(w.id + i)));
         count += std::popcount(static_cast<unsigned>(inside));
     }
-    if (count > CandidatePlanes::capacity) return false;
-    c.count = count;
-    pad(c);
-    return true;
+    return join(c, count, 0);
 }
 
 // The best planes of one ray so far: t in the high bits, as integers of the same order, over the index.
@@ -132,10 +130,10 @@ VOTESS_AVX512 VOTESS_INLINE int hit_of(const Best& b) {
     return key == index_bits ? -1 : key;
 }
 
-VOTESS_AVX512 void first_hits_avx512(const CandidatePlanes& c, const Ray* rays, int* hits) {
+VOTESS_AVX512 void first_hits_avx512(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
     Best first = start(rays[0]), second = start(rays[1]);
     __m512i index = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    for (int i = 0; i < c.count; i += 16) {
+    for (int i = 0; i < count; i += 16) {
         const __m512 nx = _mm512_load_ps(c.nx + i), ny = _mm512_load_ps(c.ny + i), nz = _mm512_load_ps(c.nz + i);
         const __m512 h = _mm512_load_ps(c.h + i);
         update(first, nx, ny, nz, h, index);
@@ -146,12 +144,13 @@ VOTESS_AVX512 void first_hits_avx512(const CandidatePlanes& c, const Ray* rays, 
     hits[1] = hit_of(second);
 }
 
-VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
+VOTESS_AVX512 int touching_avx512(const CandidatePlanes& c, int count, const float* v, const std::int32_t* three,
+                                  int begin) {
     const __m512 vx = _mm512_set1_ps(v[0]), vy = _mm512_set1_ps(v[1]), vz = _mm512_set1_ps(v[2]);
     const __m512 limit = _mm512_set1_ps(v[3]);
     const __m512i i0 = _mm512_set1_epi32(three[0]), i1 = _mm512_set1_epi32(three[1]), i2 = _mm512_set1_epi32(three[2]);
     auto behind = static_cast<__mmask16>(~0u << (begin % 16));
-    for (int i = begin / 16 * 16; i < c.count; i += 16, behind = 0xffff) {
+    for (int i = begin / 16 * 16; i < count; i += 16, behind = 0xffff) {
         const __m512 gap =
             _mm512_fnmadd_ps(_mm512_load_ps(c.nx + i), vx,
                              _mm512_fnmadd_ps(_mm512_load_ps(c.ny + i), vy,

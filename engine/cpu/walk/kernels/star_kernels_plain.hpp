@@ -20,6 +20,10 @@ constexpr double relative_slack = 4e-8;
 template <class T, int L>
 using Vector __attribute__((vector_size(L * sizeof(T)))) = T;
 
+// Of select(): the far planes stand from `far_begin` on.
+constexpr int far_begin = CandidatePlanes::capacity + 16;
+static_assert(far_begin % 16 == 0);
+
 VOTESS_INLINE void pad(CandidatePlanes& c) {
     for (int i = c.count; i < (c.count + 15) / 16 * 16; ++i) {
         c.nx[i] = c.ny[i] = c.nz[i] = 0;
@@ -80,10 +84,25 @@ VOTESS_INLINE int to_window_body(const GroupSource& from, const WindowFrame& fra
     return count;
 }
 
+// Moves `far` planes from far_begin to behind the first `near`; false when they are too many.
+VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
+    if (near + far > CandidatePlanes::capacity) return false;
+    c.near = near;
+    c.count = near + far;
+    const auto move = [&](auto* values) { std::memmove(values + near, values + far_begin, sizeof *values * far); };
+    move(c.nx);
+    move(c.ny);
+    move(c.nz);
+    move(c.h);
+    move(c.id);
+    pad(c);
+    return true;
+}
+
 template <int L>
-VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, float distance_squared,
+VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, float near_squared, float distance_squared,
                                CandidatePlanes& c) {
-    int count = 0;
+    int near = c.count, far = 0;
     for (int i = 0; i < w.count; i += L) {
         float nx[L], ny[L], nz[L], d[L];
         for (int k = 0; k < L; ++k) {
@@ -94,24 +113,24 @@ VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, floa
         }
         unsigned inside = 0;
         for (int k = 0; k < L; ++k) inside |= static_cast<unsigned>(d[k] < distance_squared) << k;
+        if (near > CandidatePlanes::capacity - L || far > CandidatePlanes::capacity - L) return false;
         for (; inside != 0; inside &= inside - 1) {
             const int k = std::countr_zero(inside);
-            if (count == CandidatePlanes::capacity) return false;
-            c.nx[count] = nx[k];
-            c.ny[count] = ny[k];
-            c.nz[count] = nz[k];
-            c.h[count] = 0.5f * d[k];
-            c.id[count] = w.id[i + k];
-            ++count;
+            int& at = d[k] < near_squared ? near : far;
+            const int to = &at == &near ? near : far_begin + far;
+            c.nx[to] = nx[k];
+            c.ny[to] = ny[k];
+            c.nz[to] = nz[k];
+            c.h[to] = 0.5f * d[k];
+            c.id[to] = w.id[i + k];
+            ++at;
         }
     }
-    c.count = count;
-    pad(c);
-    return true;
+    return join(c, near, far);
 }
 
 template <int L>
-VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, int* hits) {
+VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
     using Real = Vector<float, L>;
     using Index = Vector<std::int32_t, L>;
     const float infinity = std::numeric_limits<float>::infinity();
@@ -121,7 +140,7 @@ VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, in
         Index at = Index{} - 1;
         Index index;
         for (int k = 0; k < L; ++k) index[k] = k;
-        for (int i = 0; i < c.count; i += L, index += L) {
+        for (int i = 0; i < count; i += L, index += L) {
             Real nx, ny, nz, h;
             std::memcpy(&nx, c.nx + i, sizeof nx);
             std::memcpy(&ny, c.ny + i, sizeof ny);
@@ -141,8 +160,9 @@ VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, const Ray* rays, in
 }
 
 template <int L>
-VOTESS_INLINE int touching_body(const CandidatePlanes& c, const float* v, const std::int32_t* three, int begin) {
-    for (int i = begin / L * L; i < c.count; i += L) {
+VOTESS_INLINE int touching_body(const CandidatePlanes& c, int count, const float* v, const std::int32_t* three,
+                                int begin) {
+    for (int i = begin / L * L; i < count; i += L) {
         unsigned mask = 0;
         for (int k = 0; k < L; ++k) {
             const float gap = c.h[i + k] - c.nx[i + k] * v[0] - c.ny[i + k] * v[1] - c.nz[i + k] * v[2];
