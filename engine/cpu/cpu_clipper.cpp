@@ -213,7 +213,6 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
     begin_workers(out);
     const std::size_t blocks = blocks_.size() - 1;
     const bool measure = needs_geometry(job_.options.want);
-    const bool walks = !job_.domain->has_weights();
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t done) { return progress_.going_on(share.at(done, blocks)); };
     const auto task = [&](std::size_t block, unsigned index) {
@@ -224,14 +223,13 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         worker.budget.begin(end - begin);
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t seed = seed_at(k);
-            if (walks && seed >= stretch_end) {
+            if (seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
                 stretch_end = std::min(last, first + Star::most_seeds);
                 worker.star->begin(first, stretch_end, measure);
             }
             worker.writer.prefetch(seed);
-            if (walks && worker.budget.worth_a_star() && worker.star->build(seed) &&
-                worker.writer.write(seed, *worker.star))
+            if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star))
                 worker.budget.star_done();
             else
                 search(seed, worker);

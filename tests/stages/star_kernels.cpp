@@ -183,8 +183,11 @@ TEST_SUITE("stages") {
                 for (int i = 0; i < count; ++i)
                     for (int k = 0; k < 3; ++k) {
                         const double x = seeds[k][static_cast<std::size_t>(ids[i])];
-                        const double exact = std::clamp((x - frame.origin[k]) * frame.scale, -range, range);
-                        REQUIRE(std::abs(out[k][i] - exact) <= 0.5 + 1e-7);  // ties go either way
+                        const double exact = (x - frame.origin[k]) * frame.scale;
+                        if (std::abs(exact) <= range)
+                            REQUIRE(std::abs(out[k][i] - exact) <= 0.5 + 1e-7);  // ties go either way
+                        else
+                            REQUIRE(std::abs(out[k][i]) == window_range);
                     }
             });
         }
@@ -220,6 +223,10 @@ TEST_SUITE("stages") {
             const double limit_wanted =
                 sorted.empty() ? 100 : std::min(sorted[std::min(wanted, sorted.size() - 1)], 3.0 * size * size);
             const auto limit = static_cast<float>(limit_wanted);
+            const bool weighted = random.chance(0.5);
+            std::vector<float> weights(readable, 0);
+            for (float& weight : weights) weight = static_cast<float>(random.integer(0, size));
+            const auto own_weight = static_cast<float>(random.integer(0, size));
             const auto near_limit = static_cast<float>(random.uniform(0, 1.2)) * limit;
             std::vector<int> inside, edge;  // for certain, and where the rounding of floats decides
             for (int i = 0; i < count; ++i) {
@@ -232,8 +239,9 @@ TEST_SUITE("stages") {
             for_each_set([&](const StarKernels& kernels) {
                 const auto planes = std::make_unique<CandidatePlanes>();
                 CandidatePlanes& c = *planes;
-                const bool fits =
-                    kernels.select({x[0].data(), x[1].data(), x[2].data(), ids.data(), count}, p, near_limit, limit, c);
+                const bool fits = kernels.select(
+                    {x[0].data(), x[1].data(), x[2].data(), ids.data(), weighted ? weights.data() : nullptr, count}, p,
+                    own_weight, near_limit, limit, c);
                 // A set may give up when the last vector of seeds might not fit.
                 if (inside.size() + edge.size() <= CandidatePlanes::capacity - 8) REQUIRE(fits);
                 if (inside.size() > CandidatePlanes::capacity) REQUIRE_FALSE(fits);
@@ -253,7 +261,8 @@ TEST_SUITE("stages") {
                     REQUIRE(c.nx[i] == static_cast<float>(x[0][s] - p[0]));
                     REQUIRE(c.ny[i] == static_cast<float>(x[1][s] - p[1]));
                     REQUIRE(c.nz[i] == static_cast<float>(x[2][s] - p[2]));
-                    REQUIRE(std::abs(c.h[i] - 0.5 * square[s]) <= 5e-7 * square[s]);
+                    const double more = weighted ? double{own_weight} - weights[s] : 0;
+                    REQUIRE(std::abs(c.h[i] - 0.5 * (square[s] + more)) <= 5e-7 * (square[s] + size));
                 }
                 for (int i = c.count; i < round_up(c.count, 16); ++i) {
                     REQUIRE((c.nx[i] == 0 && c.ny[i] == 0 && c.nz[i] == 0));
@@ -273,8 +282,8 @@ TEST_SUITE("stages") {
                 for_each_set([&](const StarKernels& kernels) {
                     const auto c = std::make_unique<CandidatePlanes>();
                     const std::int32_t p[3] = {0, 0, 0};
-                    const bool fits =
-                        kernels.select({x.data(), zero.data(), zero.data(), ids.data(), 624}, p, 1e6f, 1e6f, *c);
+                    const bool fits = kernels.select({x.data(), zero.data(), zero.data(), ids.data(), nullptr, 624}, p,
+                                                     0, 1e6f, 1e6f, *c);
                     CAPTURE(near);
                     if (near <= CandidatePlanes::capacity - 8) REQUIRE(fits);
                     if (near > CandidatePlanes::capacity) REQUIRE_FALSE(fits);

@@ -99,10 +99,12 @@ double check_window(const Sorted& sorted, Window& window, std::size_t home, doub
     return window.reach();
 }
 
+constexpr std::int32_t walls = 9;
+
 // No seed is done.
 Neighborhood fresh(const Sorted& sorted) {
     Neighborhood cells;
-    cells.begin(sorted.seeds, 0, std::min<std::size_t>(sorted.seeds.size(), 4096), false);
+    cells.begin(sorted.seeds, 0, std::min<std::size_t>(sorted.seeds.size(), 4096), 6, false);
     return cells;
 }
 
@@ -114,9 +116,9 @@ TEST_SUITE("stages") {
         Neighborhood cells;
         Random random(2);
         for (int round = 0; round < 3; ++round) {  // the table that has grown is used again
-            cells.begin(sorted.seeds, 16, 80, false);
-            CHECK(cells.locals() == Neighborhood::walls + 64);
-            for (std::int32_t wall = -6; wall < 0; ++wall) CHECK(cells.id(cells.local(wall)) == wall);
+            cells.begin(sorted.seeds, 16, 80, walls, false);
+            CHECK(cells.locals() == walls + 64);
+            for (std::int32_t wall = -walls; wall < 0; ++wall) CHECK(cells.id(cells.local(wall)) == wall);
             for (std::int32_t s = 16; s < 80; ++s) CHECK(cells.id(cells.local(s)) == s);
             std::vector<std::int32_t> ids{0, 15, 80, 81, std::numeric_limits<std::int32_t>::max()};
             // Multiples of a power of two collide in many a hash.
@@ -126,7 +128,7 @@ TEST_SUITE("stages") {
             std::vector<std::int32_t> locals;
             for (const std::int32_t id : ids) locals.push_back(cells.local(id));
             std::set<std::int32_t> different(ids.begin(), ids.end());
-            CHECK(cells.locals() == Neighborhood::walls + 64 + static_cast<std::int32_t>(different.size()));
+            CHECK(cells.locals() == walls + 64 + static_cast<std::int32_t>(different.size()));
             for (std::size_t i = 0; i < ids.size(); ++i) {
                 REQUIRE(cells.local(ids[i]) == locals[i]);
                 REQUIRE(cells.id(locals[i]) == ids[i]);
@@ -140,15 +142,15 @@ TEST_SUITE("stages") {
         Random random(4);
         for (const std::size_t vertices : {0, 1, 31, 32, 33, 64, 65, 500, 5000}) {
             CAPTURE(vertices);
-            cells.begin(sorted.seeds, 32, 96, true);
+            cells.begin(sorted.seeds, 32, 96, walls, true);
             // By owner: (positions in their order, cells); hub is a cell of most vertices.
-            const std::int32_t hub = cells.local(50), foreign = cells.local(200), wall = cells.local(-3);
+            const std::int32_t hub = cells.local(50), foreign = cells.local(200), wall = cells.local(-8);
             using Handed = std::pair<std::array<std::int32_t, 3>, double>;  // the three others, smallest first
             std::vector<std::vector<Handed>> expected(64);
             auto expect = [&](std::int32_t cell, std::array<std::int32_t, 3> others, double position) {
-                if (cell < Neighborhood::walls || cell >= Neighborhood::walls + 64) return;
+                if (cell < walls || cell >= walls + 64) return;
                 std::rotate(others.begin(), std::ranges::min_element(others), others.end());
-                expected[static_cast<std::size_t>(cell - Neighborhood::walls)].emplace_back(others, position);
+                expected[static_cast<std::size_t>(cell - walls)].emplace_back(others, position);
             };
             for (std::size_t v = 0; v < vertices; ++v) {
                 const auto owner = cells.local(static_cast<std::int32_t>(60 + random.below(30)));
@@ -169,7 +171,7 @@ TEST_SUITE("stages") {
                     auto others = known.cells;
                     std::rotate(others.begin(), std::ranges::min_element(others), others.end());
                     found.emplace_back(others, cells.position(known.vertex).x[0]);
-                    const auto& owner = cells.owner(known.vertex).x;  // one of 60 .. 89
+                    const auto& owner = cells.seed_position(cells.owner(known.vertex)).x;  // one of 60 .. 89
                     bool is_seed = false;
                     for (std::size_t i = 60; i < 90; ++i) is_seed = is_seed || owner[0] == sorted.seeds.x[i];
                     REQUIRE(is_seed);
@@ -180,14 +182,14 @@ TEST_SUITE("stages") {
             }
             if (vertices > 0) CHECK(cells.known(50).size() == vertices);
         }
-        cells.begin(sorted.seeds, 0, 64, false);  // nothing of another stretch is left
+        cells.begin(sorted.seeds, 0, 64, walls, false);  // nothing of another stretch is left
         for (std::size_t s = 0; s < 64; ++s) CHECK(cells.known(s).empty());
     }
 
     TEST_CASE("star neighborhood: ties") {
         const Sorted sorted(test::uniform(200, 5).points);
         Neighborhood cells;
-        cells.begin(sorted.seeds, 0, 64, true);
+        cells.begin(sorted.seeds, 0, 64, walls, true);
         std::vector<std::int32_t> few{cells.local(3), cells.local(40), cells.local(-1), cells.local(150),
                                       cells.local(7)};
         std::vector<std::int32_t> many;  // most of them not of the stretch
@@ -217,7 +219,7 @@ TEST_SUITE("stages") {
     TEST_CASE("star neighborhood: groups that are done") {
         const Sorted sorted(test::uniform(100, 6).points);
         Neighborhood cells;
-        cells.begin(sorted.seeds, 16, 45, false);
+        cells.begin(sorted.seeds, 16, 45, walls, false);
         for (std::size_t s = 16; s < 45; ++s) {
             CHECK_FALSE(cells.done(s));
             if (s != 27) cells.set_done(s);

@@ -91,7 +91,9 @@ public:
 
     [[nodiscard]] const exact::Point& seed() const { return seed_; }
     [[nodiscard]] std::span<const CellPlane> planes() const { return planes_; }
+    // Slots below this hold vertices, if they are alive.
     [[nodiscard]] int slots() const { return slots_; }
+    [[nodiscard]] bool alive(int slot) const { return (alive_[slot / word_slots] >> (slot % word_slots)) & 1; }
     [[nodiscard]] std::array<const CellPlane*, 3> corner_planes(int slot) const {
         const auto& [a, b, c] = corners_[slot].plane;
         return {&planes_[a], &planes_[b], &planes_[c]};
@@ -144,7 +146,6 @@ private:
     void sharpen();
     void merge_equal_corners();
     [[nodiscard]] bool same_position(int v, int w, int shared_edge);
-    [[nodiscard]] bool alive(int slot) const { return (alive_[slot / word_slots] >> (slot % word_slots)) & 1; }
     template <class Visit>
     void for_each_alive(Visit visit) const {
         for (int w = 0; w * word_slots < slots_; ++w)

@@ -53,6 +53,11 @@ void CellWriter::leave_out() {
 }
 
 bool CellWriter::write(std::size_t seed, Star& star) {
+    if (star.faces().empty()) {
+        counters_.exact_cells += star.used_exact() ? 1 : 0;
+        write_empty(seed);
+        return true;
+    }
     if (measure_ && !star.measure(geometry_)) return false;
     const auto faces = star.faces();
     counters_.faces += faces.size();

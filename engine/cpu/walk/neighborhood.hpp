@@ -36,6 +36,8 @@ public:
     [[nodiscard]] bool holds(std::int64_t seed) const {
         return seed >= static_cast<std::int64_t>(first_) && seed < static_cast<std::int64_t>(last_);
     }
+    // Whether the stretch holds any of these seeds.
+    [[nodiscard]] bool overlaps(std::size_t begin, std::size_t end) const { return begin < last_ && end > first_; }
     // id: a sorted seed, or a wall below 0.
     [[nodiscard]] std::int32_t local(std::int32_t id) {
         if (id < 0) return -1 - id;

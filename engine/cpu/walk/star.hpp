@@ -9,11 +9,15 @@
 // A neighbor that is done has handed over every vertex of their common face (Neighborhood), so an edge that is still
 // open lies on no plane of a done seed, and the other end of it neither: done seeds need not be looked at again.
 //
+// In a power diagram a seed may lie outside of its cell. A seed of weight w cuts off a vertex at the distance R only if
+// it is nearer than R + sqrt(R^2 + w - w_p), which stands for 2 R below.
+//
 // Margin. With e = 2^-24, planes N rounded to floats from integers that are exact to q = 1.8 units, H = |N|^2/2, and a
 // vertex X known to 62 u cond |X| < 0.2 e |X| (cond <= worst_condition), rounding changes H - N.X by at most
 //     e (6.3 |N||X| + 9 H) + q (|X| + |N| + q / 2),
 // whether or not the compiler's target fuses a*b+c. Where it is used, 2 stands for q in the first two terms of the last
-// bracket, which pays for the third as long as |N| may be 9 units.
+// bracket, which pays for the third as long as |N| may be 9 units. With weights that span W, H is off by e 3 W more,
+// and a vertex, in units of |X| + |N| / 4 for the longest N of its planes, by as much as before (star_edges.inl).
 #pragma once
 
 #include <array>
@@ -41,14 +45,15 @@ public:
 
     static constexpr std::size_t alignment = 16;  // of the first seed of a stretch
 
-    // Once a job and before begin(). The domain stays with the caller; it has no weights.
+    // Once a job and before begin(). The domain stays with the caller.
     virtual void begin_job(const Domain& domain) = 0;
     // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
     virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
     // False when the cell is beyond what this class handles: the caller clips it.
     virtual bool build(std::size_t seed) = 0;
 
-    // These are the faces of the last cell built, in no particular order: sorted seeds, or walls -1, -2, ...
+    // These are the faces of the last cell built, in no particular order: sorted seeds, or walls -1, -2, ... There are
+    // none where the cell of a power diagram is empty.
     [[nodiscard]] std::span<const std::int32_t> faces() const {
         return {face_.data(), static_cast<std::size_t>(faces_)};
     }

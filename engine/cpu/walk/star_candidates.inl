@@ -11,15 +11,20 @@ bool StarWalk<Isa>::gather_candidates() {
     const std::size_t home = seed_ / Window::home_seeds;
     if (window_home_ != home) {
         window_home_ = home;
-        window_open_ = window_.open(home, std::sqrt(reach2) * 1.02, cells_);
+        window_open_ = window_.open(home, std::sqrt(with_weights(reach2, least_weight(home))) * 1.02, cells_);
         if (window_open_) collect_near_walls(home, window_.reach());
         if (window_open_)
             for (std::size_t s = home * Window::home_seeds; s < seed_; ++s)
                 if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
     }
     if (!window_open_) return false;
-    reach2 = std::min(reach2, window_.reach() * window_.reach());
+    reach2 = std::min(with_weights(reach2, weight_), window_.reach() * window_.reach());
     const double scale = window_.scale();
+    float weight = 0;
+    if (weighted_) {
+        more_ = std::max(0.0, domain_->most_more(weight_)) * scale * scale;
+        weight = window_.weight(seed_);
+    }
     const auto p = window_.position(seed_);
     window_.hide(seed_);
     have_candidates_ = true;
@@ -33,8 +38,8 @@ bool StarWalk<Isa>::gather_candidates() {
         candidates_.count = 0;
         if (!add_near_walls()) return false;
         const double square = reach2 * scale * scale, near_square = near_share * square;
-        if (kernels_.select(window_.seeds(), p.data(), static_cast<float>(near_square), static_cast<float>(square),
-                            candidates_) &&
+        if (kernels_.select(window_.seeds(), p.data(), weight, static_cast<float>(near_square),
+                            static_cast<float>(square), candidates_) &&
             candidates_.count <= most_candidates) {
             covered_ = surely_covered(square);
             near_covered_ = surely_covered(near_square);
@@ -47,6 +52,22 @@ bool StarWalk<Isa>::gather_candidates() {
     return true;
 }
 
+// The squared security radius for vertices whose distance is half of sqrt(reach2).
+template <class Isa>
+double StarWalk<Isa>::with_weights(double reach2, double weight) const {
+    if (!weighted_) return reach2;
+    const double x2 = 0.25 * reach2, reach = std::sqrt(x2) + std::sqrt(x2 + std::max(0.0, domain_->most_more(weight)));
+    return reach * reach;
+}
+
+template <class Isa>
+double StarWalk<Isa>::least_weight(std::size_t home) const {
+    if (!weighted_) return 0;
+    const std::size_t begin = home * Window::home_seeds, end = std::min(begin + Window::home_seeds, seeds_.size());
+    return *std::min_element(seeds_.weights.begin() + static_cast<std::ptrdiff_t>(begin),
+                             seeds_.weights.begin() + static_cast<std::ptrdiff_t>(end));
+}
+
 // With it the margin derived in star.hpp, for a vertex of squared length x2: |X| <= X^2 / L + L / 4.
 template <class Isa>
 void StarWalk<Isa>::set_longest(double length) {
@@ -54,6 +75,9 @@ void StarWalk<Isa>::set_longest(double length) {
     const double square = length * length;
     rounding_by_square_ = 1.01 * (float_unit * 6.5 + quantum / length);
     rounding_ = 1.01 * (float_unit * (6.5 * 0.25 + 4.6) * square + quantum * 1.25 * length);
+    if (!weighted_) return;
+    rounding_by_square_ += 1.01 * float_unit * 0.5;
+    rounding_ += 1.01 * float_unit * (0.125 * square + 0.25 * length * std::sqrt(more_) + 3 * window_.weight_span());
 }
 
 // The squared distance within which all seeds are candidates that were looked for within this one.
@@ -68,9 +92,9 @@ bool StarWalk<Isa>::add_candidate(std::int32_t id) {
     CandidatePlanes& c = candidates_;
     if (c.count == CandidatePlanes::capacity) return false;
     Four n;
-    double h;
-    plane_through(id, n, h);
-    const double length = std::sqrt(2 * h);
+    double h, square;
+    plane_through(id, n, h, square);
+    const double length = std::sqrt(square);
     if (!(length < longest_normal)) return false;
     if (length * (1 + 0x1p-20) > longest_) set_longest(length * (1 + 0x1p-20));
     const int i = c.count++;
@@ -102,16 +126,60 @@ bool StarWalk<Isa>::begin_anywhere() {
     if (candidates_.count == 0 && !add_walls()) return false;
     const CandidatePlanes& c = candidates_;
     if (c.count == 0) return false;  // a periodic domain has no walls
-    const auto nearest = static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h);
+    if (!weighted_) return begin_at_face(static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h));
+    by_distance_.clear();
+    for (int i = 0; i < c.count; ++i) {
+        const float square = c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i];
+        by_distance_.emplace_back(c.h[i] / std::sqrt(square), i);
+    }
+    const auto nearest = *std::ranges::min_element(by_distance_);
+    if (nearest.first < parallel * static_cast<float>(longest_)) return begin_outside();
+    return begin_at_face(nearest.second);
+}
+
+// The seed lies outside of its cell, or nearly: the clipper finds an edge, or that the cell is empty.
+template <class Isa>
+bool StarWalk<Isa>::begin_outside() {
+    if (!have_walls_ && !add_walls()) return false;
+    std::ranges::sort(by_distance_);
+    const auto own = static_cast<std::int32_t>(seed_);
+    probe_.start(base_.point, *domain_, own);
+    for (const auto& [distance, i] : by_distance_) {
+        const std::int32_t id = candidates_.id[i];
+        if (id >= 0) probe_.clip(id, exact_plane(id));
+        if (probe_.empty()) {
+            used_exact_ = probe_.used_exact();
+            return empty_ = true;
+        }
+    }
+    for (int slot = 0; slot < probe_.slots(); ++slot) {
+        if (!probe_.alive(slot)) continue;
+        const auto planes = probe_.corner_planes(slot);
+        // In a periodic box it begins with images of the seed, which are no candidates.
+        if (std::ranges::any_of(planes, [own](const CellPlane* plane) { return plane->id == own; })) continue;
+        const int a = new_slot(planes[0]->id), b = new_slot(planes[1]->id);
+        const OpenEdge edge{static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+        Ray ray;
+        aim(edge, ray);
+        return close(edge, ray, -1);
+    }
+    return false;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::begin_at_face(int nearest) {
+    const CandidatePlanes& c = candidates_;
     const int a = new_slot(c.id[nearest]);
     need_plane(a);
     const auto& n = n_[a].x;
-    const double skew[3] = {0.61803398875 * n[1], 0.7548776662 * n[2], 0.5698402910 * n[0] + std::sqrt(h_[a])};
+    const double foot = h_[a] / square_[a];
+    const double skew[3] = {0.61803398875 * n[1], 0.7548776662 * n[2],
+                            0.5698402910 * n[0] + std::sqrt(0.5 * square_[a])};
     Ray ray;
     float size = 0;
     for (int k = 0; k < 3; ++k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
-        ray.o[k] = static_cast<float>(0.5 * n[k]);
+        ray.o[k] = static_cast<float>(foot * n[k]);
         ray.d[k] = static_cast<float>(n[i] * skew[j] - n[j] * skew[i]);
         size += std::abs(ray.d[k]);
     }
@@ -126,6 +194,74 @@ bool StarWalk<Isa>::begin_anywhere() {
     const OpenEdge edge{static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(new_slot(c.id[hit]))};
     aim(edge, ray);
     return close(edge, ray, -1);
+}
+
+// Bits of those of eight seeds beyond the candidates that may cut off the vertex.
+template <class Isa>
+unsigned StarWalk<Isa>::find_inside(std::size_t begin, const GroupTest& test) const {
+    if (!weighted_) return kernels_.inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
+    unsigned inside = 0;
+    const std::size_t end = seeds_.group_end(begin);
+    for (std::size_t i = begin; i < end; ++i) {
+        const Wide n = (Wide{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0} - Wide{p_[0], p_[1], p_[2], 0}) * scale_;
+        const double square = dot(n, n), more = (weight_of(static_cast<std::int32_t>(i)) - weight_) * scale_ * scale_;
+        const double excess = n[0] * test.v[0] + n[1] * test.v[1] + n[2] * test.v[2] - 0.5 * (square - more);
+        const double slack = 8 * margin * (square + std::abs(more) + more_) + 4 * test.slack;
+        inside |= static_cast<unsigned>(excess + slack >= 0 && square >= covered_) << (i - begin);
+    }
+    return inside;
+}
+
+// In a power diagram done seeds matter to a cell that knows no vertex: if it is not empty none of them is its neighbor,
+// and none cuts off its first vertex; if it is empty, some cut off all of space. True when that decides, or is left to
+// the clipper.
+template <class Isa>
+bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, const Four& x) {
+    Box at;
+    double size = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double offset = x.x[k] * unscale_;
+        at.lower[k] = at.upper[k] = p_[k] + offset;
+        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
+    }
+    const double reach = std::sqrt(dot(wide(x), wide(x)) + more_) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
+    nodes_.assign(1, {hierarchy_.top_level(), 0});
+    while (!nodes_.empty()) {
+        const Node node = nodes_.back();
+        nodes_.pop_back();
+        unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), at, reach * reach);
+        for (; near != 0; near &= near - 1) {
+            const std::uint32_t child = node.index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
+            const std::size_t begin = Hierarchy::first_seed(node.level, child);
+            const std::size_t end = Hierarchy::first_seed(node.level, child + 1);
+            if (!cells_.overlaps(begin, end)) continue;
+            if (node.level > 0) {
+                nodes_.push_back({node.level - 1, child});
+                continue;
+            }
+            for (std::size_t i = begin; i < end; ++i) {
+                if (!cells_.holds(static_cast<std::int64_t>(i)) || !cells_.done(i)) continue;
+                const int side = side_of(static_cast<std::int32_t>(i), three, third, x);
+                empty_ = side > 0;
+                if (side >= 0) return true;
+            }
+        }
+    }
+    return false;
+}
+
+template <class Isa>
+int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x) {
+    Four n;
+    double h, square;
+    plane_through(id, n, h, square);
+    const double excess = dot(wide(n), wide(x)) - h;
+    const double bound = std::sqrt(square * third.length2) * (weighted_factor * third.condition() + 8 * unit) +
+                         12 * unit * size_of_h(h, square);
+    if (std::abs(excess) > bound) return excess > 0 ? 1 : -1;
+    used_exact_ = true;
+    return exact::side_of_vertex(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]),
+                                 exact_plane(id));
 }
 
 // Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
@@ -144,7 +280,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
             test.v[k] = x.x[k];
         }
         const double x2 = dot(wide(x), wide(x));
-        const double reach = std::sqrt(x2) * unscale_ * (1 + margin) + 8 * unit * size;
+        const double reach = std::sqrt(x2 + more_) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
         reach2 = reach * reach;
         test.slack = 2 * margin * x2;
     };
@@ -162,8 +298,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
             }
             if (cells_.group_done(child)) continue;
             const std::size_t begin = std::size_t{child} * group_size;
-            const double *px = &seeds_.x[begin], *py = &seeds_.y[begin], *pz = &seeds_.z[begin];
-            unsigned inside = kernels_.inside_ball(px, py, pz, test, covered_);
+            unsigned inside = find_inside(begin, test);
             while (inside != 0) {
                 const int k = std::countr_zero(inside);
                 inside &= inside - 1;
@@ -175,11 +310,11 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
                 if (++added == most_new) return true;
                 Third third;
                 Four nearer;
-                plane_through(id, third.n, third.h);
+                plane_through(id, third.n, third.h, third.square);
                 if (dot(wide(third.n), wide(x)) > third.h && solve(line, third, nearer)) {
                     x = nearer;
                     look_around();
-                    inside &= kernels_.inside_ball(px, py, pz, test, covered_);
+                    inside &= find_inside(begin, test);
                 }
             }
         }

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "cpu/clip/cell.hpp"
 #include "cpu/sort/hierarchy.hpp"
 #include "cpu/sort/seed_images.hpp"
 #include "cpu/walk/kernels/star_kernels.hpp"

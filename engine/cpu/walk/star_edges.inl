@@ -35,14 +35,20 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
 }
 
 template <class Isa>
-void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h) {
-    if (id < 0) return wall_plane(id, n, h);
+void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& square) {
+    if (id < 0) {
+        wall_plane(id, n, h);
+        square = 2 * h;
+        return;
+    }
     const auto i = static_cast<std::size_t>(id);
     const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
     wide(n) = q - p;
     if (seeds_.images != nullptr) image_plane(id, n);
     wide(n) *= scale_;
-    h = 0.5 * dot(wide(n), wide(n));
+    square = dot(wide(n), wide(n));
+    h = 0.5 * square;
+    if (weighted_) h = 0.5 * (square + (weight_ - weight_of(id)) * scale_ * scale_);
 }
 
 // Adds what the rounding of coordinates took.
@@ -70,24 +76,30 @@ template <class Isa>
 void StarWalk<Isa>::find_plane(int slot) {
     planes_known_ |= 1ull << slot;
     id_[slot] = cells_.id(local_[slot]);
-    plane_through(id_[slot], n_[slot], h_[slot]);
+    plane_through(id_[slot], n_[slot], h_[slot], square_[slot]);
     face(slot);
 }
 
 template <class Isa>
 void StarWalk<Isa>::face(int slot) {
-    const double length = std::sqrt(2 * h_[slot]);
-    narrow(wide(n_[slot]) * (1 / length), facing_[slot].normal);
-    facing_[slot].distance = static_cast<float>(0.5 * length);
+    const double inverse = 1 / std::sqrt(square_[slot]);
+    narrow(wide(n_[slot]) * inverse, facing_[slot].normal);
+    facing_[slot].distance = static_cast<float>(h_[slot] * inverse);
 }
 
 template <class Isa>
 exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
     if (id < 0) return walls_[static_cast<std::size_t>(wall_places_[static_cast<std::size_t>(-1 - id)])].plane;
     if (seeds_.images != nullptr)
-        return seeds_.images->bisector(base_, seeds_.images->home(id), seeds_.images->shift(id));
+        return powered(seeds_.images->bisector(base_, seeds_.images->home(id), seeds_.images->shift(id)), id);
     const auto i = static_cast<std::size_t>(id);
-    return exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
+    return powered(exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]}), id);
+}
+
+template <class Isa>
+exact::Plane StarWalk<Isa>::powered(exact::Plane plane, std::int32_t id) const {
+    if (weighted_) plane.power = exact::two_sum(weight_, -weight_of(id));
+    return plane;
 }
 
 template <class Isa>
@@ -125,6 +137,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     own_local_ = cells_.local(static_cast<std::int32_t>(seed));
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     base_ = {p_, {}};
+    if (weighted_) weight_ = seeds_.weights[seed];
     if (seeds_.images != nullptr) {
         const auto& low = seeds_.images->low(static_cast<std::int32_t>(seed));
         low_ = {{low[0], low[1], low[2], 0}};
@@ -148,7 +161,15 @@ bool StarWalk<Isa>::build(std::size_t seed) {
 template <class Isa>
 bool StarWalk<Isa>::complete() {
     if (!take_known()) return false;
-    if (vertices_ == 0 && !begin_anywhere()) return false;
+    if (vertices_ == 0) {
+        empty_ = false;
+        const bool begun = begin_anywhere();
+        if (empty_) {
+            faces_ = edges_ = 0;
+            return true;
+        }
+        if (!begun) return false;
+    }
     if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
     reached_ = 0;
     for (;;) {
@@ -256,13 +277,14 @@ void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
 template <class Isa>
 bool StarWalk<Isa>::draw_line(const OpenEdge& edge, Line& line) const {
     const Wide &na = wide(n_[edge.a]), &nb = wide(n_[edge.b]);
-    const double ha = h_[edge.a], hb = h_[edge.b];
+    const double square_a = square_[edge.a], square_b = square_[edge.b];
     Wide ab;
     cross(na, nb, ab);
-    line.norms2 = 4 * ha * hb;
+    line.norms2 = square_a * square_b;
+    line.longest2 = std::max(square_a, square_b);
     wide(line.ab) = ab;
-    wide(line.e) = ha * nb - hb * na;
-    return ha > smallest_h && hb > smallest_h && line.norms2 < largest_h &&
+    wide(line.e) = h_[edge.a] * nb - h_[edge.b] * na;
+    return square_a > smallest_square && square_b > smallest_square && line.norms2 < largest_product &&
            dot(ab, ab) * worst_condition2 > line.norms2;
 }
 
@@ -279,9 +301,9 @@ int StarWalk<Isa>::first_hit(const Ray& ray) const {
 template <class Isa>
 bool StarWalk<Isa>::solve(const Line& line, Third& c, Four& x) const {
     const double determinant = dot(wide(c.n), wide(line.ab));
-    c.norms2 = line.norms2 * (2 * c.h);
+    c.norms2 = line.norms2 * c.square;
     c.determinant2 = determinant * determinant;
-    if (!(determinant < 0 && c.norms2 < worst_condition2 * c.determinant2 && c.h > smallest_h)) return false;
+    if (!(determinant < 0 && c.norms2 < worst_condition2 * c.determinant2 && c.square > smallest_square)) return false;
     Wide across;
     cross(wide(line.e), wide(c.n), across);
     wide(x) = (across + c.h * wide(line.ab)) * (1 / determinant);
@@ -305,9 +327,14 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
         Third third;
         alignas(32) Four x;
-        plane_through(id, third.n, third.h);
+        plane_through(id, third.n, third.h, third.square);
         if (!solve(line, third, x)) return false;
         const double x2 = dot(wide(x), wide(x));
+        third.length2 = x2;
+        if (weighted_) {
+            const double length = std::sqrt(x2) + 0.25 * std::sqrt(std::max(line.longest2, third.square));
+            third.length2 = length * length;
+        }
         if (!(x2 < longest_normal * longest_normal)) {
             if (have_walls_ || !add_walls()) return false;
             lane = -1;
@@ -326,7 +353,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
         }
-        if (4 * x2 * (1 + margin) > covered_) {
+        if (reach_squared(x2) > covered_) {
             if (!have_walls_) {
                 if (!add_walls()) return false;
                 lane = -1;
@@ -340,6 +367,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             }
         }
         if (seeds_.images != nullptr && !images_known(x2)) return false;
+        if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
         reached_ = std::max(reached_, 4 * x2);
         return tied_.empty() ? add_vertex(edge, id, third, x) : add_tie(edge, id, third, x);
     }
@@ -349,7 +377,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
 // Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
 template <class Isa>
 bool StarWalk<Isa>::images_known(double x2) const {
-    return 4 * x2 * unscale_ * unscale_ * (1 + 2 * margin) < known_reach2_ &&
+    return reach_squared(x2) * unscale_ * unscale_ * (1 + 2 * margin) < known_reach2_ &&
            (!window_open_ || x2 > least_image_vertex2);
 }
 
@@ -359,14 +387,14 @@ template <class Isa>
 int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane,
                            int count) {
     std::optional<exact::ExactVertex> vertex;
-    const double length2 = dot(wide(x), wide(x)), condition = third.condition();
+    const double relative = (weighted_ ? weighted_factor : solved_factor) * third.condition() + 8 * unit;
     while (lane >= 0) {
         const std::int32_t id = candidates_.id[lane];
         Four n;
-        double h;
-        plane_through(id, n, h);
+        double h, square;
+        plane_through(id, n, h, square);
         const double excess = dot(wide(n), wide(x)) - h;
-        const double bound = std::sqrt(2 * h * length2) * (solved_factor * condition + 8 * unit) + 12 * unit * h;
+        const double bound = std::sqrt(square * third.length2) * relative + 12 * unit * size_of_h(h, square);
         if (excess > bound) return lane;
         if (!(excess < -bound)) {
             used_exact_ = true;
@@ -384,7 +412,7 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
 template <class Isa>
 void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
     Wide position = wide(x) * unscale_;
-    position[3] = third.norms2 / third.determinant2 * dot(position, position);  // x[3] is 0
+    position[3] = third.norms2 / third.determinant2 * third.length2 * unscale_ * unscale_;
     wide(position_[vertices_]) = position;
 }
 
@@ -397,6 +425,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
         id_[c] = id;
         wide(n_[c]) = wide(third.n);
         h_[c] = third.h;
+        square_[c] = third.square;
         face(c);
     }
     if (measure_) keep_position(third, x);
@@ -419,10 +448,30 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 
+// Of two bisectors in one plane the farther seed has the face: that is left to the clipper.
+template <class Isa>
+bool StarWalk<Isa>::any_parallel(std::span<const std::int32_t> cells) {
+    constexpr double nearly = 1e-20;
+    std::array<Four, most_ties> normals;
+    std::array<double, most_ties> squares;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        double h;
+        plane_through(cells_.id(cells[i]), normals[i], h, squares[i]);
+        for (std::size_t j = 0; j < i; ++j) {
+            Wide across;
+            cross(wide(normals[i]), wide(normals[j]), across);
+            if (dot(across, across) <= nearly * squares[i] * squares[j] && dot(wide(normals[i]), wide(normals[j])) > 0)
+                return true;
+        }
+    }
+    return false;
+}
+
 template <class Isa>
 bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them) {
     if (cells.size() > most_ties || planes_ + cells.size() > most_planes || ends_ + cells.size() > 4 * most_vertices)
         return false;
+    if (weighted_ && any_parallel(cells)) return false;
     used_exact_ = true;
     std::array<exact::Plane, most_ties> planes;
     std::array<const exact::Plane*, most_ties> pointers;

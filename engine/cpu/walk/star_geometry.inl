@@ -18,9 +18,11 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     for (int p = 0; p < planes_; ++p) {
         need_plane(p);
         turn_twice(wide(n_[p]), normal[p]);
-        normal[p] *= unscale_;
+        // Twice the foot of the plane: n, where weights do not move it.
+        normal[p] *= weighted_ ? 2 * h_[p] / square_[p] * unscale_ : unscale_;
         area[p] = Wide{};
-        longest = std::max(longest, h_[p]);
+        longest = std::max(longest, square_[p]);
+        if (weighted_) longest = std::max(longest, 4 * square_[p] + 4 * h_[p] * h_[p] / square_[p]);
     }
     Wide moments[3] = {}, farthest{}, error{};  // three sums, for each has to wait for its last addition
     int corner = 0;
@@ -67,9 +69,11 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     volume /= 12;
     if (!(volume > smallest_volume)) return false;
     const double reach = std::sqrt(farthest[0] + farthest[1] + farthest[2]);
-    const double bound = edges_ * 2 * std::sqrt(2 * longest) * unscale_ *
-                         (2 * solved_factor * std::sqrt(error[3]) * reach + 32 * unit * reach * reach) / 12;
-    if (!(bound <= accepted_error * volume) && !(measure_error() <= accepted_error * volume)) return false;
+    const double length = std::sqrt(longest) * unscale_ + (weighted_ ? 2 * reach : 0);
+    const double bound =
+        edges_ * 2 * length * (2 * solved_factor * std::sqrt(error[3]) * reach + 32 * unit * reach * reach) / 12;
+    if (!(bound <= accepted_error * volume) && (weighted_ || !(measure_error() <= accepted_error * volume)))
+        return false;
     out.volume = volume;
     const Wide centroid = moment * (1 / (48 * volume));
     for (int k = 0; k < 3; ++k) out.centroid[k] = centroid[k];
@@ -143,7 +147,7 @@ double StarWalk<Isa>::measure_error() const {
             const int a = corners_[c], b = corners_[c + 1 == end ? begin : c + 1];
             const int w = from_vertex_[b][a];
             bound +=
-                std::sqrt(2 * h_[b]) * unscale_ *
+                std::sqrt(square_[b]) * unscale_ *
                 (solved_factor * (std::sqrt(position_[v].x[3]) * length(w) + std::sqrt(position_[w].x[3]) * length(v)) +
                  32 * unit * length(v) * length(w));
         }

@@ -29,16 +29,18 @@ private:
     static constexpr double worst_condition2 = 1e12;    // (|na||nb||nc| / det)^2
     static constexpr double margin = 2e-8;              // more than the relative error of a vertex that is accepted
     static constexpr double solved_factor = 80 * unit;  // Cell's 62 u, and 13 u for normals that are rounded twice
-    static constexpr double smallest_h = 1e-90, largest_h = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;                 // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.7;                    // of the squared security radius that is typical
-    static constexpr int most_candidates = 160;                    // at first; room for others is left
-    static constexpr double near_share = 0.6;                      // of the squared reach
-    static constexpr double closest_moved = 0x1p-40;               // of the largest coordinate: nearer is near
-    static constexpr double least_image_vertex2 = 0x1p36;          // of squared window units, where images are rounded
-    static constexpr int most_picks = 64;                          // planes tried for one vertex
-    static constexpr float parallel = 0x1p-18f;                    // rays nearly along a plane do not leave it
-    static constexpr int most_new = 24;                            // seeds taken at once from beyond the window
+    // The same with weights, which move planes, by |X| + |n| / 4 for the longest n.
+    static constexpr double weighted_factor = 100 * unit;
+    static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
+    static constexpr double longest_normal = 1e12;         // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.7;            // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;            // at first; room for others is left
+    static constexpr double near_share = 0.6;              // of the squared reach
+    static constexpr double closest_moved = 0x1p-40;       // of the largest coordinate: nearer is near
+    static constexpr double least_image_vertex2 = 0x1p36;  // of squared window units, where images are rounded
+    static constexpr int most_picks = 64;                  // planes tried for one vertex
+    static constexpr float parallel = 0x1p-18f;            // rays nearly along a plane do not leave it
+    static constexpr int most_new = 24;                    // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
     static constexpr std::uint16_t no_slot = 255;
 
@@ -91,6 +93,7 @@ private:
         Four ab;               // n_a x n_b
         Four e;                // h_a n_b - h_b n_a
         double norms2;         // |n_a|^2 |n_b|^2
+        double longest2;       // the larger of the two
     };
     struct alignas(16) Facing {  // a plane in floats
         float normal[4];         // of length 1
@@ -98,8 +101,9 @@ private:
     };
     struct alignas(32) Third {  // the plane that ends an edge
         Four n;
-        double h;
+        double h, square;             // square = |n|^2
         double norms2, determinant2;  // |na|^2 |nb|^2 |nc|^2 and det(na, nb, nc)^2
+        double length2;               // of the vertex, or more: what its error is measured by
         [[nodiscard]] double condition() const { return std::sqrt(norms2 / determinant2); }
     };
 
@@ -115,9 +119,20 @@ private:
     [[nodiscard]] int first_hit(const Ray& ray) const;
     // How many candidates may come near to a vertex of squared length x2.
     [[nodiscard]] int in_reach_of(double x2) const {
-        const bool near = 4 * x2 * (1 + margin) < near_covered_ && candidates_.count == extras_;
+        const bool near = reach_squared(x2) < near_covered_ && candidates_.count == extras_;
         return near ? candidates_.near : candidates_.count;
     }
+    // At least the squared distance within which a seed may cut off a vertex of squared length x2.
+    [[nodiscard]] double reach_squared(double x2) const {
+        if (!weighted_) return 4 * x2 * (1 + margin);
+        const double reach = std::sqrt(x2) + std::sqrt(x2 + more_);
+        return reach * reach * (1 + 16 * margin);
+    }
+    [[nodiscard]] double weight_of(std::int32_t id) const {
+        return seeds_.weights[static_cast<std::size_t>(seeds_.images == nullptr ? id : seeds_.images->home(id))];
+    }
+    // What the rounding of h is measured by.
+    [[nodiscard]] static double size_of_h(double h, double square) { return 0.5 * (square + std::abs(2 * h - square)); }
     [[nodiscard]] bool solve(const Line& line, Third& third, Four& x) const;
     // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
     bool close(const OpenEdge& edge, const Ray& ray, int lane);
@@ -133,9 +148,11 @@ private:
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
     [[gnu::always_inline]] inline void need_plane(int slot);
     [[gnu::noinline]] void find_plane(int slot);
-    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h);
+    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h, double& square);
     [[gnu::noinline]] void image_plane(std::int32_t id, Four& n) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
+    [[nodiscard]] exact::Plane powered(exact::Plane plane, std::int32_t id) const;
+    [[nodiscard]] bool any_parallel(std::span<const std::int32_t> cells);
     void set_longest(double length);
     [[nodiscard]] bool images_known(double x2) const;
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
@@ -158,9 +175,16 @@ private:
     // star_candidates.inl
     bool gather_candidates();
     bool begin_anywhere();
+    bool begin_at_face(int candidate);
+    bool begin_outside();
+    [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);
+    [[nodiscard]] int side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x);
     bool add_candidate(std::int32_t id);
     [[nodiscard]] double surely_covered(double square) const;
+    [[nodiscard]] double with_weights(double reach2, double weight) const;
+    [[nodiscard]] double least_weight(std::size_t home) const;
     [[nodiscard]] bool is_extra(std::int32_t id) const;
+    [[nodiscard]] unsigned find_inside(std::size_t begin, const GroupTest& test) const;
     [[gnu::noinline]] bool add_inside(const Line& line, Four x, const std::int32_t* three, int& added);
 
     // star_walls.inl
@@ -196,7 +220,8 @@ private:
     std::vector<std::size_t> near_walls_;    // of the seeds of the window's home
     bool any_rough_ = false;                 // images, see SeedImages
     bool moved_ = false;                     // the seed is not where the input has it
-    double known_reach2_ = 0;                // squared distance within which all images of seeds are there
+    bool weighted_ = false;
+    double known_reach2_ = 0;  // squared distance within which all images of seeds are there
     const StarKernels& kernels_;
     Neighborhood cells_;
     Window window_;
@@ -209,6 +234,9 @@ private:
     exact::Point p_{};         // the seed, rounded where it has been moved
     Four low_{};               // what rounding took from it
     SeedImages::Base base_{};  // as exact arithmetic knows it
+    double weight_ = 0;        // of the seed
+    double more_ = 0;          // by which any weight may exceed it, in squared units
+    bool empty_ = false;       // the cell
     bool have_candidates_ = false, have_walls_ = false;
     std::int32_t own_x_ = 0;  // in the window
     CandidatePlanes candidates_;
@@ -224,14 +252,14 @@ private:
     // other end has b -> a, and sets bit b of in_[a].
     std::array<std::uint64_t, most_planes> out_{}, in_{};
     // Edges that were open when they were put here; those from open_begin_ to open_end_ may still be.
-    std::array<OpenEdge, 4 * most_vertices> open_edges_;
+    std::array<OpenEdge, 4 * most_vertices + most_ties> open_edges_;
     int open_begin_ = 0, open_end_ = 0;
     std::uint64_t planes_known_ = 0;  // planes with n_, h_, facing_, id_
     int ends_ = 0;                    // edges, counted at either end
     std::array<std::int32_t, most_planes> local_{}, id_{};
     int planes_ = 0;
     alignas(64) std::array<Four, most_planes> n_{};
-    std::array<double, most_planes> h_{};
+    std::array<double, most_planes> h_{}, square_{};
     std::array<Facing, most_planes> facing_{};
     std::vector<std::uint16_t> slot_;  // by local id
 
@@ -242,6 +270,8 @@ private:
         std::uint32_t index;
     };
     std::vector<Node> nodes_;
+    Cell probe_;  // of a seed outside of its cell
+    std::vector<std::pair<float, std::int32_t>> by_distance_;
 
     // For measure(): vertex v has the planes corners_[first_corner_[v]..first_corner_[v + 1]), counterclockwise.
     alignas(64) std::array<Four, most_vertices> position_{};

@@ -9,6 +9,7 @@ namespace votess::cpu {
 template <class Isa>
 void StarWalk<Isa>::begin_job(const Domain& domain) {
     domain_ = &domain;
+    weighted_ = domain.has_weights();
     walls_.clear();
     wall_places_.assign(6 + domain.walls.size(), -1);
     double size = largest_coordinate(domain.box);

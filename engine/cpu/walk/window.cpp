@@ -105,7 +105,24 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
         {{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, kept},
         {box, radius * radius * (1 + 1e-12), {origin[0], origin[1], origin[2]}, scale_}, out, id_.data());
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
+    if (!seeds_.weights.empty()) weigh(home);
     return true;
+}
+
+void Window::weigh(std::size_t home) {
+    weight_.resize(x_.size());
+    const double base = seeds_.weights[home * home_seeds], square = scale_ * scale_;
+    float least = 0, most = 0;
+    for (int i = 0; i < count_; ++i) {
+        const std::int32_t seed = seeds_.images == nullptr ? id_[i] : seeds_.images->home(id_[i]);
+        // Padding of the home's groups is far away and has no weight.
+        const bool exists = static_cast<std::size_t>(seed) < seeds_.weights.size();
+        weight_[i] = exists ? static_cast<float>((seeds_.weights[static_cast<std::size_t>(seed)] - base) * square) : 0;
+        least = std::min(least, weight_[i]);
+        most = std::max(most, weight_[i]);
+    }
+    for (int k = count_; k < count_ + 16; ++k) weight_[k] = 0;
+    weight_span_ = double{most} - least;
 }
 
 }  // namespace votess::cpu

@@ -26,13 +26,19 @@ public:
 
     // The bounds of the seeds of a home.
     [[nodiscard]] Box home_box(std::size_t home) const;
-    [[nodiscard]] WindowSeeds seeds() const { return {x_.data(), y_.data(), z_.data(), id_.data(), count_}; }
+    [[nodiscard]] WindowSeeds seeds() const {
+        return {x_.data(), y_.data(), z_.data(), id_.data(), seeds_.weights.empty() ? nullptr : weight_.data(), count_};
+    }
     [[nodiscard]] double reach() const { return reach_; }  // complete within this distance of the home's box
     [[nodiscard]] double scale() const { return scale_; }  // units per length, a power of two
     [[nodiscard]] std::array<std::int32_t, 3> position(std::size_t seed) const {
         const std::size_t i = place(seed);
         return {x_[i], y_[i], z_[i]};
     }
+    // In a power diagram: the weight of a seed of the home, and how far the weights of the window lie apart, in squared
+    // units.
+    [[nodiscard]] float weight(std::size_t seed) const { return weight_[place(seed)]; }
+    [[nodiscard]] double weight_span() const { return weight_span_; }
     // Takes a seed of the home out of the candidates, and back again.
     void hide(std::size_t seed) { x_[place(seed)] = far_away; }
     void show(std::size_t seed, std::int32_t x) { x_[place(seed)] = x; }
@@ -41,6 +47,7 @@ private:
     [[nodiscard]] std::size_t place(std::size_t seed) const {
         return home_places_[seed / group_size % home_groups] + seed % group_size;
     }
+    void weigh(std::size_t home);
     // False when more groups than `most_groups` are that near.
     bool collect(const Box& box, double distance_squared);
 
@@ -57,6 +64,8 @@ private:
     std::array<std::uint32_t, most_groups + 2 * box_fan> groups_;
     std::size_t group_count_ = 0;
     std::vector<std::int32_t> x_, y_, z_, id_;
+    std::vector<float> weight_;
+    double weight_span_ = 0;
     int count_ = 0;
     std::array<std::size_t, home_groups> home_places_{};  // of the first seeds of the home's groups
     double reach_ = 0, scale_ = 1;

@@ -19,8 +19,8 @@ struct alignas(64) BoxBlock {
     double upper[3][box_fan];
 };
 
-// Seeds near a home group as integers: (coordinate - origin) * scale, rounded, within +-window_range; `far_away` for
-// seeds that are no candidates.
+// Seeds near a home group as integers: (coordinate - origin) * scale, rounded, or one of +-window_range where that is
+// beyond them; `far_away` for seeds that are no candidates.
 inline constexpr std::int32_t window_range = 1 << 29;
 inline constexpr std::int32_t far_away = (1 << 30) - 1;
 struct WindowSeeds {
@@ -28,11 +28,13 @@ struct WindowSeeds {
     const std::int32_t* y;
     const std::int32_t* z;
     const std::int32_t* id;
-    int count;  // readable up to the next multiple of 16, where seeds are far away
+    const float* weight;  // in a power diagram, less that of some seed of the window, in squared units; else null
+    int count;            // readable up to the next multiple of 16, where seeds are far away
 };
 
-// Candidate planes n.x = h of a cell, h = |n|^2 / 2, in window units; a wall is the bisector with the seed's mirror
-// image. Beyond `count` and up to the next multiple of 16 stand planes that nothing touches.
+// Candidate planes n.x = h of a cell in window units, h = |n|^2 / 2, in a power diagram (|n|^2 + w_p - w_q) / 2; a wall
+// is the bisector with the seed's mirror image. Beyond `count` and up to the next multiple of 16 stand planes that
+// nothing touches.
 struct CandidatePlanes {
     static constexpr int capacity = 256;
     static constexpr float never = 1e30f;           // h of a plane that nothing touches
@@ -80,8 +82,9 @@ struct StarKernels {
     // to the box `home` than sqrt(distance_squared). Returns their number; there is room for all.
     int (*to_window)(const GroupSource&, const WindowFrame&, std::int32_t* const* out, std::int32_t* ids);
     // Adds the planes of all window seeds nearer to p than sqrt(distance_squared); the near ones, at least those of
-    // seeds nearer than sqrt(near_squared), come first. False when they are too many.
-    bool (*select)(const WindowSeeds&, const std::int32_t* p, float near_squared, float distance_squared,
+    // seeds nearer than sqrt(near_squared), come first. weight: that of p, as those of the window. False when they are
+    // too many.
+    bool (*select)(const WindowSeeds&, const std::int32_t* p, float weight, float near_squared, float distance_squared,
                    CandidatePlanes&);
     // The plane that each of two rays meets first among those of the first `count` that it leaves (n.d > least), -1 if
     // none. A guess: which of those within 2^-12 of the least t it is may vary, and it may be one beyond `count`.

@@ -57,11 +57,11 @@ VOTESS_AVX2 VOTESS_INLINE void compress(float* to, __m256 values, __m256i order)
     _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(values, order));
 }
 
-// Seeds out of range become INT_MIN, which is far away.
+// What is out of range becomes INT_MIN at first.
 VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
                                std::int32_t* ids) {
     const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
-    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), least = _mm256_set1_epi32(-window_range);
     int count = 0;
     for (std::size_t g = 0; g < from.groups.size(); ++g) {
         const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
@@ -82,15 +82,17 @@ VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame
         }
         if (g < from.kept) inside = 255;
         const __m256i order = compress_order(inside);
-        for (int k = 0; k < 3; ++k) compress(out[k] + count, _mm256_set_m128i(at[1][k], at[0][k]), order);
+        for (int k = 0; k < 3; ++k)
+            compress(out[k] + count, _mm256_max_epi32(_mm256_set_m128i(at[1][k], at[0][k]), least), order);
         compress(ids + count, _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota), order);
         count += std::popcount(inside);
     }
     return count;
 }
 
-VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float near_squared, float distance_squared,
-                             CandidatePlanes& c) {
+template <bool Weighted>
+VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
+                              float near_squared, float distance_squared, CandidatePlanes& c) {
     const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
     const __m256 limit = _mm256_set1_ps(distance_squared), near_limit = _mm256_set1_ps(near_squared);
     int near = c.count, far = 0;
@@ -103,7 +105,10 @@ VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float 
         const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
         const auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, limit, _CMP_LT_OQ)));
         if (inside == 0) continue;
-        const __m256 h = _mm256_mul_ps(d, _mm256_set1_ps(0.5f));
+        __m256 h = d;
+        if constexpr (Weighted)
+            h = _mm256_add_ps(d, _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i)));
+        h = _mm256_mul_ps(h, _mm256_set1_ps(0.5f));
         const unsigned is_near =
             static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, near_limit, _CMP_LT_OQ))) & inside;
         const unsigned is_far = inside & ~is_near;
@@ -122,6 +127,12 @@ VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float 
         far += std::popcount(is_far);
     }
     return join(c, near, far);
+}
+
+VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
+                             float distance_squared, CandidatePlanes& c) {
+    return w.weight == nullptr ? select_seeds<false>(w, p, weight, near_squared, distance_squared, c)
+                               : select_seeds<true>(w, p, weight, near_squared, distance_squared, c);
 }
 
 VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {

@@ -79,8 +79,9 @@ VOTESS_AVX512 int to_window_avx512(const GroupSource& from, const WindowFrame& f
 }
 
 // All are near: vectors are so long that it does not pay to look at fewer.
-VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float, float distance_squared,
-                                 CandidatePlanes& c) {
+template <bool Weighted>
+VOTESS_AVX512 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
+                                float distance_squared, CandidatePlanes& c) {
     const __m512i px = _mm512_set1_epi32(p[0]), py = _mm512_set1_epi32(p[1]), pz = _mm512_set1_epi32(p[2]);
     const __m512 limit = _mm512_set1_ps(distance_squared), half = _mm512_set1_ps(0.5f);
     int count = c.count;
@@ -90,15 +91,24 @@ VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, fl
         const __m512 nz = _mm512_cvtepi32_ps(_mm512_sub_epi32(_mm512_loadu_si512(w.z + i), pz));
         const __m512 d = _mm512_fmadd_ps(nx, nx, _mm512_fmadd_ps(ny, ny, _mm512_mul_ps(nz, nz)));
         const __mmask16 inside = _mm512_cmp_ps_mask(d, limit, _CMP_LT_OQ);
+        __m512 h = d;
+        if constexpr (Weighted)
+            h = _mm512_add_ps(d, _mm512_sub_ps(_mm512_set1_ps(weight), _mm512_loadu_ps(w.weight + i)));
         if (count > CandidatePlanes::capacity) return false;
         _mm512_storeu_ps(c.nx + count, _mm512_maskz_compress_ps(inside, nx));
         _mm512_storeu_ps(c.ny + count, _mm512_maskz_compress_ps(inside, ny));
         _mm512_storeu_ps(c.nz + count, _mm512_maskz_compress_ps(inside, nz));
-        _mm512_storeu_ps(c.h + count, _mm512_maskz_compress_ps(inside, _mm512_mul_ps(d, half)));
+        _mm512_storeu_ps(c.h + count, _mm512_maskz_compress_ps(inside, _mm512_mul_ps(h, half)));
         _mm512_storeu_si512(c.id + count, _mm512_maskz_compress_epi32(inside, _mm512_loadu_si512(w.id + i)));
         count += std::popcount(static_cast<unsigned>(inside));
     }
     return join(c, count, 0);
+}
+
+VOTESS_AVX512 bool select_avx512(const WindowSeeds& w, const std::int32_t* p, float weight, float,
+                                 float distance_squared, CandidatePlanes& c) {
+    return w.weight == nullptr ? select_seeds<false>(w, p, weight, distance_squared, c)
+                               : select_seeds<true>(w, p, weight, distance_squared, c);
 }
 
 // The best planes of one ray so far: t in the high bits, as integers of the same order, over the index.

@@ -100,8 +100,8 @@ VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
 }
 
 template <int L>
-VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, float near_squared, float distance_squared,
-                               CandidatePlanes& c) {
+VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
+                               float distance_squared, CandidatePlanes& c) {
     int near = c.count, far = 0;
     for (int i = 0; i < w.count; i += L) {
         float nx[L], ny[L], nz[L], d[L];
@@ -121,7 +121,7 @@ VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, floa
             c.nx[to] = nx[k];
             c.ny[to] = ny[k];
             c.nz[to] = nz[k];
-            c.h[to] = 0.5f * d[k];
+            c.h[to] = 0.5f * (w.weight == nullptr ? d[k] : d[k] + (weight - w.weight[i + k]));
             c.id[to] = w.id[i + k];
             ++at;
         }
