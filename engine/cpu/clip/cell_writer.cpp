@@ -1,6 +1,7 @@
 #include "cpu/clip/cell_writer.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -186,10 +187,8 @@ void CellWriter::write_row(const Faces& faces) {
             const std::size_t entry = rows_size_ + count++;
             rows_[entry] = labels_[face].id;
             if (want_.areas) areas_[entry] = faces.areas[face] * unscale_ * unscale_;
-            if (want_.normals)
-                std::ranges::copy(faces.normals[face], normals_.begin() + static_cast<std::ptrdiff_t>(3 * entry));
-            if (periodic_)
-                std::ranges::copy(labels_[face].shift, shifts_.begin() + static_cast<std::ptrdiff_t>(3 * entry));
+            for (std::size_t k = 0; k < 3 && want_.normals; ++k) normals_[3 * entry + k] = faces.normals[face][k];
+            for (std::size_t k = 0; k < 3 && periodic_; ++k) shifts_[3 * entry + k] = labels_[face].shift[k];
         }
     }
     rows_size_ += count;
@@ -218,14 +217,29 @@ std::size_t CellWriter::write_plain_row(const Faces& faces) {
 
 // Fills labels_ and order_.
 void CellWriter::find_order(const Faces& faces) {
-    labels_.resize(faces.ids.size());
-    order_.resize(faces.ids.size());
-    for (std::size_t f = 0; f < faces.ids.size(); ++f) {
+    const std::size_t count = faces.ids.size();
+    labels_.resize(count);
+    order_.resize(count);
+    make_room(count);
+    std::int32_t* ids = rows_.data() + rows_size_;  // for a moment
+    for (std::size_t f = 0; f < count; ++f) {
         const std::int32_t id = faces.ids[f];
-        labels_[f] = {id < 0 ? id : input_of(id), {}};
+        ids[f] = id < 0 ? id : input_of(id);
+        labels_[f].id = ids[f];
         if (periodic_) labels_[f].shift = narrow(faces.shifts[f]);
-        order_[f] = static_cast<std::uint32_t>(f);
     }
+    constexpr std::size_t most_marked = 64;
+    if (count <= most_marked) {
+        kernels_->rank(ids, static_cast<int>(count), places_.data());
+        std::uint64_t marked = 0;
+        for (std::size_t f = 0; f < count; ++f) {
+            order_[places_[f]] = static_cast<std::uint32_t>(f);
+            marked |= 1ull << places_[f];
+        }
+        if (static_cast<std::size_t>(std::popcount(marked)) == count) return;
+    }
+    // In a small periodic box a seed is a neighbor more than once.
+    std::iota(order_.begin(), order_.end(), 0u);
     std::ranges::sort(order_, {}, [this](std::uint32_t f) { return labels_[f]; });
 }
 

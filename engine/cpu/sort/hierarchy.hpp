@@ -17,6 +17,8 @@ class Hierarchy {
 public:
     static constexpr std::size_t fan = box_fan;
     static_assert(fan == 8);  // first_seed()
+    // Of a search in depth: more than the levels and branches of any tree.
+    static constexpr std::size_t most_nodes = 256;
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 

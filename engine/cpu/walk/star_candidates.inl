@@ -225,18 +225,18 @@ bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, con
         size = std::max(size, std::abs(p_[k]) + std::abs(offset));
     }
     const double reach = std::sqrt(dot(wide(x), wide(x)) + more_) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
-    nodes_.assign(1, {hierarchy_.top_level(), 0});
-    while (!nodes_.empty()) {
-        const Node node = nodes_.back();
-        nodes_.pop_back();
-        unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), at, reach * reach);
+    std::size_t nodes = 1;
+    nodes_[0] = {hierarchy_.top_level(), 0};
+    while (nodes > 0) {
+        const auto [level, index] = nodes_[--nodes];
+        unsigned near = kernels_.near_boxes(hierarchy_.block(level, index), at, reach * reach);
         for (; near != 0; near &= near - 1) {
-            const std::uint32_t child = node.index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
-            const std::size_t begin = Hierarchy::first_seed(node.level, child);
-            const std::size_t end = Hierarchy::first_seed(node.level, child + 1);
+            const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
+            const std::size_t begin = Hierarchy::first_seed(level, child);
+            const std::size_t end = Hierarchy::first_seed(level, child + 1);
             if (!cells_.overlaps(begin, end)) continue;
-            if (node.level > 0) {
-                nodes_.push_back({node.level - 1, child});
+            if (level > 0) {
+                nodes_[nodes++] = {level - 1, child};
                 continue;
             }
             for (std::size_t i = begin; i < end; ++i) {
@@ -285,17 +285,18 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
         test.slack = 2 * margin * x2;
     };
     look_around();
-    nodes_.assign(1, {hierarchy_.top_level(), 0});
-    while (!nodes_.empty()) {
-        const Node node = nodes_.back();
-        nodes_.pop_back();
-        unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), at, reach2);
+    std::size_t nodes = 1;
+    nodes_[0] = {hierarchy_.top_level(), 0};
+    while (nodes > 0) {
+        const auto [level, index] = nodes_[--nodes];
+        unsigned near = kernels_.near_boxes(hierarchy_.block(level, index), at, reach2);
+        if (level > 0) {
+            for (; near != 0; near &= near - 1)
+                nodes_[nodes++] = {level - 1, index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near))};
+            continue;
+        }
         for (; near != 0; near &= near - 1) {
-            const std::uint32_t child = node.index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
-            if (node.level > 0) {
-                nodes_.push_back({node.level - 1, child});
-                continue;
-            }
+            const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
             if (cells_.group_done(child)) continue;
             const std::size_t begin = std::size_t{child} * group_size;
             unsigned inside = find_inside(begin, test);

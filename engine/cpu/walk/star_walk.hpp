@@ -146,13 +146,6 @@ private:
     void forget_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
-    [[gnu::always_inline]] inline void need_plane(int slot);
-    [[gnu::noinline]] void find_plane(int slot);
-    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h, double& square);
-    [[gnu::noinline]] void image_plane(std::int32_t id, Four& n) const;
-    [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
-    [[nodiscard]] exact::Plane powered(exact::Plane plane, std::int32_t id) const;
-    [[nodiscard]] bool any_parallel(std::span<const std::int32_t> cells);
     void set_longest(double length);
     [[nodiscard]] bool images_known(double x2) const;
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
@@ -161,7 +154,6 @@ private:
         open_edges_[static_cast<std::size_t>(open_end_)] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
         open_end_ += static_cast<int>(~(in_[a] >> b) & 1);
     }
-    [[gnu::always_inline]] inline void face(int slot);
     void make_room(std::int32_t locals) {
         if (slot_.size() < static_cast<std::size_t>(locals) + most_planes)
             slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
@@ -171,6 +163,16 @@ private:
         if (!cells_.is_own(local)) make_room(local);
         return slot_of(local, planes_);
     }
+
+    // star_planes.inl
+    [[gnu::always_inline]] inline void need_plane(int slot);
+    [[gnu::noinline]] void find_plane(int slot);
+    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h, double& square);
+    [[gnu::noinline]] void image_plane(std::int32_t id, Four& n) const;
+    [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
+    [[nodiscard]] exact::Plane powered(exact::Plane plane, std::int32_t id) const;
+    [[nodiscard]] bool any_parallel(std::span<const std::int32_t> cells);
+    [[gnu::always_inline]] inline void face(int slot);
 
     // star_candidates.inl
     bool gather_candidates();
@@ -269,7 +271,7 @@ private:
         std::int32_t level;
         std::uint32_t index;
     };
-    std::vector<Node> nodes_;
+    std::array<Node, Hierarchy::most_nodes> nodes_;
     Cell probe_;  // of a seed outside of its cell
     std::vector<std::pair<float, std::int32_t>> by_distance_;
 
@@ -285,4 +287,5 @@ private:
 #include "cpu/walk/star_candidates.inl"
 #include "cpu/walk/star_edges.inl"
 #include "cpu/walk/star_geometry.inl"
+#include "cpu/walk/star_planes.inl"
 #include "cpu/walk/star_walls.inl"

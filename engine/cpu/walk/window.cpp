@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t least_groups = 4;  // fewer tell nothing about the surroundings
 constexpr int most_tries = 12;
 constexpr double most_rounding = 0x1p-8;    // of images, in units
+constexpr double widest_span = 1e28;        // of weights in squared units, which are floats
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
 }  // namespace
@@ -105,11 +106,10 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
         {{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, kept},
         {box, radius * radius * (1 + 1e-12), {origin[0], origin[1], origin[2]}, scale_}, out, id_.data());
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
-    if (!seeds_.weights.empty()) weigh(home);
-    return true;
+    return seeds_.weights.empty() || weigh(home);
 }
 
-void Window::weigh(std::size_t home) {
+bool Window::weigh(std::size_t home) {
     weight_.resize(x_.size());
     const double base = seeds_.weights[home * home_seeds], square = scale_ * scale_;
     float least = 0, most = 0;
@@ -123,6 +123,7 @@ void Window::weigh(std::size_t home) {
     }
     for (int k = count_; k < count_ + 16; ++k) weight_[k] = 0;
     weight_span_ = double{most} - least;
+    return weight_span_ < widest_span;
 }
 
 }  // namespace votess::cpu

@@ -47,7 +47,8 @@ private:
     [[nodiscard]] std::size_t place(std::size_t seed) const {
         return home_places_[seed / group_size % home_groups] + seed % group_size;
     }
-    void weigh(std::size_t home);
+    // False when their weights are too different for floats.
+    bool weigh(std::size_t home);
     // False when more groups than `most_groups` are that near.
     bool collect(const Box& box, double distance_squared);
 
@@ -55,12 +56,11 @@ private:
     const Hierarchy& hierarchy_;
     const StarKernels& kernels_;
     static constexpr std::size_t most_groups = 160;  // more make it cheaper to look twice
-    static constexpr std::size_t most_nodes = 256;   // more levels and branches than any tree has
     struct Node {
         std::int32_t level;
         std::uint32_t index;
     };
-    std::array<Node, most_nodes> stack_;
+    std::array<Node, Hierarchy::most_nodes> stack_;
     std::array<std::uint32_t, most_groups + 2 * box_fan> groups_;
     std::size_t group_count_ = 0;
     std::vector<std::int32_t> x_, y_, z_, id_;

@@ -57,11 +57,15 @@ VOTESS_AVX2 VOTESS_INLINE void compress(float* to, __m256 values, __m256i order)
     _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(values, order));
 }
 
-// What is out of range becomes INT_MIN at first.
+// What is out of the range of integers becomes the least one.
+VOTESS_AVX2 VOTESS_INLINE __m256i clamp(__m256i x) {
+    return _mm256_min_epi32(_mm256_max_epi32(x, _mm256_set1_epi32(-window_range)), _mm256_set1_epi32(window_range));
+}
+
 VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
                                std::int32_t* ids) {
     const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
-    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), least = _mm256_set1_epi32(-window_range);
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     int count = 0;
     for (std::size_t g = 0; g < from.groups.size(); ++g) {
         const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
@@ -82,8 +86,7 @@ VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame
         }
         if (g < from.kept) inside = 255;
         const __m256i order = compress_order(inside);
-        for (int k = 0; k < 3; ++k)
-            compress(out[k] + count, _mm256_max_epi32(_mm256_set_m128i(at[1][k], at[0][k]), least), order);
+        for (int k = 0; k < 3; ++k) compress(out[k] + count, clamp(_mm256_set_m128i(at[1][k], at[0][k])), order);
         compress(ids + count, _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota), order);
         count += std::popcount(inside);
     }
