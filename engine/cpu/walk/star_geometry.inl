@@ -24,40 +24,35 @@ bool StarWalk<Isa>::measure(Geometry& out) {
         longest = std::max(longest, square_[p]);
         if (weighted_) longest = std::max(longest, 4 * square_[p] + 4 * h_[p] * h_[p] / square_[p]);
     }
-    Wide moments[3] = {}, farthest{}, error{};  // three sums, for each has to wait for its last addition
-    int corner = 0;
-    for (int v = 0; v < vertices_; ++v) {
-        const Wide from = wide(position_[v]);
-        Wide from_turned;
-        turn(from, from_turned);
-        // The edge along planes a, b is counterclockwise around b; its other end has it around a.
-        auto add_edge = [&](int a, int b, Wide& moment) __attribute__((always_inline)) {
-            const Wide to = wide(position_[from_vertex_[b][a]]);
-            Wide to_turned;
+    Wide moment{};
+    for (int a = 0; a < planes_; ++a) {
+        Wide area_a = area[a];
+        const Wide normal_a = normal[a];
+        // Each edge once: a -> b goes counterclockwise around b, and clockwise around a.
+        for (std::uint64_t rest = out_[a] & ~((2ull << a) - 1); rest != 0; rest &= rest - 1) {
+            const int b = std::countr_zero(rest);
+            const Wide from = wide(position_[from_vertex_[a][b]]), to = wide(position_[from_vertex_[b][a]]);
+            Wide from_turned, to_turned;
+            turn(from, from_turned);
             turn(to, to_turned);
             const Wide across = from * to_turned - from_turned * to;
             area[b] += across;
-            const Wide part = across * normal[b];
+            area_a -= across;
+            const Wide part = across * (normal[b] - normal_a);
             Wide part_turned, part_turned_twice;
             turn(part, part_turned);
             turn_twice(part, part_turned_twice);
             moment += (part + (part_turned + part_turned_twice)) * (from + to);
-        };
-        const std::uint8_t* planes = corners_.data() + corner;
-        const int count = first_corner_[v + 1] - corner;
-        corner += count;
-        if (count == 3) {
-            add_edge(planes[0], planes[1], moments[0]);
-            add_edge(planes[1], planes[2], moments[1]);
-            add_edge(planes[2], planes[0], moments[2]);
-        } else {
-            for (int k = 0; k < count; ++k) add_edge(planes[k], planes[k + 1 == count ? 0 : k + 1], moments[0]);
         }
-        const Wide square = from * from;
-        farthest = square > farthest ? square : farthest;
-        error = from > error ? from : error;
+        area[a] = area_a;
     }
-    Wide moment = moments[0] + moments[1] + moments[2];
+    Wide farthest{}, error{};
+    for (int v = 0; v < vertices_; ++v) {
+        const Wide x = wide(position_[v]);
+        const Wide square = x * x;
+        farthest = square > farthest ? square : farthest;
+        error = x > error ? x : error;
+    }
     double volume = 0;
     for (int p = 0; p < planes_; ++p) {
         const double part = dot(normal[p], area[p]);
