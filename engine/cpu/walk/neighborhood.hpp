@@ -68,7 +68,7 @@ public:
 
     // Stores a vertex of cells[0], a seed of the stretch, and hands it to the others, which it meets in faces whose
     // normals are positively oriented.
-    void add(const std::array<std::int32_t, 4>& cells, const Four& position) {
+    [[gnu::always_inline]] void add(const std::array<std::int32_t, 4>& cells, const Four& position) {
         const std::uint32_t index = add_position(cells[0], position);
         // Even permutations of the four keep the orientation.
         const auto& [p, a, b, c] = cells;
@@ -121,7 +121,7 @@ private:
         }
         return vertices_++;
     }
-    void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex) {
+    [[gnu::always_inline]] void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex) {
         // Cells that are not of the stretch share a place behind it.
         const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
         Handed& handed = handed_[s];

@@ -114,7 +114,7 @@ private:
     bool take_tie(const KnownVertex& known);
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
-    bool draw_line(const OpenEdge& edge, Line& line) const;
+    [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
     // Finds the plane that the ray meets first: only a guess, unless all candidates are looked at.
     [[nodiscard]] int first_hit(const Ray& ray) const;
     // How many candidates may come near to a vertex of squared length x2.
