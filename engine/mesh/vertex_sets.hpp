@@ -29,8 +29,17 @@ public:
         exact::Shift shift{};
         for (;;) {
             const std::uint64_t word = load(vertex);
+            if (static_cast<std::uint32_t>(word) == vertex) return {vertex, shift};
             const ShiftedVertex up = unpack(word);
-            if (up.vertex == vertex) return {vertex, shift};
+            if (word >> vertex_bits == no_shift) {  // as nearly all are
+                const std::uint64_t next = load(up.vertex);
+                if (static_cast<std::uint32_t>(next) == up.vertex) return {up.vertex, shift};
+                if (next >> vertex_bits == no_shift) {
+                    replace(vertex, word, next);
+                    vertex = static_cast<std::uint32_t>(next);
+                    continue;
+                }
+            }
             const ShiftedVertex upper = unpack(load(up.vertex));
             const ShiftedVertex both{upper.vertex, sum(up.shift, upper.shift)};
             if (upper.vertex != up.vertex) replace(vertex, word, pack(both));  // a shorter way for the next
@@ -40,6 +49,7 @@ public:
     }
     // From any thread. Vertex a is vertex b moved by the shift.
     void unite(std::uint32_t a, std::uint32_t b, const exact::Shift& shift) {
+        if (shift == exact::Shift{} && load(a) == load(b)) return;  // they have been united by another face
         for (;;) {
             const ShiftedVertex ra = find(a), rb = find(b);
             if (ra.vertex == rb.vertex) return;
@@ -60,6 +70,8 @@ public:
 private:
     static constexpr int shift_bits = 10, vertex_bits = 32;
     static constexpr int shift_zero = 1 << (shift_bits - 1);
+    static constexpr std::uint64_t no_shift =
+        shift_zero * (1ull | 1ull << shift_bits | 1ull << 2 * shift_bits);  // of a word, packed
 
     static std::uint64_t pack(const ShiftedVertex& v) {
         std::uint64_t word = v.vertex;

@@ -65,9 +65,11 @@ bool CellWriter::write(std::size_t seed, Star& star) {
     counters_.exact_cells += star.used_exact() ? 1 : 0;
     if (want_.normals) star.normals(face_normals_);
     if (want_.neighbors) {
-        face_shifts_.clear();
-        for (std::size_t f = 0; f < faces.size() && periodic_; ++f)
-            face_shifts_.push_back(faces[f] < 0 ? exact::Shift{} : seeds_.images->shift(faces[f]));
+        if (periodic_) {
+            face_shifts_.resize(faces.size());
+            for (std::size_t f = 0; f < faces.size(); ++f)
+                face_shifts_[f] = faces[f] < 0 ? exact::Shift{} : seeds_.images->shift(faces[f]);
+        }
         if (periodic_ && seeds_.images->has_moves()) count_from_domain(seed, faces);
         write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
     }

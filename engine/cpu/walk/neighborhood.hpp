@@ -121,7 +121,8 @@ private:
         }
         return vertices_++;
     }
-    [[gnu::always_inline]] void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c, std::uint32_t vertex) {
+    [[gnu::always_inline]] void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c,
+                                     std::uint32_t vertex) {
         // Cells that are not of the stretch share a place behind it.
         const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
         Handed& handed = handed_[s];

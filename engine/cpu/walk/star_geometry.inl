@@ -81,27 +81,34 @@ bool StarWalk<Isa>::measure(Geometry& out) {
 template <class Isa>
 void StarWalk<Isa>::polygons(CellPolygons& out) const {
     out.clear();
-    for (int v = 0; v < vertices_; ++v) {
+    out.positions.resize(static_cast<std::size_t>(vertices_));
+    for (std::size_t v = 0; v < out.positions.size(); ++v) {
         const auto& x = position_[v].x;
-        out.positions.push_back({x[0], x[1], x[2]});
+        out.positions[v] = {x[0], x[1], x[2]};
     }
     std::array<std::uint8_t, most_planes> face{};
     for (int p = 0, faces = 0; p < planes_; ++p)
         if (out_[p] != 0) face[p] = static_cast<std::uint8_t>(faces++);
+    out.corners.resize(static_cast<std::size_t>(ends_));
+    out.beside.resize(static_cast<std::size_t>(ends_));
+    std::uint32_t corners = 0;
     for (int b = 0; b < planes_; ++b) {
         if (out_[b] == 0) continue;
         const int first = std::countr_zero(out_[b]);
         int a = first;
         do {
             const int v = from_vertex_[b][a];
-            const int begin = first_corner_[v], end = first_corner_[v + 1];
-            int c = begin;
-            while (corners_[c] != b) ++c;
-            a = corners_[c == begin ? end - 1 : c - 1];
-            out.corners.push_back(static_cast<std::uint32_t>(v));
-            out.beside.push_back(face[a]);
+            const std::uint8_t *begin = &corners_[first_corner_[v]], *end = &corners_[first_corner_[v + 1]];
+            if (end - begin == 3) {
+                a = begin[0] == b ? begin[2] : begin[1] == b ? begin[0] : begin[1];
+            } else {
+                const std::uint8_t* c = std::find(begin, end, static_cast<std::uint8_t>(b));
+                a = c == begin ? end[-1] : c[-1];
+            }
+            out.corners[corners] = static_cast<std::uint32_t>(v);
+            out.beside[corners++] = face[a];
         } while (a != first);
-        out.offsets.push_back(static_cast<std::uint32_t>(out.corners.size()));
+        out.offsets.push_back(corners);
     }
 }
 

@@ -15,7 +15,7 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& s
     const auto i = static_cast<std::size_t>(id);
     const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
     wide(n) = q - p;
-    if (seeds_.images != nullptr) image_plane(id, n);
+    if (seeds_.images != nullptr) add_low(id, n);
     wide(n) *= scale_;
     square = dot(wide(n), wide(n));
     h = 0.5 * square;
@@ -24,18 +24,21 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& s
 
 // Adds what the rounding of coordinates took.
 template <class Isa>
-void StarWalk<Isa>::image_plane(std::int32_t id, Four& n) const {
-    const auto& low = seeds_.images->low(id);
-    const Wide rest = Wide{low[0], low[1], low[2], 0} - wide(low_);
-    // Where places nearly cancel, what a third double holds would be missing, and so would be the rounding of `rest`.
-    const double size = seeds_.images->largest_coordinate();
-    const bool close = moved_ && dot(wide(n), wide(n)) < closest_moved * closest_moved * size * size;
-    if (close || (any_rough_ && seeds_.images->is_rough(id))) {
+void StarWalk<Isa>::add_low(std::int32_t id, Four& n) const {
+    // Where places nearly cancel, what a third double holds would be missing, and so would be the rounding of this sum.
+    if ((moved_ || any_rough_) && may_cancel(id, n)) {
         const auto [x, y, z] = exact::differences(base_.point, exact_plane(id)).x;
         wide(n) = Wide{x.high, y.high, z.high, 0};
-    } else {
-        wide(n) += rest;
+        return;
     }
+    const auto& low = seeds_.images->low(id);
+    wide(n) += Wide{low[0], low[1], low[2], 0} - wide(low_);
+}
+
+template <class Isa>
+bool StarWalk<Isa>::may_cancel(std::int32_t id, const Four& n) const {
+    const double size = closest_moved * seeds_.images->largest_coordinate();
+    return (moved_ && dot(wide(n), wide(n)) < size * size) || (any_rough_ && seeds_.images->is_rough(id));
 }
 
 template <class Isa>

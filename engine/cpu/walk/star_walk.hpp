@@ -168,7 +168,8 @@ private:
     [[gnu::always_inline]] inline void need_plane(int slot);
     [[gnu::noinline]] void find_plane(int slot);
     [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h, double& square);
-    [[gnu::noinline]] void image_plane(std::int32_t id, Four& n) const;
+    [[gnu::always_inline]] inline void add_low(std::int32_t id, Four& n) const;
+    [[nodiscard, gnu::noinline]] bool may_cancel(std::int32_t id, const Four& n) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
     [[nodiscard]] exact::Plane powered(exact::Plane plane, std::int32_t id) const;
     [[nodiscard]] bool any_parallel(std::span<const std::int32_t> cells);
