@@ -227,7 +227,7 @@ void CellWriter::find_order(const Faces& faces) {
     for (std::size_t f = 0; f < count; ++f) {
         const std::int32_t id = faces.ids[f];
         ids[f] = id < 0 ? id : input_of(id);
-        labels_[f].id = ids[f];
+        labels_[f] = {ids[f], {}};
         if (periodic_) labels_[f].shift = narrow(faces.shifts[f]);
     }
     constexpr std::size_t most_marked = 64;
