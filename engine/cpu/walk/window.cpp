@@ -114,10 +114,12 @@ bool Window::weigh(std::size_t home) {
     const double base = seeds_.weights[home * home_seeds], square = scale_ * scale_;
     float least = 0, most = 0;
     for (int i = 0; i < count_; ++i) {
-        const std::int32_t seed = seeds_.images == nullptr ? id_[i] : seeds_.images->home(id_[i]);
+        const std::int32_t id = id_[i];
+        const bool image = seeds_.images != nullptr && seeds_.images->is_image(id);
         // Padding of the home's groups is far away and has no weight.
-        const bool exists = static_cast<std::size_t>(seed) < seeds_.weights.size();
-        weight_[i] = exists ? static_cast<float>((seeds_.weights[static_cast<std::size_t>(seed)] - base) * square) : 0;
+        const bool exists = static_cast<std::size_t>(id) < (image ? seeds_.images_end : seeds_.size());
+        const auto seed = static_cast<std::size_t>(exists && image ? seeds_.images->home(id) : id);
+        weight_[i] = exists ? static_cast<float>((seeds_.weights[seed] - base) * square) : 0;
         least = std::min(least, weight_[i]);
         most = std::max(most, weight_[i]);
     }
