@@ -17,7 +17,7 @@ class Hierarchy {
 public:
     static constexpr std::size_t fan = box_fan;
     static_assert(fan == 8);  // first_seed()
-    // Of a search in depth: more than the levels and branches of any tree.
+    // A search in depth never has as many nodes before it, in a tree of any size.
     static constexpr std::size_t most_nodes = 256;
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);

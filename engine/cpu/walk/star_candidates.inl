@@ -252,13 +252,7 @@ bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, con
 
 template <class Isa>
 int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x) {
-    Four n;
-    double h, square;
-    plane_through(id, n, h, square);
-    const double excess = dot(wide(n), wide(x)) - h;
-    const double bound = std::sqrt(square * third.length2) * (weighted_factor * third.condition() + 8 * unit) +
-                         12 * unit * size_of_h(h, square);
-    if (std::abs(excess) > bound) return excess > 0 ? 1 : -1;
+    if (const int sure = sure_side(id, third, relative_error(third), x); sure != 0) return sure;
     used_exact_ = true;
     return exact::side_of_vertex(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]),
                                  exact_plane(id));

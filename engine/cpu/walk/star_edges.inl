@@ -319,16 +319,12 @@ template <class Isa>
 int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane,
                            int count) {
     std::optional<exact::ExactVertex> vertex;
-    const double relative = (weighted_ ? weighted_factor : solved_factor) * third.condition() + 8 * unit;
+    const double relative = relative_error(third);
     while (lane >= 0) {
         const std::int32_t id = candidates_.id[lane];
-        Four n;
-        double h, square;
-        plane_through(id, n, h, square);
-        const double excess = dot(wide(n), wide(x)) - h;
-        const double bound = std::sqrt(square * third.length2) * relative + 12 * unit * size_of_h(h, square);
-        if (excess > bound) return lane;
-        if (!(excess < -bound)) {
+        const int sure = sure_side(id, third, relative, x);
+        if (sure > 0) return lane;
+        if (sure == 0) {
             used_exact_ = true;
             if (!vertex)
                 vertex.emplace(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
@@ -339,6 +335,23 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
         lane = kernels_.touching(candidates_, count, v, three, lane + 1);
     }
     return -1;
+}
+
+// Bounds the error of n.x, in units of |n| and the length of the vertex.
+template <class Isa>
+double StarWalk<Isa>::relative_error(const Third& third) const {
+    return (weighted_ ? weighted_factor : solved_factor) * third.condition() + 8 * unit;
+}
+
+// On which side of a plane the vertex lies: 0 where rounding may decide.
+template <class Isa>
+int StarWalk<Isa>::sure_side(std::int32_t id, const Third& third, double relative, const Four& x) {
+    Four n;
+    double h, square;
+    plane_through(id, n, h, square);
+    const double excess = dot(wide(n), wide(x)) - h;
+    const double bound = std::sqrt(square * third.length2) * relative + 12 * unit * size_of_h(h, square);
+    return excess > bound ? 1 : excess < -bound ? -1 : 0;
 }
 
 template <class Isa>

@@ -76,7 +76,7 @@ exact::Plane StarWalk<Isa>::powered(exact::Plane plane, std::int32_t id) const {
     return plane;
 }
 
-// Of two bisectors in one plane the farther seed has the face: that is left to the clipper.
+// Whether two bisectors may be one plane: the farther seed then has the face, which the clipper decides.
 template <class Isa>
 bool StarWalk<Isa>::any_parallel(std::span<const std::int32_t> cells) {
     constexpr double nearly = 1e-20;

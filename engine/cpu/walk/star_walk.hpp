@@ -138,6 +138,8 @@ private:
     bool close(const OpenEdge& edge, const Ray& ray, int lane);
     [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
                                   int lane, int count);
+    [[nodiscard]] double relative_error(const Third& third) const;
+    [[nodiscard]] int sure_side(std::int32_t id, const Third& third, double relative, const Four& x);
     void keep_position(const Third& third, const Four& x);
     [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
                                                   const Four& x);
@@ -149,7 +151,7 @@ private:
     void set_longest(double length);
     [[nodiscard]] bool images_known(double x2) const;
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
-    // Of an edge a -> b that a vertex has brought: stacks it when the other end is not known.
+    // Stacks an edge a -> b, which a vertex has brought, unless its other end is known.
     [[gnu::always_inline]] void stack(int a, int b) {
         open_edges_[static_cast<std::size_t>(open_end_)] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
         open_end_ += static_cast<int>(~(in_[a] >> b) & 1);

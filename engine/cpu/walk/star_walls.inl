@@ -82,7 +82,7 @@ bool StarWalk<Isa>::add_walls() {
     return !oblique || !two_walls_coincide();
 }
 
-// Of two walls in one plane the first has the face: they are left to the clipper, which goes in that order.
+// Whether two walls may be one plane: the first then has the face, as the clipper decides, which takes them in order.
 template <class Isa>
 bool StarWalk<Isa>::two_walls_coincide() const {
     constexpr float nearly = 1e-5f;

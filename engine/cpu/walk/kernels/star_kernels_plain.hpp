@@ -20,7 +20,7 @@ constexpr double relative_slack = 4e-8;
 template <class T, int L>
 using Vector __attribute__((vector_size(L * sizeof(T)))) = T;
 
-// Of select(): the far planes stand from `far_begin` on.
+// select() puts the far planes here at first.
 constexpr int far_begin = CandidatePlanes::capacity + 16;
 static_assert(far_begin % 16 == 0);
 
