@@ -10,6 +10,8 @@ namespace {
 // floating-point arithmetic, Discrete Comput. Geom. 18, 1997, grow-expansion).
 class Expansion {
 public:
+    static constexpr std::size_t most_terms = 16;  // a coordinate, that of p, and four for each of three vectors
+
     void add(double x) {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < size_; ++i) {
@@ -54,8 +56,7 @@ private:
         return sum.high;
     }
 
-    static constexpr std::size_t most_terms = 16;  // a coordinate, that of p, and four for each of three vectors
-    std::array<double, most_terms> terms_{};
+    std::array<double, most_terms> terms_;
     std::size_t size_ = 0;
 };
 
@@ -64,15 +65,26 @@ private:
 Differences image_differences(const Point& p, const Plane& bisector) {
     Differences d;
     for (int k = 0; k < 3; ++k) {
-        Expansion sum;
-        sum.add(two_sum(bisector.seed[k], -p[k]));
+        std::array<double, Expansion::most_terms> terms;  // that are not zero
+        int count = 0;
+        const auto add = [&](DoubleDouble x) {
+            if (x.low != 0) terms[count++] = x.low;
+            if (x.high != 0) terms[count++] = x.high;
+        };
+        add(two_sum(bisector.seed[k], -p[k]));
         for (int j = 0; j < 3; ++j) {
             if (bisector.shift[j] == 0) continue;
             const DoubleDouble& length = bisector.lattice->vector[j][k];
             const auto times = static_cast<double>(bisector.shift[j]);
-            if (length.low != 0) sum.add(two_product(length.low, times));
-            if (length.high != 0) sum.add(two_product(length.high, times));
+            if (length.low != 0) add(two_product(length.low, times));
+            if (length.high != 0) add(two_product(length.high, times));
         }
+        if (count <= 2) {
+            d.x[k] = count == 0 ? DoubleDouble{} : two_sum(terms[0], count == 1 ? 0.0 : terms[1]);
+            continue;
+        }
+        Expansion sum;
+        for (int i = 0; i < count; ++i) sum.add(terms[i]);
         d.x[k] = sum.rounded(d.exact);
     }
     return d;

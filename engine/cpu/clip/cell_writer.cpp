@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "cpu/sort/seed_images.hpp"
@@ -34,7 +35,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     walls_ = job.options.list_walls;
     periodic_ = job.domain->is_periodic();
     measure_ = needs_geometry(want_);
-    plain_rows_ = !periodic_ && !want_.normals && !want_.vertices;
+    plain_rows_ = !want_.normals && !want_.vertices;
     unscale_ = 1 / job.scale;
     counters_ = {};
     rows_size_ = 0;
@@ -65,12 +66,8 @@ bool CellWriter::write(std::size_t seed, Star& star) {
     counters_.exact_cells += star.used_exact() ? 1 : 0;
     if (want_.normals) star.normals(face_normals_);
     if (want_.neighbors) {
-        if (periodic_) {
-            face_shifts_.resize(faces.size());
-            for (std::size_t f = 0; f < faces.size(); ++f)
-                face_shifts_[f] = faces[f] < 0 ? exact::Shift{} : seeds_.images->shift(faces[f]);
-        }
-        if (periodic_ && seeds_.images->has_moves()) count_from_domain(seed, faces);
+        face_shifts_.clear();
+        if (periodic_) find_shifts(seed, faces);
         write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
     }
     if (want_.vertices) {
@@ -157,6 +154,17 @@ std::int32_t CellWriter::input_of(std::int32_t id) const {
     return seeds_.input[static_cast<std::size_t>(home)];
 }
 
+// Leaves face_shifts_ empty where all are zero, as they are away from the faces of the domain.
+void CellWriter::find_shifts(std::size_t seed, std::span<const std::int32_t> ids) {
+    const SeedImages& images = *seeds_.images;
+    if (!images.has_moves() && std::ranges::none_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); }))
+        return;
+    for (const std::int32_t id : ids) face_shifts_.push_back(id < 0 ? exact::Shift{} : images.shift(id));
+    if (images.has_moves()) count_from_domain(seed, ids);
+    if (std::ranges::all_of(face_shifts_, [](const auto& shift) { return shift == exact::Shift{}; }))
+        face_shifts_.clear();
+}
+
 void CellWriter::count_from_domain(std::size_t seed, std::span<const std::int32_t> ids) {
     for (std::size_t f = 0; f < ids.size(); ++f) {
         if (ids[f] < 0) continue;
@@ -180,8 +188,9 @@ void CellWriter::make_room(std::size_t faces) {
 void CellWriter::write_row(const Faces& faces) {
     make_room(faces.ids.size());
     std::size_t count = 0;
-    if (plain_rows_ && faces.ids.size() <= most_ranked) {
+    if (plain_rows_ && faces.shifts.empty() && faces.ids.size() <= most_ranked) {
         count = write_plain_row(faces);
+        if (periodic_) std::memset(&shifts_[3 * rows_size_], 0, 3 * count);
     } else {
         find_order(faces);
         for (const std::uint32_t face : order_) {
@@ -211,9 +220,12 @@ std::size_t CellWriter::write_plain_row(const Faces& faces) {
     }
     kernels_->rank(unsorted, count, places_.data());
     for (int k = 0; k < count; ++k) row[places_[static_cast<std::size_t>(k)]] = unsorted[k];
-    if (want_.areas)
-        for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-            areas_[rows_size_ + places_[k]] = kept_areas_[k] * unscale_ * unscale_;
+    if (want_.areas) {
+        const double square = unscale_ * unscale_;
+        double* areas = areas_.data() + rows_size_;
+        for (int k = 0; k < count; ++k)
+            areas[places_[static_cast<std::size_t>(k)]] = kept_areas_[static_cast<std::size_t>(k)] * square;
+    }
     return static_cast<std::size_t>(count);
 }
 
@@ -228,7 +240,7 @@ void CellWriter::find_order(const Faces& faces) {
         const std::int32_t id = faces.ids[f];
         ids[f] = id < 0 ? id : input_of(id);
         labels_[f] = {ids[f], {}};
-        if (periodic_) labels_[f].shift = narrow(faces.shifts[f]);
+        if (!faces.shifts.empty()) labels_[f].shift = narrow(faces.shifts[f]);
     }
     constexpr std::size_t most_marked = 64;
     if (count <= most_marked) {

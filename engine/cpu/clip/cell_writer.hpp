@@ -38,13 +38,15 @@ private:
     // The faces of a cell in any order: sorted seeds or walls, and what is wanted beside them.
     struct Faces {
         std::span<const std::int32_t> ids;
-        std::span<const exact::Shift> shifts;  // as Tessellation::shifts(); empty when not periodic
+        std::span<const exact::Shift> shifts;  // as Tessellation::shifts(); empty when all are zero
         const double* areas = nullptr;
         const std::array<double, 3>* normals = nullptr;
     };
 
     void write_empty(std::size_t seed);
     [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
+    // Fills face_shifts_.
+    void find_shifts(std::size_t seed, std::span<const std::int32_t> ids);
     // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
     void count_from_domain(std::size_t seed, std::span<const std::int32_t> ids);
     [[nodiscard]] exact::Point place(std::size_t seed) const;

@@ -12,7 +12,7 @@ namespace votess::cpu {
 namespace {
 
 // Margin around the box in units of the mean spacing: most cells of uniform seeds need less.
-constexpr double margin_spacings = 3.4;
+constexpr double margin_spacings = 3;
 constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Images beyond the margin are searched for by each cell that needs them; in thin or long boxes there would be too
@@ -38,8 +38,7 @@ double SeedImages::reach(const exact::Point& seed) const {
 
 exact::Shift SeedImages::shift_in_domain(std::int32_t home, std::size_t seed) const {
     if (moves_.empty()) return {};
-    const auto& of_home = moves_[static_cast<std::size_t>(seeds_->input[static_cast<std::size_t>(home)])];
-    const auto& of_seed = moves_[static_cast<std::size_t>(seeds_->input[seed])];
+    const auto &of_home = moves_[static_cast<std::size_t>(home)], &of_seed = moves_[seed];
     exact::Shift shift;
     for (int j = 0; j < 3; ++j) shift[j] = of_home[j] - of_seed[j];
     return shift;
@@ -49,7 +48,7 @@ exact::Point SeedImages::place_in_domain(std::size_t seed) const {
     if (moves_.empty()) return {seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]};
     const auto input = static_cast<std::size_t>(seeds_->input[seed]);
     exact::Shift shift;
-    for (int j = 0; j < 3; ++j) shift[j] = wraps_[input][j] - moves_[input][j];
+    for (int j = 0; j < 3; ++j) shift[j] = wraps_[input][j] - moves_[seed][j];
     const auto at = position(input, shift);
     return {at.x[0].high, at.x[1].high, at.x[2].high};
 }
@@ -71,9 +70,28 @@ exact::Differences SeedImages::position(std::size_t input, const exact::Shift& s
     return exact::differences({}, exact::Plane::bisector(point_of(points_, input, scale_), shift, domain_->lattice));
 }
 
+bool SeedImages::surely_inside(const exact::Point& x) const {
+    std::array<double, 3> d;
+    for (int k = 0; k < 3; ++k) {
+        if (!(std::abs(x[k]) <= domain_size_)) return false;
+        d[k] = x[k] - domain_->origin[k];
+    }
+    const auto f = domain_->edges.fraction(d);
+    for (int j = 0; j < 3; ++j)
+        if (domain_->periodic[j] && !(f[j] > edge_error_[j] && f[j] < 1 - edge_error_[j])) return false;
+    return true;
+}
+
 // outside: as in the job; such seeds stay where they are.
 void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool) {
     const std::size_t count = points_.count();
+    domain_size_ = 0;
+    for (int k = 0; k < 3; ++k) {
+        double size = std::abs(domain_->origin[k]);
+        for (int j = 0; j < 3; ++j) size += std::abs(domain_->edges.vector[j][k]);
+        domain_size_ = std::max(domain_size_, size);
+    }
+    for (int j = 0; j < 3; ++j) edge_error_[j] = domain_->edges.fraction_error(j, domain_size_);
     wraps_.assign(count, {});
     moves_.assign(domain_->skewed ? count : 0, {});
     std::vector<char> any(ceil_div(count, task_points), 0);
@@ -81,7 +99,8 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
     pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
         for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
             if (!outside.empty() && outside[i] == CellStatus::outside) continue;
-            const auto shift = wrap(*domain_, point_of(points_, i, scale_));
+            const exact::Point x = point_of(points_, i, scale_);
+            const auto shift = surely_inside(x) ? exact::Shift{} : wrap(*domain_, x);
             if (!shift) too_far[task] = std::min(too_far[task], i);
             wraps_[i] = shift.value_or(exact::Shift{});
             if (shift && domain_->skewed) {
@@ -96,15 +115,22 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
         throw Error(ErrorCode::invalid_argument,
                     "point " + std::to_string(*first) + " lies more than 500 million periods away from the box");
     wrapped_.clear();
+    wrapped_low_.clear();
+    wrapped_rough_.clear();
     if (std::ranges::count(any, 0) == static_cast<std::ptrdiff_t>(any.size())) {
         wraps_.clear();
         moves_.clear();
         return;
     }
     wrapped_.resize(3 * count);
+    wrapped_low_.resize(3 * count);
+    wrapped_rough_.resize(count);
     pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
-        for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i)
-            for (int k = 0; k < 3; ++k) wrapped_[3 * i + k] = position(i, wraps_[i]).x[k].high;
+        for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
+            const auto at = position(i, wraps_[i]);
+            wrapped_rough_[i] = at.exact ? 0 : 1;
+            for (int k = 0; k < 3; ++k) wrapped_[3 * i + k] = at.x[k].high, wrapped_low_[3 * i + k] = at.x[k].low;
+        }
     });
 }
 
@@ -203,11 +229,19 @@ void SeedImages::choose_margin(std::size_t seeds) {
         error_[j] = fraction_slack + basis_->fraction_error(j, size);
         margin_[j] = domain_->periodic[j] ? margin / basis_->width[j] : 0;
     }
+    least_reach_ = std::numeric_limits<double>::infinity();
+    for (int j = 0; j < 3; ++j)
+        if (domain_->periodic[j])
+            least_reach_ = std::min(least_reach_, (margin_[j] - 4 * error_[j]) * basis_->width[j]);
+    least_reach_ = std::max(least_reach_ * (1 - fraction_slack), 0.0);
 }
 
 template <class Visit>
 void SeedImages::for_images(const exact::Point& x, Visit visit) const {
     const auto f = fraction(x);
+    bool near = false;
+    for (int j = 0; j < 3; ++j) near |= domain_->periodic[j] && !(f[j] > margin_[j] && f[j] < 1 - margin_[j]);
+    if (!near) return;
     std::array<int, 3> least{}, most{};
     for (int j = 0; j < 3; ++j) {
         if (!domain_->periodic[j]) continue;
@@ -234,6 +268,11 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
     sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
     keep_false_duplicates(out);
+    if (!moves_.empty()) {
+        std::vector<exact::Shift> moves(out.size());
+        for (std::size_t s = 0; s < moves.size(); ++s) moves[s] = moves_[static_cast<std::size_t>(out.input[s])];
+        moves_ = std::move(moves);
+    }
     choose_margin(out.size());
     append(sorter, pool, out);
     out.images = this;
@@ -320,13 +359,12 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s) {
         const auto input = static_cast<std::size_t>(out.input[s]);
         if (wraps_[input] == exact::Shift{}) continue;
-        const auto position = this->position(input, wraps_[input]);
         for (std::size_t k = 0; k < 3; ++k) {
-            low_[s][k] = position.x[k].low;
+            low_[s][k] = wrapped_low_[3 * input + k];
             rounding_of_seeds_[k] = std::max(rounding_of_seeds_[k], std::abs(low_[s][k]) * (1 + 0x1p-50));
         }
-        rough_[s] = !position.exact;
-        any_rough_ = any_rough_ || !position.exact;
+        rough_[s] = wrapped_rough_[input] != 0;
+        any_rough_ = any_rough_ || rough_[s];
     }
 }
 

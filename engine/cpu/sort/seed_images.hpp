@@ -54,6 +54,8 @@ public:
     [[nodiscard]] const exact::Point& rounding_of_seeds() const { return rounding_of_seeds_; }
     // All seeds and images nearer to a seed than this are there; 0 when that is not known of any.
     [[nodiscard]] double reach(const exact::Point& seed) const;
+    // The least of all seeds.
+    [[nodiscard]] double least_reach() const { return least_reach_; }
 
     // A seed as exact arithmetic knows it: coordinates and the shift that goes with them.
     struct Base {
@@ -66,6 +68,8 @@ public:
 
 private:
     [[nodiscard]] std::array<double, 3> fraction(const exact::Point& x) const;
+    // Whether wrapping surely leaves a point where it is; needs edge_error_.
+    [[nodiscard]] bool surely_inside(const exact::Point& x) const;
     void wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool);
     [[nodiscard]] exact::Differences position(std::size_t input, const exact::Shift& shift) const;
     void keep_false_duplicates(SortedSeeds& out) const;
@@ -82,10 +86,14 @@ private:
     std::array<double, 3> margin_{};   // of the box, in fractions
     std::array<double, 3> error_{};    // of fractions
     std::vector<exact::Shift> wraps_;  // by input; empty when all seeds lie inside
-    std::vector<exact::Shift>
-        moves_;                    // the part of wraps_ from the domain into its reduced cell; empty when there is none
-    std::vector<double> wrapped_;  // 3N coordinates, with wraps_
-    std::size_t first_ = 0;        // id of the first image
+    // The part of wraps_ from the domain into its reduced cell, by sorted seed; empty when there is none.
+    std::vector<exact::Shift> moves_;
+    std::vector<double> wrapped_, wrapped_low_;  // 3N coordinates and what rounding took from them, with wraps_
+    std::vector<char> wrapped_rough_;            // N, whether even the two of them are rounded
+    double domain_size_ = 0;                     // no coordinate inside is larger
+    std::array<double, 3> edge_error_{};         // of fractions of the domain's edges, within domain_size_
+    double least_reach_ = 0;
+    std::size_t first_ = 0;  // id of the first image
     std::vector<std::int32_t> home_;
     std::vector<exact::Shift> shift_;
     std::vector<std::array<double, 3>> low_;  // by id

@@ -1,5 +1,7 @@
 #include "cpu/walk/neighborhood.hpp"
 
+#include <numeric>
+
 #include "cpu/sort/seed_images.hpp"
 
 namespace votess::cpu {
@@ -24,19 +26,17 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     own_count_ = static_cast<std::uint32_t>(count);
     own_end_ = walls_ + static_cast<std::int32_t>(count);
     keep_positions_ = positions;
-    foreign_ids_.clear();
-    if (table_.empty()) {
-        table_.resize(least_table);
-        foreign_ids_.reserve(least_table / 2 + 1);
-    }
+    if (table_.empty()) table_.resize(least_table);
+    ids_.reserve(static_cast<std::size_t>(own_end_) + least_table / 2 + 1);
+    ids_.resize(static_cast<std::size_t>(own_end_));
+    for (std::int32_t wall = 0; wall < walls_; ++wall) ids_[wall] = -1 - wall;
+    std::iota(ids_.begin() + walls_, ids_.end(), static_cast<std::int32_t>(first));
     std::fill(table_.begin(), table_.end(), -1);
     vertices_ = 0;
-    positions_.clear();
-    owners_.clear();
     ties_.clear();
     spill_.clear();
-    if (known_.empty()) known_.resize(usual_slabs * primary);
-    handed_.assign(count + 1, {});
+    if (known_.empty()) known_.resize(usual_slabs * slab_size);
+    next_.assign(count + 1, 0);
     free_slabs_.clear();
     slabs_ = 1;
     forget_strangers();
@@ -44,8 +44,10 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     done_.assign(count, 0);
     group_done_.assign(count / group_size + 1, 0);
     if (!positions) return;
-    positions_.reserve(usual_vertices * count);  // so that later jobs allocate nothing
-    owners_.reserve(usual_vertices * count);
+    if (positions_.size() < usual_vertices * count) {  // so that later jobs allocate nothing
+        positions_.resize(usual_vertices * count);
+        owners_.resize(usual_vertices * count);
+    }
     seeds_.resize(count);
     for (std::size_t s = 0; s < count; ++s)
         seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
@@ -61,32 +63,44 @@ std::int32_t Neighborhood::foreign(std::int32_t id) {
     const std::size_t mask = table_.size() - 1;
     std::size_t at = hash(id) & mask;
     for (; table_[at] >= 0; at = (at + 1) & mask)
-        if (foreign_ids_[table_[at]] == id) return own_end_ + table_[at];
-    const auto index = static_cast<std::int32_t>(foreign_ids_.size());
-    table_[at] = index;
-    foreign_ids_.push_back(id);
-    if (foreign_ids_.size() * 2 > table_.size()) grow_table();
-    return own_end_ + index;
+        if (ids_[table_[at]] == id) return table_[at];
+    const std::int32_t local = locals();
+    table_[at] = local;
+    ids_.push_back(id);
+    if (static_cast<std::size_t>(local - own_end_) * 2 > table_.size()) grow_table();
+    return local;
 }
 
 void Neighborhood::grow_table() {
     table_.assign(2 * table_.size(), -1);
     const std::size_t mask = table_.size() - 1;
-    for (std::size_t i = 0; i < foreign_ids_.size(); ++i) {
-        std::size_t at = hash(foreign_ids_[i]) & mask;
+    for (std::int32_t local = own_end_; local < locals(); ++local) {
+        std::size_t at = hash(ids_[local]) & mask;
         while (table_[at] >= 0) at = (at + 1) & mask;
-        table_[at] = static_cast<std::int32_t>(i);
+        table_[at] = local;
     }
 }
 
-std::uint32_t Neighborhood::take_slab() {
-    if (!free_slabs_.empty()) {
-        const std::uint32_t slab = free_slabs_.back();
-        free_slabs_.pop_back();
-        return slab;
+void Neighborhood::grow_positions() {
+    positions_.resize(2 * positions_.size());
+    owners_.resize(positions_.size());
+}
+
+bool Neighborhood::take_slab(std::size_t s) {
+    if (s == own_count_) {
+        forget_strangers();
+        return true;
     }
-    if ((slabs_ + 1) * primary > known_.size()) known_.resize(2 * known_.size());
-    return slabs_++;
+    if (next_[s] != 0) return false;
+    std::uint32_t slab = slabs_;
+    if (!free_slabs_.empty()) {
+        slab = free_slabs_.back();
+        free_slabs_.pop_back();
+    } else if ((++slabs_ + 1) * slab_size > known_.size()) {
+        known_.resize(2 * known_.size());
+    }
+    next_[s] = slab * slab_size + 1;
+    return true;
 }
 
 void Neighborhood::spill(std::size_t s, const KnownVertex& known) {
@@ -95,8 +109,8 @@ void Neighborhood::spill(std::size_t s, const KnownVertex& known) {
 }
 
 std::span<const KnownVertex> Neighborhood::with_spilled(std::size_t s) {
-    const KnownVertex* known = known_.data() + handed_[s].slab * primary;
-    gathered_.assign(known, known + primary);
+    const KnownVertex* end = known_.data() + next_[s];
+    gathered_.assign(end - (slab_size - 1), end);
     for (std::int32_t node = spilled_[s]; node >= 0; node = spill_[node].next) gathered_.push_back(spill_[node].vertex);
     return gathered_;
 }

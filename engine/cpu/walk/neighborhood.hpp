@@ -39,19 +39,15 @@ public:
     // Whether the stretch holds any of these seeds.
     [[nodiscard]] bool overlaps(std::size_t begin, std::size_t end) const { return begin < last_ && end > first_; }
     // id: a sorted seed, or a wall below 0.
-    [[nodiscard]] std::int32_t local(std::int32_t id) {
+    [[nodiscard, gnu::always_inline]] std::int32_t local(std::int32_t id) {
         if (id < 0) return -1 - id;
         if (holds(id)) return walls_ + id - static_cast<std::int32_t>(first_);
         return foreign(id);
     }
-    [[nodiscard]] std::int32_t id(std::int32_t local) const {
-        if (local < walls_) return -1 - local;
-        if (local < own_end_) return static_cast<std::int32_t>(first_) + local - walls_;
-        return foreign_ids_[local - own_end_];
-    }
+    [[nodiscard]] std::int32_t id(std::int32_t local) const { return ids_[static_cast<std::size_t>(local)]; }
     // Whether a local id is a wall's or a seed's of the stretch.
     [[nodiscard]] bool is_own(std::int32_t local) const { return local < own_end_; }
-    [[nodiscard]] std::int32_t locals() const { return own_end_ + static_cast<std::int32_t>(foreign_ids_.size()); }
+    [[nodiscard]] std::int32_t locals() const { return static_cast<std::int32_t>(ids_.size()); }
 
     // Whether a cell of the stretch has handed over all of its vertices.
     [[nodiscard]] bool done(std::size_t seed) const { return done_[seed - first_] != 0; }
@@ -82,9 +78,9 @@ public:
 
     // What was handed to a seed of the stretch.
     [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
-        const Handed& handed = handed_[seed - first_];
-        if (handed.count <= primary) return {known_.data() + handed.slab * primary, handed.count};
-        return with_spilled(seed - first_);
+        const std::uint32_t next = next_[seed - first_], count = next % slab_size;
+        if (count == 0 && next != 0) return with_spilled(seed - first_);
+        return {known_.data() + (next - count + 1), count == 0 ? 0 : count - 1};
     }
     // All cells of a tie.
     [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
@@ -101,23 +97,23 @@ public:
     [[nodiscard]] const Four& seed_low(std::size_t place) const { return lows_[place]; }
 
 private:
-    static constexpr std::size_t primary = 32;  // vertices of a cell before they spill into a linked list
-    // What was handed to a seed. It has a slab of known_ from the first vertex on and until it is done: only the front
-    // of the cells at hand needs memory, which stays in the cache.
-    struct Handed {
-        std::uint32_t count = 0, slab = 0;
-    };
+    // What was handed to a seed stands in a slab of known_, behind its first place, and then in a linked list. It has
+    // the slab from the first vertex on and until it is done: only the front of the cells at hand needs memory, which
+    // stays in the cache.
+    static constexpr std::uint32_t slab_size = 32;
     struct Spill {
         KnownVertex vertex;
         std::int32_t next;
     };
 
-    std::int32_t foreign(std::int32_t id);
+    [[gnu::noinline]] std::int32_t foreign(std::int32_t id);
     void grow_table();
-    std::uint32_t add_position(std::int32_t owner, const Four& position) {
+    [[gnu::noinline]] void grow_positions();
+    [[gnu::always_inline]] std::uint32_t add_position(std::int32_t owner, const Four& position) {
         if (keep_positions_) {
-            positions_.push_back(position);
-            owners_.push_back(owner - walls_);
+            if (vertices_ == positions_.size()) grow_positions();
+            positions_[vertices_] = position;
+            owners_[vertices_] = owner - walls_;
         }
         return vertices_++;
     }
@@ -125,21 +121,20 @@ private:
                                      std::uint32_t vertex) {
         // Cells that are not of the stretch share a place behind it.
         const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
-        Handed& handed = handed_[s];
-        if (handed.count == 0) handed.slab = take_slab();
-        const std::size_t count = handed.count++;
-        if (count >= primary) return spill(s, {{a, b, c}, vertex});
-        KnownVertex& known = known_[handed.slab * primary + count];
+        std::uint32_t& next = next_[s];
+        if (next % slab_size == 0 && !take_slab(s)) return spill(s, {{a, b, c}, vertex});
+        KnownVertex& known = known_[next++];
         known.cells[0] = a;
         known.cells[1] = b;
         known.cells[2] = c;
         known.vertex = vertex;
     }
-    // Their slab is the first; they never have none.
-    void forget_strangers() { handed_[own_count_].count = 1; }
-    std::uint32_t take_slab();
+    // Their slab is the first; it is never full.
+    void forget_strangers() { next_[own_count_] = 1; }
+    // False when the seed has a slab, which is full.
+    bool take_slab(std::size_t s);
     void release(std::size_t s) {
-        if (handed_[s].count > 0) free_slabs_.push_back(handed_[s].slab);
+        if (next_[s] > 0) free_slabs_.push_back((next_[s] - 1) / slab_size);
     }
     void spill(std::size_t s, const KnownVertex& known);
     [[nodiscard]] std::span<const KnownVertex> with_spilled(std::size_t s);
@@ -149,12 +144,12 @@ private:
     std::int32_t walls_ = 0, own_end_ = 0;
     bool keep_positions_ = false;
     std::uint32_t vertices_ = 0;
-    std::vector<std::int32_t> foreign_ids_;
-    std::vector<std::int32_t> table_;  // open addressing: index into foreign_ids_, or -1
+    std::vector<std::int32_t> ids_;    // by local id
+    std::vector<std::int32_t> table_;  // open addressing: local ids of other seeds, or -1
     std::vector<Four> positions_, seeds_, lows_;
     std::vector<std::int32_t> owners_;
-    std::vector<KnownVertex> known_;  // slabs of `primary`
-    std::vector<Handed> handed_;
+    std::vector<KnownVertex> known_;   // slabs
+    std::vector<std::uint32_t> next_;  // by seed: the place in known_ for its next vertex; full slabs end at multiples
     std::vector<std::uint32_t> free_slabs_;
     std::uint32_t slabs_ = 0;
     std::vector<std::int32_t> spilled_;

@@ -2,6 +2,8 @@
 #include "cpu/walk/star_context.hpp"
 
 #if defined(__x86_64__)
+#include "cpu/walk/kernels/star_kernels_avx2.inl"
+
 #ifdef __clang__
 #pragma clang attribute push(__attribute__((target("avx2,bmi,bmi2,fma,lzcnt,popcnt"))), apply_to = function)
 #else
@@ -12,11 +14,15 @@
 
 namespace votess::cpu {
 
-struct Avx2 {};
+constinit const StarKernels star_kernels_avx2 = kernels_avx2;
+
+struct Avx2 {
+    static constexpr const StarKernels& kernels = kernels_avx2;
+};
 template class StarWalk<Avx2>;
 
 std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
-    return std::make_unique<StarWalk<Avx2>>(seeds, hierarchy, star_kernels("avx2"));
+    return std::make_unique<StarWalk<Avx2>>(seeds, hierarchy);
 }
 
 }  // namespace votess::cpu

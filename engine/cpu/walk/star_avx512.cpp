@@ -2,6 +2,8 @@
 #include "cpu/walk/star_context.hpp"
 
 #if defined(__x86_64__)
+#include "cpu/walk/kernels/star_kernels_avx512.inl"
+
 #ifdef __clang__
 #pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx512bw,bmi,bmi2,fma,lzcnt,popcnt"))), \
                              apply_to = function)
@@ -13,11 +15,15 @@
 
 namespace votess::cpu {
 
-struct Avx512 {};
+constinit const StarKernels star_kernels_avx512 = kernels_avx512;
+
+struct Avx512 {
+    static constexpr const StarKernels& kernels = kernels_avx512;
+};
 template class StarWalk<Avx512>;
 
 std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
-    return std::make_unique<StarWalk<Avx512>>(seeds, hierarchy, star_kernels("avx512"));
+    return std::make_unique<StarWalk<Avx512>>(seeds, hierarchy);
 }
 
 }  // namespace votess::cpu

@@ -1,13 +1,24 @@
 // The walk compiled for any processor.
+#include "cpu/walk/kernels/star_kernels_plain.hpp"
 #include "cpu/walk/star_walk.hpp"
 
 namespace votess::cpu {
 
-struct Baseline {};
+struct Baseline {
+    static constexpr const StarKernels& kernels = kernels_baseline;
+};
 template class StarWalk<Baseline>;
 
 std::unique_ptr<Star> make_star_baseline(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
-    return std::make_unique<StarWalk<Baseline>>(seeds, hierarchy, star_kernels("baseline"));
+    return std::make_unique<StarWalk<Baseline>>(seeds, hierarchy);
+}
+
+const StarKernels& star_kernels(std::string_view name) {
+#if defined(__x86_64__)
+    if (name == star_kernels_avx512.name) return star_kernels_avx512;
+    if (name == star_kernels_avx2.name) return star_kernels_avx2;
+#endif
+    return kernels_baseline;
 }
 
 std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy) {

@@ -31,15 +31,16 @@ bool StarWalk<Isa>::gather_candidates() {
     own_x_ = p[0];
     scale_ = scale;
     unscale_ = 1 / scale;
-    planes_known_ = 0;
+    if (seeds_.images != nullptr) set_image_reach(seeds_.images->least_reach());
+    planes_known_ = facings_known_ = 0;
     for (int tries = 0;; ++tries) {
         const double reach = std::sqrt(reach2) * scale;
         set_longest(reach * (1 + 0x1p-20) + quantum);
         candidates_.count = 0;
         if (!add_near_walls()) return false;
         const double square = reach2 * scale * scale, near_square = near_share * square;
-        if (kernels_.select(window_.seeds(), p.data(), weight, static_cast<float>(near_square),
-                            static_cast<float>(square), candidates_) &&
+        if (Isa::kernels.select(window_.seeds(), p.data(), weight, static_cast<float>(near_square),
+                                static_cast<float>(square), candidates_) &&
             candidates_.count <= most_candidates) {
             covered_ = surely_covered(square);
             near_covered_ = surely_covered(near_square);
@@ -158,10 +159,8 @@ bool StarWalk<Isa>::begin_outside() {
         // In a periodic box it begins with images of the seed, which are no candidates.
         if (std::ranges::any_of(planes, [own](const CellPlane* plane) { return plane->id == own; })) continue;
         const int a = new_slot(planes[0]->id), b = new_slot(planes[1]->id);
-        const OpenEdge edge{static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
-        Ray ray;
-        aim(edge, ray);
-        return close(edge, ray, -1);
+        stack(a, b);
+        return true;
     }
     return false;
 }
@@ -191,15 +190,15 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
         hit = first_hit(ray);
     }
     if (hit < 0) return false;
-    const OpenEdge edge{static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(new_slot(c.id[hit]))};
-    aim(edge, ray);
-    return close(edge, ray, -1);
+    stack(a, new_slot(c.id[hit]));
+    return true;
 }
 
 // Bits of those of eight seeds beyond the candidates that may cut off the vertex.
 template <class Isa>
 unsigned StarWalk<Isa>::find_inside(std::size_t begin, const GroupTest& test) const {
-    if (!weighted_) return kernels_.inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
+    if (!weighted_)
+        return Isa::kernels.inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
     unsigned inside = 0;
     const std::size_t end = seeds_.group_end(begin);
     for (std::size_t i = begin; i < end; ++i) {
@@ -229,7 +228,7 @@ bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, con
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
-        unsigned near = kernels_.near_boxes(hierarchy_.block(level, index), at, reach * reach);
+        unsigned near = Isa::kernels.near_boxes(hierarchy_.block(level, index), at, reach * reach);
         for (; near != 0; near &= near - 1) {
             const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
             const std::size_t begin = Hierarchy::first_seed(level, child);
@@ -283,7 +282,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
-        unsigned near = kernels_.near_boxes(hierarchy_.block(level, index), at, reach2);
+        unsigned near = Isa::kernels.near_boxes(hierarchy_.block(level, index), at, reach2);
         if (level > 0) {
             for (; near != 0; near &= near - 1)
                 nodes_[nodes++] = {level - 1, index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near))};

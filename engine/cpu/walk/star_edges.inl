@@ -8,15 +8,16 @@ namespace votess::cpu {
 // `planes` is planes_, in a register when it can be.
 template <class Isa>
 int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
-    const unsigned known = slot_[static_cast<std::size_t>(local)];
-    if (known != no_slot) return static_cast<int>(known);
-    slot_[static_cast<std::size_t>(local)] = static_cast<std::uint16_t>(planes);
+    const int known = slot_[static_cast<std::size_t>(local)];
+    if (known >= 0) return known;
+    slot_[static_cast<std::size_t>(local)] = static_cast<std::int16_t>(planes);
     local_[static_cast<std::size_t>(planes)] = local;
     return planes++;
 }
 
-// The edges a -> b, b -> c, c -> a of a vertex.
+// The edges a -> b, b -> c, c -> a of a vertex. Keep: whether measure() will want its planes.
 template <class Isa>
+template <bool Keep>
 void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
     const std::uint64_t bit_a = 1ull << a, bit_b = 1ull << b, bit_c = 1ull << c;
     out_[a] |= bit_b;
@@ -25,13 +26,8 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
     in_[b] |= bit_a;
     out_[c] |= bit_a;
     in_[c] |= bit_b;
-    if (!measure_) return;
-    from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
-    const std::size_t at = first_corner_[vertex];
-    corners_[at] = static_cast<std::uint8_t>(a);
-    corners_[at + 1] = static_cast<std::uint8_t>(b);
-    corners_[at + 2] = static_cast<std::uint8_t>(c);
-    first_corner_[vertex + 1] = static_cast<std::uint16_t>(at + 3);
+    if constexpr (Keep)
+        from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
 }
 
 template <class Isa>
@@ -76,14 +72,12 @@ bool StarWalk<Isa>::build(std::size_t seed) {
         base_ = seeds_.images->base(seed);
         moved_ = !seeds_.images->is_exact(seed);
         any_rough_ = seeds_.images->any_rough();
-        const double reach = seeds_.images->reach(p_);
-        known_reach2_ = reach * reach;
     }
     vertices_ = ends_ = open_begin_ = open_end_ = 0;
-    planes_known_ = 0;
+    planes_known_ = facings_known_ = 0;
     scale_ = unscale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
-    const bool done = complete();
+    const bool done = measure_ ? complete<true>() : complete<false>();
     if (done) cells_.set_done(seed);
     if (have_candidates_ && !done) window_.show(seed, own_x_);
     if (done && window_open_ && window_home_ == seed / Window::home_seeds) window_.hide(seed);
@@ -91,8 +85,9 @@ bool StarWalk<Isa>::build(std::size_t seed) {
 }
 
 template <class Isa>
+template <bool Keep>
 bool StarWalk<Isa>::complete() {
-    if (!take_known()) return false;
+    if (!take_known<Keep>()) return false;
     if (vertices_ == 0) {
         empty_ = false;
         const bool begun = begin_anywhere();
@@ -109,17 +104,17 @@ bool StarWalk<Isa>::complete() {
         // been closed by the vertex of the first.
         while (open_begin_ < open_end_ && !is_open(open_edges_[open_begin_])) ++open_begin_;
         if (open_begin_ == open_end_) break;
-        const OpenEdge first = open_edges_[open_begin_++];
+        OpenEdge edges[2];
+        edges[0] = open_edges_[open_begin_++];
         while (open_begin_ < open_end_ && !is_open(open_edges_[open_end_ - 1])) --open_end_;
-        const OpenEdge second = open_begin_ < open_end_ ? open_edges_[--open_end_] : first;
+        edges[1] = open_begin_ < open_end_ ? open_edges_[--open_end_] : edges[0];
         Ray rays[2];
-        aim(first, rays[0]);
-        aim(second, rays[1]);
+        aim(edges[0], rays[0]);
+        aim(edges[1], rays[1]);
         int hits[2];
-        kernels_.first_hits(candidates_, candidates_.near, rays, hits);
-        if (!close(first, rays[0], hits[0]) || is_open(first)) return false;
-        if (!is_open(second)) continue;
-        if (!close(second, rays[1], hits[1]) || is_open(second)) return false;
+        Isa::kernels.first_hits(candidates_, candidates_.near, rays, hits);
+        for (int k = 0; k < 2; ++k)
+            if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k])) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
@@ -135,27 +130,30 @@ void StarWalk<Isa>::take_position(const KnownVertex& known, int vertex) {
 }
 
 template <class Isa>
+template <bool Keep>
 bool StarWalk<Isa>::take_known() {
     make_room(cells_.locals());
-    int planes = 0, vertices = 0, ends = 0;
-    for (const KnownVertex& known : cells_.known(seed_)) {
-        if (planes > most_planes - 4 || vertices > most_vertices - 4) {
+    const auto handed = cells_.known(seed_);
+    if (handed.size() > most_vertices - 4) return false;
+    int planes = 0, vertices = 0, ties = 0;
+    for (const KnownVertex& known : handed) {
+        if (planes > most_planes - 4) {
             planes_ = planes;
             return false;
         }
         if (known.is_tie()) {
-            planes_ = planes, vertices_ = vertices, ends_ = ends;
-            if (!take_tie(known)) return false;
-            planes = planes_, vertices = vertices_, ends = ends_;
+            planes_ = planes;
+            if (!take_tie(known, vertices++)) return false;
+            planes = planes_;
+            ++ties;
             continue;
         }
-        if (measure_) take_position(known, vertices);
+        if constexpr (Keep) take_position(known, vertices);
         const int a = slot_of(known.cells[0], planes), b = slot_of(known.cells[1], planes),
                   c = slot_of(known.cells[2], planes);
-        link_corner(a, b, c, vertices++);
-        ends += 3;
+        link_corner<Keep>(a, b, c, vertices++);
     }
-    planes_ = planes, vertices_ = vertices, ends_ = ends;
+    planes_ = planes, vertices_ = vertices, ends_ += 3 * (vertices - ties);
     for (int p = 0; p < planes; ++p)
         for (std::uint64_t open = out_[p] & ~in_[p]; open != 0; open &= open - 1)
             open_edges_[open_end_++] = {static_cast<std::uint8_t>(p),
@@ -164,25 +162,26 @@ bool StarWalk<Isa>::take_known() {
 }
 
 template <class Isa>
-bool StarWalk<Isa>::take_tie(const KnownVertex& known) {
-    if (measure_) take_position(known, vertices_);
+bool StarWalk<Isa>::take_tie(const KnownVertex& known, int vertex) {
+    if (measure_) take_position(known, vertex);
     tied_cells_.clear();
     for (const std::int32_t cell : cells_.tie(known))
         if (cell != own_local_) tied_cells_.push_back(cell);
-    return link_polygon(tied_cells_, vertices_++, false);
+    return link_polygon(tied_cells_, vertex, false);
 }
 
 // Faces are the planes that have edges; a plane that was tried as a beginning may have none.
 template <class Isa>
 bool StarWalk<Isa>::collect_faces() {
-    int edges = 0;
-    faces_ = 0;
-    for (int p = 0; p < planes_; ++p) {
+    int edges = 0, faces = 0;
+    const int planes = planes_;
+    for (int p = 0; p < planes; ++p) {
+        face_[faces] = cells_.id(local_[p]);
         const int own = std::popcount(out_[p]);
-        if (own == 0) continue;
         edges += own;
-        face_[faces_++] = cells_.id(local_[p]);
+        faces += own != 0 ? 1 : 0;
     }
+    faces_ = faces;
     edges_ = edges / 2;
     return edges == ends_;  // no edge was found twice in the same direction
 }
@@ -190,8 +189,8 @@ bool StarWalk<Isa>::collect_faces() {
 // In floats: what it hits is a guess.
 template <class Isa>
 void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
-    need_plane(edge.a);
-    need_plane(edge.b);
+    need_facing(edge.a);
+    need_facing(edge.b);
     const Facing &a = facing_[edge.a], &b = facing_[edge.b];
     Floats ab, across;
     cross(floats(a.normal), floats(b.normal), ab);
@@ -224,7 +223,7 @@ template <class Isa>
 int StarWalk<Isa>::first_hit(const Ray& ray) const {
     const Ray rays[2] = {ray, ray};
     int hits[2];
-    kernels_.first_hits(candidates_, candidates_.count, rays, hits);
+    Isa::kernels.first_hits(candidates_, candidates_.count, rays, hits);
     return hits[0];
 }
 
@@ -243,6 +242,7 @@ bool StarWalk<Isa>::solve(const Line& line, Third& c, Four& x) const {
 }
 
 template <class Isa>
+template <bool Keep>
 bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     Line line;
     if (!draw_line(edge, line)) return false;
@@ -263,7 +263,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         if (!solve(line, third, x)) return false;
         const double x2 = dot(wide(x), wide(x));
         third.length2 = x2;
-        if (weighted_) {
+        if (!plain_ && weighted_) {
             const double length = std::sqrt(x2) + 0.25 * std::sqrt(std::max(line.longest2, third.square));
             third.length2 = length * length;
         }
@@ -275,8 +275,9 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         float v[4];
         narrow(wide(x), v);
         v[3] = static_cast<float>(rounding_by_square_ * x2 + rounding_);
-        const int count = in_reach_of(x2);
-        const int touching = kernels_.touching(candidates_, count, v, three, 0);
+        const double reach2 = reach_squared(x2);
+        const int count = in_reach(reach2);
+        const int touching = Isa::kernels.touching(candidates_, count, v, three, 0);
         tied_.clear();
         if (touching >= 0) {
             const int cutting = examine(v, three, third, x, touching, count);
@@ -285,7 +286,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
         }
-        if (reach_squared(x2) > covered_) {
+        if (reach2 > covered_) {
             if (!have_walls_) {
                 if (!add_walls()) return false;
                 lane = -1;
@@ -298,19 +299,24 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
         }
-        if (seeds_.images != nullptr && !images_known(x2)) return false;
-        if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
+        if (!plain_) {
+            if (seeds_.images != nullptr && !(reach2 < images_within2_ && x2 > images_beyond2_) &&
+                !images_known(x2, reach2))
+                return false;
+            if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
+        }
         reached_ = std::max(reached_, 4 * x2);
-        return tied_.empty() ? add_vertex(edge, id, third, x) : add_tie(edge, id, third, x);
+        if (tied_.empty()) return add_vertex<Keep>(edge, id, third, x);
+        return add_tie(edge, id, third, x) && !is_open(edge);
     }
     return false;
 }
 
 // Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
 template <class Isa>
-bool StarWalk<Isa>::images_known(double x2) const {
-    return reach_squared(x2) * unscale_ * unscale_ * (1 + 2 * margin) < known_reach2_ &&
-           (!window_open_ || x2 > least_image_vertex2);
+bool StarWalk<Isa>::images_known(double x2, double reach2) {
+    set_image_reach(seeds_.images->reach(p_));
+    return reach2 < images_within2_ && x2 > images_beyond2_;
 }
 
 // Looks through the candidates that come too near to a vertex, from `lane` on. Returns one that cuts it off, or -1;
@@ -332,7 +338,7 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
             if (side > 0) return lane;
             if (side == 0 && std::find(tied_.begin(), tied_.end(), id) == tied_.end()) tied_.push_back(id);
         }
-        lane = kernels_.touching(candidates_, count, v, three, lane + 1);
+        lane = Isa::kernels.touching(candidates_, count, v, three, lane + 1);
     }
     return -1;
 }
@@ -362,20 +368,22 @@ void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
 }
 
 template <class Isa>
+template <bool Keep>
 bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
     const int c = new_slot(id);
     if (((planes_known_ >> c) & 1) == 0) {
         planes_known_ |= 1ull << c;
+        facings_known_ |= 1ull << c;
         id_[c] = id;
         wide(n_[c]) = wide(third.n);
         h_[c] = third.h;
         square_[c] = third.square;
         face(c);
     }
-    if (measure_) keep_position(third, x);
+    if constexpr (Keep) keep_position(third, x);
     cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
-    link_corner(edge.b, edge.a, c, vertices_++);
+    link_corner<Keep>(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
     stack(edge.a, c);
     stack(c, edge.b);
@@ -420,12 +428,8 @@ bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex
         const int a = slots[k], b = slots[k + 1 == count ? 0 : k + 1];
         out_[a] |= 1ull << b;
         in_[b] |= 1ull << a;
-        if (measure_) {
-            from_vertex_[a][b] = static_cast<std::uint8_t>(vertex);
-            corners_[first_corner_[vertex] + k] = static_cast<std::uint8_t>(a);
-        }
+        from_vertex_[a][b] = static_cast<std::uint8_t>(vertex);
     }
-    if (measure_) first_corner_[vertex + 1] = static_cast<std::uint16_t>(first_corner_[vertex] + count);
     ends_ += static_cast<int>(count);
     for (std::size_t k = 0; k < count && stack_them; ++k) stack(slots[k], slots[k + 1 == count ? 0 : k + 1]);
     return true;

@@ -46,13 +46,12 @@ bool StarWalk<Isa>::measure(Geometry& out) {
         }
         area[a] = area_a;
     }
-    Wide farthest{}, error{};
+    Wide largest{};  // squares
     for (int v = 0; v < vertices_; ++v) {
-        const Wide x = wide(position_[v]);
-        const Wide square = x * x;
-        farthest = square > farthest ? square : farthest;
-        error = x > error ? x : error;
+        const Wide square = wide(position_[v]) * wide(position_[v]);
+        largest = square > largest ? square : largest;
     }
+    const double error = std::sqrt(largest[3]);
     double volume = 0;
     for (int p = 0; p < planes_; ++p) {
         const double part = dot(normal[p], area[p]);
@@ -63,10 +62,10 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     }
     volume /= 12;
     if (!(volume > smallest_volume)) return false;
-    const double reach = std::sqrt(farthest[0] + farthest[1] + farthest[2]);
+    const double reach = std::sqrt(largest[0] + largest[1] + largest[2]);
     const double length = std::sqrt(longest) * unscale_ + (weighted_ ? 2 * reach : 0);
     const double bound =
-        edges_ * 2 * length * (2 * solved_factor * std::sqrt(error[3]) * reach + 32 * unit * reach * reach) / 12;
+        edges_ * 2 * length * (2 * solved_factor * std::sqrt(error) * reach + 32 * unit * reach * reach) / 12;
     if (!(bound <= accepted_error * volume) && (weighted_ || !(measure_error() <= accepted_error * volume)))
         return false;
     out.volume = volume;
@@ -77,7 +76,7 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     return true;
 }
 
-// Around face b: from the edge along b and a to where it ends, and on along b and the plane before b there.
+// Around face b: from an edge along b and a to the vertex that has b -> a, and on along the edge that comes from there.
 template <class Isa>
 void StarWalk<Isa>::polygons(CellPolygons& out) const {
     out.clear();
@@ -92,19 +91,18 @@ void StarWalk<Isa>::polygons(CellPolygons& out) const {
     out.corners.resize(static_cast<std::size_t>(ends_));
     out.beside.resize(static_cast<std::size_t>(ends_));
     std::uint32_t corners = 0;
+    std::array<std::uint8_t, most_vertices> next;  // a, by the vertex that has a -> b
     for (int b = 0; b < planes_; ++b) {
         if (out_[b] == 0) continue;
         const int first = std::countr_zero(out_[b]);
+        for (std::uint64_t rest = out_[b]; rest != 0; rest &= rest - 1) {
+            const int a = std::countr_zero(rest);
+            next[from_vertex_[a][b]] = static_cast<std::uint8_t>(a);
+        }
         int a = first;
         do {
             const int v = from_vertex_[b][a];
-            const std::uint8_t *begin = &corners_[first_corner_[v]], *end = &corners_[first_corner_[v + 1]];
-            if (end - begin == 3) {
-                a = begin[0] == b ? begin[2] : begin[1] == b ? begin[0] : begin[1];
-            } else {
-                const std::uint8_t* c = std::find(begin, end, static_cast<std::uint8_t>(b));
-                a = c == begin ? end[-1] : c[-1];
-            }
+            a = next[static_cast<std::size_t>(v)];
             out.corners[corners] = static_cast<std::uint32_t>(v);
             out.beside[corners++] = face[a];
         } while (a != first);
@@ -144,10 +142,10 @@ double StarWalk<Isa>::measure_error() const {
         const auto& x = position_[v].x;
         return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
     };
-    for (int v = 0; v < vertices_; ++v)
-        for (int begin = first_corner_[v], end = first_corner_[v + 1], c = begin; c < end; ++c) {
-            const int a = corners_[c], b = corners_[c + 1 == end ? begin : c + 1];
-            const int w = from_vertex_[b][a];
+    for (int a = 0; a < planes_; ++a)
+        for (std::uint64_t rest = out_[a]; rest != 0; rest &= rest - 1) {
+            const int b = std::countr_zero(rest);
+            const int v = from_vertex_[a][b], w = from_vertex_[b][a];
             bound +=
                 std::sqrt(square_[b]) * unscale_ *
                 (solved_factor * (std::sqrt(position_[v].x[3]) * length(w) + std::sqrt(position_[w].x[3]) * length(v)) +

@@ -15,11 +15,11 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& s
     const auto i = static_cast<std::size_t>(id);
     const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
     wide(n) = q - p;
-    if (seeds_.images != nullptr) add_low(id, n);
+    if (!plain_ && seeds_.images != nullptr && (any_moved_ || seeds_.images->is_image(id))) add_low(id, n);
     wide(n) *= scale_;
     square = dot(wide(n), wide(n));
     h = 0.5 * square;
-    if (weighted_) h = 0.5 * (square + (weight_ - weight_of(id)) * scale_ * scale_);
+    if (!plain_ && weighted_) h = 0.5 * (square + (weight_ - weight_of(id)) * scale_ * scale_);
 }
 
 // Adds what the rounding of coordinates took.
@@ -43,14 +43,21 @@ bool StarWalk<Isa>::may_cancel(std::int32_t id, const Four& n) const {
 
 template <class Isa>
 void StarWalk<Isa>::need_plane(int slot) {
-    if (((planes_known_ >> slot) & 1) == 0) find_plane(slot);
-}
-
-template <class Isa>
-void StarWalk<Isa>::find_plane(int slot) {
+    if (((planes_known_ >> slot) & 1) != 0) return;
     planes_known_ |= 1ull << slot;
     id_[slot] = cells_.id(local_[slot]);
     plane_through(id_[slot], n_[slot], h_[slot], square_[slot]);
+}
+
+template <class Isa>
+void StarWalk<Isa>::need_facing(int slot) {
+    if (((facings_known_ >> slot) & 1) == 0) find_facing(slot);
+}
+
+template <class Isa>
+void StarWalk<Isa>::find_facing(int slot) {
+    facings_known_ |= 1ull << slot;
+    need_plane(slot);
     face(slot);
 }
 

@@ -5,12 +5,12 @@
 
 namespace votess::cpu {
 
-// Isa only tells the copies apart: each is compiled for another instruction set by the file that includes this one.
+// Isa::kernels are the loops of an instruction set; the file that includes this one compiles all else for it, too.
 template <class Isa>
 class StarWalk final : public Star {
 public:
-    StarWalk(const SortedSeeds& seeds, const Hierarchy& hierarchy, const StarKernels& kernels)
-        : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels), window_(seeds, hierarchy, kernels) {
+    StarWalk(const SortedSeeds& seeds, const Hierarchy& hierarchy)
+        : seeds_(seeds), hierarchy_(hierarchy), window_(seeds, hierarchy, Isa::kernels) {
         static_assert(alignment % Window::home_seeds == 0);
     }
 
@@ -42,7 +42,7 @@ private:
     static constexpr float parallel = 0x1p-18f;            // rays nearly along a plane do not leave it
     static constexpr int most_new = 24;                    // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
-    static constexpr std::uint16_t no_slot = 255;
+    static constexpr std::int16_t no_slot = -1;
 
     // Attributes stand behind the name: elsewhere Clang does not see a lesser alignment.
     using Wide __attribute__((vector_size(32), aligned(8), may_alias)) = double;
@@ -108,23 +108,25 @@ private:
     };
 
     // star_edges.inl
+    template <bool Keep>
     bool complete();
-    bool take_known();
+    template <bool Keep>
+    [[gnu::always_inline]] inline bool take_known();
     [[gnu::always_inline]] inline void take_position(const KnownVertex& known, int vertex);
-    bool take_tie(const KnownVertex& known);
+    bool take_tie(const KnownVertex& known, int vertex);
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
     // Finds the plane that the ray meets first: only a guess, unless all candidates are looked at.
     [[nodiscard]] int first_hit(const Ray& ray) const;
-    // How many candidates may come near to a vertex of squared length x2.
-    [[nodiscard]] int in_reach_of(double x2) const {
-        const bool near = reach_squared(x2) < near_covered_ && candidates_.count == extras_;
+    // How many candidates may come near to a vertex of that squared security radius.
+    [[nodiscard]] int in_reach(double reach2) const {
+        const bool near = reach2 < near_covered_ && candidates_.count == extras_;
         return near ? candidates_.near : candidates_.count;
     }
     // At least the squared distance within which a seed may cut off a vertex of squared length x2.
     [[nodiscard]] double reach_squared(double x2) const {
-        if (!weighted_) return 4 * x2 * (1 + margin);
+        if (plain_ || !weighted_) return 4 * x2 * (1 + margin);
         const double reach = std::sqrt(x2) + std::sqrt(x2 + more_);
         return reach * reach * (1 + 16 * margin);
     }
@@ -135,21 +137,28 @@ private:
     [[nodiscard]] static double size_of_h(double h, double square) { return 0.5 * (square + std::abs(2 * h - square)); }
     [[nodiscard]] bool solve(const Line& line, Third& third, Four& x) const;
     // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
-    bool close(const OpenEdge& edge, const Ray& ray, int lane);
+    template <bool Keep>
+    [[gnu::always_inline]] inline bool close(const OpenEdge& edge, const Ray& ray, int lane);
     [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
                                   int lane, int count);
     [[nodiscard]] double relative_error(const Third& third) const;
     [[nodiscard]] int sure_side(std::int32_t id, const Third& third, double relative, const Four& x);
     void keep_position(const Third& third, const Four& x);
+    template <bool Keep>
     [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
                                                   const Four& x);
     [[gnu::noinline]] bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
     void forget_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
+    template <bool Keep>
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
     void set_longest(double length);
-    [[nodiscard]] bool images_known(double x2) const;
+    void set_image_reach(double reach) {
+        images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
+        images_beyond2_ = window_open_ ? least_image_vertex2 : -1;
+    }
+    [[nodiscard, gnu::noinline]] bool images_known(double x2, double reach2);
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
     // Stacks an edge a -> b, which a vertex has brought, unless its other end is known.
     [[gnu::always_inline]] void stack(int a, int b) {
@@ -160,7 +169,7 @@ private:
         if (slot_.size() < static_cast<std::size_t>(locals) + most_planes)
             slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
     }
-    int new_slot(std::int32_t id) {
+    [[gnu::always_inline]] int new_slot(std::int32_t id) {
         const std::int32_t local = cells_.local(id);
         if (!cells_.is_own(local)) make_room(local);
         return slot_of(local, planes_);
@@ -168,7 +177,8 @@ private:
 
     // star_planes.inl
     [[gnu::always_inline]] inline void need_plane(int slot);
-    [[gnu::noinline]] void find_plane(int slot);
+    [[gnu::always_inline]] inline void need_facing(int slot);
+    [[gnu::noinline]] void find_facing(int slot);
     [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h, double& square);
     [[gnu::always_inline]] inline void add_low(std::int32_t id, Four& n) const;
     [[nodiscard, gnu::noinline]] bool may_cancel(std::int32_t id, const Four& n) const;
@@ -226,8 +236,11 @@ private:
     bool any_rough_ = false;                 // images, see SeedImages
     bool moved_ = false;                     // the seed is not where the input has it
     bool weighted_ = false;
-    double known_reach2_ = 0;  // squared distance within which all images of seeds are there
-    const StarKernels& kernels_;
+    bool plain_ = false;  // no weights, no images
+    // For vertices farther away than one all images are known well, and for squared security radii less than the other
+    // all are there that matter.
+    double images_beyond2_ = 0, images_within2_ = 0;
+    bool any_moved_ = false;  // of all seeds
     Neighborhood cells_;
     Window window_;
     std::size_t window_home_ = ~std::size_t{0};
@@ -259,14 +272,15 @@ private:
     // Edges that were open when they were put here; those from open_begin_ to open_end_ may still be.
     std::array<OpenEdge, 4 * most_vertices + most_ties> open_edges_;
     int open_begin_ = 0, open_end_ = 0;
-    std::uint64_t planes_known_ = 0;  // planes with n_, h_, facing_, id_
-    int ends_ = 0;                    // edges, counted at either end
+    std::uint64_t planes_known_ = 0;   // planes with n_, h_, square_, id_
+    std::uint64_t facings_known_ = 0;  // with facing_, too
+    int ends_ = 0;                     // edges, counted at either end
     std::array<std::int32_t, most_planes> local_{}, id_{};
     int planes_ = 0;
     alignas(64) std::array<Four, most_planes> n_{};
     std::array<double, most_planes> h_{}, square_{};
     std::array<Facing, most_planes> facing_{};
-    std::vector<std::uint16_t> slot_;  // by local id
+    std::vector<std::int16_t> slot_;  // by local id
 
     std::vector<std::int32_t> tied_;  // ids of the planes that go through the vertex examined
     std::vector<std::int32_t> tied_cells_;
@@ -278,10 +292,8 @@ private:
     Cell probe_;  // of a seed outside of its cell
     std::vector<std::pair<float, std::int32_t>> by_distance_;
 
-    // For measure(): vertex v has the planes corners_[first_corner_[v]..first_corner_[v + 1]), counterclockwise.
+    // For measure() and polygons().
     alignas(64) std::array<Four, most_vertices> position_{};
-    std::array<std::uint16_t, most_vertices + 1> first_corner_{};
-    std::array<std::uint8_t, 4 * most_vertices + most_ties> corners_{};
     std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // vertex that has the edge a -> b
 };
 

@@ -10,6 +10,8 @@ template <class Isa>
 void StarWalk<Isa>::begin_job(const Domain& domain) {
     domain_ = &domain;
     weighted_ = domain.has_weights();
+    plain_ = !weighted_ && seeds_.images == nullptr;
+    any_moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
     walls_.clear();
     wall_places_.assign(6 + domain.walls.size(), -1);
     double size = largest_coordinate(domain.box);

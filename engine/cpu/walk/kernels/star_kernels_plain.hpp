@@ -183,4 +183,7 @@ VOTESS_INLINE void rank_body(const std::int32_t* ids, int count, std::uint16_t* 
     }
 }
 
+inline constexpr StarKernels kernels_baseline{"baseline",     near_boxes_body,    inside_ball_body, to_window_body,
+                                              select_body<4>, first_hits_body<4>, touching_body<4>, rank_body};
+
 }  // namespace votess::cpu

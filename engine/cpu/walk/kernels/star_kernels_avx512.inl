@@ -1,11 +1,12 @@
-// The loops of StarKernels in AVX-512.
+// The loops of StarKernels in AVX-512. One file includes this.
+#pragma once
+
 #include <bit>
 #include <limits>
 
 #include "cpu/target.hpp"
 #include "cpu/walk/kernels/star_kernels_plain.hpp"
 
-#if defined(__x86_64__)
 // GCC 12 takes the undefined operands that its own header passes to masked instructions for mistakes (GCC bug 105593).
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
@@ -190,10 +191,8 @@ VOTESS_AVX512 void rank_avx512(const std::int32_t* ids, int count, std::uint16_t
     }
 }
 
+constexpr StarKernels kernels_avx512{"avx512",      near_boxes_avx512, inside_ball_avx512, to_window_avx512,
+                                     select_avx512, first_hits_avx512, touching_avx512,    rank_avx512};
+
 }  // namespace
-
-constinit const StarKernels star_kernels_avx512{"avx512",      near_boxes_avx512, inside_ball_avx512, to_window_avx512,
-                                                select_avx512, first_hits_avx512, touching_avx512,    rank_avx512};
-
 }  // namespace votess::cpu
-#endif

@@ -1,12 +1,13 @@
-// The loops of StarKernels in AVX2.
+// The loops of StarKernels in AVX2. One file includes this.
+#pragma once
+
+#include <immintrin.h>
+
 #include <array>
 #include <bit>
 #include <limits>
 
 #include "cpu/walk/kernels/star_kernels_plain.hpp"
-
-#if defined(__x86_64__)
-#include <immintrin.h>
 
 #define VOTESS_AVX2 __attribute__((target("avx2,fma,popcnt,bmi")))
 
@@ -138,7 +139,7 @@ VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float 
                                : select_seeds<true>(w, p, weight, near_squared, distance_squared, c);
 }
 
-VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {
+VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, __m256i at) {
     __m256 least = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
     least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0x4e));
     least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0xb1));
@@ -148,7 +149,7 @@ VOTESS_AVX2 int hit_of(__m256 best, __m256i at) {
     return found[std::countr_zero(where) & 7];
 }
 
-VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
+VOTESS_AVX2 VOTESS_INLINE void first_hits_avx2(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
     const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
     for (int r = 0; r < 2; ++r) {
         const auto& [o, d, s, least] = rays[r];
@@ -173,8 +174,8 @@ VOTESS_AVX2 void first_hits_avx2(const CandidatePlanes& c, int count, const Ray*
     }
 }
 
-VOTESS_AVX2 int touching_avx2(const CandidatePlanes& c, int count, const float* v, const std::int32_t* three,
-                              int begin) {
+VOTESS_AVX2 VOTESS_INLINE int touching_avx2(const CandidatePlanes& c, int count, const float* v,
+                                            const std::int32_t* three, int begin) {
     const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
     const __m256 limit = _mm256_set1_ps(v[3]);
     const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]), i2 = _mm256_set1_epi32(three[2]);
@@ -220,10 +221,8 @@ VOTESS_AVX2 void rank_avx2(const std::int32_t* ids, int count, std::uint16_t* pl
     rank_body(ids, count, places);
 }
 
+constexpr StarKernels kernels_avx2{"avx2",      near_boxes_avx2, inside_ball_avx2, to_window_avx2,
+                                   select_avx2, first_hits_avx2, touching_avx2,    rank_avx2};
+
 }  // namespace
-
-constinit const StarKernels star_kernels_avx2{"avx2",      near_boxes_avx2, inside_ball_avx2, to_window_avx2,
-                                              select_avx2, first_hits_avx2, touching_avx2,    rank_avx2};
-
 }  // namespace votess::cpu
-#endif
