@@ -36,6 +36,13 @@ public:
         return place;
     }
 
+    // Gives much memory back to the system, but keeps its addresses; what it held is lost.
+    void rest() {
+        std::size_t bytes = 0;
+        for (const auto& segment : segments_) bytes += segment.size();
+        for (auto& segment : segments_) segment.rest(bytes >= Buffer<std::byte>::least_rest ? 0 : bytes + 1);
+    }
+
 private:
     std::vector<Buffer<std::byte>> segments_;
     std::size_t segment_bytes_ = 0;

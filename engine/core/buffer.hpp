@@ -48,13 +48,15 @@ public:
         size_ = count;
     }
 
+    static constexpr std::size_t least_rest = std::size_t{64} << 20;  // less is not worth the page faults
+
     // Gives the memory of a large buffer back to the system but keeps its addresses, so that the next use allocates
     // nothing. The content is lost.
-    void rest() {
+    void rest([[maybe_unused]] std::size_t least = least_rest) {
 #if defined(__linux__)
         auto* memory = reinterpret_cast<std::byte*>(memory_.get());
         const std::size_t bytes = capacity_ * sizeof(T), before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
-        if (bytes >= least_rest && bytes >= before + huge_page)
+        if (bytes >= least && bytes >= before + huge_page)
             madvise(memory + before, (bytes - before) / huge_page * huge_page, MADV_DONTNEED);
 #endif
     }
@@ -102,7 +104,6 @@ public:
 private:
     static constexpr std::size_t alignment = 64;
     static constexpr std::size_t huge_page = std::size_t{2} << 20;
-    static constexpr std::size_t least_rest = std::size_t{64} << 20;  // less is not worth the page faults
 
     static T* allocate(std::size_t bytes, [[maybe_unused]] Pages pages) {
         auto* memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{alignment}));

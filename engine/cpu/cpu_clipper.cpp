@@ -227,6 +227,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                 const std::size_t first = seed / Star::alignment * Star::alignment;
                 stretch_end = std::min(last, first + Star::most_seeds);
                 worker.star->begin(first, stretch_end, measure);
+                worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
             if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star))

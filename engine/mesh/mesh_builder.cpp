@@ -40,9 +40,12 @@ void MeshBuilder::begin(const Job& job) {
     unscale_ = 1 / job.scale;
     job_ = wanted_ ? job : Job{};
     const std::size_t count = wanted_ ? job.points.count() : 0;
-    if (!wanted_) memory_ = {};
-    memory_.reset(std::clamp(256 * count, least_segment, most_segment));
+    for (Arena* memory : {&records_memory_, &vertices_memory_}) {
+        if (!wanted_) *memory = {};
+        memory->reset(std::clamp(256 * count, least_segment, most_segment));
+    }
     blocks_.clear();
+    vertices_of_.clear();
     vertices_ = 0;
     records_.resize_uninitialized(count);
     std::ranges::fill(records_, nullptr);
@@ -52,28 +55,35 @@ void MeshBuilder::add(std::span<const std::int32_t> cells, const MeshBlock& bloc
     const auto bytes = block.bytes();
     if (!wanted_ || bytes.empty()) return;
     const auto left_out = static_cast<std::size_t>(std::ranges::count(block.begins(), MeshBlock::none));
-    std::byte* to = nullptr;
-    std::size_t first = 0;
+    std::byte *to = nullptr, *positions = nullptr, *vertices = nullptr;
+    std::size_t number = 0;
     {
         const std::lock_guard lock(mutex_);
-        to = memory_.take(bytes.size());
+        to = records_memory_.take(bytes.size());
+        positions = vertices_memory_.take(block.positions().size_bytes());
+        vertices = vertices_memory_.take(block.vertices().size_bytes());
         if (left_out > 0) {  // they come by another block
-            std::span own(reinterpret_cast<std::int32_t*>(memory_.take(cells.size_bytes())), cells.size() - left_out);
+            std::span own(reinterpret_cast<std::int32_t*>(records_memory_.take(cells.size_bytes())),
+                          cells.size() - left_out);
             for (std::size_t k = 0, kept = 0; k < cells.size(); ++k)
                 if (block.begins()[k] != MeshBlock::none) own[kept++] = cells[k];
             blocks_.push_back(own);
         } else {
             blocks_.push_back(cells);
         }
-        first = vertices_;
-        vertices_ += block.vertices();
+        number = vertices_of_.size();
+        vertices_of_.push_back({{reinterpret_cast<const double*>(positions), block.positions().size()},
+                                static_cast<std::uint32_t>(vertices_),
+                                reinterpret_cast<const std::uint32_t*>(vertices)});
+        vertices_ += block.positions().size() / 3;
     }
     std::memcpy(to, bytes.data(), bytes.size());
+    std::ranges::copy(std::as_bytes(block.positions()), positions);
+    std::ranges::copy(std::as_bytes(block.vertices()), vertices);
     for (std::size_t k = 0; k < cells.size(); ++k) {
         if (block.begins()[k] == MeshBlock::none) continue;
         std::byte* const record = to + block.begins()[k];
-        MeshCellView::set_first(record, static_cast<std::uint32_t>(first));
-        first += MeshCellView(record).vertices();
+        MeshCellView::set_block(record, static_cast<std::uint32_t>(number));
         records_[static_cast<std::size_t>(cells[k])] = record;
     }
 }
@@ -85,15 +95,17 @@ void MeshBuilder::finish(detail::Result& result, ThreadPool& pool) {
     result.vertex_image_of.resize_uninitialized(0);
     result.vertex_shifts.resize_uninitialized(0);
     if (!wanted_) return;
-    if (vertices_ > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-        throw Error(ErrorCode::unsupported, "the cells have " + std::to_string(vertices_) +
-                                                " vertices, more than 2147483647: too many for one mesh");
     count_vertices(result, pool);
+    if (const std::int64_t places = result.cell_vertex_indptr[records_.size()];
+        places > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::unsupported, "the cells have " + std::to_string(places) +
+                                                " vertices, more than 2147483647: too many for one mesh");
     {
         VertexSets sets(vertices_);
-        unite_vertices(sets, pool);
+        unite_vertices(sets, result, pool);
         number_vertices(result, sets, pool);
     }
+    vertices_memory_.rest();
     if (want_faces_) place_polygons(result, pool);
     for_cells(pool, records_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         std::int32_t* const all = result.cell_vertex_indices.data();
@@ -106,6 +118,14 @@ template <class Task>
 void MeshBuilder::for_blocks(ThreadPool& pool, Task task) const {
     pool.run(blocks_.size(), [&](std::size_t block, unsigned) {
         for (const std::int32_t i : blocks_[block]) task(block, static_cast<std::size_t>(i));
+    });
+}
+
+template <class Task>
+void MeshBuilder::for_vertices(ThreadPool& pool, Task task) const {
+    pool.run(vertices_of_.size(), [&](std::size_t block, unsigned) {
+        const BlockVertices& vertices = vertices_of_[block];
+        task(vertices.first, vertices.first + vertices.count());
     });
 }
 
@@ -123,10 +143,13 @@ void MeshBuilder::count_vertices(detail::Result& result, ThreadPool& pool) const
     std::partial_sum(indptr.begin(), indptr.end(), indptr.begin());
 }
 
-void MeshBuilder::unite_vertices(VertexSets& sets, ThreadPool& pool) const {
-    for_blocks(pool,
-               [&](std::size_t, std::size_t i) { sets.init(cell(i).first(), cell(i).first() + cell(i).vertices()); });
-    for_blocks(pool, [&](std::size_t, std::size_t i) { FaceMatcher(job_, records_, sets).unite_faces(i); });
+void MeshBuilder::unite_vertices(VertexSets& sets, const detail::Result& result, ThreadPool& pool) const {
+    for_vertices(pool, [&](std::uint32_t begin, std::uint32_t end) { sets.init(begin, end); });
+    const Rows rows{result.indptr, result.indices, result.shifts};
+    for_blocks(pool, [&](std::size_t, std::size_t i) {
+        FaceMatcher(job_, rows, records_, vertices_of_, sets).unite_faces(i);
+    });
+    for_vertices(pool, [&](std::uint32_t begin, std::uint32_t end) { sets.flatten(begin, end); });
 }
 
 // A vertex of the mesh is a set and a translation: it is numbered, and placed, by the first cell that has it.
@@ -141,21 +164,23 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
     // By root: the first place, in the order of the cells, of those that are not moved.
     Buffer<std::uint32_t> least;
     least.resize_uninitialized(vertices_);
-    std::vector<std::vector<Moved>> moved_in(blocks_.size());
-    for_blocks(pool, [&](std::size_t, std::size_t i) {
-        const MeshCellView view = cell(i);
-        std::fill_n(least.data() + view.first(), view.vertices(), ~std::uint32_t{0});
+    for_vertices(pool, [&](std::uint32_t begin, std::uint32_t end) {
+        std::fill(least.begin() + begin, least.begin() + end, ~std::uint32_t{0});
     });
+    std::vector<std::vector<Moved>> moved_in(blocks_.size());
     for_blocks(pool, [&](std::size_t block, std::size_t i) {
         const MeshCellView view = cell(i);
+        const BlockVertices& vertices = vertices_of_[block];
+        const std::uint32_t* const of_cell = vertices.of_cells + view.first();
         for (std::uint32_t v = 0; v < view.vertices(); ++v) {
-            const ShiftedVertex root = sets.find(view.first() + v);
+            const std::uint32_t vertex = vertices.first + of_cell[v];
             const auto place = static_cast<std::uint32_t>(indptr[i]) + v;
-            if (root.shift != exact::Shift{}) {
+            if (sets.is_moved(vertex)) {
+                const ShiftedVertex root = sets.find(vertex);
                 moved_in[block].push_back({root.vertex, root.shift, place});
                 continue;
             }
-            const std::atomic_ref smallest(least[root.vertex]);
+            const std::atomic_ref smallest(least[sets.root(vertex)]);
             for (std::uint32_t before = smallest.load(std::memory_order_relaxed);
                  place < before && !smallest.compare_exchange_weak(before, place, std::memory_order_relaxed);) {
             }
@@ -163,14 +188,17 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
     });
 
     auto& first = result.cell_vertex_indices;  // for now, the first place of the same vertex
-    first.resize_uninitialized(vertices_);
+    first.resize_uninitialized(static_cast<std::size_t>(indptr[count]));
     for_cells(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + lookahead < end) __builtin_prefetch(records_[i + lookahead]);
             const MeshCellView view = cell(i);
+            if (view.vertices() == 0) continue;
+            const BlockVertices& vertices = vertices_of_[view.block()];
+            const std::uint32_t* const of_cell = vertices.of_cells + view.first();
             for (std::uint32_t v = 0; v < view.vertices(); ++v)
                 first[static_cast<std::size_t>(indptr[i]) + v] =
-                    static_cast<std::int32_t>(least[sets.find(view.first() + v).vertex]);
+                    static_cast<std::int32_t>(least[sets.root(vertices.first + of_cell[v])]);
         }
     });
     std::vector<Moved> moved;
@@ -190,19 +218,24 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
     });
     const std::vector<std::size_t> numbers = sums_before(firsts);
     result.vertices.resize_uninitialized(tasks == 0 ? 0 : 3 * (numbers.back() + firsts.back()));
-    Buffer<std::uint32_t> number_at;  // by place, of those that are first
-    number_at.resize_uninitialized(vertices_);
+    // Those that are first get -1 - number, which tells them from places.
+    const auto number_at = [&](std::size_t place) { return -1 - first[place]; };
     for_cells(pool, count, [&](std::size_t task, std::size_t begin, std::size_t end) {
         std::size_t number = numbers[task];
         for (std::size_t i = begin; i < end; ++i) {
             if (i + lookahead < end) __builtin_prefetch(records_[i + lookahead]);
             const MeshCellView view = cell(i);
+            if (view.vertices() == 0) continue;
+            const BlockVertices& vertices = vertices_of_[view.block()];
             for (std::uint32_t v = 0; v < view.vertices(); ++v) {
                 const std::int64_t place = indptr[i] + v;
                 if (!is_first(place)) continue;
-                for (std::size_t k = 0; k < 3; ++k)
-                    result.vertices[3 * number + k] = (view.origin()[k] + view.position(v)[k]) * unscale_;
-                number_at[static_cast<std::size_t>(place)] = static_cast<std::uint32_t>(number++);
+                const double* const at =
+                    vertices.positions.data() + std::size_t{3} * vertices.of_cells[view.first() + v];
+                for (std::size_t k = 0; k < 3; ++k) result.vertices[3 * number + k] = at[k] * unscale_;
+                first[static_cast<std::size_t>(place)] =
+                    static_cast<std::int32_t>(-1 - static_cast<std::int64_t>(number));
+                ++number;
             }
         }
     });
@@ -221,21 +254,24 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
             for (; k < moved.size() && moved[k].root == moved[group].root; ++k)
                 if (moved[k].place < best) best = moved[k].place, from = moved[k].shift;
             const auto note = [&](std::uint32_t place, const exact::Shift& shift) {
-                const std::size_t vertex = number_at[place];
-                result.vertex_image_of[vertex] = static_cast<std::int32_t>(number_at[best]);
+                const auto vertex = static_cast<std::size_t>(number_at(place));
+                result.vertex_image_of[vertex] = number_at(best);
                 for (std::size_t axis = 0; axis < 3; ++axis)
                     result.vertex_shifts[3 * vertex + axis] = static_cast<std::int8_t>(shift[axis] - from[axis]);
             };
             note(least[moved[group].root], {});
             for (std::size_t m = group; m < k; ++m)
-                if (is_first(moved[m].place)) note(moved[m].place, moved[m].shift);
+                if (first[moved[m].place] < 0) note(moved[m].place, moved[m].shift);
         }
     }
     for_cells(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::int64_t place = indptr[begin]; place < indptr[end]; ++place) {
-            auto& id = first[static_cast<std::size_t>(place)];
-            id = static_cast<std::int32_t>(number_at[static_cast<std::size_t>(id)]);
-        }
+        for (std::int64_t place = indptr[begin]; place < indptr[end]; ++place)
+            if (auto& id = first[static_cast<std::size_t>(place)]; id >= 0)
+                id = number_at(static_cast<std::size_t>(id));
+    });
+    for_cells(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::int64_t place = indptr[begin]; place < indptr[end]; ++place)
+            if (auto& id = first[static_cast<std::size_t>(place)]; id < 0) id = -1 - id;
     });
 }
 

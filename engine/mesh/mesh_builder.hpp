@@ -1,4 +1,5 @@
-// The mesh of a result: cells wait as records until all rows are known; then vertices that are one are merged.
+// The mesh of a result: cells wait as records until all rows are known; then vertices that are one are merged. Cells of
+// one group share theirs from the start.
 //
 // Two cells of a face have the same polygon, one clockwise where the other is counterclockwise, so matching the
 // polygons of all faces by a turn tells which vertices are one: those around a vertex are joined by faces that end
@@ -20,6 +21,15 @@
 
 namespace votess {
 
+// The vertices of a block of records.
+struct BlockVertices {
+    std::span<const double> positions;
+    std::uint32_t first;            // the number of the first among those of all blocks
+    const std::uint32_t* of_cells;  // MeshBlock::vertices()
+
+    [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(positions.size() / 3); }
+};
+
 class MeshBuilder {
 public:
     void begin(const Job& job);
@@ -34,8 +44,11 @@ private:
     // task(block, cell) for all cells that have a record, neighbors in space together.
     template <class Task>
     void for_blocks(ThreadPool& pool, Task task) const;
+    // task(begin, end) for the numbers of all vertices.
+    template <class Task>
+    void for_vertices(ThreadPool& pool, Task task) const;
     void count_vertices(detail::Result& result, ThreadPool& pool) const;
-    void unite_vertices(VertexSets& sets, ThreadPool& pool) const;
+    void unite_vertices(VertexSets& sets, const detail::Result& result, ThreadPool& pool) const;
     void number_vertices(detail::Result& result, VertexSets& sets, ThreadPool& pool) const;
     void place_polygons(detail::Result& result, ThreadPool& pool) const;
 
@@ -43,18 +56,20 @@ private:
     Job job_;
     double unscale_ = 1;
     std::mutex mutex_;  // of what follows
-    Arena memory_;
+    Arena records_memory_, vertices_memory_;
     std::vector<std::span<const std::int32_t>> blocks_;  // cells, in the order of the engine
-    std::size_t vertices_ = 0;                           // of all records
+    std::vector<BlockVertices> vertices_of_;             // by block
+    std::size_t vertices_ = 0;                           // of all blocks
     Buffer<const std::byte*> records_;                   // by cell; null: none
 };
 
-// mesh_merge.cpp: unites the vertices of cell i with those of its neighbors, for each face whose other side is a later
-// cell or, of two faces that i has with itself, for one.
+// mesh_merge.cpp: unites the vertices of cell i with those of its neighbors of other groups, for each face whose other
+// side is a later cell or, of two faces that i has with itself, for one.
 class FaceMatcher {
 public:
-    FaceMatcher(const Job& job, std::span<const std::byte* const> records, VertexSets& sets)
-        : job_(job), records_(records), sets_(sets) {}
+    FaceMatcher(const Job& job, const Rows& rows, std::span<const std::byte* const> records,
+                std::span<const BlockVertices> vertices_of, VertexSets& sets)
+        : job_(job), rows_(rows), records_(records), vertices_of_(vertices_of), sets_(sets) {}
 
     void unite_faces(std::size_t i);
 
@@ -66,17 +81,30 @@ private:
         [[nodiscard]] std::uint32_t begin() const { return cell.begin(face); }
         [[nodiscard]] std::uint32_t count() const { return cell.end(face) - cell.begin(face); }
     };
+    // Of a face of the row.
+    [[nodiscard]] FaceLabel label(std::size_t seed, std::size_t face) const {
+        return rows_.label(rows_.begin(seed) + face);
+    }
+    [[nodiscard]] FaceLabel beginning(const Side& side) const;
+    // Of a vertex of a cell, in its block.
+    [[nodiscard]] std::uint32_t number(const MeshCellView& cell, std::uint32_t vertex) const {
+        return vertices_of_[cell.block()].of_cells[cell.first() + vertex];
+    }
+    [[nodiscard]] std::array<double, 3> position(const MeshCellView& cell, std::uint32_t vertex) const;
+    [[nodiscard]] std::array<double, 3> middle(const Side& side) const;
     void unite_sides(const Side& a, const Side& b, const exact::Shift& shift);
-    static std::uint32_t turn_by_distance(const Side& a, const Side& b, bool& clear);
+    std::uint32_t turn_by_distance(const Side& a, const Side& b, bool& clear) const;
     [[nodiscard]] std::optional<std::uint32_t> turn_by_edges(const Side& a, const Side& b,
                                                              const exact::Shift& shift) const;
     [[nodiscard]] exact::Point point(std::size_t i) const;
     [[nodiscard]] exact::Shift wrapped(std::size_t i) const;
     [[nodiscard]] exact::Plane plane(std::size_t i, const FaceLabel& label, const exact::Shift& shift) const;
-    static const FaceLabel* label_across(const Side& side, std::uint32_t place);
+    [[nodiscard]] std::optional<FaceLabel> label_across(const Side& side, std::uint32_t place) const;
 
     const Job& job_;
+    Rows rows_;
     std::span<const std::byte* const> records_;
+    std::span<const BlockVertices> vertices_of_;
     VertexSets& sets_;
 };
 

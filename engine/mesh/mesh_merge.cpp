@@ -13,6 +13,8 @@ namespace {
 constexpr double clearly_worse = 100;
 // Relative to the largest, positions of a vertex in the cells that share it differ by less than this.
 constexpr double position_error = 1e-9;
+// And by this relative to the largest coordinate.
+constexpr double absolute_error = 0x1p-50;
 
 exact::Shift wide(const std::array<std::int8_t, 3>& s) {
     return {s[0], s[1], s[2]};
@@ -24,27 +26,19 @@ bool same(const FaceLabel& a, const FaceLabel& b, const exact::Shift& b_shift) {
     return a.id < 0 || wide(a.shift) == VertexSets::sum(wide(b.shift), b_shift);
 }
 
-std::array<double, 3> middle(const MeshCellView& cell, std::size_t face) {
-    std::array<double, 3> sum{};
-    for (std::uint32_t k = cell.begin(face); k < cell.end(face); ++k)
-        for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += cell.position(cell.corner(k))[axis];
-    for (double& x : sum) x /= cell.end(face) - cell.begin(face);
-    return sum;
-}
-
 }  // namespace
 
 void FaceMatcher::unite_faces(std::size_t i) {
     const MeshCellView cell(records_[i]);
     const FaceLabel own{static_cast<std::int32_t>(i), {}};
     for (std::size_t face = 0; face < cell.faces(); ++face) {
-        const FaceLabel& there = cell.label(face);
+        const FaceLabel there = label(i, face);
         if (there < own) continue;
-        FaceLabel back = own;
-        for (std::size_t k = 0; k < 3; ++k) back.shift[k] = static_cast<std::int8_t>(-there.shift[k]);
-        const MeshCellView other(records_[static_cast<std::size_t>(there.id)]);
-        const Side a{cell, i, face}, b{other, static_cast<std::size_t>(there.id), other.find(back)};
-        if (b.face == other.faces() || a.count() != b.count())
+        const auto j = static_cast<std::size_t>(there.id);
+        if (there.shift == own.shift && MeshCellView::share(cell, records_[j])) continue;
+        const MeshCellView other(records_[j]);
+        const Side a{cell, i, face}, b{other, j, rows_.find(j, there.seen_from_behind(i)) - rows_.begin(j)};
+        if (b.face >= other.faces() || a.count() != b.count())
             throw Error(ErrorCode::internal, "a bug in votess: cells " + std::to_string(i) + " and " +
                                                  std::to_string(there.id) + " differ in the face that they share");
         unite_sides(a, b, wide(there.shift));
@@ -55,33 +49,58 @@ void FaceMatcher::unite_faces(std::size_t i) {
 void FaceMatcher::unite_sides(const Side& a, const Side& b, const exact::Shift& shift) {
     const std::uint32_t count = a.count();
     std::uint32_t turn = 1;  // both begin with the same edge
-    if (!same(a.cell.beginning(a.face), b.cell.beginning(b.face), shift)) {
+    if (!same(beginning(a), beginning(b), shift)) {
         bool clear = false;
         turn = turn_by_distance(a, b, clear);
         if (!clear) turn = turn_by_edges(a, b, shift).value_or(turn);
     }
+    const std::uint32_t first_a = vertices_of_[a.cell.block()].first, first_b = vertices_of_[b.cell.block()].first;
     for (std::uint32_t t = 0; t < count; ++t) {
         const std::uint32_t s = turn + (turn < t ? count : 0) - t;
-        sets_.unite(a.cell.first() + a.cell.corner(a.begin() + (s == count ? 0 : s)),
-                    b.cell.first() + b.cell.corner(b.begin() + t), shift);
+        sets_.unite(first_a + number(a.cell, a.cell.corner(a.begin() + (s == count ? 0 : s))),
+                    first_b + number(b.cell, b.cell.corner(b.begin() + t)), shift);
     }
 }
 
+FaceLabel FaceMatcher::beginning(const Side& side) const {
+    const std::size_t face = side.cell.beginning(side.face), hidden = side.cell.hidden();
+    return face < hidden ? side.cell.hidden_label(face) : label(side.seed, face - hidden);
+}
+
+// From the seed.
+std::array<double, 3> FaceMatcher::position(const MeshCellView& cell, std::uint32_t vertex) const {
+    const double* x = vertices_of_[cell.block()].positions.data() + std::size_t{3} * number(cell, vertex);
+    const auto& o = cell.origin();
+    return {x[0] - o[0], x[1] - o[1], x[2] - o[2]};
+}
+
+std::array<double, 3> FaceMatcher::middle(const Side& side) const {
+    std::array<double, 3> sum{};
+    for (std::uint32_t k = 0; k < side.count(); ++k) {
+        const auto x = position(side.cell, side.cell.corner(side.begin() + k));
+        for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += x[axis];
+    }
+    for (double& x : sum) x /= side.count();
+    return sum;
+}
+
 // Where more than three cells meet at an edge, the cells of a face name different ones.
-std::uint32_t FaceMatcher::turn_by_distance(const Side& a, const Side& b, bool& clear) {
-    const auto middle_a = middle(a.cell, a.face), middle_b = middle(b.cell, b.face);
+std::uint32_t FaceMatcher::turn_by_distance(const Side& a, const Side& b, bool& clear) const {
+    const auto middle_a = middle(a), middle_b = middle(b);
     const std::uint32_t a_begin = a.begin(), b_begin = b.begin(), count = a.count();
-    double best = std::numeric_limits<double>::infinity(), second = best, size = 0;
-    for (std::uint32_t t = 0; t < count; ++t)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            size = std::max({size, std::abs(a.cell.position(a.cell.corner(a_begin + t))[axis]),
-                             std::abs(b.cell.position(b.cell.corner(b_begin + t))[axis])});
+    double best = std::numeric_limits<double>::infinity(), second = best, size = 0, offset = 0;
+    for (std::uint32_t t = 0; t < count; ++t) {
+        const auto x = position(a.cell, a.cell.corner(a_begin + t)), y = position(b.cell, b.cell.corner(b_begin + t));
+        for (std::size_t axis = 0; axis < 3; ++axis) size = std::max({size, std::abs(x[axis]), std::abs(y[axis])});
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        offset = std::max({offset, std::abs(a.cell.origin()[axis]), std::abs(b.cell.origin()[axis])});
     std::uint32_t best_turn = 0;
     for (std::uint32_t turn = 0; turn < count; ++turn) {
         double sum = 0;
         for (std::uint32_t t = 0; t < count && sum < second; ++t) {
-            const double* x = a.cell.position(a.cell.corner(a_begin + (turn + count - t) % count));
-            const double* y = b.cell.position(b.cell.corner(b_begin + t));
+            const auto x = position(a.cell, a.cell.corner(a_begin + (turn + count - t) % count));
+            const auto y = position(b.cell, b.cell.corner(b_begin + t));
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const double d = (x[axis] - middle_a[axis]) - (y[axis] - middle_b[axis]);
                 sum += d * d;
@@ -95,7 +114,7 @@ std::uint32_t FaceMatcher::turn_by_distance(const Side& a, const Side& b, bool& 
             second = std::min(second, sum);
         }
     }
-    const double rounding = position_error * size;
+    const double rounding = position_error * size + absolute_error * (size + offset);
     clear = best * clearly_worse < second && second > count * rounding * rounding;
     return best_turn;
 }
@@ -106,15 +125,15 @@ std::optional<std::uint32_t> FaceMatcher::turn_by_edges(const Side& a, const Sid
     const std::uint32_t count = a.count();
     const std::size_t i = a.seed;
     const exact::Point p = point(i);
-    const exact::Plane shared = plane(i, a.cell.label(a.face), {});
+    const exact::Plane shared = plane(i, label(i, a.face), {});
     for (std::uint32_t k = 0; k < count; ++k) {
-        const FaceLabel *const before = label_across(a, k == 0 ? count - 1 : k - 1), *const edge = label_across(a, k),
-                               *const after = label_across(a, k + 1 == count ? 0 : k + 1);
-        if (before == nullptr || edge == nullptr || after == nullptr) continue;
+        const auto before = label_across(a, k == 0 ? count - 1 : k - 1), edge = label_across(a, k),
+                   after = label_across(a, k + 1 == count ? 0 : k + 1);
+        if (!before || !edge || !after) continue;
         const exact::Plane across = plane(i, *edge, {});
         for (std::uint32_t q = 0; q < count; ++q) {
-            const FaceLabel* const theirs = label_across(b, q);
-            if (theirs == nullptr) continue;
+            const auto theirs = label_across(b, q);
+            if (!theirs) continue;
             const exact::Plane other = plane(i, *theirs, shift);
             if (exact::side_of_vertex(p, shared, plane(i, *before, {}), across, other) == 0 &&
                 exact::side_of_vertex(p, shared, across, plane(i, *after, {}), other) == 0)
@@ -147,8 +166,8 @@ exact::Plane FaceMatcher::plane(std::size_t i, const FaceLabel& label, const exa
     return plane;
 }
 
-// Returns the face across the edge that begins at a corner; null for a wall that has no place in the row.
-const FaceLabel* FaceMatcher::label_across(const Side& side, std::uint32_t place) {
+// Returns the face across the edge that begins at a corner; nothing for a wall that has no place in the row.
+std::optional<FaceLabel> FaceMatcher::label_across(const Side& side, std::uint32_t place) const {
     const MeshCellView& cell = side.cell;
     const auto next = [&](std::size_t face, std::uint32_t k) {
         return cell.corner(k + 1 == cell.end(face) ? cell.begin(face) : k + 1);
@@ -156,8 +175,8 @@ const FaceLabel* FaceMatcher::label_across(const Side& side, std::uint32_t place
     const std::uint32_t k = side.begin() + place, from = cell.corner(k), to = next(side.face, k);
     for (std::size_t face = 0; face < cell.faces(); ++face)
         for (std::uint32_t c = cell.begin(face); c < cell.end(face); ++c)
-            if (cell.corner(c) == to && next(face, c) == from) return &cell.label(face);
-    return nullptr;
+            if (cell.corner(c) == to && next(face, c) == from) return label(side.seed, face);
+    return std::nullopt;
 }
 
 }  // namespace votess

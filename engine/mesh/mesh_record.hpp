@@ -3,6 +3,10 @@
 // Vertices are numbered in order of first use, by the faces in the order of their labels, walls included; each polygon
 // begins with its edge to the face of least label. So records are facts of the diagram but for the last digits of
 // positions, and where each edge of a face has three cells, as usual, the two cells of the face begin at the same edge.
+//
+// Cells of a group have the vertices in common that the walk has handed from one to the other. Elsewhere a vertex is
+// there once for each group, and for each cell without one. Vertices stand beside the records: they are not needed as
+// long.
 #pragma once
 
 #include <array>
@@ -16,35 +20,49 @@
 namespace votess {
 
 struct MeshCell {
-    std::array<double, 3> origin{};             // absolute
-    std::span<const double> positions;          // 3 for each vertex, from the origin
-    std::span<const FaceLabel> labels;          // of all faces, ascending
-    std::size_t hidden = 0;                     // so many of them, walls, have no place in the row: they come first
-    std::span<const std::uint32_t> beginnings;  // for each other face: the label across its first edge
-    std::span<const std::uint32_t> ends;        // for each other face, of its corners
+    std::array<double, 3> origin{};           // absolute
+    std::uint32_t group = 0;                  // from MeshBlock::begin_group(), or 0: shares no vertex
+    std::span<const std::uint32_t> vertices;  // from MeshBlock::add_vertex()
+    std::span<const FaceLabel> hidden;        // of walls that have no place in the row
+    std::span<const std::uint32_t>
+        beginnings;                       // for each face of the row: that across its first edge, the hidden first
+    std::span<const std::uint32_t> ends;  // for each face of the row, of its corners
     std::span<const std::uint32_t> corners;
 };
 
 // Records of one thread.
 class MeshBlock {
 public:
+    [[nodiscard]] std::uint32_t begin_group() { return ++groups_; }
+    // Where a vertex lies, absolute.
+    [[nodiscard]] std::uint32_t add_vertex(const std::array<double, 3>& at) {
+        positions_.insert(positions_.end(), at.begin(), at.end());
+        return static_cast<std::uint32_t>(positions_.size() / 3 - 1);
+    }
     void append(const MeshCell& cell);
     // A cell without a record.
     void append_none() { begins_.push_back(none); }
     void clear() {
         begins_.clear();
-        used_ = vertices_ = 0;
+        positions_.clear();
+        vertices_.clear();
+        used_ = groups_ = 0;
     }
 
     static constexpr std::size_t none = ~std::size_t{0};
     [[nodiscard]] std::span<const std::byte> bytes() const { return std::span(bytes_).first(used_); }
     [[nodiscard]] std::span<const std::size_t> begins() const { return begins_; }  // by cell, or none
-    [[nodiscard]] std::size_t vertices() const { return vertices_; }               // of all cells
+    [[nodiscard]] std::span<const double> positions() const { return positions_; }
+    // Those of the cells, one cell after the other.
+    [[nodiscard]] std::span<const std::uint32_t> vertices() const { return vertices_; }
 
 private:
     std::vector<std::byte> bytes_;  // filled up to used_
     std::vector<std::size_t> begins_;
-    std::size_t used_ = 0, vertices_ = 0;
+    std::vector<double> positions_;
+    std::vector<std::uint32_t> vertices_;
+    std::size_t used_ = 0;
+    std::uint32_t groups_ = 0;
 };
 
 // A record, read in place; null stands for a cell that has nothing.
@@ -56,15 +74,19 @@ public:
     [[nodiscard]] std::uint32_t faces() const { return head_.faces; }  // of the row
     [[nodiscard]] std::uint32_t corners() const { return head_.corners; }
     [[nodiscard]] const std::array<double, 3>& origin() const { return head_.origin; }
-    // What set_first() has noted: the number of the cell's first vertex among those of all records.
-    [[nodiscard]] std::uint32_t first() const { return head_.first; }
-    static void set_first(std::byte* record, std::uint32_t first);
+    // The block of the record, as set_block() has noted.
+    [[nodiscard]] std::uint32_t block() const { return head_.block; }
+    static void set_block(std::byte* record, std::uint32_t block);
+    // Whether two cells have their vertices in common.
+    [[nodiscard]] static bool share(const MeshCellView& a, const std::byte* b);
 
-    [[nodiscard]] const double* position(std::uint32_t vertex) const { return positions_ + std::size_t{3} * vertex; }
-    [[nodiscard]] const FaceLabel& label(std::size_t face) const { return labels_[head_.hidden + face]; }
-    // The face with that label, or faces().
-    [[nodiscard]] std::size_t find(const FaceLabel& label) const;
-    [[nodiscard]] const FaceLabel& beginning(std::size_t face) const { return labels_[number(face)]; }
+    // The place of the cell's first vertex in MeshBlock::vertices().
+    [[nodiscard]] std::uint32_t first() const { return head_.first; }
+    // Of faces that have no place in the row.
+    [[nodiscard]] std::uint32_t hidden() const { return head_.hidden; }
+    [[nodiscard]] const FaceLabel& hidden_label(std::size_t k) const { return labels_[k]; }
+    // The face across the first edge of a face: hidden ones count first, then those of the row.
+    [[nodiscard]] std::uint32_t beginning(std::size_t face) const { return number(face); }
     [[nodiscard]] std::uint32_t begin(std::size_t face) const { return face == 0 ? 0 : end(face - 1); }
     [[nodiscard]] std::uint32_t end(std::size_t face) const { return number(head_.faces + face); }
     [[nodiscard]] std::uint32_t corner(std::size_t place) const { return number(std::size_t{2} * head_.faces + place); }
@@ -72,20 +94,21 @@ public:
 private:
     friend class MeshBlock;
     struct Head {
-        std::uint32_t vertices = 0, faces = 0, hidden = 0, corners = 0, first = 0;
-        std::uint32_t wide = 0;  // numbers of 4 bytes instead of 2
         std::array<double, 3> origin{};
+        std::uint32_t vertices = 0, faces = 0, hidden = 0, corners = 0;
+        std::uint32_t block = 0, group = 0, first = 0;
+        std::uint32_t number_size = 1;  // bytes: 1, 2 or 4
     };
 
     [[nodiscard]] std::uint32_t number(std::size_t place) const {
-        return head_.wide != 0 ? wide_[place] : narrow_[place];
+        if (head_.number_size == 1) return std::to_integer<std::uint32_t>(numbers_[place]);
+        if (head_.number_size == 2) return reinterpret_cast<const std::uint16_t*>(numbers_)[place];
+        return reinterpret_cast<const std::uint32_t*>(numbers_)[place];
     }
 
     Head head_;
-    const double* positions_ = nullptr;
     const FaceLabel* labels_ = nullptr;
-    const std::uint16_t* narrow_ = nullptr;
-    const std::uint32_t* wide_ = nullptr;
+    const std::byte* numbers_ = nullptr;
 };
 
 }  // namespace votess

@@ -47,6 +47,16 @@ public:
             vertex = both.vertex;
         }
     }
+    // When all are united, from any thread: the vertices of a range point to their roots.
+    void flatten(std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const auto vertex = static_cast<std::uint32_t>(v);
+            if (root(vertex) != vertex) std::atomic_ref(words_[v]).store(pack(find(vertex)), std::memory_order_relaxed);
+        }
+    }
+    // Of flattened sets: the root, and whether a vertex has been moved from it.
+    [[nodiscard]] std::uint32_t root(std::uint32_t vertex) { return static_cast<std::uint32_t>(load(vertex)); }
+    [[nodiscard]] bool is_moved(std::uint32_t vertex) { return load(vertex) >> vertex_bits != no_shift; }
     // From any thread. Vertex a is vertex b moved by the shift.
     void unite(std::uint32_t a, std::uint32_t b, const exact::Shift& shift) {
         if (shift == exact::Shift{} && load(a) == load(b)) return;  // they have been united by another face

@@ -53,12 +53,14 @@ Tessellation mesh_of_clipped_cells(const PointSet& set) {
     for (std::size_t i = 0; i < set.size(); ++i) {
         clip_by_all(set, i, cell);
         cell.canonical_faces(faces);
-        votess::cpu::read_polygons(cell, faces, polygons);
         std::vector<votess::FaceLabel> labels;
         for (const std::int32_t p : faces.planes) labels.push_back({cell.planes()[static_cast<std::size_t>(p)].id, {}});
         std::vector<std::uint32_t> order(labels.size());
         std::iota(order.begin(), order.end(), 0u);
         std::ranges::sort(order, {}, [&](std::uint32_t f) { return labels[f]; });
+        std::vector<std::uint32_t> ranks(order.size());
+        for (std::size_t r = 0; r < order.size(); ++r) ranks[order[r]] = static_cast<std::uint32_t>(r);
+        votess::cpu::read_polygons(cell, faces, ranks, polygons);
         for (const std::uint32_t f : order) indices.push_back(labels[f].id);
         indptr.push_back(static_cast<std::int64_t>(indices.size()));
         const double* p = set.points.data() + 3 * i;

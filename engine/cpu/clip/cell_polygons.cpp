@@ -7,12 +7,12 @@
 
 namespace votess::cpu {
 
-void read_polygons(const Cell& cell, const CellFaces& faces, CellPolygons& out) {
+void read_polygons(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellPolygons& out) {
     out.clear();
     for (int slot = 0; slot < cell.slots(); ++slot) out.positions.push_back(cell.position(slot));
     out.offsets.assign(faces.offsets.begin(), faces.offsets.end());
     out.corners.assign(faces.corners.begin(), faces.corners.end());
-    out.beside.resize(out.corners.size());
+    std::vector<std::uint32_t> beside(out.corners.size());  // the rank of the face across the edge from the corner
     // An edge is met twice, once in each direction: its two places come together when sorted by its ends.
     struct End {
         std::uint32_t low, high, face, place;
@@ -29,8 +29,16 @@ void read_polygons(const Cell& cell, const CellFaces& faces, CellPolygons& out) 
         return std::tie(a.low, a.high, a.face) < std::tie(b.low, b.high, b.face);
     });
     for (std::size_t e = 0; e + 1 < ends.size(); e += 2) {
-        out.beside[ends[e].place] = ends[e + 1].face;
-        out.beside[ends[e + 1].place] = ends[e].face;
+        beside[ends[e].place] = ranks[ends[e + 1].face];
+        beside[ends[e + 1].place] = ranks[ends[e].face];
+    }
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        const auto begin = static_cast<std::ptrdiff_t>(out.offsets[f]),
+                   end = static_cast<std::ptrdiff_t>(out.offsets[f + 1]);
+        const auto first = std::min_element(beside.begin() + begin, beside.begin() + end);
+        out.beginnings.push_back(*first);
+        std::rotate(out.corners.begin() + begin, out.corners.begin() + (first - beside.begin()),
+                    out.corners.begin() + end);
     }
 }
 

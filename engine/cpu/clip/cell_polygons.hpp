@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace votess::cpu {
@@ -11,19 +12,22 @@ namespace votess::cpu {
 class Cell;
 struct CellFaces;
 
-// Face f has the corners offsets[f]..offsets[f+1), counterclockwise seen from outside.
+// Face f has the corners offsets[f]..offsets[f+1), counterclockwise seen from outside. The edge from the first to the
+// second of them is that of the face of least rank among those beside it.
 struct CellPolygons {
     std::vector<std::uint32_t> offsets{0};
     std::vector<std::uint32_t> corners;            // vertices: places in `positions`, which may have others, too
-    std::vector<std::uint32_t> beside;             // the face on the other side of the edge that begins at the corner
+    std::vector<std::uint32_t> beginnings;         // by face: that rank
     std::vector<std::array<double, 3>> positions;  // relative to the seed, scaled
+    std::vector<std::uint32_t> shared;             // numbers that cells of a stretch have in common; or empty
 
     [[nodiscard]] std::size_t size() const { return offsets.size() - 1; }
     void clear() {
         offsets.assign(1, 0);
         corners.clear();
-        beside.clear();
+        beginnings.clear();
         positions.clear();
+        shared.clear();
     }
 };
 
@@ -34,7 +38,7 @@ inline std::array<double, 3> unit_vector(const std::array<double, 3>& n) {
     return {n[0] / length, n[1] / length, n[2] / length};
 }
 
-// faces: the canonical ones of the cell.
-void read_polygons(const Cell& cell, const CellFaces& faces, CellPolygons& out);
+// faces: the canonical ones of the cell; ranks: by face, all different.
+void read_polygons(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellPolygons& out);
 
 }  // namespace votess::cpu

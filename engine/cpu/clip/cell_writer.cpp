@@ -34,7 +34,8 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     want_ = job.options.want;
     walls_ = job.options.list_walls;
     periodic_ = job.domain->is_periodic();
-    measure_ = needs_geometry(want_);
+    placed_ = needs_geometry(want_);
+    measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
     plain_rows_ = !want_.normals && !want_.vertices;
     unscale_ = 1 / job.scale;
     counters_ = {};
@@ -60,7 +61,7 @@ bool CellWriter::write(std::size_t seed, Star& star) {
         write_empty(seed);
         return true;
     }
-    if (measure_ && !star.measure(geometry_)) return false;
+    if (measured_ ? !star.measure(geometry_) : placed_ && !star.knows_vertices()) return false;
     const auto faces = star.faces();
     counters_.faces += faces.size();
     counters_.exact_cells += star.used_exact() ? 1 : 0;
@@ -71,8 +72,11 @@ bool CellWriter::write(std::size_t seed, Star& star) {
         write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
     }
     if (want_.vertices) {
-        star.polygons(polygons_);
-        write_polygons(seed, polygons_);
+        rank_faces();
+        star.polygons(ranks_, polygons_);
+        // Their cells lie elsewhere in the domain, each by a shift of its own.
+        if (periodic_ && seeds_.images->has_moves()) polygons_.shared.clear();
+        write_polygons(seed);
     }
     write_geometry(seed, geometry_.volume, geometry_.centroid.data());
     if (want_.surfaces || want_.radii)
@@ -86,7 +90,7 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
     counters_.exact_cells += cell.used_exact() ? 1 : 0;
     if (cell.empty()) return write_empty(seed);
     std::span<const std::int32_t> planes;
-    if (measure_ || want_.counts || cell.met_tie()) {
+    if (placed_ || want_.counts || cell.met_tie()) {
         cell.canonical_faces(faces_);
         planes = faces_.planes;
     } else {
@@ -96,7 +100,7 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
     constexpr std::size_t least_faces = 4;
     if (planes.size() < least_faces) return write_empty(seed);  // flat
     counters_.faces += planes.size();
-    if (measure_) {
+    if (measured_) {
         const CellGeometry geometry = cell.measure(faces_, want_.areas || want_.surfaces ? &face_areas_ : nullptr);
         write_geometry(seed, geometry.volume, geometry.centroid.data());
     }
@@ -113,8 +117,9 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
         write_row({ids_, face_shifts_, face_areas_.data(), face_normals_.data()});
     }
     if (want_.vertices) {
-        read_polygons(cell, faces_, polygons_);
-        write_polygons(seed, polygons_);
+        rank_faces();
+        read_polygons(cell, faces_, ranks_, polygons_);
+        write_polygons(seed);
     }
     if (want_.surfaces || want_.radii) write_sizes(seed, face_areas_, cell.farthest_squared(faces_));
     write_counts(seed, planes.size(), faces_.edge_count, faces_.vertex_count);
@@ -258,9 +263,14 @@ void CellWriter::find_order(const Faces& faces) {
 }
 
 // After write_row() of the same cell.
-void CellWriter::write_polygons(std::size_t seed, const CellPolygons& polygons) {
+void CellWriter::rank_faces() {
+    ranks_.resize(order_.size());
+    for (std::size_t r = 0; r < order_.size(); ++r) ranks_[order_[r]] = static_cast<std::uint32_t>(r);
+}
+
+void CellWriter::write_polygons(std::size_t seed) {
     const std::size_t hidden = order_.size() - lengths_.back();
-    polygon_writer_.append(polygons, labels_, order_, hidden, place(seed));
+    polygon_writer_.append(polygons_, labels_, order_, hidden, place(seed));
 }
 
 void CellWriter::end_block(std::span<const std::int32_t> cells) {

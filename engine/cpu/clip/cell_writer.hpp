@@ -20,6 +20,8 @@ public:
     explicit CellWriter(const SortedSeeds& seeds) : seeds_(seeds) {}
 
     void begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out);
+    // When `star` begins another stretch.
+    void begin_stretch() { polygon_writer_.begin_stretch(); }
     // For the start of a cell: its results go to the places of the input, which are anywhere in memory.
     void prefetch(std::size_t seed) const;
     // The last cell that `star` has built; false when its geometry cannot be had to the digits promised.
@@ -57,13 +59,14 @@ private:
     std::size_t write_plain_row(const Faces& faces);
     void make_room(std::size_t faces);
     void find_order(const Faces& faces);
-    void write_polygons(std::size_t seed, const CellPolygons& polygons);
+    void rank_faces();
+    void write_polygons(std::size_t seed);
 
     const SortedSeeds& seeds_;
     const StarKernels* kernels_ = nullptr;
     ResultBuilder* out_ = nullptr;
     Want want_;
-    bool walls_ = false, periodic_ = false, measure_ = false, plain_rows_ = false;
+    bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, plain_rows_ = false;
     double unscale_ = 1;
     CellCounters counters_;
     std::size_t rows_size_ = 0;
@@ -84,6 +87,7 @@ private:
     std::array<std::uint16_t, most_ranked> places_;
     std::vector<FaceLabel> labels_;     // by face
     std::vector<std::uint32_t> order_;  // faces by label
+    std::vector<std::uint32_t> ranks_;  // places in order_, by face
 };
 
 }  // namespace votess::cpu

@@ -1,52 +1,60 @@
 #include "cpu/clip/polygon_writer.hpp"
 
+#include <algorithm>
+
 namespace votess::cpu {
+namespace {
+
+constexpr std::uint32_t none = ~std::uint32_t{0};
+
+}  // namespace
 
 void PolygonWriter::append(const CellPolygons& polygons, std::span<const FaceLabel> labels,
                            std::span<const std::uint32_t> order, std::size_t hidden,
                            const std::array<double, 3>& origin) {
-    constexpr std::uint32_t none = ~std::uint32_t{0};
     const std::size_t faces = order.size(), listed = faces - hidden;
-    rank_.resize(faces);
-    labels_.resize(faces);
-    for (std::size_t r = 0; r < faces; ++r) {
-        rank_[order[r]] = static_cast<std::uint32_t>(r);
-        labels_[r] = labels[order[r]];
+    hidden_labels_.resize(hidden);
+    for (std::size_t r = 0; r < hidden; ++r) hidden_labels_[r] = labels[order[r]];
+    const auto& shared = polygons.shared;
+    if (!shared.empty()) {
+        const std::size_t largest = *std::ranges::max_element(shared);
+        if (largest >= in_block_.size()) in_block_.resize(2 * largest + 1, none);
     }
+    const auto place_of = [&](std::uint32_t vertex) {
+        std::uint32_t own = none;
+        std::uint32_t& place = shared.empty() ? own : in_block_[shared[vertex]];
+        if (place == none) {
+            const auto& x = polygons.positions[vertex];
+            place = block_.add_vertex({origin[0] + x[0], origin[1] + x[1], origin[2] + x[2]});
+        }
+        return place;
+    };
     number_.assign(polygons.positions.size(), none);
-    positions_.resize(3 * polygons.positions.size());
+    vertices_.resize(polygons.positions.size());
     beginnings_.resize(listed);
     ends_.resize(listed);
     corners_.resize(polygons.corners.size());
     std::uint32_t vertices = 0, corners = 0;
     for (std::size_t r = 0; r < faces; ++r) {
-        const std::uint32_t begin = polygons.offsets[order[r]], end = polygons.offsets[order[r] + 1];
-        std::uint32_t first = begin, least = none;
-        for (std::uint32_t k = begin; k < end; ++k)
-            if (const std::uint32_t beside = rank_[polygons.beside[k]]; beside < least) first = k, least = beside;
-        const std::uint32_t begun = corners;
-        const auto take = [&](std::uint32_t from, std::uint32_t to) {
-            for (std::uint32_t k = from; k < to; ++k) {
-                std::uint32_t& number = number_[polygons.corners[k]];
-                if (number == none) {
-                    const auto& x = polygons.positions[polygons.corners[k]];
-                    for (std::size_t axis = 0; axis < 3; ++axis) positions_[3 * std::size_t{vertices} + axis] = x[axis];
-                    number = vertices++;
-                }
-                corners_[corners++] = number;
+        const std::uint32_t begun = corners, end = polygons.offsets[order[r] + 1];
+        for (std::uint32_t k = polygons.offsets[order[r]]; k < end; ++k) {
+            const std::uint32_t vertex = polygons.corners[k];
+            std::uint32_t number = number_[vertex];
+            if (number == none) {
+                number_[vertex] = number = vertices;
+                vertices_[vertices++] = place_of(vertex);
             }
-        };
-        take(first, end);
-        take(begin, first);
+            corners_[corners++] = number;
+        }
         if (r < hidden) {
             corners = begun;
             continue;
         }
-        beginnings_[r - hidden] = least;
+        beginnings_[r - hidden] = polygons.beginnings[order[r]];
         ends_[r - hidden] = corners;
     }
-    block_.append({origin, std::span(positions_).first(3 * std::size_t{vertices}), labels_, hidden, beginnings_, ends_,
-                   std::span(corners_).first(corners)});
+    block_.append({origin, shared.empty() ? 0 : group_, std::span(vertices_).first(vertices), hidden_labels_,
+                   beginnings_, ends_, std::span(corners_).first(corners)});
 }
 
 }  // namespace votess::cpu

@@ -115,13 +115,14 @@ std::span<const KnownVertex> Neighborhood::with_spilled(std::size_t s) {
     return gathered_;
 }
 
-void Neighborhood::add_tie(std::span<const std::int32_t> cells, const Four& position) {
+std::uint32_t Neighborhood::add_tie(std::span<const std::int32_t> cells, const Four& position) {
     const std::uint32_t index = add_position(cells[0], position);
     const auto at = static_cast<std::int32_t>(ties_.size());
     ties_.push_back(static_cast<std::int32_t>(cells.size()));
     ties_.insert(ties_.end(), cells.begin(), cells.end());
     for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, 0, 0, index);
     forget_strangers();
+    return index;
 }
 
 }  // namespace votess::cpu

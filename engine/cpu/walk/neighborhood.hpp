@@ -63,8 +63,8 @@ public:
     }
 
     // Stores a vertex of cells[0], a seed of the stretch, and hands it to the others, which it meets in faces whose
-    // normals are positively oriented.
-    [[gnu::always_inline]] void add(const std::array<std::int32_t, 4>& cells, const Four& position) {
+    // normals are positively oriented. Returns its number in the stretch.
+    [[gnu::always_inline]] std::uint32_t add(const std::array<std::int32_t, 4>& cells, const Four& position) {
         const std::uint32_t index = add_position(cells[0], position);
         // Even permutations of the four keep the orientation.
         const auto& [p, a, b, c] = cells;
@@ -72,9 +72,10 @@ public:
         give(b, p, a, c, index);
         give(c, p, b, a, index);
         forget_strangers();
+        return index;
     }
     // The same for a vertex of more than four cells, which have no order.
-    void add_tie(std::span<const std::int32_t> cells, const Four& position);
+    std::uint32_t add_tie(std::span<const std::int32_t> cells, const Four& position);
 
     // What was handed to a seed of the stretch.
     [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {

@@ -70,8 +70,10 @@ public:
     virtual void normals(std::vector<std::array<double, 3>>& out) = 0;
     // What follows needs begin(.., measure = true). False when rounding might spoil the digits promised.
     virtual bool measure(Geometry& out) = 0;
-    // These follow the order of faces().
-    virtual void polygons(CellPolygons& out) const = 0;
+    // Whether all vertices are known to 1e-9 of the distance of the farthest.
+    [[nodiscard]] virtual bool knows_vertices() const = 0;
+    // In the order of faces(), as the ranks; with the numbers that vertices have in the stretch.
+    virtual void polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const = 0;
     // Returns the squared distance from the seed to the farthest vertex.
     [[nodiscard]] virtual double farthest_squared() const = 0;
 

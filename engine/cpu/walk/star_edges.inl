@@ -123,6 +123,7 @@ bool StarWalk<Isa>::complete() {
 
 template <class Isa>
 void StarWalk<Isa>::take_position(const KnownVertex& known, int vertex) {
+    numbers_[vertex] = known.vertex;
     const std::size_t owner = cells_.owner(known.vertex);
     Wide from = wide(cells_.seed_position(owner)) - Wide{p_[0], p_[1], p_[2], 0};
     if (cells_.has_lows()) from += wide(cells_.seed_low(owner)) - wide(low_);
@@ -382,7 +383,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
         face(c);
     }
     if constexpr (Keep) keep_position(third, x);
-    cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
+    numbers_[vertices_] = cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
     link_corner<Keep>(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
     stack(edge.a, c);
@@ -397,7 +398,7 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     if (measure_) keep_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    cells_.add_tie(tied_cells_, position_[vertices_]);
+    numbers_[vertices_] = cells_.add_tie(tied_cells_, position_[vertices_]);
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 

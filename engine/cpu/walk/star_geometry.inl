@@ -76,37 +76,50 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     return true;
 }
 
-// Around face b: from an edge along b and a to the vertex that has b -> a, and on along the edge that comes from there.
 template <class Isa>
-void StarWalk<Isa>::polygons(CellPolygons& out) const {
+bool StarWalk<Isa>::knows_vertices() const {
+    constexpr double accepted_error = 4e-10;
+    Wide largest{};  // squares
+    for (int v = 0; v < vertices_; ++v) {
+        const Wide square = wide(position_[v]) * wide(position_[v]);
+        largest = square > largest ? square : largest;
+    }
+    return solved_factor * std::sqrt(std::sqrt(largest[3])) <=
+           accepted_error * std::sqrt(std::max({largest[0], largest[1], largest[2]}));
+}
+
+// Around face b: from the vertex that has a -> b along both of them to the one that has b -> a.
+template <class Isa>
+void StarWalk<Isa>::polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const {
     out.clear();
     out.positions.resize(static_cast<std::size_t>(vertices_));
     for (std::size_t v = 0; v < out.positions.size(); ++v) {
         const auto& x = position_[v].x;
         out.positions[v] = {x[0], x[1], x[2]};
     }
-    std::array<std::uint8_t, most_planes> face{};
-    for (int p = 0, faces = 0; p < planes_; ++p)
-        if (out_[p] != 0) face[p] = static_cast<std::uint8_t>(faces++);
+    out.shared.assign(numbers_.begin(), numbers_.begin() + vertices_);
+    std::array<unsigned, most_planes> key;  // the rank, then the plane
+    for (unsigned p = 0, faces = 0; p < static_cast<unsigned>(planes_); ++p)
+        if (out_[p] != 0) key[p] = ranks[faces++] << 8 | p;
     out.corners.resize(static_cast<std::size_t>(ends_));
-    out.beside.resize(static_cast<std::size_t>(ends_));
-    std::uint32_t corners = 0;
+    std::uint32_t* corner = out.corners.data();
     std::array<std::uint8_t, most_vertices> next;  // a, by the vertex that has a -> b
     for (int b = 0; b < planes_; ++b) {
         if (out_[b] == 0) continue;
-        const int first = std::countr_zero(out_[b]);
+        unsigned least = ~0u;
         for (std::uint64_t rest = out_[b]; rest != 0; rest &= rest - 1) {
             const int a = std::countr_zero(rest);
             next[from_vertex_[a][b]] = static_cast<std::uint8_t>(a);
+            least = std::min(least, key[a]);
         }
-        int a = first;
+        out.beginnings.push_back(least >> 8);
+        const unsigned first = from_vertex_[least & 0xff][b];
+        unsigned v = first;
         do {
-            const int v = from_vertex_[b][a];
-            a = next[static_cast<std::size_t>(v)];
-            out.corners[corners] = static_cast<std::uint32_t>(v);
-            out.beside[corners++] = face[a];
-        } while (a != first);
-        out.offsets.push_back(corners);
+            *corner++ = v;
+            v = from_vertex_[b][next[v]];
+        } while (v != first);
+        out.offsets.push_back(static_cast<std::uint32_t>(corner - out.corners.data()));
     }
 }
 

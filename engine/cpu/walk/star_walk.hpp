@@ -18,7 +18,8 @@ public:
     void begin(std::size_t first, std::size_t last, bool measure) override;
     bool build(std::size_t seed) override;
     bool measure(Geometry& out) override;
-    void polygons(CellPolygons& out) const override;
+    [[nodiscard]] bool knows_vertices() const override;
+    void polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const override;
     double farthest_squared() const override;
     void normals(std::vector<std::array<double, 3>>& out) override;
 
@@ -294,6 +295,7 @@ private:
 
     // For measure() and polygons().
     alignas(64) std::array<Four, most_vertices> position_{};
+    std::array<std::uint32_t, most_vertices> numbers_{};                            // in the stretch
     std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // vertex that has the edge a -> b
 };
 
