@@ -143,11 +143,35 @@ void leave_out(std::size_t i, std::size_t count, std::vector<CellStatus>& outsid
     outside[i] = CellStatus::outside;
 }
 
-// Bounds of the seeds. outside: as in the job.
-Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t i = 0; i < points.count(); ++i) {
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Box nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+
+// Without branches. False when some coordinate is not finite.
+template <class T>
+bool find_bounds(std::span<const T> coordinates, Box& bounds) {
+    double zero = 0;  // or not a number
+    for (std::size_t i = 0; i < coordinates.size(); i += 3)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double value = coordinates[i + k];
+            bounds.lower[k] = value < bounds.lower[k] ? value : bounds.lower[k];
+            bounds.upper[k] = value > bounds.upper[k] ? value : bounds.upper[k];
+            zero += value * 0;
+        }
+    return zero == 0;
+}
+
+void include(Box& box, const Box& other) {
+    for (int k = 0; k < 3; ++k) {
+        box.lower[k] = std::min(box.lower[k], other.lower[k]);
+        box.upper[k] = std::max(box.upper[k], other.upper[k]);
+    }
+}
+
+// Bounds of the seeds from `begin` on, looked at one by one. outside: as in the job.
+Box check_each(const Points& points, std::size_t begin, std::size_t end, const Options& options,
+               std::vector<CellStatus>& outside) {
+    Box bounds = nothing;
+    for (std::size_t i = begin; i < end; ++i) {
         for (int k = 0; k < 3; ++k) {
             const double value = points[3 * i + k];
             if (!std::isfinite(value))
@@ -163,6 +187,23 @@ Box check_points(const Points& points, const Options& options, std::vector<CellS
             bounds.lower[k] = std::min(bounds.lower[k], value);
             bounds.upper[k] = std::max(bounds.upper[k], value);
         }
+    }
+    return bounds;
+}
+
+// Bounds of all seeds.
+Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
+    constexpr std::size_t block = 4096;
+    Box bounds = nothing;
+    for (std::size_t begin = 0; begin < points.count(); begin += block) {
+        const std::size_t count = std::min(block, points.count() - begin);
+        Box some = nothing;
+        bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), some)
+                                       : find_bounds(points.f32.subspan(3 * begin, 3 * count), some);
+        for (int k = 0; k < 3; ++k)
+            if (options.box && !options.periodic[k])
+                good &= some.lower[k] >= options.box->lower[k] && some.upper[k] <= options.box->upper[k];
+        include(bounds, good ? some : check_each(points, begin, begin + count, options, outside));
     }
     return bounds;
 }

@@ -11,7 +11,13 @@ bool StarWalk<Isa>::gather_candidates() {
     const std::size_t home = seed_ / Window::home_seeds;
     if (window_home_ != home) {
         window_home_ = home;
-        window_open_ = window_.open(home, std::sqrt(with_weights(reach2, least_weight(home))) * 1.02, cells_);
+        const double radius = std::sqrt(with_weights(reach2, least_weight(home))) * 1.02;
+        window_open_ = window_.open(home, window_.home_box(home), radius, cells_);
+        // A home may span far more than its surroundings, where the curve leaves a cluster.
+        if (!window_open_) {
+            window_open_ = window_.open(home, {p_, p_}, radius, cells_);
+            window_home_ = ~std::size_t{0};
+        }
         if (window_open_) collect_near_walls(home, window_.reach());
         if (window_open_)
             for (std::size_t s = home * Window::home_seeds; s < seed_; ++s)
@@ -115,17 +121,17 @@ bool StarWalk<Isa>::add_candidate(std::int32_t id) {
 template <class Isa>
 bool StarWalk<Isa>::is_extra(std::int32_t id) const {
     const std::int32_t* end = candidates_.id + candidates_.count;
-    const std::int32_t* begin = candidates_.id + (id < 0 ? 0 : extras_);
-    return std::find(begin, end, id) != end;
+    return std::find(candidates_.id + extras_, end, id) != end;
 }
 
 // The nearest seed is a neighbor, and the middle between the two lies inside their face. From there any way along the
 // face leads to an edge.
 template <class Isa>
 bool StarWalk<Isa>::begin_anywhere() {
-    if (!gather_candidates()) return false;
+    if (!have_candidates_ && !gather_candidates()) return false;
     if (candidates_.count == 0 && !add_walls()) return false;
     const CandidatePlanes& c = candidates_;
+    begun_with_ = c.count;
     if (c.count == 0) return false;  // a periodic domain has no walls
     if (!weighted_) return begin_at_face(static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h));
     by_distance_.clear();
@@ -258,7 +264,9 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
 }
 
 // Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
-// the vertex along its edge, and the sphere shrinks.
+// the vertex along its edge, and the sphere shrinks. Unless that are most_new, all that may cut off or go through a
+// vertex nearer to the beginning of the edge are candidates then: n.x - h, which is linear along the edge, is not
+// positive at its beginning, if that is a vertex, so where it is not negative later it is not negative still later.
 template <class Isa>
 bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* three, int& added) {
     Box at;
@@ -297,15 +305,17 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
                 const int k = std::countr_zero(inside);
                 inside &= inside - 1;
                 const auto id = static_cast<std::int32_t>(begin) + k;
-                if (static_cast<std::size_t>(id) == seed_ || id == three[0] || id == three[1] || id == three[2] ||
-                    is_extra(id))
+                if (static_cast<std::size_t>(id) == seed_ || id == three[0] || id == three[1] || id == three[2])
                     continue;
-                if (!add_candidate(id)) return false;
-                if (++added == most_new) return true;
                 Third third;
                 Four nearer;
                 plane_through(id, third.n, third.h, third.square);
-                if (dot(wide(third.n), wide(x)) > third.h && solve(line, third, nearer)) {
+                const double excess = dot(wide(third.n), wide(x)) - third.h;
+                // No candidate is surely inside.
+                if (!(excess > 4 * test.slack + 8 * margin * third.square) && is_extra(id)) continue;
+                if (!add_candidate(id)) return false;
+                if (++added == most_new) return true;
+                if (excess > 0 && solve(line, third, nearer)) {
                     x = nearer;
                     look_around();
                     inside &= find_inside(begin, test);

@@ -90,6 +90,7 @@ bool StarWalk<Isa>::complete() {
     if (!take_known<Keep>()) return false;
     if (vertices_ == 0) {
         empty_ = false;
+        beginnings_ = 0;
         const bool begun = begin_anywhere();
         if (empty_) {
             faces_ = edges_ = 0;
@@ -114,11 +115,19 @@ bool StarWalk<Isa>::complete() {
         int hits[2];
         Isa::kernels.first_hits(candidates_, candidates_.near, rays, hits);
         for (int k = 0; k < 2; ++k)
-            if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k])) return false;
+            if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k]) && !begin_again()) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
     return collect_faces();
+}
+
+// The edge to begin with was none if not all seeds near it were candidates. Those that have been found since may help.
+template <class Isa>
+bool StarWalk<Isa>::begin_again() {
+    if (vertices_ > 0 || candidates_.count == begun_with_ || ++beginnings_ == most_beginnings) return false;
+    open_begin_ = open_end_ = 0;
+    return begin_anywhere() && !empty_;
 }
 
 template <class Isa>
@@ -247,6 +256,7 @@ template <bool Keep>
 bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     Line line;
     if (!draw_line(edge, line)) return false;
+    bool searched = false;
     for (int pick = 0; pick < most_picks; ++pick) {
         if (lane < 0) {
             lane = first_hit(ray);
@@ -287,7 +297,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
         }
-        if (reach2 > covered_) {
+        if (reach2 > covered_ && !searched) {
             if (!have_walls_) {
                 if (!add_walls()) return false;
                 lane = -1;
@@ -295,6 +305,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             }
             int added = 0;
             if (!add_inside(line, x, three, added)) return false;
+            searched = vertices_ > 0 && added < most_new;
             if (added > 0) {
                 lane = -1;
                 continue;

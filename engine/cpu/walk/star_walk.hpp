@@ -39,9 +39,10 @@ private:
     static constexpr double near_share = 0.6;              // of the squared reach
     static constexpr double closest_moved = 0x1p-40;       // of the largest coordinate: nearer is near
     static constexpr double least_image_vertex2 = 0x1p36;  // of squared window units, where images are rounded
-    static constexpr int most_picks = 64;                  // planes tried for one vertex
-    static constexpr float parallel = 0x1p-18f;            // rays nearly along a plane do not leave it
-    static constexpr int most_new = 24;                    // seeds taken at once from beyond the window
+    static constexpr int most_picks = 256;                 // planes tried for one vertex
+    static constexpr int most_beginnings = 8;
+    static constexpr float parallel = 0x1p-18f;  // rays nearly along a plane do not leave it
+    static constexpr int most_new = 24;          // seeds taken at once from beyond the window
     static constexpr int most_ties = 64;
     static constexpr std::int16_t no_slot = -1;
 
@@ -120,10 +121,10 @@ private:
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
     // Finds the plane that the ray meets first: only a guess, unless all candidates are looked at.
     [[nodiscard]] int first_hit(const Ray& ray) const;
-    // How many candidates may come near to a vertex of that squared security radius.
+    // How many candidates may come near to a vertex of that squared security radius: those that are no seeds of the
+    // window lie farther away than all that are.
     [[nodiscard]] int in_reach(double reach2) const {
-        const bool near = reach2 < near_covered_ && candidates_.count == extras_;
-        return near ? candidates_.near : candidates_.count;
+        return reach2 < near_covered_ ? candidates_.near : candidates_.count;
     }
     // At least the squared distance within which a seed may cut off a vertex of squared length x2.
     [[nodiscard]] double reach_squared(double x2) const {
@@ -191,6 +192,7 @@ private:
     // star_candidates.inl
     bool gather_candidates();
     bool begin_anywhere();
+    [[gnu::noinline]] bool begin_again();
     bool begin_at_face(int candidate);
     bool begin_outside();
     [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);
@@ -200,7 +202,7 @@ private:
     [[nodiscard]] double with_weights(double reach2, double weight) const;
     [[nodiscard]] double least_weight(std::size_t home) const;
     [[nodiscard]] bool is_extra(std::int32_t id) const;
-    [[nodiscard]] unsigned find_inside(std::size_t begin, const GroupTest& test) const;
+    [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
     [[gnu::noinline]] bool add_inside(const Line& line, Four x, const std::int32_t* three, int& added);
 
     // star_walls.inl
@@ -257,8 +259,10 @@ private:
     double more_ = 0;          // by which any weight may exceed it, in squared units
     bool empty_ = false;       // the cell
     bool have_candidates_ = false, have_walls_ = false;
-    std::int32_t own_x_ = 0;  // in the window
+    int begun_with_ = 0, beginnings_ = 0;  // candidates that the last beginning knew
+    std::int32_t own_x_ = 0;               // in the window
     CandidatePlanes candidates_;
+    int near_walls_end_ = 0;                        // candidates up to here are walls
     int extras_ = 0;                                // candidates from here on are no seeds of the window
     double covered_ = 0;                            // squared distance within which all seeds not done are candidates
     double near_covered_ = 0;                       // and are among the near ones

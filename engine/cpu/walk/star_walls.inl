@@ -69,6 +69,7 @@ bool StarWalk<Isa>::add_near_walls() {
         if (!add_candidate(wall.id)) return false;
         oblique = oblique || wall.plane.is_oblique();
     }
+    near_walls_end_ = candidates_.count;
     return !oblique || !two_walls_coincide();
 }
 
@@ -76,8 +77,9 @@ template <class Isa>
 bool StarWalk<Isa>::add_walls() {
     have_walls_ = true;
     bool oblique = false;
+    const std::int32_t *near = candidates_.id, *near_end = near + near_walls_end_;
     for (const Wall& wall : walls_) {
-        if (is_extra(wall.id)) continue;
+        if (std::find(near, near_end, wall.id) != near_end) continue;
         if (!add_candidate(wall.id)) return false;
         oblique = oblique || wall.plane.is_oblique();
     }

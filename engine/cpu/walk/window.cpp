@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "cpu/sort/seed_images.hpp"
 
@@ -55,8 +56,7 @@ Box Window::home_box(std::size_t home) const {
     return box;
 }
 
-bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
-    const Box box = home_box(home);
+bool Window::open(std::size_t home, const Box& box, double radius, const Neighborhood& cells) {
     for (int tries = 0;; ++tries) {
         const bool all = collect(box, radius * radius * (1 + 1e-12));
         if (tries == most_tries) {
@@ -83,6 +83,7 @@ bool Window::open(std::size_t home, double radius, const Neighborhood& cells) {
         }
     }
     group_count_ = left;
+    home_places_.fill(std::numeric_limits<std::size_t>::max() / 2);
     for (std::size_t i = 0; i < kept; ++i) home_places_[groups_[i] % home_groups] = i * group_size;
     double extent = 0, origin[3];
     for (int k = 0; k < 3; ++k) {

@@ -20,9 +20,9 @@ public:
     static constexpr std::size_t home_groups = 2;
     static constexpr std::size_t home_seeds = home_groups * group_size;
 
-    // Collects all seeds nearer to the box of home `home` (seeds home * home_seeds and on) than about `radius`, but for
-    // those of groups that are done. False when there is no representable window.
-    bool open(std::size_t home, double radius, const Neighborhood& cells);
+    // Collects all seeds nearer to a box than about `radius`, but for those of groups that are done: the box of home
+    // `home` (seeds home * home_seeds and on), or one of its seeds. False when there is no representable window.
+    bool open(std::size_t home, const Box& box, double radius, const Neighborhood& cells);
 
     // The bounds of the seeds of a home.
     [[nodiscard]] Box home_box(std::size_t home) const;
@@ -39,8 +39,10 @@ public:
     // units.
     [[nodiscard]] float weight(std::size_t seed) const { return weight_[place(seed)]; }
     [[nodiscard]] double weight_span() const { return weight_span_; }
-    // Takes a seed of the home out of the candidates, and back again.
-    void hide(std::size_t seed) { x_[place(seed)] = far_away; }
+    // Takes a seed of the home out of the candidates, if it is there, and back again.
+    void hide(std::size_t seed) {
+        if (const std::size_t i = place(seed); i < x_.size()) x_[i] = far_away;
+    }
     void show(std::size_t seed, std::int32_t x) { x_[place(seed)] = x; }
 
 private:

@@ -14,7 +14,7 @@
 namespace votess::cpu {
 namespace {
 
-VOTESS_AVX2 unsigned near_boxes_avx2(const BoxBlock& b, const Box& home, double distance_squared) {
+VOTESS_AVX2 VOTESS_INLINE unsigned near_boxes_avx2(const BoxBlock& b, const Box& home, double distance_squared) {
     unsigned mask = 0;
     const __m256d limit = _mm256_set1_pd(distance_squared);
     for (int i = 0; i < box_fan; i += 4) {
@@ -23,16 +23,34 @@ VOTESS_AVX2 unsigned near_boxes_avx2(const BoxBlock& b, const Box& home, double 
             __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_load_pd(b.lower[k] + i), _mm256_set1_pd(home.upper[k])),
                                         _mm256_sub_pd(_mm256_set1_pd(home.lower[k]), _mm256_load_pd(b.upper[k] + i)));
             gap = _mm256_max_pd(gap, _mm256_setzero_pd());
-            sum = _mm256_add_pd(sum, _mm256_mul_pd(gap, gap));
+            sum = _mm256_fmadd_pd(gap, gap, sum);
         }
         mask |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ))) << i;
     }
     return mask;
 }
 
-VOTESS_AVX2 unsigned inside_ball_avx2(const double* x, const double* y, const double* z, const GroupTest& t,
-                                      double least) {
-    return inside_ball_body(x, y, z, t, least);
+VOTESS_AVX2 VOTESS_INLINE unsigned inside_ball_avx2(const double* x, const double* y, const double* z,
+                                                    const GroupTest& t, double least) {
+    const __m256d scale = _mm256_set1_pd(t.scale);
+    unsigned mask = 0;
+    for (int i = 0; i < box_fan; i += 4) {
+        const auto difference = [&](const double* from, int k) VOTESS_AVX2 {
+            return _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(from + i), _mm256_set1_pd(t.p[k])), scale);
+        };
+        const __m256d nx = difference(x, 0), ny = difference(y, 1), nz = difference(z, 2);
+        const __m256d square = _mm256_fmadd_pd(nx, nx, _mm256_fmadd_pd(ny, ny, _mm256_mul_pd(nz, nz)));
+        const __m256d along =
+            _mm256_fmadd_pd(nx, _mm256_set1_pd(t.v[0]),
+                            _mm256_fmadd_pd(ny, _mm256_set1_pd(t.v[1]), _mm256_mul_pd(nz, _mm256_set1_pd(t.v[2]))));
+        const __m256d excess = _mm256_fmadd_pd(square, _mm256_set1_pd(relative_slack - 0.5),
+                                               _mm256_add_pd(along, _mm256_set1_pd(t.slack)));
+        // Not a number where the seed is padding, infinitely far away.
+        const __m256d inside = _mm256_and_pd(_mm256_cmp_pd(excess, _mm256_setzero_pd(), _CMP_GE_OQ),
+                                             _mm256_cmp_pd(square, _mm256_set1_pd(least), _CMP_GE_OQ));
+        mask |= static_cast<unsigned>(_mm256_movemask_pd(inside)) << i;
+    }
+    return mask;
 }
 
 // Lanes in the order of compress(): by mask, a byte each; first those whose bit is set.

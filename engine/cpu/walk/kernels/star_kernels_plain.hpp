@@ -25,9 +25,9 @@ constexpr int far_begin = CandidatePlanes::capacity + 16;
 static_assert(far_begin % 16 == 0);
 
 VOTESS_INLINE void pad(CandidatePlanes& c) {
-    for (int i = c.count; i < (c.count + 15) / 16 * 16; ++i) {
-        c.nx[i] = c.ny[i] = c.nz[i] = 0;
-        c.h[i] = CandidatePlanes::never;
+    for (int i = 0; i < 16; ++i) {
+        c.nx[c.count + i] = c.ny[c.count + i] = c.nz[c.count + i] = 0;
+        c.h[c.count + i] = CandidatePlanes::never;
     }
 }
 
@@ -89,12 +89,16 @@ VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
     if (near + far > CandidatePlanes::capacity) return false;
     c.near = near;
     c.count = near + far;
-    const auto move = [&](auto* values) { std::memmove(values + near, values + far_begin, sizeof *values * far); };
-    move(c.nx);
-    move(c.ny);
-    move(c.nz);
-    move(c.h);
-    move(c.id);
+    constexpr int step = 8;
+    static_assert(far_begin >= CandidatePlanes::capacity + step);
+    for (int i = 0; i < far; i += step) {
+        const auto move = [&](auto* values) { std::memcpy(values + near + i, values + far_begin + i, step * 4); };
+        move(c.nx);
+        move(c.ny);
+        move(c.nz);
+        move(c.h);
+        move(c.id);
+    }
     pad(c);
     return true;
 }
