@@ -14,10 +14,11 @@ namespace votess::cpu {
 namespace {
 
 // Blocks are tasks and stretches: neighbors in space, which share what they find. The longer they are the less is found
-// twice; later ones are shorter, so that threads end together. They depend on the number of seeds alone, and so do the
-// last bits of volumes.
+// twice; later ones are shorter, so that threads end together. They depend on the number of seeds alone, unless there
+// are many threads to feed, and so do the last bits of volumes.
 constexpr std::size_t longest_block = 16384, shortest_block = 2048, fewest_blocks = 4;
-constexpr std::size_t least_block_seeds = 16;  // of few cells, so that all threads get some
+constexpr std::size_t many_threads = 32, blocks_of_many = 2;  // for each of them
+constexpr std::size_t least_block_seeds = 16;                 // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
 constexpr std::size_t index_task = 65536;  // entries of the inverse order per parallel task
 
@@ -131,7 +132,9 @@ std::span<const std::int32_t> CpuClipper::duplicate_of() {
 }
 
 void CpuClipper::clip_all(ResultBuilder& out, const Share& share) {
-    const std::size_t count = seeds_.size(), parts = std::max(fewest_blocks, count / longest_block);
+    const std::size_t count = seeds_.size(), threads = pool_->size();
+    const std::size_t parts =
+        std::max({fewest_blocks, count / longest_block, threads > many_threads ? blocks_of_many * threads : 0});
     blocks_.assign(1, 0);
     while (blocks_.back() < count) {
         const std::size_t left = count - blocks_.back();

@@ -1,6 +1,7 @@
 #include "input/options.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -149,15 +150,16 @@ constexpr Box nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -in
 // Without branches. False when some coordinate is not finite.
 template <class T>
 bool find_bounds(std::span<const T> coordinates, Box& bounds) {
-    double zero = 0;  // or not a number
+    std::array<double, 3> lower = bounds.lower, upper = bounds.upper, zero{};  // or not a number
     for (std::size_t i = 0; i < coordinates.size(); i += 3)
         for (std::size_t k = 0; k < 3; ++k) {
             const double value = coordinates[i + k];
-            bounds.lower[k] = value < bounds.lower[k] ? value : bounds.lower[k];
-            bounds.upper[k] = value > bounds.upper[k] ? value : bounds.upper[k];
-            zero += value * 0;
+            lower[k] = value < lower[k] ? value : lower[k];
+            upper[k] = value > upper[k] ? value : upper[k];
+            zero[k] += value * 0;
         }
-    return zero == 0;
+    bounds = {lower, upper};
+    return zero == std::array<double, 3>{};
 }
 
 void include(Box& box, const Box& other) {

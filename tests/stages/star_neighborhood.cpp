@@ -328,6 +328,6 @@ TEST_SUITE("stages") {
         const Sorted small(tiny);
         const Neighborhood small_cells = fresh(small);
         Window none(small.seeds, small.hierarchy, star_kernels("baseline"));
-        CHECK_FALSE(none.open(0, 1e-310, small_cells));
+        CHECK_FALSE(none.open(0, none.home_box(0), 1e-310, small_cells));
     }
 }
