@@ -168,7 +168,9 @@ TEST_SUITE("cases") {
         const auto t = votess::tessellate(set.points, options);
         CHECK(!t.lists_walls());
         CHECK(t.face_offsets().empty());
-        CHECK(std::ranges::equal(t.vertices(), all.vertices()));
+        // Cells whose volume would lose digits are found in another way, where that is wanted.
+        const auto near = [](double a, double b) { return std::abs(a - b) < 1e-9; };
+        CHECK(std::ranges::equal(t.vertices(), all.vertices(), near));
         CHECK(std::ranges::equal(t.cell_vertex_indptr(), all.cell_vertex_indptr()));
         CHECK(std::ranges::equal(t.cell_vertex_indices(), all.cell_vertex_indices()));
         for (std::size_t i = 0; i < t.size(); ++i) REQUIRE((t.neighbors(i).empty() || t.neighbors(i)[0] >= 0));
