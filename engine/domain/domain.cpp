@@ -23,10 +23,10 @@ double length(const Vector& a) {
 
 // The volume that three vectors span, with a sign. Leaning vectors lose nine digits of it, which doubles do not have.
 double triple_product(const std::array<Vector, 3>& v) {
-    __float128 sum = 0;
+    exact::Quad sum = 0;
     for (int k = 0; k < 3; ++k) {
         const int l = (k + 1) % 3, m = (k + 2) % 3;
-        sum += v[0][k] * (static_cast<__float128>(v[1][l]) * v[2][m] - static_cast<__float128>(v[1][m]) * v[2][l]);
+        sum += v[0][k] * (static_cast<exact::Quad>(v[1][l]) * v[2][m] - static_cast<exact::Quad>(v[1][m]) * v[2][l]);
     }
     return static_cast<double>(sum);
 }

@@ -3,7 +3,17 @@
 // relative errors below 3.1 u^2 and 5.1 u^2, u = 2^-53. Wrong if the compiler contracts a*b+c.
 #pragma once
 
+#include <limits>
+
 namespace votess::exact {
+
+// Floating point of 113 bits.
+#ifdef __SIZEOF_FLOAT128__
+using Quad = __float128;
+#else  // as on ARM
+using Quad = long double;
+static_assert(std::numeric_limits<Quad>::digits == 113);
+#endif
 
 struct DoubleDouble {
     double high = 0, low = 0;

@@ -116,7 +116,6 @@ bool longer_normal(const Point& p, const Plane& a, const Plane& b);
 
 // The vertex relative to p and the difference q - p in a floating-point type: double, Quad or WideFloat
 // (wide_float.hpp). Each component has a relative error of a few units in the last place, cancellation or not.
-using Quad = __float128;
 template <class Real>
 std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c);
 // q - p of a bisector.

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "exact/double_double.hpp"
+
 namespace votess::exact {
 
 WideFloat::WideFloat(double x) {
@@ -11,7 +13,7 @@ WideFloat::WideFloat(double x) {
 }
 
 WideFloat::operator double() const {
-    const auto [mantissa, exponent] = to_scaled<__float128>(mantissa_);
+    const auto [mantissa, exponent] = to_scaled<Quad>(mantissa_);
     return std::ldexp(static_cast<double>(mantissa), exponent + exponent_);
 }
 

@@ -220,14 +220,14 @@ void take_weights(const Job& job, Domain& domain) {
                std::to_string(job.points.count()) + " points");
     domain.weights.resize(given.size());
     for (std::size_t i = 0; i < given.size(); ++i) {
-        const std::string place = std::string(radii ? "radius " : "weight ") + std::to_string(i);
-        if (!std::isfinite(given[i])) refuse(place + " = " + number(given[i]) + " is not finite");
-        if (radii && given[i] < 0) refuse(place + " = " + number(given[i]) + " is negative");
+        const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(i); };
+        if (!std::isfinite(given[i])) refuse(place() + " = " + number(given[i]) + " is not finite");
+        if (radii && given[i] < 0) refuse(place() + " = " + number(given[i]) + " is negative");
         const double weight = radii ? given[i] * given[i] : given[i];
-        if (!std::isfinite(weight)) refuse(place + " = " + number(given[i]) + " is too large: its square overflows");
+        if (!std::isfinite(weight)) refuse(place() + " = " + number(given[i]) + " is too large: its square overflows");
         const double in_units = weight * job.scale * job.scale;
         if (in_units / job.scale / job.scale != weight || std::abs(in_units) > largest_scaled_weight)
-            refuse(place + " = " + number(given[i]) + " is too large or too small beside the box");
+            refuse(place() + " = " + number(given[i]) + " is too large or too small beside the box");
         domain.weights[i] = in_units;
     }
     domain.largest_weight = *std::ranges::max_element(domain.weights);

@@ -13,7 +13,7 @@ std::unique_ptr<Star> make_star_baseline(const SortedSeeds& seeds, const Hierarc
     return std::make_unique<StarWalk<Baseline>>(seeds, hierarchy);
 }
 
-const StarKernels& star_kernels(std::string_view name) {
+const StarKernels& star_kernels([[maybe_unused]] std::string_view name) {
 #if defined(__x86_64__)
     if (name == star_kernels_avx512.name) return star_kernels_avx512;
     if (name == star_kernels_avx2.name) return star_kernels_avx2;
@@ -21,7 +21,8 @@ const StarKernels& star_kernels(std::string_view name) {
     return kernels_baseline;
 }
 
-std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy) {
+std::unique_ptr<Star> make_star([[maybe_unused]] std::string_view instructions, const SortedSeeds& seeds,
+                                const Hierarchy& hierarchy) {
 #if defined(__x86_64__)
     if (instructions == "avx512") return make_star_avx512(seeds, hierarchy);
     if (instructions == "avx2") return make_star_avx2(seeds, hierarchy);

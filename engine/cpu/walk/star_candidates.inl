@@ -203,8 +203,12 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
 // Bits of those of eight seeds beyond the candidates that may cut off the vertex.
 template <class Isa>
 unsigned StarWalk<Isa>::find_inside(std::size_t begin, const GroupTest& test) const {
-    if (!weighted_)
-        return Isa::kernels.inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
+    if (weighted_) return find_inside_weighted(begin, test);
+    return Isa::kernels.inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
+}
+
+template <class Isa>
+unsigned StarWalk<Isa>::find_inside_weighted(std::size_t begin, const GroupTest& test) const {
     unsigned inside = 0;
     const std::size_t end = seeds_.group_end(begin);
     for (std::size_t i = begin; i < end; ++i) {

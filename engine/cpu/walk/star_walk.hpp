@@ -203,6 +203,7 @@ private:
     [[nodiscard]] double least_weight(std::size_t home) const;
     [[nodiscard]] bool is_extra(std::int32_t id) const;
     [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
+    [[nodiscard, gnu::noinline]] unsigned find_inside_weighted(std::size_t begin, const GroupTest& test) const;
     [[gnu::noinline]] bool add_inside(const Line& line, Four x, const std::int32_t* three, int& added);
 
     // star_walls.inl
