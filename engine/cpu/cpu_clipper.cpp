@@ -45,6 +45,12 @@ void CpuClipper::end() {
     job_ = {};
 }
 
+void CpuClipper::rest() {
+    sorted_ = searchable_ = false;
+    for (auto* axis : {&seeds_.x, &seeds_.y, &seeds_.z}) axis->rest();
+    hierarchy_.rest();
+}
+
 void CpuClipper::sort() {
     if (sorted_) return;
     seeds_.images = nullptr;

@@ -33,6 +33,8 @@ public:
     void sort();
     void build_search();
     void clip_all(ResultBuilder& out, const Share& share);
+    // When no more cells are needed: gives much memory back, which the rows want.
+    void rest();
 
 private:
     struct Worker {  // scratch of one thread

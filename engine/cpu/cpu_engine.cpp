@@ -17,6 +17,7 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clock.enter(&StageSeconds::download);
     clipper_.set_empty(result_);
     result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
+    clipper_.rest();
     result_.finish(result, clipper_.pool());
     result.stats.device = "cpu";
     clipper_.end();

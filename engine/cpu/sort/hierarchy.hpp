@@ -22,6 +22,11 @@ public:
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 
+    // Gives much memory back to the system until the next build().
+    void rest() {
+        for (auto& level : levels_) level.rest();
+    }
+
     [[nodiscard]] int top_level() const { return static_cast<int>(counts_.size()) - 1; }
     [[nodiscard]] std::size_t count(int level) const { return counts_[level]; }
     // Boxes 8 index .. 8 index + 7 of a level: the children of box `index` one level up.

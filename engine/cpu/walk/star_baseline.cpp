@@ -6,6 +6,23 @@ namespace votess::cpu {
 
 struct Baseline {
     static constexpr const StarKernels& kernels = kernels_baseline;
+    // What the walk calls most, so that it can be inlined.
+    template <class... Args>
+    [[gnu::always_inline]] static unsigned near_boxes(Args&&... args) {
+        return near_boxes_body(args...);
+    }
+    template <class... Args>
+    [[gnu::always_inline]] static unsigned inside_ball(Args&&... args) {
+        return inside_ball_body(args...);
+    }
+    template <class... Args>
+    [[gnu::always_inline]] static void first_hits(Args&&... args) {
+        return first_hits_body<4>(args...);
+    }
+    template <class... Args>
+    [[gnu::always_inline]] static int touching(Args&&... args) {
+        return touching_body<4>(args...);
+    }
 };
 template class StarWalk<Baseline>;
 

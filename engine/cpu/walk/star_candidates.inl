@@ -204,7 +204,7 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
 template <class Isa>
 unsigned StarWalk<Isa>::find_inside(std::size_t begin, const GroupTest& test) const {
     if (weighted_) return find_inside_weighted(begin, test);
-    return Isa::kernels.inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
+    return Isa::inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
 }
 
 template <class Isa>
@@ -238,7 +238,7 @@ bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, con
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
-        unsigned near = Isa::kernels.near_boxes(hierarchy_.block(level, index), at, reach * reach);
+        unsigned near = Isa::near_boxes(hierarchy_.block(level, index), at, reach * reach);
         for (; near != 0; near &= near - 1) {
             const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
             const std::size_t begin = Hierarchy::first_seed(level, child);
@@ -294,7 +294,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
-        unsigned near = Isa::kernels.near_boxes(hierarchy_.block(level, index), at, reach2);
+        unsigned near = Isa::near_boxes(hierarchy_.block(level, index), at, reach2);
         if (level > 0) {
             for (; near != 0; near &= near - 1)
                 nodes_[nodes++] = {level - 1, index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near))};

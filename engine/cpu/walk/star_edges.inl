@@ -88,15 +88,11 @@ template <class Isa>
 template <bool Keep>
 bool StarWalk<Isa>::complete() {
     if (!take_known<Keep>()) return false;
+    empty_ = begun_badly_ = false;
     if (vertices_ == 0) {
-        empty_ = false;
         beginnings_ = 0;
         const bool begun = begin_anywhere();
-        if (empty_) {
-            faces_ = edges_ = 0;
-            return true;
-        }
-        if (!begun) return false;
+        if (!begun || empty_) return found_empty();
     }
     if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
     reached_ = 0;
@@ -113,9 +109,9 @@ bool StarWalk<Isa>::complete() {
         aim(edges[0], rays[0]);
         aim(edges[1], rays[1]);
         int hits[2];
-        Isa::kernels.first_hits(candidates_, candidates_.near, rays, hits);
+        Isa::first_hits(candidates_, candidates_.near, rays, hits);
         for (int k = 0; k < 2; ++k)
-            if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k]) && !begin_again()) return false;
+            if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k]) && !begin_again()) return found_empty();
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
@@ -125,7 +121,8 @@ bool StarWalk<Isa>::complete() {
 // The edge to begin with was none if not all seeds near it were candidates. Those that have been found since may help.
 template <class Isa>
 bool StarWalk<Isa>::begin_again() {
-    if (vertices_ > 0 || candidates_.count == begun_with_ || ++beginnings_ == most_beginnings) return false;
+    if (!begun_badly_ || candidates_.count == begun_with_ || ++beginnings_ == most_beginnings) return false;
+    begun_badly_ = false;
     open_begin_ = open_end_ = 0;
     return begin_anywhere() && !empty_;
 }
@@ -233,7 +230,7 @@ template <class Isa>
 int StarWalk<Isa>::first_hit(const Ray& ray) const {
     const Ray rays[2] = {ray, ray};
     int hits[2];
-    Isa::kernels.first_hits(candidates_, candidates_.count, rays, hits);
+    Isa::first_hits(candidates_, candidates_.count, rays, hits);
     return hits[0];
 }
 
@@ -271,7 +268,10 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         Third third;
         alignas(32) Four x;
         plane_through(id, third.n, third.h, third.square);
-        if (!solve(line, third, x)) return false;
+        if (!solve(line, third, x)) {
+            begun_badly_ = vertices_ == 0;
+            return false;
+        }
         const double x2 = dot(wide(x), wide(x));
         third.length2 = x2;
         if (!plain_ && weighted_) {
@@ -288,7 +288,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         v[3] = static_cast<float>(rounding_by_square_ * x2 + rounding_);
         const double reach2 = reach_squared(x2);
         const int count = in_reach(reach2);
-        const int touching = Isa::kernels.touching(candidates_, count, v, three, 0);
+        const int touching = Isa::touching(candidates_, count, v, three, 0);
         tied_.clear();
         if (touching >= 0) {
             const int cutting = examine(v, three, third, x, touching, count);
@@ -350,7 +350,7 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
             if (side > 0) return lane;
             if (side == 0 && std::find(tied_.begin(), tied_.end(), id) == tied_.end()) tied_.push_back(id);
         }
-        lane = Isa::kernels.touching(candidates_, count, v, three, lane + 1);
+        lane = Isa::touching(candidates_, count, v, three, lane + 1);
     }
     return -1;
 }

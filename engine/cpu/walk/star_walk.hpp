@@ -5,7 +5,7 @@
 
 namespace votess::cpu {
 
-// Isa::kernels are the loops of an instruction set; the file that includes this one compiles all else for it, too.
+// Isa has the loops of an instruction set; the file that includes this one compiles all else for it, too.
 template <class Isa>
 class StarWalk final : public Star {
 public:
@@ -193,6 +193,10 @@ private:
     bool gather_candidates();
     bool begin_anywhere();
     [[gnu::noinline]] bool begin_again();
+    bool found_empty() {
+        if (empty_) faces_ = edges_ = 0;
+        return empty_;
+    }
     bool begin_at_face(int candidate);
     bool begin_outside();
     [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);
@@ -261,6 +265,7 @@ private:
     bool empty_ = false;       // the cell
     bool have_candidates_ = false, have_walls_ = false;
     int begun_with_ = 0, beginnings_ = 0;  // candidates that the last beginning knew
+    bool begun_badly_ = false;             // the first edge does not end
     std::int32_t own_x_ = 0;               // in the window
     CandidatePlanes candidates_;
     int near_walls_end_ = 0;                        // candidates up to here are walls
