@@ -18,7 +18,11 @@ constinit const StarKernels star_kernels_avx2 = kernels_avx2;
 
 struct Avx2 {
     static constexpr const StarKernels& kernels = kernels_avx2;
-    // What the walk calls most, so that it can be inlined.
+    // What the walk calls, so that it can be inlined.
+    template <class... Args>
+    [[gnu::always_inline]] static bool select(Args&&... args) {
+        return select_avx2(args...);
+    }
     template <class... Args>
     [[gnu::always_inline]] static unsigned near_boxes(Args&&... args) {
         return near_boxes_avx2(args...);

@@ -19,7 +19,11 @@ constinit const StarKernels star_kernels_avx512 = kernels_avx512;
 
 struct Avx512 {
     static constexpr const StarKernels& kernels = kernels_avx512;
-    // What the walk calls most, so that it can be inlined.
+    // What the walk calls, so that it can be inlined.
+    template <class... Args>
+    [[gnu::always_inline]] static bool select(Args&&... args) {
+        return select_avx512(args...);
+    }
     template <class... Args>
     [[gnu::always_inline]] static unsigned near_boxes(Args&&... args) {
         return near_boxes_avx512(args...);

@@ -6,7 +6,11 @@ namespace votess::cpu {
 
 struct Baseline {
     static constexpr const StarKernels& kernels = kernels_baseline;
-    // What the walk calls most, so that it can be inlined.
+    // What the walk calls, so that it can be inlined.
+    template <class... Args>
+    [[gnu::always_inline]] static bool select(Args&&... args) {
+        return select_body<4>(args...);
+    }
     template <class... Args>
     [[gnu::always_inline]] static unsigned near_boxes(Args&&... args) {
         return near_boxes_body(args...);

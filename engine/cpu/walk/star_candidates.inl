@@ -45,8 +45,8 @@ bool StarWalk<Isa>::gather_candidates() {
         candidates_.count = 0;
         if (!add_near_walls()) return false;
         const double square = reach2 * scale * scale, near_square = near_share * square;
-        if (Isa::kernels.select(window_.seeds(), p.data(), weight, static_cast<float>(near_square),
-                                static_cast<float>(square), candidates_) &&
+        if (Isa::select(window_.seeds(), p.data(), weight, static_cast<float>(near_square), static_cast<float>(square),
+                        candidates_) &&
             candidates_.count <= most_candidates) {
             covered_ = surely_covered(square);
             near_covered_ = surely_covered(near_square);
