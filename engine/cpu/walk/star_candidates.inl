@@ -268,9 +268,11 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
 }
 
 // Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
-// the vertex along its edge, and the sphere shrinks. Unless that are most_new, all that may cut off or go through a
-// vertex nearer to the beginning of the edge are candidates then: n.x - h, which is linear along the edge, is not
-// positive at its beginning, if that is a vertex, so where it is not negative later it is not negative still later.
+// the vertex along its edge, and the sphere shrinks.
+//
+// The edge need not be searched again, unless there were most_new of them. It begins at a proven vertex, where
+// n.x - h <= 0 for all seeds. Along the edge n.x - h is linear: if it is >= 0 at some vertex, it is so at all vertices
+// behind, and the search around those has found the seed.
 template <class Isa>
 bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* three, int& added) {
     Box at;

@@ -15,7 +15,8 @@ int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
     return planes++;
 }
 
-// The edges a -> b, b -> c, c -> a of a vertex. Keep: whether measure() will want its planes.
+// The edges a -> b, b -> c, c -> a of a vertex. Keep: whether vertices are placed, for
+// measure() and polygons().
 template <class Isa>
 template <bool Keep>
 void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {

@@ -121,8 +121,8 @@ private:
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
     // Finds the plane that the ray meets first: only a guess, unless all candidates are looked at.
     [[nodiscard]] int first_hit(const Ray& ray) const;
-    // How many candidates may come near to a vertex of that squared security radius: those that are no seeds of the
-    // window lie farther away than all that are.
+    // How many candidates may come near to a vertex of that squared security radius. Walls and seeds that were added
+    // later lie farther away than all seeds of the window.
     [[nodiscard]] int in_reach(double reach2) const {
         return reach2 < near_covered_ ? candidates_.near : candidates_.count;
     }
@@ -245,8 +245,8 @@ private:
     bool moved_ = false;                     // the seed is not where the input has it
     bool weighted_ = false;
     bool plain_ = false;  // no weights, no images
-    // For vertices farther away than one all images are known well, and for squared security radii less than the other
-    // all are there that matter.
+    // Squared. All images that matter to a vertex are there if its security radius is less than images_within2_, and
+    // their rounding does not matter if it lies farther away than images_beyond2_.
     double images_beyond2_ = 0, images_within2_ = 0;
     bool any_moved_ = false;  // of all seeds
     Neighborhood cells_;
@@ -264,9 +264,10 @@ private:
     double more_ = 0;          // by which any weight may exceed it, in squared units
     bool empty_ = false;       // the cell
     bool have_candidates_ = false, have_walls_ = false;
-    int begun_with_ = 0, beginnings_ = 0;  // candidates that the last beginning knew
-    bool begun_badly_ = false;             // the first edge does not end
-    std::int32_t own_x_ = 0;               // in the window
+    int begun_with_ = 0;        // candidates, the last time that the cell was begun
+    int beginnings_ = 0;        // how often that was
+    bool begun_badly_ = false;  // the edge to begin with has no end
+    std::int32_t own_x_ = 0;    // in the window
     CandidatePlanes candidates_;
     int near_walls_end_ = 0;                        // candidates up to here are walls
     int extras_ = 0;                                // candidates from here on are no seeds of the window
