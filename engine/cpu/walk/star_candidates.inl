@@ -23,7 +23,7 @@ bool StarWalk<Isa>::gather_candidates() {
             for (std::size_t s = home * Window::home_seeds; s < seed_; ++s)
                 if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
     }
-    if (!window_open_) return false;
+    if (!window_open_ || !window_.holds(seed_)) return false;
     reach2 = std::min(with_weights(reach2, weight_), window_.reach() * window_.reach());
     const double scale = window_.scale();
     float weight = 0;

@@ -39,6 +39,8 @@ public:
     // units.
     [[nodiscard]] float weight(std::size_t seed) const { return weight_[place(seed)]; }
     [[nodiscard]] double weight_span() const { return weight_span_; }
+    // Whether a seed of the home is there: not if squares of distances underflow.
+    [[nodiscard]] bool holds(std::size_t seed) const { return place(seed) < static_cast<std::size_t>(count_); }
     // Takes a seed of the home out of the candidates, if it is there, and back again.
     void hide(std::size_t seed) {
         if (const std::size_t i = place(seed); i < x_.size()) x_[i] = far_away;
