@@ -81,12 +81,12 @@ private:
         [[nodiscard]] std::uint32_t begin() const { return cell.begin(face); }
         [[nodiscard]] std::uint32_t count() const { return cell.end(face) - cell.begin(face); }
     };
-    // Of a face of the row.
+    // Returns the label of a face of the row.
     [[nodiscard]] FaceLabel label(std::size_t seed, std::size_t face) const {
         return rows_.label(rows_.begin(seed) + face);
     }
     [[nodiscard]] FaceLabel beginning(const Side& side) const;
-    // Of a vertex of a cell, in its block.
+    // Returns the number that a vertex of a cell has in its block.
     [[nodiscard]] std::uint32_t number(const MeshCellView& cell, std::uint32_t vertex) const {
         return vertices_of_[cell.block()].of_cells[cell.first() + vertex];
     }

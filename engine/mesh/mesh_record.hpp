@@ -82,7 +82,7 @@ public:
 
     // The place of the cell's first vertex in MeshBlock::vertices().
     [[nodiscard]] std::uint32_t first() const { return head_.first; }
-    // Of faces that have no place in the row.
+    // These are the faces that have no place in the row.
     [[nodiscard]] std::uint32_t hidden() const { return head_.hidden; }
     [[nodiscard]] const FaceLabel& hidden_label(std::size_t k) const { return labels_[k]; }
     // The face across the first edge of a face: hidden ones count first, then those of the row.

@@ -54,7 +54,7 @@ public:
             if (root(vertex) != vertex) std::atomic_ref(words_[v]).store(pack(find(vertex)), std::memory_order_relaxed);
         }
     }
-    // Of flattened sets: the root, and whether a vertex has been moved from it.
+    // When sets are flattened, these tell the root, and whether a vertex has been moved from it.
     [[nodiscard]] std::uint32_t root(std::uint32_t vertex) { return static_cast<std::uint32_t>(load(vertex)); }
     [[nodiscard]] bool is_moved(std::uint32_t vertex) { return load(vertex) >> vertex_bits != no_shift; }
     // From any thread. Vertex a is vertex b moved by the shift.
