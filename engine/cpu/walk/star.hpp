@@ -87,6 +87,5 @@ protected:
 std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy);
 std::unique_ptr<Star> make_star_baseline(const SortedSeeds& seeds, const Hierarchy& hierarchy);
 std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy);
-std::unique_ptr<Star> make_star_avx512(const SortedSeeds& seeds, const Hierarchy& hierarchy);
 
 }  // namespace votess::cpu

@@ -14,32 +14,7 @@
 
 namespace votess::cpu {
 
-constinit const StarKernels star_kernels_avx2 = kernels_avx2;
-
-struct Avx2 {
-    static constexpr const StarKernels& kernels = kernels_avx2;
-    // What the walk calls, so that it can be inlined.
-    template <class... Args>
-    [[gnu::always_inline]] static bool select(Args&&... args) {
-        return select_avx2(args...);
-    }
-    template <class... Args>
-    [[gnu::always_inline]] static unsigned near_boxes(Args&&... args) {
-        return near_boxes_avx2(args...);
-    }
-    template <class... Args>
-    [[gnu::always_inline]] static unsigned inside_ball(Args&&... args) {
-        return inside_ball_avx2(args...);
-    }
-    template <class... Args>
-    [[gnu::always_inline]] static void first_hits(Args&&... args) {
-        return first_hits_avx2(args...);
-    }
-    template <class... Args>
-    [[gnu::always_inline]] static int touching(Args&&... args) {
-        return touching_avx2(args...);
-    }
-};
+constinit const StarKernels star_kernels_avx2 = kernels_of<Avx2>;
 template class StarWalk<Avx2>;
 
 std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy) {

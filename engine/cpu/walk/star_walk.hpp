@@ -5,12 +5,13 @@
 
 namespace votess::cpu {
 
-// Isa has the loops of an instruction set; the file that includes this one compiles all else for it, too.
+// Isa has the functions of StarKernels in one instruction set; the file that includes this one compiles all else for
+// it, too.
 template <class Isa>
 class StarWalk final : public Star {
 public:
     StarWalk(const SortedSeeds& seeds, const Hierarchy& hierarchy)
-        : seeds_(seeds), hierarchy_(hierarchy), window_(seeds, hierarchy, Isa::kernels) {
+        : seeds_(seeds), hierarchy_(hierarchy), window_(seeds, hierarchy, kernels_of<Isa>) {
         static_assert(alignment % Window::home_seeds == 0);
     }
 

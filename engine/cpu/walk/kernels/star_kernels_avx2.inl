@@ -14,45 +14,6 @@
 namespace votess::cpu {
 namespace {
 
-VOTESS_AVX2 VOTESS_INLINE unsigned near_boxes_avx2(const BoxBlock& b, const Box& home, double distance_squared) {
-    unsigned mask = 0;
-    const __m256d limit = _mm256_set1_pd(distance_squared);
-    for (int i = 0; i < box_fan; i += 4) {
-        __m256d sum = _mm256_setzero_pd();
-        for (int k = 0; k < 3; ++k) {
-            __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_load_pd(b.lower[k] + i), _mm256_set1_pd(home.upper[k])),
-                                        _mm256_sub_pd(_mm256_set1_pd(home.lower[k]), _mm256_load_pd(b.upper[k] + i)));
-            gap = _mm256_max_pd(gap, _mm256_setzero_pd());
-            sum = _mm256_fmadd_pd(gap, gap, sum);
-        }
-        mask |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ))) << i;
-    }
-    return mask;
-}
-
-VOTESS_AVX2 VOTESS_INLINE unsigned inside_ball_avx2(const double* x, const double* y, const double* z,
-                                                    const GroupTest& t, double least) {
-    const __m256d scale = _mm256_set1_pd(t.scale);
-    unsigned mask = 0;
-    for (int i = 0; i < box_fan; i += 4) {
-        const auto difference = [&](const double* from, int k) VOTESS_AVX2 {
-            return _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(from + i), _mm256_set1_pd(t.p[k])), scale);
-        };
-        const __m256d nx = difference(x, 0), ny = difference(y, 1), nz = difference(z, 2);
-        const __m256d square = _mm256_fmadd_pd(nx, nx, _mm256_fmadd_pd(ny, ny, _mm256_mul_pd(nz, nz)));
-        const __m256d along =
-            _mm256_fmadd_pd(nx, _mm256_set1_pd(t.v[0]),
-                            _mm256_fmadd_pd(ny, _mm256_set1_pd(t.v[1]), _mm256_mul_pd(nz, _mm256_set1_pd(t.v[2]))));
-        const __m256d excess = _mm256_fmadd_pd(square, _mm256_set1_pd(relative_slack - 0.5),
-                                               _mm256_add_pd(along, _mm256_set1_pd(t.slack)));
-        // Not a number where the seed is padding, infinitely far away.
-        const __m256d inside = _mm256_and_pd(_mm256_cmp_pd(excess, _mm256_setzero_pd(), _CMP_GE_OQ),
-                                             _mm256_cmp_pd(square, _mm256_set1_pd(least), _CMP_GE_OQ));
-        mask |= static_cast<unsigned>(_mm256_movemask_pd(inside)) << i;
-    }
-    return mask;
-}
-
 // Lanes in the order of compress(): by mask, a byte each; first those whose bit is set.
 constexpr std::array<std::uint64_t, 256> compress_orders = [] {
     std::array<std::uint64_t, 256> orders{};
@@ -79,37 +40,6 @@ VOTESS_AVX2 VOTESS_INLINE void compress(float* to, __m256 values, __m256i order)
 // What is out of the range of integers becomes the least one.
 VOTESS_AVX2 VOTESS_INLINE __m256i clamp(__m256i x) {
     return _mm256_min_epi32(_mm256_max_epi32(x, _mm256_set1_epi32(-window_range)), _mm256_set1_epi32(window_range));
-}
-
-VOTESS_AVX2 int to_window_avx2(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
-                               std::int32_t* ids) {
-    const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
-    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    int count = 0;
-    for (std::size_t g = 0; g < from.groups.size(); ++g) {
-        const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
-        __m128i at[2][3];
-        unsigned inside = 0;
-        for (int half = 0; half < 2; ++half) {
-            __m256d sum = _mm256_setzero_pd();
-            for (int k = 0; k < 3; ++k) {
-                const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed + 4 * half);
-                __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x),
-                                            _mm256_sub_pd(x, _mm256_set1_pd(frame.home.upper[k])));
-                gap = _mm256_max_pd(gap, _mm256_setzero_pd());
-                sum = _mm256_fmadd_pd(gap, gap, sum);
-                at[half][k] =
-                    _mm256_cvtpd_epi32(_mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale));
-            }
-            inside |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ))) << (4 * half);
-        }
-        if (g < from.kept) inside = 255;
-        const __m256i order = compress_order(inside);
-        for (int k = 0; k < 3; ++k) compress(out[k] + count, clamp(_mm256_set_m128i(at[1][k], at[0][k])), order);
-        compress(ids + count, _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota), order);
-        count += std::popcount(inside);
-    }
-    return count;
 }
 
 template <bool Weighted>
@@ -151,12 +81,6 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
     return join(c, near, far);
 }
 
-VOTESS_AVX2 bool select_avx2(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
-                             float distance_squared, CandidatePlanes& c) {
-    return w.weight == nullptr ? select_seeds<false>(w, p, weight, near_squared, distance_squared, c)
-                               : select_seeds<true>(w, p, weight, near_squared, distance_squared, c);
-}
-
 VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, __m256i at) {
     __m256 least = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
     least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0x4e));
@@ -165,53 +89,6 @@ VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, __m256i at) {
     alignas(32) std::int32_t found[8];
     _mm256_store_si256(reinterpret_cast<__m256i*>(found), at);
     return found[std::countr_zero(where) & 7];
-}
-
-VOTESS_AVX2 VOTESS_INLINE void first_hits_avx2(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
-    const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
-    for (int r = 0; r < 2; ++r) {
-        const auto& [o, d, s, least] = rays[r];
-        const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
-        const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
-        const __m256 limit = _mm256_set1_ps(least);
-        __m256 best = infinity;
-        __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-        for (int i = 0; i < count; i += 8) {
-            const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i), nz = _mm256_load_ps(c.nz + i);
-            const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
-            const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
-            const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
-            const __m256 t =
-                _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving), _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
-            const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
-            best = _mm256_blendv_ps(best, t, better);
-            at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
-            index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
-        }
-        hits[r] = hit_of(best, at);
-    }
-}
-
-VOTESS_AVX2 VOTESS_INLINE int touching_avx2(const CandidatePlanes& c, int count, const float* v,
-                                            const std::int32_t* three, int begin) {
-    const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
-    const __m256 limit = _mm256_set1_ps(v[3]);
-    const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]), i2 = _mm256_set1_epi32(three[2]);
-    unsigned behind = ~0u << (begin % 8);
-    for (int i = begin / 8 * 8; i < count; i += 8, behind = ~0u) {
-        const __m256 gap =
-            _mm256_fnmadd_ps(_mm256_load_ps(c.nx + i), vx,
-                             _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
-                                              _mm256_fnmadd_ps(_mm256_load_ps(c.nz + i), vz, _mm256_load_ps(c.h + i))));
-        const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + i));
-        const __m256i same = _mm256_or_si256(_mm256_cmpeq_epi32(id, i0),
-                                             _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
-        const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
-                              _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ)))) &
-                          behind;
-        if (mask != 0) return i + std::countr_zero(mask);
-    }
-    return -1;
 }
 
 template <int Blocks>
@@ -233,14 +110,143 @@ VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, s
     }
 }
 
-VOTESS_AVX2 void rank_avx2(const std::int32_t* ids, int count, std::uint16_t* places) {
-    if (count <= 16) return rank_blocks<2>(ids, count, places);
-    if (count <= 32) return rank_blocks<4>(ids, count, places);
-    rank_body(ids, count, places);
-}
-
-constexpr StarKernels kernels_avx2{"avx2",      near_boxes_avx2, inside_ball_avx2, to_window_avx2,
-                                   select_avx2, first_hits_avx2, touching_avx2,    rank_avx2};
-
 }  // namespace
+
+struct Avx2 {
+    static constexpr const char* name = "avx2";
+
+    VOTESS_AVX2 VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
+        unsigned mask = 0;
+        const __m256d limit = _mm256_set1_pd(distance_squared);
+        for (int i = 0; i < box_fan; i += 4) {
+            __m256d sum = _mm256_setzero_pd();
+            for (int k = 0; k < 3; ++k) {
+                __m256d gap =
+                    _mm256_max_pd(_mm256_sub_pd(_mm256_load_pd(b.lower[k] + i), _mm256_set1_pd(home.upper[k])),
+                                  _mm256_sub_pd(_mm256_set1_pd(home.lower[k]), _mm256_load_pd(b.upper[k] + i)));
+                gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+                sum = _mm256_fmadd_pd(gap, gap, sum);
+            }
+            mask |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ))) << i;
+        }
+        return mask;
+    }
+
+    VOTESS_AVX2 VOTESS_INLINE static unsigned inside_ball(const double* x, const double* y, const double* z,
+                                                          const GroupTest& t, double least) {
+        const __m256d scale = _mm256_set1_pd(t.scale);
+        unsigned mask = 0;
+        for (int i = 0; i < box_fan; i += 4) {
+            const auto difference = [&](const double* from, int k) VOTESS_AVX2 {
+                return _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(from + i), _mm256_set1_pd(t.p[k])), scale);
+            };
+            const __m256d nx = difference(x, 0), ny = difference(y, 1), nz = difference(z, 2);
+            const __m256d square = _mm256_fmadd_pd(nx, nx, _mm256_fmadd_pd(ny, ny, _mm256_mul_pd(nz, nz)));
+            const __m256d along =
+                _mm256_fmadd_pd(nx, _mm256_set1_pd(t.v[0]),
+                                _mm256_fmadd_pd(ny, _mm256_set1_pd(t.v[1]), _mm256_mul_pd(nz, _mm256_set1_pd(t.v[2]))));
+            const __m256d excess = _mm256_fmadd_pd(square, _mm256_set1_pd(relative_slack - 0.5),
+                                                   _mm256_add_pd(along, _mm256_set1_pd(t.slack)));
+            // Not a number where the seed is padding, infinitely far away.
+            const __m256d inside = _mm256_and_pd(_mm256_cmp_pd(excess, _mm256_setzero_pd(), _CMP_GE_OQ),
+                                                 _mm256_cmp_pd(square, _mm256_set1_pd(least), _CMP_GE_OQ));
+            mask |= static_cast<unsigned>(_mm256_movemask_pd(inside)) << i;
+        }
+        return mask;
+    }
+
+    VOTESS_AVX2 static int to_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                                     std::int32_t* ids) {
+        const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
+        const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        int count = 0;
+        for (std::size_t g = 0; g < from.groups.size(); ++g) {
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
+            __m128i at[2][3];
+            unsigned inside = 0;
+            for (int half = 0; half < 2; ++half) {
+                __m256d sum = _mm256_setzero_pd();
+                for (int k = 0; k < 3; ++k) {
+                    const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed + 4 * half);
+                    __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x),
+                                                _mm256_sub_pd(x, _mm256_set1_pd(frame.home.upper[k])));
+                    gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+                    sum = _mm256_fmadd_pd(gap, gap, sum);
+                    at[half][k] =
+                        _mm256_cvtpd_epi32(_mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale));
+                }
+                inside |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ)))
+                          << (4 * half);
+            }
+            if (g < from.kept) inside = 255;
+            const __m256i order = compress_order(inside);
+            for (int k = 0; k < 3; ++k) compress(out[k] + count, clamp(_mm256_set_m128i(at[1][k], at[0][k])), order);
+            compress(ids + count, _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota), order);
+            count += std::popcount(inside);
+        }
+        return count;
+    }
+
+    VOTESS_AVX2 static bool select(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
+                                   float distance_squared, CandidatePlanes& c) {
+        return w.weight == nullptr ? select_seeds<false>(w, p, weight, near_squared, distance_squared, c)
+                                   : select_seeds<true>(w, p, weight, near_squared, distance_squared, c);
+    }
+
+    VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
+        const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
+        for (int r = 0; r < 2; ++r) {
+            const auto& [o, d, s, least] = rays[r];
+            const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
+            const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
+            const __m256 limit = _mm256_set1_ps(least);
+            __m256 best = infinity;
+            __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+            for (int i = 0; i < count; i += 8) {
+                const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i),
+                             nz = _mm256_load_ps(c.nz + i);
+                const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
+                const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
+                const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
+                const __m256 t =
+                    _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving), _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
+                const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
+                best = _mm256_blendv_ps(best, t, better);
+                at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
+                index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
+            }
+            hits[r] = hit_of(best, at);
+        }
+    }
+
+    VOTESS_AVX2 VOTESS_INLINE static int touching(const CandidatePlanes& c, int count, const float* v,
+                                                  const std::int32_t* three, int begin) {
+        const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
+        const __m256 limit = _mm256_set1_ps(v[3]);
+        const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]),
+                      i2 = _mm256_set1_epi32(three[2]);
+        unsigned behind = ~0u << (begin % 8);
+        for (int i = begin / 8 * 8; i < count; i += 8, behind = ~0u) {
+            const __m256 gap = _mm256_fnmadd_ps(
+                _mm256_load_ps(c.nx + i), vx,
+                _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
+                                 _mm256_fnmadd_ps(_mm256_load_ps(c.nz + i), vz, _mm256_load_ps(c.h + i))));
+            const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + i));
+            const __m256i same = _mm256_or_si256(
+                _mm256_cmpeq_epi32(id, i0), _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
+            const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
+                                  _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ)))) &
+                              behind;
+            if (mask != 0) return i + std::countr_zero(mask);
+        }
+        return -1;
+    }
+
+    VOTESS_AVX2 static void rank(const std::int32_t* ids, int count, std::uint16_t* places) {
+        if (count <= 16) return rank_blocks<2>(ids, count, places);
+        if (count <= 32) return rank_blocks<4>(ids, count, places);
+        Baseline::rank(ids, count, places);
+    }
+};
+
 }  // namespace votess::cpu

@@ -6,19 +6,44 @@
 #include <cstring>
 #include <limits>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include "cpu/walk/kernels/star_kernels.hpp"
 
 namespace votess::cpu {
-
-extern const StarKernels star_kernels_avx2, star_kernels_avx512;
 
 // With GroupTest::slack this is more than 2e-8 (h + |v| sqrt(h)), h = |n|^2 / 2.
 constexpr double relative_slack = 4e-8;
 
 #define VOTESS_INLINE inline __attribute__((always_inline))
 
-template <class T, int L>
-using Vector __attribute__((vector_size(L * sizeof(T)))) = T;
+using Float4 __attribute__((vector_size(16))) = float;
+using Int4 __attribute__((vector_size(16))) = std::int32_t;
+
+VOTESS_INLINE Float4 load(const float* from) {
+    Float4 v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+
+VOTESS_INLINE Int4 load(const std::int32_t* from) {
+    Int4 v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+
+// A bit for each lane that is true.
+VOTESS_INLINE unsigned mask_of(Int4 lanes) {
+#if defined(__SSE2__)
+    return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(lanes)));
+#else
+    unsigned mask = 0;
+    for (int k = 0; k < 4; ++k) mask |= (static_cast<unsigned>(lanes[k]) & 1) << k;
+    return mask;
+#endif
+}
 
 // select() puts the far planes here at first.
 constexpr int far_begin = CandidatePlanes::capacity + 16;
@@ -29,59 +54,6 @@ VOTESS_INLINE void pad(CandidatePlanes& c) {
         c.nx[c.count + i] = c.ny[c.count + i] = c.nz[c.count + i] = 0;
         c.h[c.count + i] = CandidatePlanes::never;
     }
-}
-
-VOTESS_INLINE unsigned near_boxes_body(const BoxBlock& b, const Box& home, double distance_squared) {
-    double sum[box_fan] = {};
-    for (int k = 0; k < 3; ++k)
-        for (int i = 0; i < box_fan; ++i) {
-            const double below = b.lower[k][i] - home.upper[k], above = home.lower[k] - b.upper[k][i];
-            double gap = below > above ? below : above;
-            gap = gap > 0 ? gap : 0;
-            sum[i] += gap * gap;
-        }
-    unsigned mask = 0;
-    for (int i = 0; i < box_fan; ++i) mask |= static_cast<unsigned>(sum[i] < distance_squared) << i;
-    return mask;
-}
-
-VOTESS_INLINE unsigned inside_ball_body(const double* x, const double* y, const double* z, const GroupTest& t,
-                                        double least) {
-    unsigned mask = 0;
-    for (int i = 0; i < box_fan; ++i) {
-        const double nx = (x[i] - t.p[0]) * t.scale, ny = (y[i] - t.p[1]) * t.scale, nz = (z[i] - t.p[2]) * t.scale;
-        const double square = nx * nx + ny * ny + nz * nz;
-        const double excess = nx * t.v[0] + ny * t.v[1] + nz * t.v[2] - 0.5 * square;
-        // Not a number where the seed is padding, infinitely far away.
-        const double margin = excess + (relative_slack * square + t.slack);
-        mask |= static_cast<unsigned>((margin >= 0) & (square >= least)) << i;
-    }
-    return mask;
-}
-
-VOTESS_INLINE int to_window_body(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
-                                 std::int32_t* ids) {
-    constexpr double range = window_range;
-    int count = 0;
-    for (std::size_t g = 0; g < from.groups.size(); ++g)
-        for (std::size_t i = 0; i < box_fan; ++i) {
-            const std::size_t seed = std::size_t{from.groups[g]} * box_fan + i;
-            double sum = 0;
-            for (int k = 0; k < 3; ++k) {
-                const double x = from.seeds[k][seed];
-                const double below = frame.home.lower[k] - x, above = x - frame.home.upper[k];
-                double gap = below > above ? below : above;
-                gap = gap > 0 ? gap : 0;
-                sum += gap * gap;
-                double v = (x - frame.origin[k]) * frame.scale;
-                v = v > -range ? v : -range;
-                v = v < range ? v : range;
-                out[k][count] = static_cast<std::int32_t>(v + (v < 0 ? -0.5 : 0.5));
-            }
-            ids[count] = static_cast<std::int32_t>(seed);
-            count += static_cast<int>(g < from.kept) | static_cast<int>(sum < frame.distance_squared);
-        }
-    return count;
 }
 
 // Moves `far` planes from far_begin to behind the first `near`; false when they are too many.
@@ -103,91 +75,141 @@ VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
     return true;
 }
 
-template <int L>
-VOTESS_INLINE bool select_body(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
-                               float distance_squared, CandidatePlanes& c) {
-    int near = c.count, far = 0;
-    for (int i = 0; i < w.count; i += L) {
-        float nx[L], ny[L], nz[L], d[L];
-        for (int k = 0; k < L; ++k) {
-            nx[k] = static_cast<float>(w.x[i + k] - p[0]);
-            ny[k] = static_cast<float>(w.y[i + k] - p[1]);
-            nz[k] = static_cast<float>(w.z[i + k] - p[2]);
-            d[k] = nx[k] * nx[k] + ny[k] * ny[k] + nz[k] * nz[k];
-        }
-        unsigned inside = 0;
-        for (int k = 0; k < L; ++k) inside |= static_cast<unsigned>(d[k] < distance_squared) << k;
-        if (near > CandidatePlanes::capacity - L || far > CandidatePlanes::capacity - L) return false;
-        for (; inside != 0; inside &= inside - 1) {
-            const int k = std::countr_zero(inside);
-            int& at = d[k] < near_squared ? near : far;
-            const int to = &at == &near ? near : far_begin + far;
-            c.nx[to] = nx[k];
-            c.ny[to] = ny[k];
-            c.nz[to] = nz[k];
-            c.h[to] = 0.5f * (w.weight == nullptr ? d[k] : d[k] + (weight - w.weight[i + k]));
-            c.id[to] = w.id[i + k];
-            ++at;
-        }
-    }
-    return join(c, near, far);
-}
+struct Baseline {
+    static constexpr const char* name = "baseline";
 
-template <int L>
-VOTESS_INLINE void first_hits_body(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
-    using Real = Vector<float, L>;
-    using Index = Vector<std::int32_t, L>;
-    const float infinity = std::numeric_limits<float>::infinity();
-    for (int r = 0; r < 2; ++r) {
-        const auto& [o, d, s, least] = rays[r];
-        Real best = Real{} + infinity;
-        Index at = Index{} - 1;
-        Index index;
-        for (int k = 0; k < L; ++k) index[k] = k;
-        for (int i = 0; i < count; i += L, index += L) {
-            Real nx, ny, nz, h;
-            std::memcpy(&nx, c.nx + i, sizeof nx);
-            std::memcpy(&ny, c.ny + i, sizeof ny);
-            std::memcpy(&nz, c.nz + i, sizeof nz);
-            std::memcpy(&h, c.h + i, sizeof h);
-            const Real leaving = nx * d[0] + ny * d[1] + nz * d[2];
-            const Real t = (h * s - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
-            const Index better = (leaving > least) & (t < best);
-            best = better ? t : best;
-            at = better ? index : at;
-        }
-        hits[r] = -1;
-        float nearest = infinity;
-        for (int k = 0; k < L; ++k)
-            if (best[k] < nearest) nearest = best[k], hits[r] = at[k];
-    }
-}
-
-template <int L>
-VOTESS_INLINE int touching_body(const CandidatePlanes& c, int count, const float* v, const std::int32_t* three,
-                                int begin) {
-    for (int i = begin / L * L; i < count; i += L) {
+    VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
+        double sum[box_fan] = {};
+        for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < box_fan; ++i) {
+                const double gap = gap_between(b.lower[k][i] - home.upper[k], home.lower[k] - b.upper[k][i]);
+                sum[i] += gap * gap;
+            }
         unsigned mask = 0;
-        for (int k = 0; k < L; ++k) {
-            const float gap = c.h[i + k] - c.nx[i + k] * v[0] - c.ny[i + k] * v[1] - c.nz[i + k] * v[2];
-            const std::int32_t id = c.id[i + k];
-            const bool other = (id != three[0]) & (id != three[1]) & (id != three[2]);
-            mask |= static_cast<unsigned>((gap <= v[3]) & other & (i + k >= begin)) << k;
+        for (int i = 0; i < box_fan; ++i) mask |= static_cast<unsigned>(sum[i] < distance_squared) << i;
+        return mask;
+    }
+
+    VOTESS_INLINE static unsigned inside_ball(const double* x, const double* y, const double* z, const GroupTest& t,
+                                              double least) {
+        unsigned mask = 0;
+        for (int i = 0; i < box_fan; ++i) {
+            const double nx = (x[i] - t.p[0]) * t.scale, ny = (y[i] - t.p[1]) * t.scale, nz = (z[i] - t.p[2]) * t.scale;
+            const double square = nx * nx + ny * ny + nz * nz;
+            const double excess = nx * t.v[0] + ny * t.v[1] + nz * t.v[2] - 0.5 * square;
+            // Not a number where the seed is padding, infinitely far away.
+            const double margin = excess + (relative_slack * square + t.slack);
+            mask |= static_cast<unsigned>((margin >= 0) & (square >= least)) << i;
         }
-        if (mask != 0) return i + std::countr_zero(mask);
+        return mask;
     }
-    return -1;
-}
 
-VOTESS_INLINE void rank_body(const std::int32_t* ids, int count, std::uint16_t* places) {
-    for (int i = 0; i < count; ++i) {
-        int smaller = 0;
-        for (int k = 0; k < count; ++k) smaller += ids[k] < ids[i] ? 1 : 0;
-        places[i] = static_cast<std::uint16_t>(smaller);
+    static int to_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                         std::int32_t* ids) {
+        constexpr double range = window_range;
+        int count = 0;
+        for (std::size_t g = 0; g < from.groups.size(); ++g) {
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
+            double sum[box_fan] = {};
+            std::int32_t at[3][box_fan];
+            for (int k = 0; k < 3; ++k) {
+                const double* x = from.seeds[k] + seed;
+                for (int i = 0; i < box_fan; ++i) {
+                    const double gap = gap_between(frame.home.lower[k] - x[i], x[i] - frame.home.upper[k]);
+                    sum[i] += gap * gap;
+                    double v = (x[i] - frame.origin[k]) * frame.scale;
+                    v = v > -range ? v : -range;
+                    v = v < range ? v : range;
+                    at[k][i] = static_cast<std::int32_t>(v + (v < 0 ? -0.5 : 0.5));
+                }
+            }
+            for (int i = 0; i < box_fan; ++i) {
+                for (int k = 0; k < 3; ++k) out[k][count] = at[k][i];
+                ids[count] = static_cast<std::int32_t>(seed) + i;
+                count += static_cast<int>(g < from.kept) | static_cast<int>(sum[i] < frame.distance_squared);
+            }
+        }
+        return count;
     }
-}
 
-inline constexpr StarKernels kernels_baseline{"baseline",     near_boxes_body,    inside_ball_body, to_window_body,
-                                              select_body<4>, first_hits_body<4>, touching_body<4>, rank_body};
+    static bool select(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
+                       float distance_squared, CandidatePlanes& c) {
+        int near = c.count, far = 0;
+        for (int i = 0; i < w.count; i += 4) {
+            const auto difference = [i](const std::int32_t* at, std::int32_t from) {
+                return __builtin_convertvector(load(at + i) - from, Float4);
+            };
+            const Float4 nx = difference(w.x, p[0]), ny = difference(w.y, p[1]), nz = difference(w.z, p[2]);
+            const Float4 d = nx * nx + ny * ny + nz * nz;
+            unsigned inside = mask_of(d < distance_squared);
+            if (inside == 0) continue;
+            const Float4 h = 0.5f * (w.weight == nullptr ? d : d + (weight - load(w.weight + i)));
+            const unsigned is_near = mask_of(d < near_squared);
+            if (near > CandidatePlanes::capacity - 4 || far > CandidatePlanes::capacity - 4) return false;
+            for (; inside != 0; inside &= inside - 1) {
+                const int k = std::countr_zero(inside);
+                const int one = static_cast<int>(is_near >> k & 1);
+                const int to = one != 0 ? near : far_begin + far;
+                c.nx[to] = nx[k];
+                c.ny[to] = ny[k];
+                c.nz[to] = nz[k];
+                c.h[to] = h[k];
+                c.id[to] = w.id[i + k];
+                near += one;
+                far += 1 - one;
+            }
+        }
+        return join(c, near, far);
+    }
+
+    VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
+        const float infinity = std::numeric_limits<float>::infinity();
+        for (int r = 0; r < 2; ++r) {
+            const auto& [o, d, s, least] = rays[r];
+            Float4 best = Float4{} + infinity;
+            Int4 at = Int4{} - 1, index{0, 1, 2, 3};
+            for (int i = 0; i < count; i += 4, index += 4) {
+                const Float4 nx = load(c.nx + i), ny = load(c.ny + i), nz = load(c.nz + i), h = load(c.h + i);
+                const Float4 leaving = nx * d[0] + ny * d[1] + nz * d[2];
+                const Float4 t = (h * s - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
+                const Int4 better = (leaving > least) & (t < best);
+                best = better ? t : best;
+                at = better ? index : at;
+            }
+            hits[r] = -1;
+            float nearest = infinity;
+            for (int k = 0; k < 4; ++k)
+                if (best[k] < nearest) nearest = best[k], hits[r] = at[k];
+        }
+    }
+
+    VOTESS_INLINE static int touching(const CandidatePlanes& c, int count, const float* v, const std::int32_t* three,
+                                      int begin) {
+        unsigned behind = ~0u << (begin % 4);
+        for (int i = begin / 4 * 4; i < count; i += 4, behind = ~0u) {
+            const Float4 gap = load(c.h + i) - load(c.nx + i) * v[0] - load(c.ny + i) * v[1] - load(c.nz + i) * v[2];
+            const Int4 id = load(c.id + i);
+            const Int4 other = (id != three[0]) & (id != three[1]) & (id != three[2]);
+            const unsigned mask = mask_of((gap <= v[3]) & other) & behind;
+            if (mask != 0) return i + std::countr_zero(mask);
+        }
+        return -1;
+    }
+
+    static void rank(const std::int32_t* ids, int count, std::uint16_t* places) {
+        for (int i = 0; i < count; ++i) {
+            int smaller = 0;
+            for (int k = 0; k < count; ++k) smaller += ids[k] < ids[i] ? 1 : 0;
+            places[i] = static_cast<std::uint16_t>(smaller);
+        }
+    }
+
+private:
+    // Between two intervals that are so far apart, where one of the two is positive.
+    VOTESS_INLINE static double gap_between(double below, double above) {
+        const double gap = below > above ? below : above;
+        return gap > 0 ? gap : 0;
+    }
+};
 
 }  // namespace votess::cpu
