@@ -134,31 +134,35 @@ bool StarWalk<Isa>::begin_anywhere() {
     begun_with_ = c.count;
     if (c.count == 0) return false;  // a periodic domain has no walls
     if (!weighted_) return begin_at_face(static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h));
-    by_distance_.clear();
-    for (int i = 0; i < c.count; ++i) {
-        const float square = c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i];
-        by_distance_.emplace_back(c.h[i] / std::sqrt(square), i);
-    }
-    const auto nearest = *std::ranges::min_element(by_distance_);
-    if (nearest.first < parallel * static_cast<float>(longest_)) return begin_outside();
-    return begin_at_face(nearest.second);
+    for (int i = 0; i < c.count; ++i)
+        distance_[i] = c.h[i] / std::sqrt(c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]);
+    const auto nearest = std::min_element(distance_.begin(), distance_.begin() + c.count);
+    if (*nearest < parallel * static_cast<float>(longest_)) return begin_outside();
+    return begin_at_face(static_cast<int>(nearest - distance_.begin()));
 }
 
-// The seed lies outside of its cell, or nearly: the clipper finds an edge, or that the cell is empty.
+// The seed lies outside of its cell, or nearly: the clipper finds an edge, or that the cell is empty. A few of the
+// nearest planes are enough to leave nothing; the order of the others does not matter.
 template <class Isa>
 bool StarWalk<Isa>::begin_outside() {
-    if (!have_walls_ && !add_walls()) return false;
-    std::ranges::sort(by_distance_);
+    constexpr int nearest_first = 8;
+    constexpr float taken = std::numeric_limits<float>::infinity();
     const auto own = static_cast<std::int32_t>(seed_);
     probe_.start(base_.point, *domain_, own);
-    for (const auto& [distance, i] : by_distance_) {
-        const std::int32_t id = candidates_.id[i];
-        if (id >= 0) probe_.clip(id, exact_plane(id));
+    const auto begin = distance_.begin(), end = begin + candidates_.count;
+    auto next = begin;
+    for (int tries = 0; tries < nearest_first || next != end; ++tries) {
+        const auto at = tries < nearest_first ? std::min_element(begin, end) : next++;
+        const std::int32_t id = candidates_.id[at - begin];
+        if (*at == taken || id < 0) continue;
+        *at = taken;
+        probe_.clip(id, exact_plane(id));
         if (probe_.empty()) {
             used_exact_ = probe_.used_exact();
             return empty_ = true;
         }
     }
+    if (!have_walls_ && !add_walls()) return false;
     for (int slot = 0; slot < probe_.slots(); ++slot) {
         if (!probe_.alive(slot)) continue;
         const auto planes = probe_.corner_planes(slot);
@@ -209,15 +213,20 @@ unsigned StarWalk<Isa>::find_inside(std::size_t begin, const GroupTest& test) co
 
 template <class Isa>
 unsigned StarWalk<Isa>::find_inside_weighted(std::size_t begin, const GroupTest& test) const {
-    unsigned inside = 0;
-    const std::size_t end = seeds_.group_end(begin);
-    for (std::size_t i = begin; i < end; ++i) {
-        const Wide n = (Wide{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0} - Wide{p_[0], p_[1], p_[2], 0}) * scale_;
-        const double square = dot(n, n), more = (weight_of(static_cast<std::int32_t>(i)) - weight_) * scale_ * scale_;
-        const double excess = n[0] * test.v[0] + n[1] * test.v[1] + n[2] * test.v[2] - 0.5 * (square - more);
-        const double slack = 8 * margin * (square + std::abs(more) + more_) + 4 * test.slack;
-        inside |= static_cast<unsigned>(excess + slack >= 0 && square >= covered_) << (i - begin);
+    double more[box_fan] = {}, excess[box_fan], square[box_fan];
+    const std::size_t count = seeds_.group_end(begin) - begin;
+    for (std::size_t i = 0; i < count; ++i)
+        more[i] = (weight_of(static_cast<std::int32_t>(begin + i)) - weight_) * scale_ * scale_;
+    const double *x = &seeds_.x[begin], *y = &seeds_.y[begin], *z = &seeds_.z[begin];
+    for (int i = 0; i < box_fan; ++i) {
+        const double nx = (x[i] - p_[0]) * scale_, ny = (y[i] - p_[1]) * scale_, nz = (z[i] - p_[2]) * scale_;
+        square[i] = nx * nx + ny * ny + nz * nz;
+        const double slack = 8 * margin * (square[i] + std::abs(more[i]) + more_) + 4 * test.slack;
+        excess[i] = nx * test.v[0] + ny * test.v[1] + nz * test.v[2] - 0.5 * (square[i] - more[i]) + slack;
     }
+    unsigned inside = 0;
+    // Not a number where the seed is padding, infinitely far away.
+    for (int i = 0; i < box_fan; ++i) inside |= static_cast<unsigned>((excess[i] >= 0) & (square[i] >= covered_)) << i;
     return inside;
 }
 

@@ -111,8 +111,11 @@ bool StarWalk<Isa>::complete() {
         aim(edges[1], rays[1]);
         int hits[2];
         Isa::first_hits(candidates_, candidates_.near, rays, hits);
-        for (int k = 0; k < 2; ++k)
-            if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k]) && !begin_again()) return found_empty();
+        for (int k = 0; k < 2; ++k) {
+            if (!is_open(edges[k]) || close<Keep>(edges[k], rays[k], hits[k])) continue;
+            if (!begin_again()) return found_empty();
+            break;
+        }
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;

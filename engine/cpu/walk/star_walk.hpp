@@ -302,8 +302,8 @@ private:
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::most_nodes> nodes_;
-    Cell probe_;  // of a seed outside of its cell
-    std::vector<std::pair<float, std::int32_t>> by_distance_;
+    Cell probe_;                                               // of a seed outside of its cell
+    std::array<float, CandidatePlanes::capacity> distance_{};  // of the candidates of a power diagram from the seed
 
     // For measure() and polygons().
     alignas(64) std::array<Four, most_vertices> position_{};
