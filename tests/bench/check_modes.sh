@@ -13,16 +13,16 @@ random.seed(1)
 for i in range(1000):
     print(i, random.gauss(-50, 3), random.gauss(7, 3), random.random(), "# a point" if i % 9 == 0 else "")' >points.txt
 
-# Every goal is judged, and a program that is missing is named rather than passed over.
-"$bench" --goals --n 1000,2000 --repeats 1 --file points.txt --json goals.json | tee goals.txt
-[[ $(grep -c '>=\|<=' goals.txt) -eq 12 ]]
-grep -q '^[0-9]* of 12 goals met$' goals.txt
+# Every goal is judged, answers agree, and a program that is missing is named rather than passed over.
+"$bench" --goals --n 1000,2000 --repeats 1 --check --file points.txt --json goals.json | tee goals.txt
+[[ $(grep -c '>=\|<=' goals.txt) -eq 23 ]]
+grep -q '^[0-9]* of 23 goals met$' goals.txt
 status=0
 "$bench" --goals --n 200 --repeats 1 --peers qhull --strict >strict.txt || status=$?
 [[ $status -eq 1 ]]
-grep -q 'Voro++ / votess .* not measured' strict.txt
+grep -q 'periodic .* voro++ / votess .* not measured' strict.txt
 
-"$bench" --memory --n 1000 --json memory.json
+"$bench" --memory --n 1000 --input uniform,radii,heavy --json memory.json
 "$bench" --file points.txt --want full --repeats 2 --at-least 0.01 --check --json file.json
 
 "$python" - <<'END'
@@ -33,9 +33,10 @@ def read(name):
         return json.load(file)
 
 goals = read("goals.json")
-assert len(goals["goals"]) == 12 and goals["measurements"] and goals["machine"]["date"], goals
+assert len(goals["goals"]) == 23 and goals["measurements"] and goals["machine"]["date"], goals
 memory = read("memory.json")["memory"]
 assert memory and all(row["n"] == 1000 and row["bytes_per_point"] >= 0 for row in memory), memory
+assert {row["peer"] for row in memory if row["input"] == "heavy"} == {"votess"}, memory
 for m in read("file.json")["measurements"]:
     assert m["input"] == "file:points" and m["n"] == 1000 and len(m["seconds"]) >= 2, m
 END

@@ -49,6 +49,7 @@ struct Settings {
     std::vector<unsigned> threads{1, 0};
     std::vector<std::string> peers;
     std::vector<std::string> devices;
+    std::vector<std::string> instructions;
     std::vector<std::string> kernels;
     std::vector<unsigned> local_sizes;
     Repeats repeats;
@@ -104,7 +105,7 @@ Peers all_peers() {
     return peers;
 }
 
-// votess first, on the CPU, then on devices.
+// votess first, on the CPU, then with the instructions that are asked for, then on devices.
 Peers chosen_peers(const Settings& settings) {
     Peers peers;
     for (auto& peer : all_peers()) {
@@ -113,6 +114,9 @@ Peers chosen_peers(const Settings& settings) {
             peers.push_back(std::move(peer));
         }
         if (peers.size() == 1) {
+            for (const std::string& instructions : settings.instructions) {
+                peers.push_back(make_votess(instructions));
+            }
             for (const std::string& device : settings.devices) {
                 peers.push_back(make_votess_on(device));
             }
@@ -123,7 +127,7 @@ Peers chosen_peers(const Settings& settings) {
 
 int run_comparison(const Settings& settings, const Peers& peers, const std::vector<PeerVersion>& versions) {
     std::vector<Measurement> measurements;
-    Timekeeper timekeeper(settings.repeats);
+    Timekeeper timekeeper;
     int complaints = 0;
     for (const std::string& name : settings.inputs) {
         for (const std::size_t n : is_file(name) ? std::vector<std::size_t>{0} : settings.sizes) {
@@ -133,11 +137,11 @@ int run_comparison(const Settings& settings, const Peers& peers, const std::vect
                 std::vector<Contestant> contestants;
                 for (const auto& peer : peers) {
                     for (const unsigned threads :
-                         peer->can(want) ? peer->threads(settings.threads) : std::vector<unsigned>{}) {
+                         peer->can(input, want) ? peer->threads(settings.threads) : std::vector<unsigned>{}) {
                         contestants.push_back({peer.get(), &input, want, threads});
                     }
                 }
-                const auto group = timekeeper.measure(contestants);
+                const auto group = timekeeper.measure(contestants, settings.repeats);
                 print_table(group);
                 std::fflush(stdout);
                 complaints += settings.check ? check(group) : 0;
@@ -183,16 +187,20 @@ int run_goals(const Settings& s, const Peers& peers, const std::vector<PeerVersi
     }
     goals.file = s.inputs.empty() ? "" : s.inputs.front();
     goals.repeats = s.repeats;
-    goals.repeats.count = s.repeat_count > 0 ? s.repeat_count : goals.repeats.count;
+    goals.repeats.count = s.repeat_count;
     goals.rng_seed = s.rng_seed;
     goals.json = s.json;
     goals.strict = s.strict;
+    goals.check = s.check;
     return run_goals(goals, peers, versions);
 }
 
 int run(Settings s) {
     if (s.mode == Mode::gpu_table) {
         return run_gpu_table(s);
+    }
+    if (s.mode == Mode::goals) {
+        s.instructions = Goals::instructions();
     }
     const Peers peers = chosen_peers(s);
     print_machine();
@@ -240,6 +248,9 @@ int main(int argc, char** argv) try {
         app.add_option("--peers", s.peers, "besides votess; default: all found")->check(CLI::IsMember(peer_names));
     auto* devices =
         app.add_option("-x,--device", s.devices, "votess on these Vulkan devices too: gpu, lavapipe or an index");
+    auto* instructions =
+        app.add_option("--instructions", s.instructions, "votess with these too: baseline, avx2, avx512")
+            ->check(CLI::IsMember({"baseline", "avx2", "avx512"}));
     auto* kernels =
         app.add_option("--kernel", s.kernels, "--gpu-table: automatic, invocation, subgroup; default the two")
             ->check(CLI::IsMember({"automatic", "invocation", "subgroup"}));
@@ -248,7 +259,8 @@ int main(int argc, char** argv) try {
             ->check(CLI::IsMember({8, 16, 32, 64, 128, 256, 512, 1024}));
     app.option_defaults()->delimiter('\0');
 
-    app.add_option("--repeats", s.repeat_count, "runs of each; default 5")->check(CLI::Range(1, 1000));
+    app.add_option("--repeats", s.repeat_count, "runs of each; default 5; of large inputs of --goals 3")
+        ->check(CLI::Range(1, 1000));
     app.add_option("--at-least", s.repeats.at_least, "more runs until those of one took so many seconds together");
     app.add_option("--patience", s.repeats.patience, "no more runs once those of one took so many seconds together")
         ->capture_default_str();
@@ -266,7 +278,8 @@ int main(int argc, char** argv) try {
         mode("--quick", Mode::quick, "2e4 seeds, neighbors and full, 3 repeats: under a minute"),
         mode("--sweep", Mode::sweep, "1e3 to 1e6 seeds, neighbors and full, for figure.py; some 15 minutes"),
         mode("--goals", Mode::goals,
-             "the speeds that votess sets out to reach, a line each; --n A,B tries it out with other numbers of seeds"),
+             "the speeds that votess sets out to reach, a line each; --n A,B tries it out with other numbers of "
+             "seeds; some 5 minutes"),
         mode("--memory", Mode::memory, "peak of resident memory a point, each program in a process of its own"),
         mode("--gpu-table", Mode::gpu_table,
              "votess alone on one device, default gpu: 1e4 to 1e7 seeds, uniform, clustered and lattice; without "
@@ -277,10 +290,10 @@ int main(int argc, char** argv) try {
             one != other ? one->excludes(other) : nullptr;
         }
     }
-    gpu_table->excludes(peers)->excludes(check);
+    gpu_table->excludes(peers)->excludes(instructions)->excludes(check);
     kernels->needs(gpu_table);
     local_sizes->needs(gpu_table);
-    goals->excludes(devices)->excludes(check);
+    goals->excludes(devices)->excludes(instructions);
     memory->excludes(devices)->excludes(check);
     app.add_flag("--strict", s.strict, "--goals: exit 1 unless all are met")->needs(goals);
     app.add_option("--check-limit", s.check_limit, "--gpu-table: compare with the CPU up to so many seeds; default 1e5")

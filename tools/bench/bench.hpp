@@ -1,6 +1,7 @@
 // Benchmark of votess against its peers: what an input and a peer are.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -17,10 +18,21 @@ namespace bench {
 struct Input {
     std::string name;
     std::vector<double> points;  // x0 y0 z0 x1 ...
-    votess::Box box;
+    votess::Box box;             // of a triclinic domain the bounds
+    // As in votess::Options. A triclinic cell is periodic, begins at the origin, and has a along x and b in the plane
+    // of x and y, since Voro++ takes no other.
+    std::array<bool, 3> periodic{};
+    std::optional<votess::TriclinicBox> cell = std::nullopt;
+    std::vector<double> weights{}, radii{};
     // Sum of the lengths of the neighbor lists, where it is known: what ties must not change.
     std::optional<std::uint64_t> links = std::nullopt;
     [[nodiscard]] std::size_t size() const { return points.size() / 3; }
+    // The Voronoi diagram in a box with walls, which every peer can do.
+    [[nodiscard]] bool plain() const;
+    [[nodiscard]] std::array<double, 3> lengths() const;  // of the domain along the axes, tilts left out
+    [[nodiscard]] double volume() const;                  // of the domain
+    // The domain and the weights, which stay those of the input.
+    [[nodiscard]] votess::Options options() const;
 };
 
 // The inputs that make_input makes by itself.
@@ -53,7 +65,7 @@ public:
     virtual ~Peer() = default;
     [[nodiscard]] virtual std::string name() const = 0;
     [[nodiscard]] virtual std::string version() const = 0;
-    [[nodiscard]] virtual bool can(Want want) const = 0;
+    [[nodiscard]] virtual bool can(const Input& input, Want want) const = 0;
     // Numbers of threads to measure with, of those asked for.
     [[nodiscard]] virtual std::vector<unsigned> threads(const std::vector<unsigned>&) const { return {1}; }
     // Whether the diagram ends at the box. Others report the unbounded diagram, which has more neighbors at the rim.
@@ -65,7 +77,8 @@ public:
     [[nodiscard]] virtual Answer run(const Input& input, Want want, unsigned threads) const = 0;
 };
 
-std::unique_ptr<Peer> make_votess();
+// votess on the CPU. With instructions, named as in votess::Options, it is a peer of its own, such as votess/avx2.
+std::unique_ptr<Peer> make_votess(const std::string& instructions = "");
 // votess on a Vulkan device, named as in votess::Options. Throws votess::Error when the device cannot be had.
 std::unique_ptr<Peer> make_votess_on(const std::string& device);
 std::unique_ptr<Peer> make_voropp();

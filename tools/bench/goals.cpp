@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <list>
+#include <optional>
 #include <thread>
 
 #include "system/machine.hpp"
@@ -10,35 +10,55 @@
 namespace bench {
 namespace {
 
-// The time per cell of one contestant divided by that of another, both given by their place in the round.
-struct Goal {
-    std::string text;
-    std::size_t dividend, divisor;
-    double bound;
-    bool at_least;
+std::string size_of(const Input& input) {
+    return input.name + ' ' + short_number(input.size());
+}
+
+// A contestant, as goals name it.
+struct Player {
+    std::string name;
+    const Input* input;
+    Want want;
+    std::optional<std::size_t> place;  // among the measurements of the round; none when something is missing
 };
 
-constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+// The time per cell of one player divided by that of another.
+struct Goal {
+    Player dividend, divisor;
+    double bound;
+    bool at_least;
 
-// Contestants that take turns, and the goals among them.
+    [[nodiscard]] std::string text() const {
+        const std::string tail = ", " + std::string(name_of(dividend.want));
+        if (dividend.input != divisor.input) {
+            return size_of(*dividend.input) + " / " + size_of(*divisor.input) + tail;
+        }
+        return size_of(*dividend.input) + tail + ": " + dividend.name + " / " + divisor.name;
+    }
+};
+
+// Contestants that take turns, and the goals among them. The inputs outlive it.
 class Round {
 public:
     explicit Round(const Peers& peers) : peers_(peers) {}
 
-    // The place of a new contestant, or nobody when there is no such peer.
-    std::size_t add(std::string_view name, const Input& input, Want want, unsigned threads = 1) {
-        const auto peer = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->name() == name; });
-        if (peer == peers_.end()) {
-            return nobody;
+    Player add(const std::string& name, const Input& input, Want want, unsigned threads = 1) {
+        Player player{name, &input, want, {}};
+        if (threads > 1) {
+            player.name += " on " + std::to_string(threads) + " threads";
         }
-        contestants_.push_back({peer->get(), &input, want, threads});
-        return contestants_.size() - 1;
+        const auto peer = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->name() == name; });
+        if (peer != peers_.end() && threads <= std::max(1U, std::thread::hardware_concurrency())) {
+            player.place = contestants_.size();
+            contestants_.push_back({peer->get(), &input, want, threads});
+        }
+        return player;
     }
-    void at_least(double bound, const std::string& text, std::size_t dividend, std::size_t divisor) {
-        goals_.push_back({text, dividend, divisor, bound, true});
+    void at_least(double bound, const Player& dividend, const Player& divisor) {
+        goals_.push_back({dividend, divisor, bound, true});
     }
-    void at_most(double bound, const std::string& text, std::size_t dividend, std::size_t divisor) {
-        goals_.push_back({text, dividend, divisor, bound, false});
+    void at_most(double bound, const Player& dividend, const Player& divisor) {
+        goals_.push_back({dividend, divisor, bound, false});
     }
     [[nodiscard]] const std::vector<Contestant>& contestants() const { return contestants_; }
     [[nodiscard]] const std::vector<Goal>& goals() const { return goals_; }
@@ -49,137 +69,155 @@ private:
     std::vector<Goal> goals_;
 };
 
-std::string task(const Input& input, Want want) {
-    return input.name + ' ' + short_number(input.size()) + ", " + std::string(name_of(want));
-}
-
 std::string microseconds(const Measurement& m) {
     char text[32];
     std::snprintf(text, sizeof text, "%.3g us", 1e6 * m.seconds_per_cell());
     return text;
 }
 
+// Empty when both were measured.
+std::string what_is_missing(const Goal& goal, const std::vector<Measurement>& group) {
+    for (const Player& player : {goal.dividend, goal.divisor}) {
+        if (!player.place) {
+            return "not measured: a program or a second core is missing";
+        }
+        if (group[*player.place].seconds.empty()) {
+            return "not measured: " + player.name + ' ' + group[*player.place].note;
+        }
+    }
+    return "";
+}
+
 // Measures the rounds one after the other and keeps what came of them.
 class Scoreboard {
 public:
-    explicit Scoreboard(const Repeats& repeats) : timekeeper_(repeats) {
-        std::printf("\nTime per cell of the first divided by that of the second, medians.\n%-52s %7s  %-8s\n", "",
+    explicit Scoreboard(bool checks) : checks_(checks) {
+        std::printf("\nTime per cell of the first divided by that of the second, medians.\n%-56s %7s  %-8s\n", "",
                     "ratio", "goal");
         std::fflush(stdout);
     }
 
-    void play(const Round& round) {
-        const auto group = timekeeper_.measure(round.contestants());
+    void play(const Round& round, const Repeats& repeats) {
+        const auto group = timekeeper_.measure(round.contestants(), repeats);
         for (const Goal& goal : round.goals()) {
             judge(goal, group);
         }
         std::fflush(stdout);
+        complaints_ += checks_ ? check(group) : 0;
         measurements_.insert(measurements_.end(), group.begin(), group.end());
     }
 
     [[nodiscard]] int met() const { return met_; }
     [[nodiscard]] int count() const { return static_cast<int>(lines_.items.size()); }
+    [[nodiscard]] int complaints() const { return complaints_; }
     [[nodiscard]] std::vector<Section> sections() const { return {lines_, section_of(measurements_)}; }
 
 private:
     void judge(const Goal& goal, const std::vector<Measurement>& group) {
-        const std::string bound = std::to_string(goal.bound).substr(0, goal.bound < 1 ? 4 : 3);
-        std::printf("%-52s ", goal.text.c_str());
-        std::string line = "{\"goal\": " + in_quotes(goal.text) + ", \"at_" + (goal.at_least ? "least" : "most") +
+        char bound[32];
+        std::snprintf(bound, sizeof bound, "%g", goal.bound);
+        const char* sign = goal.at_least ? ">=" : "<=";
+        std::printf("%-56s ", goal.text().c_str());
+        std::string line = "{\"goal\": " + in_quotes(goal.text()) + ", \"at_" + (goal.at_least ? "least" : "most") +
                            "\": " + bound + ", ";
-        std::string missing;
-        for (const std::size_t place : {goal.dividend, goal.divisor}) {
-            if (place == nobody) {
-                missing = "not measured: a program or a second core is missing";
-            } else if (group[place].seconds.empty()) {
-                missing = "not measured: " + group[place].peer + ' ' + group[place].note;
-            }
-        }
+        const std::string missing = what_is_missing(goal, group);
         if (!missing.empty()) {
-            std::printf("%7s  %s %-5s %s\n", "-", goal.at_least ? ">=" : "<=", bound.c_str(), missing.c_str());
+            std::printf("%7s  %s %-5s %s\n", "-", sign, bound, missing.c_str());
             lines_.items.push_back(line + "\"met\": false, \"note\": " + in_quotes(missing) + '}');
             return;
         }
-        const Measurement &a = group[goal.dividend], &b = group[goal.divisor];
+        const Measurement &a = group[*goal.dividend.place], &b = group[*goal.divisor.place];
         const double ratio = a.seconds_per_cell() / b.seconds_per_cell();
         const bool met = goal.at_least ? ratio >= goal.bound : ratio <= goal.bound;
         met_ += met ? 1 : 0;
-        std::printf("%7.2f  %s %-5s %-6s  %s : %s\n", ratio, goal.at_least ? ">=" : "<=", bound.c_str(),
-                    met ? "met" : "MISSED", microseconds(a).c_str(), microseconds(b).c_str());
+        std::printf("%7.2f  %s %-5s %-6s  %s : %s\n", ratio, sign, bound, met ? "met" : "MISSED",
+                    microseconds(a).c_str(), microseconds(b).c_str());
         lines_.items.push_back(line + "\"ratio\": " + std::to_string(ratio) + ", \"met\": " + (met ? "true" : "false") +
                                '}');
     }
 
+    bool checks_;
     Timekeeper timekeeper_;
     std::vector<Measurement> measurements_;
     Section lines_{"goals", {}};
-    int met_ = 0;
+    int met_ = 0, complaints_ = 0;
 };
+
+// A peer needs at least so many times the time of votess.
+Round duel(const Peers& peers, double bound, const std::string& peer, const Input& input, Want want) {
+    Round round(peers);
+    const Player votess = round.add("votess", input, want);
+    round.at_least(bound, round.add(peer, input, want), votess);
+    return round;
+}
+
+// Neighbors of uniform seeds: the sets of instructions, each by itself, and CGAL. Returns votess as it runs by default.
+Player add_uniform(Round& round, const Input& uniform) {
+    const auto add = [&](const char* name) { return round.add(name, uniform, Want::neighbors); };
+    const Player votess = add("votess"), voropp = add("voro++");
+    const Player baseline = add("votess/baseline"), avx2 = add("votess/avx2"), avx512 = add("votess/avx512");
+    round.at_least(7, voropp, avx2);
+    round.at_least(11, voropp, avx512);
+    round.at_most(1.3, avx2, avx512);
+    round.at_most(2, baseline, avx2);
+    round.at_least(4.5, add("cgal"), votess);
+    return votess;
+}
 
 }  // namespace
 
 int run_goals(const Goals& goals, const Peers& peers, const std::vector<PeerVersion>& versions) {
     const auto input = [&](std::string_view name, std::size_t n) { return make_input(name, n, goals.rng_seed); };
-    Scoreboard scoreboard(goals.repeats);
+    Repeats often = goals.repeats, seldom = goals.repeats;
+    if (goals.repeats.count == 0) {
+        often.count = 5;
+        seldom.count = 3;
+    }
+    Scoreboard scoreboard(goals.check);
     {
-        const Input uniform = input("uniform", goals.small);
-        std::list<Input> others;  // stay where they are
-        for (const char* lattice : {"lattice", "bcc"}) {
-            others.push_back(input(lattice, goals.small));
-        }
+        const Input uniform = input("uniform", goals.small), lattice = input("lattice", goals.small),
+                    bcc = input("bcc", goals.small);
+        const Input file = goals.file.empty() ? Input{} : input(goals.file, 0);
         Round round(peers);
-        const std::size_t votess = round.add("votess", uniform, Want::neighbors);
-        const std::string of = task(uniform, Want::neighbors);
-        round.at_least(8, of + ": Voro++ / votess", round.add("voro++", uniform, Want::neighbors), votess);
-        round.at_least(4.5, of + ": CGAL / votess", round.add("cgal", uniform, Want::neighbors), votess);
-        for (const Input& lattice : others) {
-            round.at_least(0.25, of + " / " + lattice.name, votess, round.add("votess", lattice, Want::neighbors));
+        const Player votess = add_uniform(round, uniform);
+        for (const Input* ties : {&lattice, &bcc}) {
+            round.at_least(0.25, votess, round.add("votess", *ties, Want::neighbors));
         }
         if (!goals.file.empty()) {
-            others.push_back(input(goals.file, 0));
-            round.at_most(1.6, others.back().name + " / " + of, round.add("votess", others.back(), Want::neighbors),
-                          votess);
+            round.at_most(1.4, round.add("votess", file, Want::neighbors), votess);
         }
-        scoreboard.play(round);
-
-        Round full(peers);
-        const std::size_t votess_full = full.add("votess", uniform, Want::full);
-        full.at_least(7, task(uniform, Want::full) + ": Voro++ / votess", full.add("voro++", uniform, Want::full),
-                      votess_full);
-        scoreboard.play(full);
+        scoreboard.play(round, often);
+        scoreboard.play(duel(peers, 7, "voro++", uniform, Want::full), often);
     }
+    scoreboard.play(duel(peers, 7, "voro++", input("periodic", goals.small), Want::neighbors), often);
+    scoreboard.play(duel(peers, 6, "voro++", input("triclinic", goals.small), Want::neighbors), often);
+    scoreboard.play(
+        duel(peers, 5, "qhull", input("sphere", std::max<std::size_t>(goals.small / 20, 20)), Want::neighbors), often);
     {
-        const Input sphere = input("sphere", std::max<std::size_t>(goals.small / 5, 20));
+        const Input radii = input("radii", goals.small), heavy = input("heavy", goals.small),
+                    fewer = input("heavy", std::max<std::size_t>(goals.small / 5, 20));
         Round round(peers);
-        const std::size_t votess = round.add("votess", sphere, Want::neighbors);
-        round.at_least(5, task(sphere, Want::neighbors) + ": Qhull / votess",
-                       round.add("qhull", sphere, Want::neighbors), votess);
-        scoreboard.play(round);
+        const Player votess = round.add("votess", radii, Want::neighbors);
+        round.at_least(6, round.add("voro++", radii, Want::neighbors), votess);
+        const Player votess_heavy = round.add("votess", heavy, Want::neighbors);
+        round.at_most(3, votess_heavy, votess);
+        round.at_most(1.3, votess_heavy, round.add("votess", fewer, Want::neighbors));
+        scoreboard.play(round, often);
     }
     {
         const Input uniform = input("uniform", goals.large), clustered = input("clustered", goals.large);
         Round round(peers);
-        const std::size_t votess = round.add("votess", uniform, Want::neighbors);
-        const std::string of = task(uniform, Want::neighbors);
-        const bool cores = std::thread::hardware_concurrency() > 1;
-        round.at_least(8, of + ": Voro++ / votess", round.add("voro++", uniform, Want::neighbors), votess);
-        round.at_least(4.5, of + ": CGAL / votess", round.add("cgal", uniform, Want::neighbors), votess);
-        round.at_least(1.9, of + ": one thread / two", votess,
-                       cores ? round.add("votess", uniform, Want::neighbors, 2) : nobody);
-        round.at_most(1.4, "clustered / " + of, round.add("votess", clustered, Want::neighbors), votess);
-        scoreboard.play(round);
-
-        Round full(peers);
-        const std::size_t votess_full = full.add("votess", uniform, Want::full);
-        full.at_least(7, task(uniform, Want::full) + ": Voro++ / votess", full.add("voro++", uniform, Want::full),
-                      votess_full);
-        scoreboard.play(full);
+        const Player votess = add_uniform(round, uniform);
+        round.at_least(1.9, votess, round.add("votess", uniform, Want::neighbors, 2));
+        round.at_most(1.25, round.add("votess", clustered, Want::neighbors), votess);
+        scoreboard.play(round, seldom);
+        scoreboard.play(duel(peers, 7, "voro++", uniform, Want::full), seldom);
     }
     std::printf("%d of %d goals met\n", scoreboard.met(), scoreboard.count());
     if (!goals.json.empty()) {
         write_json(goals.json, versions, scoreboard.sections());
     }
-    return goals.strict && scoreboard.met() < scoreboard.count() ? 1 : 0;
+    return scoreboard.complaints() > 0 || (goals.strict && scoreboard.met() < scoreboard.count()) ? 1 : 0;
 }
 
 }  // namespace bench

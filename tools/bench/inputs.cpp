@@ -38,6 +38,51 @@ Input uniform(std::size_t n, Random& random) {
     return input;
 }
 
+Input periodic(std::size_t n, Random& random) {
+    Input input = uniform(n, random);
+    input.name = "periodic";
+    input.periodic = {true, true, true};
+    return input;
+}
+
+Input triclinic(std::size_t n, Random& random) {
+    Input input = uniform(n, random);
+    input.name = "triclinic";
+    const double tilt_xy = 0.4, tilt_xz = -0.3, tilt_yz = 0.2;
+    input.cell = {.a = {1, 0, 0}, .b = {tilt_xy, 1, 0}, .c = {tilt_xz, tilt_yz, 1}};
+    input.box = {{tilt_xz, 0, 0}, {1 + tilt_xy, 1 + tilt_yz, 1}};
+    for (std::size_t i = 0; i < n; ++i) {
+        double* p = &input.points[3 * i];
+        p[0] += tilt_xy * p[1] + tilt_xz * p[2];
+        p[1] += tilt_yz * p[2];
+    }
+    return input;
+}
+
+// A power diagram of spheres that overlap some of their neighbors: the largest radius is 0.74 of the mean spacing.
+Input radii(std::size_t n, Random& random) {
+    Input input = uniform(n, random);
+    input.name = "radii";
+    const double largest = 0.02 * std::cbrt(5e4 / static_cast<double>(n));
+    input.radii.resize(n);
+    for (double& radius : input.radii) {
+        radius = largest * random.uniform();
+    }
+    return input;
+}
+
+// A power diagram whose weights exceed the square of the spacing by far: most seeds have no cell, and those that have
+// one may lie outside of it.
+Input heavy(std::size_t n, Random& random) {
+    Input input = uniform(n, random);
+    input.name = "heavy";
+    input.weights.resize(n);
+    for (double& weight : input.weights) {
+        weight = random.uniform();
+    }
+    return input;
+}
+
 // 50 normal clusters in the unit box, sigma from 0.01 to 0.05; what falls outside comes back in on the other side.
 Input clustered(std::size_t n, Random& random) {
     struct Cluster {
@@ -133,8 +178,17 @@ struct Maker {
     const char* name;
     Input (*make)(std::size_t n, Random& random);
 };
-constexpr Maker makers[] = {{"uniform", uniform}, {"clustered", clustered}, {"lattice", cubic}, {"bcc", bcc},
-                            {"fcc", fcc},         {"jittered", jittered},   {"sphere", sphere}};
+constexpr Maker makers[] = {{"uniform", uniform},
+                            {"clustered", clustered},
+                            {"lattice", cubic},
+                            {"bcc", bcc},
+                            {"fcc", fcc},
+                            {"jittered", jittered},
+                            {"sphere", sphere},
+                            {"periodic", periodic},
+                            {"triclinic", triclinic},
+                            {"radii", radii},
+                            {"heavy", heavy}};
 constexpr std::string_view file_prefix = "file:";
 
 // The numbers of a line, without its comment; what is no number throws.
@@ -178,6 +232,35 @@ votess::Box box_around(const std::vector<double>& points) {
 }
 
 }  // namespace
+
+bool Input::plain() const {
+    return periodic == std::array{false, false, false} && !cell && weights.empty() && radii.empty();
+}
+
+std::array<double, 3> Input::lengths() const {
+    if (cell) {
+        return {cell->a[0], cell->b[1], cell->c[2]};
+    }
+    return {box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]};
+}
+
+double Input::volume() const {
+    const auto [x, y, z] = lengths();
+    return x * y * z;
+}
+
+votess::Options Input::options() const {
+    votess::Options options;
+    if (cell) {
+        options.cell = cell;
+    } else {
+        options.box = box;
+        options.periodic = periodic;
+    }
+    options.weights = weights;
+    options.radii = radii;
+    return options;
+}
 
 const std::vector<std::string>& input_names() {
     static const std::vector<std::string> names = [] {

@@ -42,22 +42,21 @@ struct Measurement {
     [[nodiscard]] double seconds_per_cell() const;  // of the median
 };
 
+bool same_task(const Measurement& a, const Measurement& b);
 double median(std::vector<double> values);
 
 // Remembers how slow each contestant was on smaller inputs.
 class Timekeeper {
 public:
-    explicit Timekeeper(const Repeats& repeats) : repeats_(repeats) {}
     // One measurement a contestant, in their order.
-    std::vector<Measurement> measure(const std::vector<Contestant>& contestants);
+    std::vector<Measurement> measure(const std::vector<Contestant>& contestants, const Repeats& repeats);
 
 private:
-    Repeats repeats_;
     std::map<std::string, double> paces_;  // the slowest so far, seconds per point
 };
 
-// What must agree whatever the speed, among contestants on one input, votess first. Complains on stderr; returns how
-// often.
+// What must agree whatever the speed, each with the first votess of the group on the same input. Complains on stderr;
+// returns how often.
 int check(const std::vector<Measurement>& group);
 
 // The fields of StageSeconds but the total, in their order.

@@ -12,10 +12,6 @@
 namespace bench {
 namespace {
 
-bool same_task(const Measurement& a, const Measurement& b) {
-    return a.input == b.input && a.n == b.n && a.want == b.want;
-}
-
 std::string measurement_json(const Measurement& m, const std::vector<Measurement>& all) {
     std::ostringstream out;
     out << std::setprecision(std::numeric_limits<double>::max_digits10);
@@ -167,9 +163,10 @@ void print_ratios(const std::vector<Measurement>& measurements) {
     if (peers.empty()) {
         return;
     }
+    const auto width_of = [](const std::string& peer) { return std::max(8, static_cast<int>(peer.size())); };
     std::printf("\n%-44s", "votess on one thread: times as fast as");
     for (const std::string& peer : peers) {
-        std::printf(" %8s", peer.c_str());
+        std::printf(" %*s", width_of(peer), peer.c_str());
     }
     std::printf("\n");
     for (const Measurement& mine : measurements) {
@@ -183,9 +180,9 @@ void print_ratios(const std::vector<Measurement>& measurements) {
                 return m.peer == peer && same_task(m, mine) && !m.seconds.empty();
             });
             if (theirs == measurements.end()) {
-                std::printf(" %8s", "-");
+                std::printf(" %*s", width_of(peer), "-");
             } else {
-                std::printf(" %8.2f", theirs->seconds_per_cell() / mine.seconds_per_cell());
+                std::printf(" %*.2f", width_of(peer), theirs->seconds_per_cell() / mine.seconds_per_cell());
             }
         }
         std::printf("\n");

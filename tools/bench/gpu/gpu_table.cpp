@@ -63,8 +63,7 @@ bool is_full_of_ties(const std::string& input) {
 }
 
 votess::Options options_for(const GpuTable& table, const Input& input, Want want, const std::string& device) {
-    votess::Options options;
-    options.box = input.box;
+    votess::Options options = input.options();
     options.device = device;
     options.threads = table.threads;
     options.want.neighbors = true;
@@ -443,7 +442,8 @@ int run_gpu_table(const GpuTable& table) {
         for (const Input& input : inputs) measure_engine(report, table, input, paces);
 #if BENCH_FRAMES
         print_frames_head();
-        for (const Input& input : inputs) measure_frames(report, table, frames, input, paces);
+        for (const Input& input : inputs)
+            if (input.plain()) measure_frames(report, table, frames, input, paces);
 #endif
     }
     print_best(report.rows);

@@ -20,7 +20,9 @@ class Cgal final : public Peer {
 public:
     [[nodiscard]] std::string name() const override { return "cgal"; }
     [[nodiscard]] std::string version() const override { return CGAL_STR(CGAL_VERSION); }
-    [[nodiscard]] bool can(Want want) const override { return want == Want::neighbors; }
+    [[nodiscard]] bool can(const Input& input, Want want) const override {
+        return input.plain() && want == Want::neighbors;
+    }
     [[nodiscard]] bool bounded() const override { return false; }
 
     [[nodiscard]] Answer run(const Input& input, Want, unsigned) const override {

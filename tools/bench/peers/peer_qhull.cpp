@@ -38,7 +38,9 @@ class Qhull final : public Peer {
 public:
     [[nodiscard]] std::string name() const override { return "qhull"; }
     [[nodiscard]] std::string version() const override { return qh_version2; }
-    [[nodiscard]] bool can(Want want) const override { return want == Want::neighbors; }
+    [[nodiscard]] bool can(const Input& input, Want want) const override {
+        return input.plain() && want == Want::neighbors;
+    }
     [[nodiscard]] bool bounded() const override { return false; }
 
     [[nodiscard]] Answer run(const Input& input, Want, unsigned) const override {

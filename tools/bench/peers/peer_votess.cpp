@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "bench.hpp"
 
@@ -7,8 +8,7 @@ namespace bench {
 namespace {
 
 votess::Options options_for(const Input& input, Want want, unsigned threads, const std::string& device) {
-    votess::Options options;
-    options.box = input.box;
+    votess::Options options = input.options();
     options.device = device;
     options.threads = threads;
     options.want.neighbors = true;
@@ -27,18 +27,25 @@ Answer answer_of(const votess::Tessellation& t, double seconds) {
 
 class Votess final : public Peer {
 public:
-    [[nodiscard]] std::string name() const override { return "votess"; }
+    explicit Votess(std::string instructions) : instructions_(std::move(instructions)) {}
+    [[nodiscard]] std::string name() const override {
+        return instructions_.empty() ? "votess" : "votess/" + instructions_;
+    }
     [[nodiscard]] std::string version() const override { return VOTESS_VERSION_STRING; }
-    [[nodiscard]] bool can(Want) const override { return true; }
+    [[nodiscard]] bool can(const Input&, Want) const override { return true; }
     [[nodiscard]] std::vector<unsigned> threads(const std::vector<unsigned>& asked) const override { return asked; }
 
     // A new Tessellator each time: the peers keep nothing between calls either.
     [[nodiscard]] Answer run(const Input& input, Want want, unsigned threads) const override {
-        const votess::Options options = options_for(input, want, threads, "cpu");
+        votess::Options options = options_for(input, want, threads, "cpu");
+        options.instructions = instructions_;
         const Stopwatch stopwatch;
         const votess::Tessellation t = votess::tessellate(input.points, options);
         return answer_of(t, stopwatch.seconds());
     }
+
+private:
+    std::string instructions_;
 };
 
 // One Tessellator for all runs: it holds the device, its pipelines and buffers.
@@ -54,7 +61,7 @@ public:
         return std::string(VOTESS_VERSION_STRING) + " on " + info_.name +
                (info_.description.empty() ? "" : " (" + info_.description + ")");
     }
-    [[nodiscard]] bool can(Want) const override { return true; }
+    [[nodiscard]] bool can(const Input&, Want) const override { return true; }
     // The CPU's share, cells that the device leaves to it, is as quick as allowed.
     [[nodiscard]] std::vector<unsigned> threads(const std::vector<unsigned>& asked) const override {
         return {*std::max_element(asked.begin(), asked.end())};
@@ -94,8 +101,8 @@ votess::DeviceInfo describe(const std::string& device, const std::string& name) 
     return {device, name, ""};
 }
 
-std::unique_ptr<Peer> make_votess() {
-    return std::make_unique<Votess>();
+std::unique_ptr<Peer> make_votess(const std::string& instructions) {
+    return std::make_unique<Votess>(instructions);
 }
 
 std::unique_ptr<Peer> make_votess_on(const std::string& device) {

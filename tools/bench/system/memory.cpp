@@ -20,6 +20,7 @@ namespace {
 
 // What the child tells.
 struct Peak {
+    bool able = true;                     // whether the peer can do what is asked for
     std::uint64_t points = 0, bytes = 0;  // bytes beyond the input
     char failure[200] = "no answer";      // empty: none
 };
@@ -40,6 +41,10 @@ Peak measure(const Peer& peer, const std::string& input_name, std::size_t n, std
     Peak peak;
     try {
         const Input input = make_input(input_name, n, rng_seed);
+        peak.able = peer.can(input, want);
+        if (!peak.able) {
+            return peak;
+        }
 #if defined(__GLIBC__)
         malloc_trim(0);  // what making the input left behind must not serve the peer unseen
 #endif
@@ -85,7 +90,7 @@ Peak in_child(const Work& work) {
 std::string report(const std::string& label, std::size_t n, Want want, const Peer& peer, unsigned threads,
                    const Peak& peak) {
     const std::string name = peer.name(), note = peak.failure;
-    std::printf("%-24s %9zu %-9s %-8s %7u ", label.c_str(), n, std::string(name_of(want)).c_str(), name.c_str(),
+    std::printf("%-24s %9zu %-9s %-15s %7u ", label.c_str(), n, std::string(name_of(want)).c_str(), name.c_str(),
                 threads);
     std::string row = "{\"input\": " + in_quotes(label) + ", \"n\": " + std::to_string(n) +
                       ", \"want\": " + in_quotes(name_of(want)) + ", \"peer\": " + in_quotes(name) +
@@ -106,15 +111,18 @@ std::string report(const std::string& label, std::size_t n, Want want, const Pee
 
 int run_memory_table(const MemoryTable& table, const Peers& peers, const std::vector<PeerVersion>& versions) {
     std::printf(
-        "\nPeak of resident memory beyond the input, each in a process of its own.\n%-24s %9s %-9s %-8s %7s %s\n",
+        "\nPeak of resident memory beyond the input, each in a process of its own.\n%-24s %9s %-9s %-15s %7s %s\n",
         "input", "n", "want", "", "threads", "bytes/point");
     static_cast<void>(resident("VmHWM"));  // throws now rather than in every child
     Section section{"memory", {}};
     bool good = true;
     const auto measure_all = [&](const std::string& name, std::size_t n, Want want) {
         for (const auto& peer : peers) {
-            for (const unsigned threads : peer->can(want) ? peer->threads(table.threads) : std::vector<unsigned>{}) {
+            for (const unsigned threads : peer->threads(table.threads)) {
                 const Peak peak = in_child([&] { return measure(*peer, name, n, table.rng_seed, want, threads); });
+                if (!peak.able) {
+                    break;
+                }
                 const bool failed = peak.failure[0] != '\0';
                 good = good && !failed;
                 section.items.push_back(report(label_of(name), failed ? n : peak.points, want, *peer, threads, peak));
