@@ -159,7 +159,7 @@ TEST_SUITE("stages") {
                                                         : cells.local(static_cast<std::int32_t>(32 + random.below(18)));
                 const auto fourth = cells.local(static_cast<std::int32_t>(51 + random.below(9)));
                 const auto position = static_cast<double>(v);
-                cells.add({owner, hub, other, fourth}, {{position, 1, 2, 3}});
+                cells.give({owner, hub, other, fourth}, cells.place(owner, {{position, 1, 2, 3}}));
                 expect(hub, {owner, fourth, other}, position);
                 expect(other, {owner, hub, fourth}, position);
                 expect(fourth, {owner, other, hub}, position);
@@ -194,9 +194,10 @@ TEST_SUITE("stages") {
                                       cells.local(7)};
         std::vector<std::int32_t> many;  // most of them not of the stretch
         for (std::int32_t s = 60; s < 130; ++s) many.push_back(cells.local(s));
-        cells.add_tie(few, {{1, 0, 0, 0}});
-        cells.add_tie(many, {{2, 0, 0, 0}});
-        cells.add({cells.local(63), cells.local(7), cells.local(8), cells.local(9)}, {{3, 0, 0, 0}});
+        cells.give_tie(few, cells.place(few[0], {{1, 0, 0, 0}}));
+        cells.give_tie(many, cells.place(many[0], {{2, 0, 0, 0}}));
+        cells.give({cells.local(63), cells.local(7), cells.local(8), cells.local(9)},
+                   cells.place(cells.local(63), {{3, 0, 0, 0}}));
         auto handed = [&](std::size_t seed) {
             std::vector<double> positions;
             for (const KnownVertex& known : cells.known(seed)) {

@@ -25,7 +25,6 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     const std::size_t count = last - first;
     own_count_ = static_cast<std::uint32_t>(count);
     own_end_ = walls_ + static_cast<std::int32_t>(count);
-    keep_positions_ = positions;
     if (table_.empty()) table_.resize(least_table);
     ids_.reserve(static_cast<std::size_t>(own_end_) + least_table / 2 + 1);
     ids_.resize(static_cast<std::size_t>(own_end_));
@@ -115,14 +114,12 @@ std::span<const KnownVertex> Neighborhood::with_spilled(std::size_t s) {
     return gathered_;
 }
 
-std::uint32_t Neighborhood::add_tie(std::span<const std::int32_t> cells, const Four& position) {
-    const std::uint32_t index = add_position(cells[0], position);
+void Neighborhood::give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex) {
     const auto at = static_cast<std::int32_t>(ties_.size());
     ties_.push_back(static_cast<std::int32_t>(cells.size()));
     ties_.insert(ties_.end(), cells.begin(), cells.end());
-    for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, 0, 0, index);
+    for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, 0, 0, vertex);
     forget_strangers();
-    return index;
 }
 
 }  // namespace votess::cpu

@@ -62,20 +62,25 @@ public:
                group_done_[(begin - first_) / group_size] == group_size;
     }
 
-    // Stores a vertex of cells[0], a seed of the stretch, and hands it to the others, which it meets in faces whose
-    // normals are positively oriented. Returns its number in the stretch.
-    [[gnu::always_inline]] std::uint32_t add(const std::array<std::int32_t, 4>& cells, const Four& position) {
-        const std::uint32_t index = add_position(cells[0], position);
+    // When positions are kept: stores a vertex of a seed of the stretch. Returns its number in the stretch.
+    [[gnu::always_inline]] std::uint32_t place(std::int32_t owner, const Four& position) {
+        if (vertices_ == positions_.size()) grow_positions();
+        positions_[vertices_] = position;
+        owners_[vertices_] = owner - walls_;
+        return vertices_++;
+    }
+    // Hands a vertex of cells[0], a seed of the stretch, to the others, which it meets in faces whose normals are
+    // positively oriented.
+    [[gnu::always_inline]] void give(const std::array<std::int32_t, 4>& cells, std::uint32_t vertex) {
         // Even permutations of the four keep the orientation.
         const auto& [p, a, b, c] = cells;
-        give(a, p, c, b, index);
-        give(b, p, a, c, index);
-        give(c, p, b, a, index);
+        give(a, p, c, b, vertex);
+        give(b, p, a, c, vertex);
+        give(c, p, b, a, vertex);
         forget_strangers();
-        return index;
     }
     // The same for a vertex of more than four cells, which have no order.
-    std::uint32_t add_tie(std::span<const std::int32_t> cells, const Four& position);
+    void give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex);
 
     // What was handed to a seed of the stretch.
     [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
@@ -110,14 +115,6 @@ private:
     [[gnu::noinline]] std::int32_t foreign(std::int32_t id);
     void grow_table();
     [[gnu::noinline]] void grow_positions();
-    [[gnu::always_inline]] std::uint32_t add_position(std::int32_t owner, const Four& position) {
-        if (keep_positions_) {
-            if (vertices_ == positions_.size()) grow_positions();
-            positions_[vertices_] = position;
-            owners_[vertices_] = owner - walls_;
-        }
-        return vertices_++;
-    }
     [[gnu::always_inline]] void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c,
                                      std::uint32_t vertex) {
         // Cells that are not of the stretch share a place behind it.
@@ -143,7 +140,6 @@ private:
     std::size_t first_ = 0, last_ = 0;
     std::uint32_t own_count_ = 0;
     std::int32_t walls_ = 0, own_end_ = 0;
-    bool keep_positions_ = false;
     std::uint32_t vertices_ = 0;
     std::vector<std::int32_t> ids_;    // by local id
     std::vector<std::int32_t> table_;  // open addressing: local ids of other seeds, or -1

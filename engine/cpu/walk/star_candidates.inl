@@ -131,7 +131,6 @@ bool StarWalk<Isa>::begin_anywhere() {
     if (!have_candidates_ && !gather_candidates()) return false;
     if (candidates_.count == 0 && !add_walls()) return false;
     const CandidatePlanes& c = candidates_;
-    begun_with_ = c.count;
     if (c.count == 0) return false;  // a periodic domain has no walls
     if (!weighted_) return begin_at_face(static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h));
     for (int i = 0; i < c.count; ++i)
@@ -194,11 +193,7 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
     }
     ray.s = 1;
     ray.least = parallel * size * static_cast<float>(longest_);
-    int hit = first_hit(ray);
-    if (hit < 0 && !have_walls_) {
-        if (!add_walls()) return false;
-        hit = first_hit(ray);
-    }
+    const int hit = first_hit(ray);
     if (hit < 0) return false;
     stack(a, new_slot(c.id[hit]));
     return true;

@@ -89,14 +89,13 @@ template <class Isa>
 template <bool Keep>
 bool StarWalk<Isa>::complete() {
     if (!take_known<Keep>()) return false;
-    empty_ = begun_badly_ = false;
-    if (vertices_ == 0) {
-        beginnings_ = 0;
-        const bool begun = begin_anywhere();
-        if (!begun || empty_) return found_empty();
+    empty_ = false;
+    reached_ = 0;
+    if (vertices_ == 0 && !find_first<Keep>()) {
+        if (empty_) faces_ = edges_ = 0;
+        return empty_;
     }
     if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
-    reached_ = 0;
     for (;;) {
         // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
         // been closed by the vertex of the first.
@@ -111,24 +110,32 @@ bool StarWalk<Isa>::complete() {
         aim(edges[1], rays[1]);
         int hits[2];
         Isa::first_hits(candidates_, candidates_.near, rays, hits);
-        for (int k = 0; k < 2; ++k) {
-            if (!is_open(edges[k]) || close<Keep>(edges[k], rays[k], hits[k])) continue;
-            if (!begin_again()) return found_empty();
-            break;
-        }
+        for (int k = 0; k < 2; ++k)
+            if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k])) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
     return collect_faces();
 }
 
-// The edge to begin with was none if not all seeds near it were candidates. Those that have been found since may help.
+// The first vertex of a cell that knows none. The edge to begin with is none if not all seeds near it are candidates;
+// those that were found since may help.
 template <class Isa>
-bool StarWalk<Isa>::begin_again() {
-    if (!begun_badly_ || candidates_.count == begun_with_ || ++beginnings_ == most_beginnings) return false;
-    begun_badly_ = false;
-    open_begin_ = open_end_ = 0;
-    return begin_anywhere() && !empty_;
+template <bool Keep>
+bool StarWalk<Isa>::find_first() {
+    int candidates = 0;
+    for (int tries = 0; tries < most_beginnings; ++tries) {
+        open_begin_ = open_end_ = 0;
+        begun_badly_ = false;
+        if (!begin_anywhere() || empty_ || candidates_.count == candidates) return false;
+        candidates = candidates_.count;
+        const OpenEdge edge = open_edges_[open_begin_++];
+        Ray ray;
+        aim(edge, ray);
+        if (close<Keep>(edge, ray, -1)) return true;
+        if (!begun_badly_) return false;
+    }
+    return false;
 }
 
 template <class Isa>
@@ -231,10 +238,11 @@ bool StarWalk<Isa>::draw_line(const OpenEdge& edge, Line& line) const {
 }
 
 template <class Isa>
-int StarWalk<Isa>::first_hit(const Ray& ray) const {
+int StarWalk<Isa>::first_hit(const Ray& ray) {
     const Ray rays[2] = {ray, ray};
     int hits[2];
     Isa::first_hits(candidates_, candidates_.count, rays, hits);
+    if (hits[0] < 0 && !have_walls_ && add_walls()) Isa::first_hits(candidates_, candidates_.count, rays, hits);
     return hits[0];
 }
 
@@ -259,21 +267,15 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     if (!draw_line(edge, line)) return false;
     bool searched = false;
     for (int pick = 0; pick < most_picks; ++pick) {
-        if (lane < 0) {
-            lane = first_hit(ray);
-            if (lane < 0 && !have_walls_) {
-                if (!add_walls()) return false;
-                lane = first_hit(ray);
-            }
-            if (lane < 0) return false;
-        }
+        if (lane < 0) lane = first_hit(ray);
+        if (lane < 0) return false;
         const std::int32_t id = candidates_.id[lane];
         const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
         Third third;
         alignas(32) Four x;
         plane_through(id, third.n, third.h, third.square);
         if (!solve(line, third, x)) {
-            begun_badly_ = vertices_ == 0;
+            begun_badly_ = true;
             return false;
         }
         const double x2 = dot(wide(x), wide(x));
@@ -381,6 +383,7 @@ void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
     Wide position = wide(x) * unscale_;
     position[3] = third.norms2 / third.determinant2 * third.length2 * unscale_ * unscale_;
     wide(position_[vertices_]) = position;
+    numbers_[vertices_] = cells_.place(own_local_, position_[vertices_]);
 }
 
 template <class Isa>
@@ -398,7 +401,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
         face(c);
     }
     if constexpr (Keep) keep_position(third, x);
-    numbers_[vertices_] = cells_.add({own_local_, local_[edge.b], local_[edge.a], local_[c]}, position_[vertices_]);
+    cells_.give({own_local_, local_[edge.b], local_[edge.a], local_[c]}, Keep ? numbers_[vertices_] : 0);
     link_corner<Keep>(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
     stack(edge.a, c);
@@ -413,7 +416,7 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     if (measure_) keep_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    numbers_[vertices_] = cells_.add_tie(tied_cells_, position_[vertices_]);
+    cells_.give_tie(tied_cells_, numbers_[vertices_]);
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 

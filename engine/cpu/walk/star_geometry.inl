@@ -64,10 +64,9 @@ bool StarWalk<Isa>::measure(Geometry& out) {
     if (!(volume > smallest_volume)) return false;
     const double reach = std::sqrt(largest[0] + largest[1] + largest[2]);
     const double length = std::sqrt(longest) * unscale_ + (weighted_ ? 2 * reach : 0);
-    const double bound =
-        edges_ * 2 * length * (2 * solved_factor * std::sqrt(error) * reach + 32 * unit * reach * reach) / 12;
-    if (!(bound <= accepted_error * volume) && (weighted_ || !(measure_error() <= accepted_error * volume)))
-        return false;
+    const double factor = weighted_ ? weighted_factor : solved_factor;
+    const double bound = edges_ * 2 * length * (2 * factor * std::sqrt(error) * reach + 32 * unit * reach * reach) / 12;
+    if (!(bound <= accepted_error * volume) && !(measure_error() <= accepted_error * volume)) return false;
     out.volume = volume;
     const Wide centroid = moment * (1 / (48 * volume));
     for (int k = 0; k < 3; ++k) out.centroid[k] = centroid[k];
@@ -147,23 +146,28 @@ void StarWalk<Isa>::normals(std::vector<std::array<double, 3>>& out) {
     }
 }
 
-// A bound on the error of the volume, edge by edge.
+// A bound on the error of the volume, edge by edge. Twice the foot of a plane, N, is wrong by the rounding of n and h,
+// the ends V, W of an edge are wrong by their conditions, and the products are rounded.
 template <class Isa>
 double StarWalk<Isa>::measure_error() const {
+    const double factor = weighted_ ? weighted_factor : solved_factor;
     double bound = 0;
     auto length = [this](int v) {
         const auto& x = position_[v].x;
         return std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
     };
-    for (int a = 0; a < planes_; ++a)
-        for (std::uint64_t rest = out_[a]; rest != 0; rest &= rest - 1) {
-            const int b = std::countr_zero(rest);
+    for (int b = 0; b < planes_; ++b) {
+        const double n = std::sqrt(square_[b]), foot = weighted_ ? 2 * std::abs(h_[b]) / n : n;
+        const double rounded = weighted_ ? 2 * n + foot : n;  // what the error of N is measured by
+        double ends = 0, products = 0;
+        for (std::uint64_t rest = out_[b]; rest != 0; rest &= rest - 1) {
+            const int a = std::countr_zero(rest);
             const int v = from_vertex_[a][b], w = from_vertex_[b][a];
-            bound +=
-                std::sqrt(square_[b]) * unscale_ *
-                (solved_factor * (std::sqrt(position_[v].x[3]) * length(w) + std::sqrt(position_[w].x[3]) * length(v)) +
-                 32 * unit * length(v) * length(w));
+            ends += std::sqrt(position_[v].x[3]) * length(w) + std::sqrt(position_[w].x[3]) * length(v);
+            products += length(v) * length(w);
         }
+        bound += (foot * factor * ends + rounded * 32 * unit * products) * unscale_;
+    }
     return bound / 12;
 }
 

@@ -114,14 +114,17 @@ private:
     template <bool Keep>
     bool complete();
     template <bool Keep>
+    [[gnu::noinline]] bool find_first();
+    template <bool Keep>
     [[gnu::always_inline]] inline bool take_known();
     [[gnu::always_inline]] inline void take_position(const KnownVertex& known, int vertex);
     bool take_tie(const KnownVertex& known, int vertex);
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
-    // Finds the plane that the ray meets first: only a guess, unless all candidates are looked at.
-    [[nodiscard]] int first_hit(const Ray& ray) const;
+    // The candidate that the ray meets first, a guess; walls become candidates if there is none. -1 if there still is
+    // none.
+    [[nodiscard, gnu::noinline]] int first_hit(const Ray& ray);
     // How many candidates may come near to a vertex of that squared security radius. Walls and seeds that were added
     // later lie farther away than all seeds of the window.
     [[nodiscard]] int in_reach(double reach2) const {
@@ -193,11 +196,6 @@ private:
     // star_candidates.inl
     bool gather_candidates();
     bool begin_anywhere();
-    [[gnu::noinline]] bool begin_again();
-    bool found_empty() {
-        if (empty_) faces_ = edges_ = 0;
-        return empty_;
-    }
     bool begin_at_face(int candidate);
     bool begin_outside();
     [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);
@@ -225,7 +223,7 @@ private:
     };
     void collect_near_walls(std::size_t home, double reach);
     bool add_near_walls();
-    bool add_walls();
+    [[gnu::noinline]] bool add_walls();
     [[nodiscard]] bool two_walls_coincide() const;
     [[nodiscard]] double distance_to(const Wall& wall) const;
     void wall_plane(std::int32_t id, Four& n, double& h);
@@ -265,8 +263,6 @@ private:
     double more_ = 0;          // by which any weight may exceed it, in squared units
     bool empty_ = false;       // the cell
     bool have_candidates_ = false, have_walls_ = false;
-    int begun_with_ = 0;        // candidates, the last time that the cell was begun
-    int beginnings_ = 0;        // how often that was
     bool begun_badly_ = false;  // the edge to begin with has no end
     std::int32_t own_x_ = 0;    // in the window
     CandidatePlanes candidates_;
