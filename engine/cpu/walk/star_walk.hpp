@@ -149,7 +149,7 @@ private:
                                   int lane, int count);
     [[nodiscard]] double relative_error(const Third& third) const;
     [[nodiscard]] int sure_side(std::int32_t id, const Third& third, double relative, const Four& x);
-    void keep_position(const Third& third, const Four& x);
+    [[gnu::always_inline]] inline void keep_position(const Third& third, const Four& x);
     template <bool Keep>
     [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
                                                   const Four& x);
