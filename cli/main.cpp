@@ -22,6 +22,7 @@
 #include "files/atomic_file.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
+#include "queries/locate.hpp"
 #include "read/input.hpp"
 #include "summary.hpp"
 #include "write/output.hpp"
@@ -75,13 +76,6 @@ votess::Tessellation tessellate(const Input& input, votess::Options options, boo
         if (error.code() == votess::ErrorCode::cancelled) throw_if_interrupted();
         throw;
     }
-}
-
-// The numbers of a column that has one for each point.
-std::span<const double> one_each(const InputColumn& column) {
-    if (column.width == 1) return column.values;
-    throw bad_input("the column " + in_quotes(column.name) + " has " + std::to_string(column.width) +
-                    " numbers for each point, expected one");
 }
 
 // The columns that go into the output, the last one still empty if it is to be the density.
@@ -215,6 +209,8 @@ int main_inside(int count, const char* const* values) {
             print(arguments.answer);
         } else if (arguments.list_devices) {
             print_devices();
+        } else if (!arguments.locate.empty()) {
+            print(run_locate(arguments));
         } else {
             return run(arguments);
         }

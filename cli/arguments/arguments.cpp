@@ -8,6 +8,7 @@
 #include "failure.hpp"
 #include "files/numbers.hpp"
 #include "help/help.hpp"
+#include "queries/locate.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -17,7 +18,7 @@ namespace {
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
     std::optional<std::string> periodic, cell, origin, outside, min_face, min_area;
-    std::optional<std::string> dataset, frame, weights, radii, copy, density;
+    std::optional<std::string> dataset, frame, weights, radii, copy, density, locate;
     std::vector<std::string> walls, sphere_walls, cylinder_walls, cone_walls;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
@@ -54,6 +55,7 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--radii", typed.radii);
     app.add_option("--copy", typed.copy);
     app.add_option("--density", typed.density);
+    app.add_option("--locate", typed.locate);
     app.add_option("-x,--device", typed.device);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
@@ -329,6 +331,33 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
 }
 
+// No cell is made, so there is nothing that options of cells could mean.
+void read_queries(const Typed& typed, Arguments& arguments) {
+    const std::pair<const char*, bool> of_cells[] = {{"--format", typed.format.has_value()},
+                                                     {"--want", typed.want.has_value()},
+                                                     {"--list-walls", typed.list_walls},
+                                                     {"--min-face", typed.min_face.has_value()},
+                                                     {"--min-area", typed.min_area.has_value()},
+                                                     {"--copy", typed.copy.has_value()},
+                                                     {"--density", typed.density.has_value()},
+                                                     {"--image", typed.picture.image.has_value()},
+                                                     {"--color", typed.picture.color.has_value()},
+                                                     {"--colormap", typed.picture.colormap.has_value()},
+                                                     {"--precision", typed.precision.has_value()},
+                                                     {"--k-init", typed.k_init.has_value()},
+                                                     {"--chunk-size", typed.chunk_size.has_value()},
+                                                     {"--verify", typed.verify}};
+    for (const auto& [option, given] : of_cells)
+        if (given) throw bad_input(std::string(option) + " is about cells, which --locate does not make: leave it out");
+    if (typed.locate->empty()) throw bad_input("--locate is empty: give the file of the points to locate");
+    if (*typed.locate == "-" && arguments.input == "-") throw bad_input("INPUT and --locate are both stdin");
+    arguments.locate = *typed.locate;
+    arguments.outputs = typed.outputs;
+    if (arguments.json && std::ranges::count(arguments.outputs, "-") > 0)
+        throw bad_input("-o - and --json both go to stdout: give the output a file name");
+    check_located_outputs(arguments);
+}
+
 void read_colors(const Typed& typed, Arguments& arguments) {
     arguments.coloring = read_coloring(typed.picture);
     const bool colored = std::ranges::any_of(arguments.outputs, is_colored);
@@ -372,6 +401,10 @@ Arguments read_arguments(int count, const char* const* values) {
     options.list_walls = typed.list_walls;
     read_source(typed, arguments);
     read_domain(typed, arguments);
+    if (typed.locate) {
+        read_queries(typed, arguments);
+        return arguments;
+    }
     read_outputs(typed, arguments);
     arguments.picture = read_picture(typed.picture, arguments.input, arguments.outputs);
     read_colors(typed, arguments);

@@ -112,4 +112,10 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     throw bad_input("cannot read " + in_quotes(path) + ": " + known);
 }
 
+std::span<const double> one_each(const InputColumn& column) {
+    if (column.width == 1) return column.values;
+    throw bad_input("the column " + in_quotes(column.name) + " has " + std::to_string(column.width) +
+                    " numbers for each point, expected one");
+}
+
 }  // namespace clvotess

@@ -47,6 +47,9 @@ struct Input {
     [[nodiscard]] std::size_t size() const noexcept { return points.size() / 3; }
 };
 
+// The numbers of a column that has one for each point. Throws Failure when it has more.
+[[nodiscard]] std::span<const double> one_each(const InputColumn& column);
+
 // Makes a domain of the arrays that .npz and .h5 hold: 6 numbers of box, 3 flags, 9 and 3 or none, and 4 for each wall.
 [[nodiscard]] FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
                                        const std::vector<double>& cell, const std::vector<double>& origin,

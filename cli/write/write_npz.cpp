@@ -3,6 +3,7 @@
 #include <string>
 
 #include "files/atomic_file.hpp"
+#include "files/formats/npy_array.hpp"
 #include "files/formats/zip_writer.hpp"
 #include "write/output.hpp"
 #include "write/result_arrays.hpp"
@@ -14,18 +15,6 @@ std::string_view numpy_type(NumberType type) {
     constexpr std::array<std::string_view, 10> names{"|i1", "|u1", "<i2", "<u2", "<i4",
                                                      "<u4", "<i8", "<u8", "<f4", "<f8"};
     return names[static_cast<std::size_t>(type)];
-}
-
-std::string npy_header(std::string_view type, const std::string& shape) {
-    std::string dict = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': " + shape + ", }";
-    constexpr std::size_t start_size = 10, alignment = 64;
-    const std::size_t unpadded = start_size + dict.size() + 1;
-    dict.append((alignment - unpadded % alignment) % alignment, ' ');
-    dict += '\n';
-    std::string header("\x93NUMPY\x01\x00", 8);
-    header += static_cast<char>(dict.size() & 0xff);
-    header += static_cast<char>(dict.size() >> 8);
-    return header + dict;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <votess/diagram.hpp>
 #include <votess/votess.hpp>
 
 struct votess_tessellator {
@@ -23,6 +24,10 @@ struct votess_result {
 
 struct votess_delaunay {
     votess::Delaunay delaunay;
+};
+
+struct votess_diagram {
+    votess::Diagram diagram;
 };
 
 namespace votess::c {
@@ -47,8 +52,8 @@ void require_struct_size(std::size_t size, std::size_t smallest, const char* nam
 [[nodiscard]] Options convert_options(const votess_options* given, std::size_t count);
 
 template <typename Coordinate>
-std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count) {
-    if (points == nullptr && count != 0) refuse("points is NULL but count is " + std::to_string(count));
+std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points") {
+    if (points == nullptr && count != 0) refuse(std::string(name) + " is NULL but count is " + std::to_string(count));
     if (count > std::numeric_limits<std::size_t>::max() / (3 * sizeof(Coordinate))) {
         refuse("count is " + std::to_string(count) + ": so many points do not fit into memory");
     }

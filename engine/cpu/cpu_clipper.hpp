@@ -21,13 +21,21 @@ namespace votess::cpu {
 class CpuClipper : public ExactClipper {
 public:
     void begin(const Job& job) override;
-    ThreadPool& pool() override { return *pool_; }
+    // In a child made by fork() it gets new threads.
+    ThreadPool& pool() override {
+        if (!pool_->has_threads()) pool_.emplace(pool_->size());
+        return *pool_;
+    }
     void prepare() override;
     std::span<const std::int32_t> duplicate_of() override;
     void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) override;
     void set_empty(ResultBuilder& out) override;
     void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) override;
     void end() override;
+
+    // For queries, after prepare().
+    [[nodiscard]] const SortedSeeds& seeds() const { return seeds_; }
+    [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
 
     // The stages of a full run, in this order.
     void sort();

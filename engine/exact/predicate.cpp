@@ -177,7 +177,7 @@ namespace {
 
 // decide(row a, row b) at a width that holds any two planes.
 template <class Decide>
-bool decide_on_rows(const Point& p, const Plane& a, const Plane& b, Decide decide) {
+auto decide_on_rows(const Point& p, const Plane& a, const Plane& b, Decide decide) {
     BitRange range;
     range.add(p);
     range.add(a);
@@ -201,6 +201,10 @@ bool same_plane(const Point& p, const Plane& a, const Plane& b) {
 bool longer_normal(const Point& p, const Plane& a, const Plane& b) {
     return decide_on_rows(p, a, b,
                           [](const auto& u, const auto& v) { return (dot(u.n, u.n) - dot(v.n, v.n)).sign() > 0; });
+}
+
+int farther(const Point& p, const Plane& a, const Plane& b) {
+    return decide_on_rows(p, a, b, [](const auto& u, const auto& v) { return (u.s - v.s).sign(); });
 }
 
 template <class Real>

@@ -113,6 +113,9 @@ int orientation(const Point& p, const Plane& a, const Plane& b, const Plane& c);
 // Two bisectors of a power diagram: whether they are one plane, seen from the same side; then whether |Na| > |Nb|.
 bool same_plane(const Point& p, const Plane& a, const Plane& b);
 bool longer_normal(const Point& p, const Plane& a, const Plane& b);
+// Bisectors whose power is less the weight of their seed: +1 when a's seed is farther from p than b's, by
+// |q - p|^2 - w, -1 when it is nearer, 0 when they are equally far.
+int farther(const Point& p, const Plane& a, const Plane& b);
 
 // The vertex relative to p and the difference q - p in a floating-point type: double, Quad or WideFloat
 // (wide_float.hpp). Each component has a relative error of a few units in the last place, cancellation or not.

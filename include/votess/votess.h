@@ -129,6 +129,7 @@ typedef struct votess_stats {
 typedef struct votess_tessellator votess_tessellator;
 typedef struct votess_result votess_result;
 typedef struct votess_delaunay votess_delaunay;
+typedef struct votess_diagram votess_diagram;
 
 // Version of the library that is loaded: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -208,6 +209,17 @@ VOTESS_API const int64_t* votess_delaunay_polytope_indptr(const votess_delaunay*
 VOTESS_API const int32_t* votess_delaunay_polytope_indices(const votess_delaunay* delaunay, size_t* length);
 VOTESS_API const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* delaunay, size_t* length);
 VOTESS_API const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length);
+
+// Seeds that stay and are asked many times, see Diagram in diagram.hpp: any number of threads may ask one. points are
+// copied; of the options the domain, weights, radii, outside, duplicates, threads, grid_resolution and instructions
+// count.
+VOTESS_API votess_status votess_diagram_new(const double* points, size_t count, const votess_options* options,
+                                            votess_diagram** out);
+VOTESS_API void votess_diagram_free(votess_diagram* diagram);
+VOTESS_API size_t votess_diagram_size(const votess_diagram* diagram);  // N
+// Writes to seeds, count of them, in whose cell each query lies (3 * count coordinates), -1 outside of the domain.
+VOTESS_API votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,
+                                               int32_t* seeds);
 
 // Checks a result against the points it came from (see verify() in votess.hpp). *passed becomes 1 or 0; a failed check
 // is not a failed call: its one-line description, else "", is copied to failure (failure_size bytes, zero-terminated,

@@ -12,6 +12,7 @@ from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._library import VERSION as __version__
 from .atoms import from_ase
+from .diagram import Diagram
 from .mesh import Delaunay, Faces, Lists, Neighbors
 from .pairs import Pairs
 from .stats import StageSeconds, Stats, VerifyReport
@@ -22,6 +23,7 @@ __all__ = [
     "CellStatus",
     "Delaunay",
     "DeviceInfo",
+    "Diagram",
     "ErrorCode",
     "Faces",
     "Lists",

@@ -197,6 +197,10 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_delaunay_polytope_indices": _ARRAY,  # int32
     "votess_delaunay_polytope_shifts": _ARRAY,  # int8
     "votess_delaunay_polytope_centers": _ARRAY,  # int32
+    "votess_diagram_new": (c_int, (c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
+    "votess_diagram_free": (None, (_HANDLE,)),
+    "votess_diagram_size": (c_size_t, (_HANDLE,)),
+    "votess_diagram_locate": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
     "votess_verify": (
         c_int,
         (

@@ -41,10 +41,10 @@ def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 
 
-def as_points(points: Any) -> npt.NDArray[Any]:
-    array = as_float64_or_float32(points, "points")
+def as_points(points: Any, name: str = "points") -> npt.NDArray[Any]:
+    array = as_float64_or_float32(points, name)
     if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"points has shape {array.shape}: it must be (N, 3)")
+        raise ValueError(f"{name} has shape {array.shape}: it must be (N, 3)")
     return array
 
 

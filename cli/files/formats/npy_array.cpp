@@ -169,4 +169,16 @@ std::vector<std::int64_t> NpyArray::read_whole() {
     return values;
 }
 
+std::string npy_header(std::string_view type, const std::string& shape) {
+    std::string dict = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': " + shape + ", }";
+    constexpr std::size_t start_size = 10, alignment = 64;
+    const std::size_t unpadded = start_size + dict.size() + 1;
+    dict.append((alignment - unpadded % alignment) % alignment, ' ');
+    dict += '\n';
+    std::string header("\x93NUMPY\x01\x00", 8);
+    header += static_cast<char>(dict.size() & 0xff);
+    header += static_cast<char>(dict.size() >> 8);
+    return header + dict;
+}
+
 }  // namespace clvotess

@@ -56,4 +56,7 @@ private:
     std::uint64_t bytes_ = 0;  // behind the header
 };
 
+// What stands before the numbers of an array in C order: type "<i4", shape "(5,)".
+[[nodiscard]] std::string npy_header(std::string_view type, const std::string& shape);
+
 }  // namespace clvotess

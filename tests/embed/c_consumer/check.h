@@ -37,6 +37,7 @@ double* random_points(size_t count, uint64_t seed);
 // results.c
 void check_cube(votess_tessellator* tessellator);
 void check_mesh(votess_tessellator* tessellator);
+void check_diagram(void);
 void check_domains(votess_tessellator* tessellator);
 void check_null_result(void);
 void check_walls_and_defaults(void);

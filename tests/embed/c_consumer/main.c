@@ -52,6 +52,7 @@ int main(void) {
     check_cube(NULL);
     check_cube(tessellator);
     check_mesh(tessellator);
+    check_diagram();
     check_domains(tessellator);
     check_null_result();
     check_walls_and_defaults();

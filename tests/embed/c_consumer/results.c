@@ -340,3 +340,26 @@ void check_duplicates(votess_tessellator* tessellator) {
     CHECK_FAILS(votess_tessellate(tessellator, points, 3, &options, &result), VOTESS_ERROR_INVALID_ARGUMENT, "2");
     CHECK(result == NULL);
 }
+
+void check_diagram(void) {
+    votess_options options = options_with_box(2);
+    votess_diagram* diagram = NULL;
+    CHECK(votess_diagram_new(cube, 8, &options, &diagram) == VOTESS_OK && diagram != NULL);
+    CHECK(votess_diagram_size(diagram) == 8);
+    // Inside of a cell, on a vertex of all eight, and outside.
+    const double queries[9] = {1.9, 0.1, 1.9, 1, 1, 1, 3, 0, 0};
+    int32_t seeds[3] = {9, 9, 9};
+    CHECK(votess_diagram_locate(diagram, queries, 3, seeds) == VOTESS_OK);
+    CHECK(seeds[0] == 5 && seeds[1] == 0 && seeds[2] == -1);
+    CHECK(votess_diagram_locate(diagram, NULL, 0, NULL) == VOTESS_OK);
+    CHECK_FAILS(votess_diagram_locate(diagram, NULL, 1, seeds), VOTESS_ERROR_INVALID_ARGUMENT, "queries");
+    CHECK_FAILS(votess_diagram_locate(diagram, queries, 1, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "seeds");
+    CHECK_FAILS(votess_diagram_locate(NULL, queries, 1, seeds), VOTESS_ERROR_INVALID_ARGUMENT, "diagram");
+    votess_diagram_free(diagram);
+    votess_diagram_free(NULL);
+    options.device = "gpu";
+    CHECK_FAILS(votess_diagram_new(cube, 8, &options, &diagram), VOTESS_ERROR_UNSUPPORTED, "CPU");
+    CHECK(diagram == NULL && votess_diagram_size(NULL) == 0);
+    CHECK_FAILS(votess_diagram_new(NULL, 8, NULL, &diagram), VOTESS_ERROR_INVALID_ARGUMENT, "points");
+    CHECK_FAILS(votess_diagram_new(cube, 8, NULL, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "out");
+}

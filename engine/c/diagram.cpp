@@ -1,0 +1,34 @@
+// Seeds that stay, and what they are asked.
+#include <algorithm>
+
+#include "c/handles.hpp"
+
+using namespace votess::c;
+
+votess_status votess_diagram_new(const double* points, size_t count, const votess_options* options,
+                                 votess_diagram** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        const auto input = coordinates(points, count);
+        *out = new votess_diagram{votess::Diagram(input, convert_options(options, count))};
+    });
+}
+
+void votess_diagram_free(votess_diagram* diagram) {
+    delete diagram;
+}
+
+size_t votess_diagram_size(const votess_diagram* diagram) {
+    if (diagram == nullptr) set_last_error("diagram is NULL");
+    return diagram == nullptr ? 0 : diagram->diagram.size();
+}
+
+votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,
+                                    int32_t* seeds) {
+    return guarded([&] {
+        require(diagram, "diagram");
+        if (count > 0) require(seeds, "seeds");
+        std::ranges::copy(diagram->diagram.locate(coordinates(queries, count, "queries")), seeds);
+    });
+}

@@ -1,0 +1,102 @@
+// Which cell holds a point: that of the seed q with the least |x - q|^2 - w, of equals that with the lowest index.
+//
+// Distances are rounded. Every seed whose bound reaches below the least upper bound is kept, and where these are
+// several, exact arithmetic compares them (exact::farther()).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cpu/clip/cell_kernels.hpp"
+#include "cpu/sort/hierarchy.hpp"
+#include "cpu/sort/sorted_seeds.hpp"
+#include "input/job.hpp"
+
+namespace votess::cpu {
+
+// The largest weight below each node of a hierarchy, so that one heavy seed does not widen every search. Empty without
+// weights.
+class NodeWeights {
+public:
+    void build(const SortedSeeds& seeds, const Hierarchy& hierarchy);
+    [[nodiscard]] double at(int level, std::size_t node) const {
+        return levels_.empty() ? 0 : levels_[static_cast<std::size_t>(level)][node];
+    }
+    // Of all seeds.
+    [[nodiscard]] double largest() const { return levels_.empty() ? 0 : largest_; }
+    [[nodiscard]] bool empty() const { return levels_.empty(); }
+
+private:
+    std::vector<std::vector<double>> levels_;
+    double largest_ = 0;
+};
+
+// One per thread. The seeds and all that belongs to them stay with the caller.
+class Locator {
+public:
+    Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hierarchy, const NodeWeights& weights);
+
+    // Where a point lies among the seeds: its place, after it has been wrapped into a periodic domain by a shift.
+    struct Place {
+        exact::Point at;
+        exact::Shift by{};
+    };
+    // x: times the scale of the job; its number is for messages. Nothing where the domain is not, or no seed.
+    [[nodiscard]] std::optional<Place> place(const exact::Point& x, std::size_t number) const;
+    // The input index of the seed whose cell holds x. Fastest when the last x was near, for its seeds are in the cache.
+    [[nodiscard]] std::int32_t find(const exact::Point& x, const Place& place);
+
+private:
+    // A seed or image that may be the nearest: bounds of |x - q|^2 - w.
+    struct Candidate {
+        double least, most;
+        std::int32_t home;
+        exact::Shift shift;
+    };
+    // A node, and images of its seeds by a range of shifts; level -1 is a single seed.
+    struct FarNode {
+        std::int32_t level;
+        std::uint32_t node;
+        ShiftRange shifts;
+    };
+
+    // No seed of weight at most `weight` matters beyond this squared distance.
+    [[nodiscard]] double reach_squared(double weight) const;
+    [[nodiscard]] double reach_to(double weight) const { return weights_.empty() ? reach_ : reach_squared(weight); }
+    [[nodiscard]] double error_of(double distance_squared, double weight) const;
+    void keep(std::int32_t home, const exact::Shift& shift, double distance_squared);
+    void try_group(std::size_t group);
+    [[nodiscard]] std::size_t nearest_group() const;
+    void search();
+    void search_images();
+    void push_far(const FarNode& entry);
+    void split_far(const FarNode& entry);
+    [[nodiscard]] Box box_of(const FarNode& entry) const;
+    [[nodiscard]] std::int32_t decide(const exact::Point& x, const exact::Shift& by);
+    [[nodiscard]] exact::Plane plane_of(const Candidate& candidate, const exact::Shift& by) const;
+
+    const Domain& domain_;
+    const SortedSeeds& seeds_;
+    const Hierarchy& hierarchy_;
+    const NodeWeights& weights_;
+    const Kernels& kernels_;
+    const StarKernels& box_kernels_;
+    double image_rounding_ = 0;  // of places among the images
+
+    exact::Point at_{};
+    double rounding_ = 0;          // of at_, and of places of seeds
+    double best_ = 0;              // least upper bound
+    double reach_ = 0;             // reach_squared(0)
+    std::size_t first_group_ = 0;  // tried before the search
+    std::vector<Candidate> candidates_;
+    struct Node {
+        std::int32_t level;
+        std::uint32_t index;
+    };
+    std::array<Node, Hierarchy::most_nodes> nodes_;
+    std::vector<FarNode> far_;
+};
+
+}  // namespace votess::cpu

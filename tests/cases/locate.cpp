@@ -1,0 +1,321 @@
+// Diagram::locate against rational arithmetic: every seed, every image that may matter.
+#include <doctest/doctest.h>
+#include <gmpxx.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <thread>
+#include <vector>
+#include <votess/diagram.hpp>
+
+#include "support/check.hpp"
+#include "support/generators.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using test::Coordinates;
+using Vec = std::array<mpq_class, 3>;
+
+struct Case {
+    Coordinates points;
+    std::vector<double> weights;
+    votess::Options options;
+    bool periodic = false;
+};
+
+Vec rational(const double* x) {
+    return {mpq_class(x[0]), mpq_class(x[1]), mpq_class(x[2])};
+}
+
+mpq_class determinant(const Vec& a, const Vec& b, const Vec& c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+// The edges of the domain; those that repeat.
+struct Lattice {
+    Vec origin;
+    std::array<Vec, 3> edge;
+    std::array<bool, 3> periodic;
+};
+
+Lattice lattice_of(const votess::Options& o) {
+    if (o.cell)
+        return {rational(o.cell->origin.data()),
+                {rational(o.cell->a.data()), rational(o.cell->b.data()), rational(o.cell->c.data())},
+                o.cell->periodic};
+    Lattice l{rational(o.box->lower.data()), {}, o.periodic};
+    for (std::size_t k = 0; k < 3; ++k) l.edge[k][k] = mpq_class(o.box->upper[k]) - mpq_class(o.box->lower[k]);
+    return l;
+}
+
+bool inside(const Case& c, const Lattice& l, const Vec& x) {
+    for (const votess::Wall& wall : c.options.walls) {
+        mpq_class at = 0;
+        for (std::size_t k = 0; k < 3; ++k) at += mpq_class(wall.normal[k]) * x[k];
+        if (at > mpq_class(wall.offset)) return false;
+    }
+    const mpq_class whole = determinant(l.edge[0], l.edge[1], l.edge[2]);
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (l.periodic[j]) continue;
+        std::array<Vec, 3> edges = l.edge;
+        for (std::size_t k = 0; k < 3; ++k) edges[j][k] = x[k] - l.origin[k];
+        const mpq_class f = determinant(edges[0], edges[1], edges[2]) / whole;
+        if (f < 0 || f > 1) return false;
+    }
+    return true;
+}
+
+std::int32_t brute_force(const Case& c, const double* query) {
+    const Lattice l = lattice_of(c.options);
+    const Vec x = rational(query);
+    if (!inside(c, l, x)) return -1;
+    std::int32_t nearest = -1;
+    mpq_class least;
+    std::array<int, 3> reach{};
+    for (std::size_t j = 0; j < 3; ++j) reach[j] = l.periodic[j] ? 3 : 0;
+    for (std::size_t i = 0; i < c.points.size() / 3; ++i)
+        for (int s = -reach[0]; s <= reach[0]; ++s)
+            for (int t = -reach[1]; t <= reach[1]; ++t)
+                for (int u = -reach[2]; u <= reach[2]; ++u) {
+                    mpq_class square = c.weights.empty() ? mpq_class(0) : mpq_class(-mpq_class(c.weights[i]));
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const mpq_class d = mpq_class(c.points[3 * i + k]) + s * l.edge[0][k] + t * l.edge[1][k] +
+                                            u * l.edge[2][k] - x[k];
+                        square += d * d;
+                    }
+                    if (nearest < 0 || square < least) least = square, nearest = static_cast<std::int32_t>(i);
+                }
+    return nearest;
+}
+
+Case random_case(test::Random& random, bool grid) {
+    Case c;
+    const auto coordinate = [&] { return grid ? static_cast<double>(random.below(5)) / 4 : random.uniform(); };
+    const auto domain = random.below(5);
+    c.options.box = test::unit_box();
+    c.options.threads = 1;
+    if (domain == 1)
+        for (bool& axis : c.options.periodic) axis = random.below(3) > 0;
+    if (domain == 2 || domain == 3) {
+        votess::TriclinicBox cell{{}, {1, 0, 0}, {grid ? 0.5 : 0.4, 1, 0}, {grid ? -0.25 : -0.3, 0.25, 1}};
+        if (domain == 3) cell.periodic[random.below(3)] = false;
+        c.options.box.reset();
+        c.options.cell = cell;
+    }
+    const std::size_t n = 1 + random.below(12);
+    while (c.points.size() < 3 * n) {
+        const double f[3] = {coordinate(), coordinate(), coordinate()};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!c.options.cell) {
+                c.points.push_back(f[k]);
+                continue;
+            }
+            const auto& cell = *c.options.cell;
+            c.points.push_back(f[0] * cell.a[k] + f[1] * cell.b[k] + f[2] * cell.c[k]);
+        }
+    }
+    if (domain == 4) {
+        votess::Wall wall{{1, 2, grid ? 0.0 : 0.7}, 2};
+        c.options.walls.push_back(wall);
+    }
+    c.options.outside = votess::Outside::drop;
+    if (random.below(2) == 0)
+        for (std::size_t i = 0; i < n; ++i)
+            c.weights.push_back(grid ? static_cast<double>(random.below(4)) / 16 : random.uniform(-0.1, 0.3));
+    return c;
+}
+
+// Anywhere, on a grid of eighths, on a seed, between two of them, and in a periodic domain up to a period away.
+std::array<double, 3> random_query(test::Random& random, const Case& c, bool repeats) {
+    std::array<double, 3> x;
+    const auto kind = random.below(4);
+    const std::size_t i = random.below(c.points.size() / 3), j = random.below(c.points.size() / 3);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (kind == 0) x[k] = random.uniform(-0.1, 1.1);
+        if (kind == 1) x[k] = static_cast<double>(random.below(9)) / 8;
+        if (kind == 2) x[k] = c.points[3 * i + k];
+        if (kind == 3) x[k] = 0.5 * (c.points[3 * i + k] + c.points[3 * j + k]);
+        if (repeats && random.below(4) == 0) x[k] += static_cast<double>(random.integer(-1, 1));
+    }
+    return x;
+}
+
+std::vector<std::int32_t> nearest_by_distance(const Coordinates& points, const Coordinates& queries) {
+    std::vector<std::int32_t> nearest;
+    for (std::size_t q = 0; q < queries.size(); q += 3) {
+        double least = std::numeric_limits<double>::infinity();
+        std::int32_t best = -1;
+        for (std::size_t i = 0; i < points.size(); i += 3) {
+            double square = 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                square += (points[i + k] - queries[q + k]) * (points[i + k] - queries[q + k]);
+            if (square < least) least = square, best = static_cast<std::int32_t>(i / 3);
+        }
+        nearest.push_back(best);
+    }
+    return nearest;
+}
+
+}  // namespace
+
+TEST_SUITE("locate") {
+    TEST_CASE("locate: random domains and queries against rational arithmetic") {
+        test::Random random(7);
+        for (std::size_t set = 0; set < test::by_size(200, 30); ++set) {
+            CAPTURE(set);
+            Case c = random_case(random, set % 2 == 0);
+            c.options.weights = c.weights;
+            const votess::Diagram diagram(c.points, c.options);
+            // Dropped seeds are none.
+            const auto t = votess::tessellate(c.points, c.options);
+            Case kept = c;
+            kept.points.clear(), kept.weights.clear();
+            std::vector<std::int32_t> index;
+            for (std::size_t i = 0; i < c.points.size() / 3; ++i) {
+                if (t.status()[i] == votess::CellStatus::outside) continue;
+                index.push_back(static_cast<std::int32_t>(i));
+                kept.points.insert(kept.points.end(), &c.points[3 * i], &c.points[3 * i] + 3);
+                if (!c.weights.empty()) kept.weights.push_back(c.weights[i]);
+            }
+            const Lattice l = lattice_of(c.options);
+            Coordinates queries;
+            for (int q = 0; q < 10; ++q) {
+                const auto x = random_query(random, c, l.periodic[0] && l.periodic[1] && l.periodic[2]);
+                queries.insert(queries.end(), x.begin(), x.end());
+            }
+            const auto found = diagram.locate(queries);
+            REQUIRE(found.size() == queries.size() / 3);
+            for (std::size_t q = 0; q < found.size(); ++q) {
+                CAPTURE(q);
+                const std::int32_t expected = brute_force(kept, &queries[3 * q]);
+                REQUIRE(found[q] == (expected < 0 ? -1 : index[static_cast<std::size_t>(expected)]));
+            }
+        }
+    }
+
+    TEST_CASE("locate: faces, edges and vertices of a lattice belong to the lowest seed") {
+        constexpr int side = 6;
+        Coordinates points, queries;
+        for (int z = 0; z < side; ++z)
+            for (int y = 0; y < side; ++y)
+                for (int x = 0; x < side; ++x) points.insert(points.end(), {x + 0.5, y + 0.5, z + 0.5});
+        votess::Options options;
+        options.box = votess::Box{{0, 0, 0}, {side, side, side}};
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            options.periodic = {periodic, periodic, periodic};
+            const votess::Diagram diagram(points, options);
+            queries.clear();
+            std::vector<std::int32_t> expected;
+            for (int z = 0; z <= 2 * side; ++z)
+                for (int y = 0; y <= 2 * side; ++y)
+                    for (int x = 0; x <= 2 * side; ++x) {
+                        queries.insert(queries.end(), {x / 2.0, y / 2.0, z / 2.0});
+                        // Of the two cells that meet at a whole number the lower one; across the box's faces seed 0.
+                        const auto lowest = [&](int twice) {
+                            if (twice % 2 == 1) return twice / 2;
+                            if (twice == 0 || twice == 2 * side) return periodic || twice == 0 ? 0 : side - 1;
+                            return twice / 2 - 1;
+                        };
+                        expected.push_back((lowest(z) * side + lowest(y)) * side + lowest(x));
+                    }
+            CHECK(diagram.locate(queries) == expected);
+        }
+    }
+
+    TEST_CASE("locate: many seeds and queries against all distances") {
+        const std::size_t n = test::by_size(3000, 600);
+        test::Random random(3);
+        Coordinates queries;
+        for (std::size_t i = 0; i < 3 * n; ++i) queries.push_back(random.uniform());
+        votess::Options options;
+        options.box = test::unit_box();
+        for (const auto& set : {test::uniform(n, 5), test::clustered(n, 6)}) {
+            const votess::Diagram diagram(set.points, options);
+            CHECK(diagram.size() == set.points.size() / 3);
+            CHECK(diagram.locate(queries) == nearest_by_distance(set.points, queries));
+        }
+    }
+
+    // Images that lie farther than those among the seeds; and a weight that reaches everywhere.
+    TEST_CASE("locate: voids of periodic boxes, and one heavy seed") {
+        test::Random random(11);
+        for (int set = 0; set < 6; ++set) {
+            CAPTURE(set);
+            Case c;
+            c.options.box = test::unit_box();
+            c.options.periodic = {true, true, set % 2 == 0};
+            for (std::size_t i = 0; i < 3 * test::by_size(60, 30); ++i)
+                c.points.push_back(0.8 + 0.01 * random.gaussian() * (set < 3 ? 1 : 0.01));
+            if (set % 3 == 2) {
+                c.weights.assign(c.points.size() / 3, 0.0);
+                c.weights[7] = 0.04;
+            }
+            c.options.weights = c.weights;
+            const votess::Diagram diagram(c.points, c.options);
+            Coordinates queries;
+            for (int q = 0; q < 30; ++q)
+                for (int k = 0; k < 3; ++k) queries.push_back(random.uniform());
+            const auto found = diagram.locate(queries);
+            for (std::size_t q = 0; q < found.size(); ++q) CHECK(found[q] == brute_force(c, &queries[3 * q]));
+        }
+    }
+
+    TEST_CASE("locate: from many threads at the same time, with any number of its own") {
+        const auto set = test::uniform(test::by_size(5000, 1000), 9);
+        const auto queries = test::uniform(test::by_size(20000, 2000), 10).points;
+        votess::Options options;
+        options.box = test::unit_box();
+        options.threads = 1;
+        const auto expected = votess::Diagram(set.points, options).locate(queries);
+        options.threads = 3;
+        const votess::Diagram diagram(set.points, options);
+        const votess::Diagram& copy = diagram;
+        std::array<std::vector<std::int32_t>, 4> found;
+        std::vector<std::thread> threads;
+        for (auto& one : found) threads.emplace_back([&] { one = copy.locate(queries); });
+        for (std::thread& thread : threads) thread.join();
+        for (const auto& one : found) CHECK(one == expected);
+    }
+
+    TEST_CASE("locate: no seeds, duplicates, and what is refused") {
+        CHECK(votess::Diagram().locate(Coordinates{0, 0, 0}) == std::vector<std::int32_t>{-1});
+        CHECK(votess::Diagram().size() == 0);
+        votess::Options options;
+        options.box = test::unit_box();
+        const Coordinates points{0.25, 0.5, 0.5, 0.75, 0.5, 0.5, 0.25, 0.5, 0.5};
+        const votess::Diagram diagram(points, options);
+        CHECK(diagram.locate(std::vector<double>{}).empty());
+        CHECK(diagram.locate(Coordinates{0.2, 0.5, 0.5, 0.8, 0.5, 0.5, 1.5, 0.5, 0.5, 0.5, 1, 0}) ==
+              std::vector<std::int32_t>{0, 1, -1, 0});
+        const std::vector<double> weights{0, 0, 1};  // the heavier of two at one place has the cell
+        options.weights = weights;
+        CHECK(votess::Diagram(points, options).locate(points) == std::vector<std::int32_t>{2, 2, 2});
+        options.weights = {};
+
+        const auto refusal = [](const auto& ask) -> std::string {
+            try {
+                ask();
+            } catch (const votess::Error& error) {
+                return error.what();
+            }
+            return "";
+        };
+        const double nan = std::numeric_limits<double>::quiet_NaN();
+        CHECK(refusal([&] { (void)diagram.locate(Coordinates{0, 0, 0, 0, nan, 0}); }).find("query 1") == 0);
+        CHECK(refusal([&] { (void)diagram.locate(Coordinates{0, 0}); }).find("shape") != std::string::npos);
+        options.device = "gpu";
+        CHECK(refusal([&] { votess::Diagram(points, options); }).find("CPU") != std::string::npos);
+        options.device = "auto";
+        options.min_face = 0.1;
+        CHECK(refusal([&] { votess::Diagram(points, options); }).find("min_face") == 0);
+        options.min_face = 0;
+        options.periodic = {true, true, true};
+        const votess::Diagram periodic(points, options);
+        CHECK(periodic.locate(Coordinates{1e6 + 0.25, -3.5, 0.5}) == std::vector<std::int32_t>{0});
+        CHECK(refusal([&] { (void)periodic.locate(Coordinates{1e300, 0, 0}); }).find("query 0") == 0);
+    }
+}
