@@ -150,11 +150,11 @@ front, or the whole cells whose points lie in that octant)"},
          }},
         {"queries",
          {
-             {"--locate QUERIES", "which cell holds each point of another file; -o FILE.npy or .txt",
-              R"(no cells: the seed in whose cell each point of the file QUERIES lies, by its
-index in the input from 0, exactly, of several that meet there the lowest;
--1 outside of the domain. Into -o FILE.npy (int32), FILE.txt or - (a line
-each). In a periodic domain queries are wrapped)"},
+             {"--locate QUERIES", "",
+              R"(no cells: the seed in whose cell each point of the file QUERIES lies, by
+its index in the input from 0; exactly, of several that meet there the
+lowest; -1 outside of the domain. Into -o FILE.npy (int32), FILE.txt or -
+(a line each). In a periodic domain queries are wrapped)"},
          }},
         {"run",
          {

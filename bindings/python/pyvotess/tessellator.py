@@ -12,10 +12,9 @@ import numpy as np
 
 from . import _c_api
 from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantWord
-from ._call import Handle, VotessError, raise_on_failure, run
+from ._call import Handle, Progress, VotessError, raise_on_failure, run, showing
 from ._input import Domain, as_count, as_points, as_text, as_want, as_word
 from ._library import lib
-from ._progress import Progress, showing
 from .tessellation import Tessellation
 
 if TYPE_CHECKING:
