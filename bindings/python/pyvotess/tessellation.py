@@ -15,7 +15,7 @@ from ._input import as_count
 from ._library import lib
 from ._state import locked, read_result, tessellated_anew
 from .mesh import Delaunay, Faces, Lists, Neighbors, make_delaunay
-from .pairs import Pairs, count_edges, make_pairs
+from .pairs import Pairs, count_edges, make_derivatives, make_pairs
 from .stats import Stats, VerifyReport
 
 if TYPE_CHECKING:
@@ -293,6 +293,17 @@ class Tessellation:
         Edges shorter than ``edge_threshold`` do not count, and faces that are left with fewer than three neither.
         """
         return count_edges(self, edge_threshold)
+
+    def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
+        """How volumes or face areas change with the seeds: a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
+
+        ``of="volumes"`` has N rows, ``of="areas"`` one for each entry of ``neighbors.indices``. ``by="points"`` has 3 N
+        columns, 3 j + axis for that coordinate of seed j; ``by="weights"`` has N, at the weights that there are, 0 in a
+        Voronoi diagram. Walls stay where they are, the vectors of a periodic domain too. In closed form, from areas,
+        centroids and edges of faces; where more cells meet than in general position, as in a lattice, areas have no
+        derivative, and the one of the polygons at hand is given.
+        """
+        return make_derivatives(self, of, by)
 
     @property
     def stats(self) -> Stats:

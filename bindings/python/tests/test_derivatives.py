@@ -1,0 +1,94 @@
+"""derivatives(): volumes and areas against central differences, in every kind of domain."""
+
+import unittest
+
+import numpy as np
+from helpers import CELL, UNIT_BOX, have, uniform
+
+import pyvotess as vt
+
+SEEDS = 200
+WANT = "faces,volumes,areas"
+TOLERANCE = 1e-6  # relative to the largest
+
+
+class Derivatives(unittest.TestCase):
+    def compare(self, points, weights=None, **domain):
+        """Along random directions of all seeds, or of all weights, and of one seed."""
+        rng = np.random.default_rng(4)
+
+        def run(moved, heavier):
+            added = None if weights is None and not np.any(heavier) else (0 if weights is None else weights) + heavier
+            return vt.tessellate(points + moved, weights=added, want=WANT, list_walls=True, **domain)
+
+        t = run(0, 0)
+        single = np.zeros((SEEDS, 3))
+        single[17] = 1, -2, 0.5
+        for by, directions, step in (
+            ("points", (rng.normal(size=(SEEDS, 3)), single), 1e-7),
+            ("weights", (rng.normal(size=SEEDS),), 1e-8),
+        ):
+            for direction in directions:
+                change = step * direction
+                after, before = (run(s * change, 0) if by == "points" else run(0, s * change) for s in (1, -1))
+                for of, name in (("volumes", "volumes"), ("areas", "face_areas")):
+                    np.testing.assert_array_equal(after.neighbors.indices, before.neighbors.indices)
+                    numeric = (getattr(after, name) - getattr(before, name)) / (2 * step)
+                    matrix = t.derivatives(of, by=by)
+                    closed = matrix @ direction.ravel()
+                    self.assertEqual(matrix.shape, (len(closed), direction.size))
+                    error = np.abs(numeric - closed).max() / np.abs(closed).max()
+                    self.assertLess(error, TOLERANCE, f"{of} by {by}, {domain}")
+        return t
+
+    @have("scipy")
+    def test_central_differences(self):
+        points = uniform(SEEDS, seed=6)
+        weights = 0.004 * uniform(SEEDS, seed=7)[:, 0]
+        inside = 0.95 * points
+        cell = np.asarray(CELL, float)
+        for given in (None, weights):
+            self.compare(points, given, box=UNIT_BOX)
+            self.compare(points, given, box=UNIT_BOX, periodic=True)
+            self.compare(points, given, box=UNIT_BOX, periodic="xy")
+            self.compare(points @ cell, given, cell=cell)
+            self.compare(inside, given, box=UNIT_BOX, walls=[(1, 1, 1, 2.86), (-1, 2, 0, 1.92)])
+        # Seeds beyond the box.
+        self.compare(points + (3, -2, 0), None, box=UNIT_BOX, periodic=True)
+
+    @have("scipy")
+    def test_sums(self):
+        t = vt.tessellate(uniform(SEEDS), UNIT_BOX, periodic=True, want="faces,volumes")
+        matrix = t.derivatives()
+        self.assertEqual(matrix.shape, (SEEDS, 3 * SEEDS))
+        # The volumes fill the box whatever the seeds do, and nothing changes when all move alike.
+        self.assertLess(np.abs(matrix.sum(axis=0)).max(), 1e-13)
+        for axis in range(3):
+            self.assertLess(np.abs(matrix[:, axis::3].sum(axis=1)).max(), 1e-13)
+        by_weights = t.derivatives(by="weights")
+        self.assertLess(np.abs(by_weights - by_weights.T).max(), 1e-13)
+        self.assertLess(np.abs(by_weights.sum(axis=1)).max(), 1e-13)
+
+    @have("scipy")
+    def test_duplicates_and_none(self):
+        points = uniform(20)
+        points[7] = points[3]
+        t = vt.tessellate(points, UNIT_BOX, want="faces")
+        self.assertEqual(t.derivatives()[7].nnz, 0)
+        empty = vt.tessellate(np.empty((0, 3)), UNIT_BOX, want="faces")
+        self.assertEqual(empty.derivatives().shape, (0, 0))
+
+    @have("scipy")
+    def test_refused(self):
+        t = vt.tessellate(uniform(20), UNIT_BOX, want="faces")
+        for arguments, says in ((("centroids",), "'volumes' or 'areas'"), (("areas", "radii"), "'points' or 'weights'")):
+            with self.assertRaisesRegex(ValueError, says):
+                t.derivatives(*arguments)
+        with self.assertRaises(AttributeError):
+            vt.tessellate(uniform(20), UNIT_BOX).derivatives()
+        with self.assertRaisesRegex(ValueError, "whole cells"):
+            vt.tessellate(uniform(20), UNIT_BOX, want="faces", min_face=0.5).derivatives()
+
+
+if __name__ == "__main__":
+    unittest.main()
