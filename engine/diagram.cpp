@@ -4,7 +4,6 @@
 #include <cmath>
 #include <deque>
 #include <mutex>
-#include <stdexcept>
 
 #include "core/ceil.hpp"
 #include "core/text.hpp"
@@ -43,6 +42,16 @@ using detail::DiagramState;
 // Queries that one thread takes at once and sorts along a Hilbert curve: neighbors in time are neighbors in space.
 constexpr std::size_t most_taken = 65536, fewest_taken = 256, shares_of_thread = 4;
 
+// A failure to get memory as an Error.
+template <class Work>
+auto with_memory(const Work& work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory, "out of memory: take fewer seeds, or ask with fewer queries at once");
+    }
+}
+
 std::shared_ptr<DiagramState> make_state(std::span<const double> points, const Options& options) {
     if (options.device != "cpu" && options.device != "auto")
         throw Error(ErrorCode::unsupported,
@@ -50,20 +59,15 @@ std::shared_ptr<DiagramState> make_state(std::span<const double> points, const O
     if (options.min_face != 0 || options.min_area != 0)
         throw Error(ErrorCode::invalid_argument,
                     "min_face and min_area drop faces of a result: a Diagram has whole cells, leave them out");
-    try {
-        auto state = std::make_shared<DiagramState>();
-        state->points.assign(points.begin(), points.end());
-        state->job = validate({state->points, {}}, options);
-        state->job.options.progress = {};
-        state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
-        state->clipper.begin(state->job);
-        state->clipper.prepare();
-        state->weights.build(state->clipper.seeds(), state->clipper.hierarchy());
-        return state;
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory,
-                    "out of memory while sorting " + std::to_string(points.size() / 3) + " seeds");
-    }
+    auto state = std::make_shared<DiagramState>();
+    state->points.assign(points.begin(), points.end());
+    state->job = validate({state->points, {}}, options);
+    state->job.options.progress = {};
+    state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
+    state->clipper.begin(state->job);
+    state->clipper.prepare();
+    state->weights.build(state->clipper.seeds(), state->clipper.hierarchy());
+    return state;
 }
 
 // The query times the scale of the job. Its number is for messages.
@@ -111,10 +115,26 @@ void locate(const Job& job, DiagramState::Searcher& searcher, std::span<const do
     }
 }
 
+std::vector<std::int32_t> locate_all(DiagramState& state, std::span<const double> queries) {
+    const std::size_t count = queries.size() / 3;
+    std::vector<std::int32_t> seeds(count);
+    const std::scoped_lock lock(state.at_work);
+    ThreadPool& pool = state.clipper.pool();
+    while (state.searchers.size() < pool.size())
+        state.searchers.push_back(
+            {{state.job, state.clipper.seeds(), state.clipper.hierarchy(), state.weights}, {}, {}});
+    const std::size_t taken = std::clamp(count / (shares_of_thread * pool.size()), fewest_taken, most_taken);
+    pool.run(ceil_div(count, taken), [&](std::size_t task, unsigned worker) {
+        locate(state.job, state.searchers[worker], queries, seeds, task * taken, std::min(count, (task + 1) * taken));
+    });
+    return seeds;
+}
+
 }  // namespace
 
 Diagram::Diagram() : Diagram(std::span<const double>{}) {}
-Diagram::Diagram(std::span<const double> points, const Options& options) : state_(make_state(points, options)) {}
+Diagram::Diagram(std::span<const double> points, const Options& options)
+    : state_(with_memory([&] { return make_state(points, options); })) {}
 
 std::size_t Diagram::size() const noexcept {
     return state_->points.size() / 3;
@@ -125,20 +145,7 @@ std::vector<std::int32_t> Diagram::locate(std::span<const double> queries) const
         throw Error(ErrorCode::invalid_argument,
                     "queries hold " + std::to_string(queries.size()) +
                         " coordinates, which is not a multiple of 3: the shape must be (Q,3)");
-    const std::size_t count = queries.size() / 3;
-    std::vector<std::int32_t> seeds(count);
-    DiagramState& state = *state_;
-    const std::scoped_lock lock(state.at_work);
-    ThreadPool& pool = state.clipper.pool();
-    while (state.searchers.size() < pool.size())
-        state.searchers.push_back(
-            {{state.job, state.clipper.seeds(), state.clipper.hierarchy(), state.weights}, {}, {}});
-    const std::size_t taken = std::clamp(count / (shares_of_thread * pool.size()), fewest_taken, most_taken);
-    pool.run(ceil_div(count, taken), [&](std::size_t task, unsigned worker) {
-        votess::locate(state.job, state.searchers[worker], queries, seeds, task * taken,
-                       std::min(count, (task + 1) * taken));
-    });
-    return seeds;
+    return with_memory([&] { return locate_all(*state_, queries); });
 }
 
 }  // namespace votess

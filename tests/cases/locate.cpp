@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <thread>
 #include <vector>
 #include <votess/diagram.hpp>
 
@@ -262,23 +261,6 @@ TEST_SUITE("locate") {
             const auto found = diagram.locate(queries);
             for (std::size_t q = 0; q < found.size(); ++q) CHECK(found[q] == brute_force(c, &queries[3 * q]));
         }
-    }
-
-    TEST_CASE("locate: from many threads at the same time, with any number of its own") {
-        const auto set = test::uniform(test::by_size(5000, 1000), 9);
-        const auto queries = test::uniform(test::by_size(20000, 2000), 10).points;
-        votess::Options options;
-        options.box = test::unit_box();
-        options.threads = 1;
-        const auto expected = votess::Diagram(set.points, options).locate(queries);
-        options.threads = 3;
-        const votess::Diagram diagram(set.points, options);
-        const votess::Diagram& copy = diagram;
-        std::array<std::vector<std::int32_t>, 4> found;
-        std::vector<std::thread> threads;
-        for (auto& one : found) threads.emplace_back([&] { one = copy.locate(queries); });
-        for (std::thread& thread : threads) thread.join();
-        for (const auto& one : found) CHECK(one == expected);
     }
 
     TEST_CASE("locate: no seeds, duplicates, and what is refused") {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/ceil.hpp"
 #include "cpu/sort/seed_images.hpp"
 
 namespace votess::cpu {

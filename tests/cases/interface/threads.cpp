@@ -1,10 +1,13 @@
 // Small enough for the thread sanitizer.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <thread>
 #include <utility>
+#include <vector>
+#include <votess/diagram.hpp>
 
 #include "support/check.hpp"
 
@@ -204,5 +207,22 @@ TEST_SUITE("threads") {
         const test::PointSet small = test::uniform(500, 70);
         options.progress = {};
         CHECK(test::check_invariants(tessellator.tessellate(small.points, options), small.points) == "");
+    }
+
+    TEST_CASE("threads: a Diagram is asked from many at the same time, and has any number of its own") {
+        const auto set = test::uniform(test::by_size(5000, 1000), 9);
+        const auto queries = test::uniform(test::by_size(20000, 2000), 10).points;
+        votess::Options options;
+        options.box = test::unit_box();
+        options.threads = 1;
+        const auto expected = votess::Diagram(set.points, options).locate(queries);
+        options.threads = 3;
+        const votess::Diagram diagram(set.points, options);
+        const votess::Diagram& copy = diagram;
+        std::array<std::vector<std::int32_t>, 4> found;
+        std::vector<std::thread> threads;
+        for (auto& one : found) threads.emplace_back([&] { one = copy.locate(queries); });
+        for (std::thread& thread : threads) thread.join();
+        for (const auto& one : found) CHECK(one == expected);
     }
 }
