@@ -276,7 +276,8 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > most_tests_) return;
-        if (!cell_.in_reach(seen_from(p, far_box(entry.level, entry.node), place_rounding_), more_weight_)) continue;
+        if (!cell_.in_reach(seen_from(p, hierarchy_.box(entry.level, entry.node), place_rounding_), more_weight_))
+            continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
@@ -296,46 +297,19 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
     }
 }
 
-Box CellBuilder::far_box(std::int32_t level, std::uint32_t node) const {
-    if (level < 0) {
-        const exact::Point x{seeds_.x[node], seeds_.y[node], seeds_.z[node]};
-        return {x, x};
-    }
-    return hierarchy_.box(level, node);
-}
-
-void CellBuilder::push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts) {
-    const Box images =
-        seen_from({}, images_of(*domain_, far_box(level, node), shifts, p), seeds_.images->rounding_of_seeds());
+void CellBuilder::push_far(const exact::Point& p, const ImageNode& node) {
+    const Box images = seen_from({}, images_of(*domain_, box_of(node, seeds_, hierarchy_), node.shifts, p),
+                                 seeds_.images->rounding_of_seeds());
     const double distance_squared = box_distance(images, {});
     if (distance_squared >= reach_squared()) return;
-    far_images_.push_back({distance_squared, level, node, shifts, images});
+    far_images_.push_back({distance_squared, node, images});
     std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
 }
 
-// Halves the range of shifts or opens the box, whichever extends farther.
-void CellBuilder::split_far(const exact::Point& p, const FarEntry& entry) {
-    const Box box = far_box(entry.level, entry.node);
-    double side = 0;
-    for (int k = 0; k < 3; ++k) side = std::max(side, box.upper[k] - box.lower[k]);
-    const Extent extent = longest_extent(*domain_, entry.shifts);
-    if (entry.level < 0 || extent.length > side) {
-        for (const ShiftRange& half : halves(entry.shifts, extent.axis)) push_far(p, entry.level, entry.node, half);
-    } else if (entry.level > 0) {
-        for_each_child(hierarchy_, {0, entry.level, entry.node}, [&](int level, std::size_t node, const Box&) {
-            if (hierarchy_.first_seed(level, node) < seeds_.size())  // others hold images only
-                push_far(p, level, static_cast<std::uint32_t>(node), entry.shifts);
-        });
-    } else {
-        const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
-        for (std::size_t i = begin; i < end; ++i) push_far(p, -1, static_cast<std::uint32_t>(i), entry.shifts);
-    }
-}
-
 void CellBuilder::clip_far_group(const exact::Point& p, const FarEntry& entry, double from) {
-    const exact::Shift shift = only_shift(*domain_, entry.shifts);
+    const exact::Shift shift = only_shift(*domain_, entry.at.shifts);
     const exact::Point by = domain_->translation(shift), moved{p[0] - by[0], p[1] - by[1], p[2] - by[2]};
-    const std::size_t begin = entry.node * group_size, end = std::min(seeds_.group_end(begin), seeds_.size());
+    const std::size_t begin = entry.at.node * group_size, end = std::min(seeds_.group_end(begin), seeds_.size());
     double distance[group_size];
     kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
                                moved.data(), distance);
@@ -356,7 +330,7 @@ void CellBuilder::clip_far_images(std::size_t seed) {
     const double tried = std::max(0.0, known * (1 - 1e-9) - 64 * rounding_);
     const int top = hierarchy_.top_level();
     far_images_.clear();
-    push_far(p, top, 0, shifts_around(*domain_, far_box(top, 0), p, std::sqrt(reach_squared())));
+    push_far(p, {top, 0, shifts_around(*domain_, hierarchy_.box(top, 0), p, std::sqrt(reach_squared()))});
     while (!far_images_.empty()) {
         std::pop_heap(far_images_.begin(), far_images_.end(), farther_images);
         const FarEntry entry = far_images_.back();
@@ -366,18 +340,18 @@ void CellBuilder::clip_far_images(std::size_t seed) {
         if (++tests_ > most_tests_) return;
         if (!cell_.in_reach(entry.images, more_weight_)) continue;
         if (tests_ > most_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
-        const bool single = entry.shifts.is_single();
-        if (single && entry.shifts == ShiftRange{}) continue;  // the seeds themselves
-        if (single && entry.level == 0) {
+        const bool single = entry.at.shifts.is_single();
+        if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
+        if (single && entry.at.level == 0) {
             clip_far_group(p, entry, tried * tried);
             continue;
         }
-        if (entry.level >= 0 || !single) {
-            split_far(p, entry);
+        if (!entry.at.is_single()) {
+            for_each_part(entry.at, *domain_, seeds_, hierarchy_, [&](const ImageNode& part) { push_far(p, part); });
             continue;
         }
-        const auto id = static_cast<std::int32_t>(entry.node);
-        const exact::Shift shift = only_shift(*domain_, entry.shifts);
+        const auto id = static_cast<std::int32_t>(entry.at.node);
+        const exact::Shift shift = only_shift(*domain_, entry.at.shifts);
         if (entry.distance_squared < tried * tried || cell_.knows(id, shift)) continue;
         clip_by_image(id, shift);
     }

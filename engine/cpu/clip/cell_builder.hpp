@@ -13,6 +13,7 @@
 
 #include "cpu/clip/cell.hpp"
 #include "cpu/sort/hierarchy.hpp"
+#include "cpu/sort/image_nodes.hpp"
 #include "cpu/sort/seed_images.hpp"
 #include "cpu/sort/sort.hpp"
 
@@ -25,12 +26,10 @@ struct QueueEntry {
     std::uint32_t node;
 };
 
-// The same for images by a range of shifts; level -1 is a single seed.
+// The same for images.
 struct FarEntry {
     double distance_squared;
-    std::int32_t level;
-    std::uint32_t node;
-    ShiftRange shifts;
+    ImageNode at;
     Box images;  // holds them all, as seen from the home
 };
 
@@ -76,10 +75,8 @@ private:
     void clip_by_heaviest(const exact::Point& at);
     // Clips by the images beyond those that lie among the seeds.
     void clip_far_images(std::size_t seed);
-    void push_far(const exact::Point& p, std::int32_t level, std::uint32_t node, const ShiftRange& shifts);
-    void split_far(const exact::Point& p, const FarEntry& entry);
+    void push_far(const exact::Point& p, const ImageNode& node);
     void clip_far_group(const exact::Point& p, const FarEntry& entry, double from);
-    [[nodiscard]] Box far_box(std::int32_t level, std::uint32_t node) const;
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;

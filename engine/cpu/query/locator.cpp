@@ -180,34 +180,11 @@ void Locator::search() {
     }
 }
 
-Box Locator::box_of(const FarNode& entry) const {
-    if (entry.level >= 0) return hierarchy_.box(entry.level, entry.node);
-    const exact::Point x{seeds_.x[entry.node], seeds_.y[entry.node], seeds_.z[entry.node]};
-    return {x, x};
-}
-
-void Locator::push_far(const FarNode& entry) {
-    const Box images = images_of(domain_, box_of(entry), entry.shifts, at_);
-    const double weight = entry.level < 0 && !weights_.empty() ? seeds_.weights[entry.node]
-                                                               : weights_.at(std::max(entry.level, 0), entry.node);
-    if (distance_squared({}, images) <= reach_squared(weight)) far_.push_back(entry);
-}
-
-void Locator::split_far(const FarNode& entry) {
-    const Box box = box_of(entry);
-    double side = 0;
-    for (int k = 0; k < 3; ++k) side = std::max(side, box.upper[k] - box.lower[k]);
-    const Extent extent = longest_extent(domain_, entry.shifts);
-    if (entry.level < 0 || extent.length > side) {
-        for (const ShiftRange& half : halves(entry.shifts, extent.axis)) push_far({entry.level, entry.node, half});
-        return;
-    }
-    const std::size_t begin = entry.node * Hierarchy::fan;
-    const std::size_t end = entry.level > 0 ? std::min(begin + Hierarchy::fan, hierarchy_.count(entry.level - 1))
-                                            : std::min(begin + group_size, seeds_.size());
-    for (std::size_t child = begin; child < end; ++child)
-        if (entry.level == 0 || Hierarchy::first_seed(entry.level - 1, child) < seeds_.size())  // others hold images
-            push_far({entry.level - 1, static_cast<std::uint32_t>(child), entry.shifts});
+void Locator::push_far(const ImageNode& node) {
+    const Box images = images_of(domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_);
+    const double weight = node.level < 0 && !weights_.empty() ? seeds_.weights[node.node]
+                                                              : weights_.at(std::max(node.level, 0), node.node);
+    if (distance_squared({}, images) <= reach_squared(weight)) far_.push_back(node);
 }
 
 // The images that are not among the seeds, for points from which the nearest seed is far.
@@ -219,17 +196,17 @@ void Locator::search_images() {
     far_.clear();
     push_far({top, 0, shifts_around(domain_, hierarchy_.box(top, 0), at_, std::sqrt(reach))});
     while (!far_.empty()) {
-        const FarNode entry = far_.back();
+        const ImageNode node = far_.back();
         far_.pop_back();
-        if (entry.level >= 0 || !entry.shifts.is_single()) {
-            split_far(entry);
+        if (node.shifts == ShiftRange{}) continue;  // the seeds themselves
+        if (!node.is_single()) {
+            for_each_part(node, domain_, seeds_, hierarchy_, [this](const ImageNode& part) { push_far(part); });
             continue;
         }
-        if (entry.shifts == ShiftRange{}) continue;  // the seeds themselves
-        const Box image = images_of(domain_, box_of(entry), entry.shifts, at_);
+        const Box image = images_of(domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_);
         exact::Point to;
         for (std::size_t k = 0; k < 3; ++k) to[k] = 0.5 * (image.lower[k] + image.upper[k]);
-        keep(static_cast<std::int32_t>(entry.node), only_shift(domain_, entry.shifts),
+        keep(static_cast<std::int32_t>(node.node), only_shift(domain_, node.shifts),
              to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
     }
 }

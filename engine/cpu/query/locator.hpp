@@ -11,6 +11,7 @@
 
 #include "cpu/clip/cell_kernels.hpp"
 #include "cpu/sort/hierarchy.hpp"
+#include "cpu/sort/image_nodes.hpp"
 #include "cpu/sort/sorted_seeds.hpp"
 #include "input/job.hpp"
 
@@ -55,12 +56,6 @@ private:
         std::int32_t home;
         exact::Shift shift;
     };
-    // A node, and images of its seeds by a range of shifts; level -1 is a single seed.
-    struct FarNode {
-        std::int32_t level;
-        std::uint32_t node;
-        ShiftRange shifts;
-    };
 
     // No seed of weight at most `weight` matters beyond this squared distance.
     [[nodiscard]] double reach_squared(double weight) const;
@@ -71,9 +66,7 @@ private:
     [[nodiscard]] std::size_t nearest_group() const;
     void search();
     void search_images();
-    void push_far(const FarNode& entry);
-    void split_far(const FarNode& entry);
-    [[nodiscard]] Box box_of(const FarNode& entry) const;
+    void push_far(const ImageNode& node);
     [[nodiscard]] std::int32_t decide(const exact::Point& x, const exact::Shift& by);
     [[nodiscard]] exact::Plane plane_of(const Candidate& candidate, const exact::Shift& by) const;
 
@@ -96,7 +89,7 @@ private:
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::most_nodes> nodes_;
-    std::vector<FarNode> far_;
+    std::vector<ImageNode> far_;
 };
 
 }  // namespace votess::cpu
