@@ -20,7 +20,6 @@ namespace detail {
 struct DiagramState {
     std::vector<double> points;
     Job job;
-    cpu::NodeWeights weights;
     cpu::CpuClipper clipper;
 
     struct Searcher {
@@ -66,7 +65,6 @@ std::shared_ptr<DiagramState> make_state(std::span<const double> points, const O
     state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
     state->clipper.begin(state->job);
     state->clipper.prepare();
-    state->weights.build(state->clipper.seeds(), state->clipper.hierarchy());
     return state;
 }
 
@@ -121,8 +119,7 @@ std::vector<std::int32_t> locate_all(DiagramState& state, std::span<const double
     const std::scoped_lock lock(state.at_work);
     ThreadPool& pool = state.clipper.pool();
     while (state.searchers.size() < pool.size())
-        state.searchers.push_back(
-            {{state.job, state.clipper.seeds(), state.clipper.hierarchy(), state.weights}, {}, {}});
+        state.searchers.push_back({{state.job, state.clipper.seeds(), state.clipper.hierarchy()}, {}, {}});
     const std::size_t taken = std::clamp(count / (shares_of_thread * pool.size()), fewest_taken, most_taken);
     pool.run(ceil_div(count, taken), [&](std::size_t task, unsigned worker) {
         locate(state.job, state.searchers[worker], queries, seeds, task * taken, std::min(count, (task + 1) * taken));

@@ -25,36 +25,10 @@ double distance_squared(const exact::Point& x, const Box& box) {
 
 }  // namespace
 
-void NodeWeights::build(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
-    levels_.clear();
-    if (seeds.weights.empty()) return;
-    const auto home = [&](std::size_t id) {
-        return static_cast<std::size_t>(seeds.images == nullptr ? static_cast<std::int32_t>(id)
-                                                                : seeds.images->home(static_cast<std::int32_t>(id)));
-    };
-    for (int level = 0; level <= hierarchy.top_level(); ++level) {
-        auto& weights = levels_.emplace_back(hierarchy.count(level), -infinity);
-        for (std::size_t node = 0; node < weights.size(); ++node) {
-            if (level == 0) {
-                const std::size_t begin = node * group_size;
-                for (std::size_t id = begin; id < seeds.group_end(begin); ++id)
-                    weights[node] = std::max(weights[node], seeds.weights[home(id)]);
-            } else {
-                const auto& below = levels_[static_cast<std::size_t>(level) - 1];
-                const std::size_t end = std::min(below.size(), (node + 1) * Hierarchy::fan);
-                for (std::size_t child = node * Hierarchy::fan; child < end; ++child)
-                    weights[node] = std::max(weights[node], below[child]);
-            }
-        }
-    }
-    largest_ = *std::ranges::max_element(seeds.weights);
-}
-
-Locator::Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hierarchy, const NodeWeights& weights)
+Locator::Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hierarchy)
     : domain_(*job.domain),
       seeds_(seeds),
       hierarchy_(hierarchy),
-      weights_(weights),
       kernels_(*find_kernels(job.options.instructions)),
       box_kernels_(star_kernels(kernels_.name)) {
     if (seeds_.images != nullptr)
@@ -123,7 +97,7 @@ void Locator::try_group(std::size_t group) {
     };
     const std::size_t count = end - begin;
     if (best_ == infinity) try_seed(static_cast<std::size_t>(std::min_element(distance, distance + count) - distance));
-    const double weight = weights_.at(0, group);
+    const double weight = hierarchy_.largest_weight(0, group);
     double reach = reach_to(weight);
     for (std::size_t i = 0; i < count; ++i) {
         if (!(distance[i] <= reach)) continue;
@@ -142,11 +116,11 @@ std::size_t Locator::nearest_group() const {
         const std::size_t begin = node * Hierarchy::fan;
         const std::size_t count = std::min(Hierarchy::fan, hierarchy_.count(level) - begin);
         unsigned children = box_kernels_.near_boxes(block, here, tiny);
-        if (children == 0 || !weights_.empty()) children = (1u << count) - 1;
+        if (children == 0 || !seeds_.weights.empty()) children = (1u << count) - 1;
         double least = infinity;
         for (; children != 0; children &= children - 1) {
             const auto i = static_cast<std::size_t>(std::countr_zero(children));
-            double value = -weights_.at(level, begin + i);
+            double value = -hierarchy_.largest_weight(level, begin + i);
             for (std::size_t k = 0; k < 3; ++k) {
                 const double from_middle = 0.5 * (block.lower[k][i] + block.upper[k][i]) - at_[k];
                 value += from_middle * from_middle;
@@ -164,7 +138,7 @@ void Locator::search() {
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
         const BoxBlock& block = hierarchy_.block(level, index);
-        const double weight = level == hierarchy_.top_level() ? weights_.largest() : weights_.at(level + 1, index);
+        const double weight = hierarchy_.largest_weight_below(level, index);
         double reach = reach_to(weight);
         unsigned near = box_kernels_.near_boxes(block, here, reach);
         for (; near != 0; near &= near - 1) {
@@ -182,15 +156,16 @@ void Locator::search() {
 
 void Locator::push_far(const ImageNode& node) {
     const Box images = images_of(domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_);
-    const double weight = node.level < 0 && !weights_.empty() ? seeds_.weights[node.node]
-                                                              : weights_.at(std::max(node.level, 0), node.node);
+    const double weight = node.level < 0 && !seeds_.weights.empty()
+                              ? seeds_.weights[node.node]
+                              : hierarchy_.largest_weight(std::max(node.level, 0), node.node);
     if (distance_squared({}, images) <= reach_squared(weight)) far_.push_back(node);
 }
 
 // The images that are not among the seeds, for points from which the nearest seed is far.
 void Locator::search_images() {
     const double known = std::max(0.0, seeds_.images->reach(at_) - 2 * rounding_);
-    const double reach = reach_squared(weights_.largest());
+    const double reach = reach_squared(hierarchy_.largest_weight(hierarchy_.top_level(), 0));
     if (reach < known * known) return;
     const int top = hierarchy_.top_level();
     far_.clear();

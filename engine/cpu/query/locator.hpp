@@ -17,27 +17,10 @@
 
 namespace votess::cpu {
 
-// The largest weight below each node of a hierarchy, so that one heavy seed does not widen every search. Empty without
-// weights.
-class NodeWeights {
-public:
-    void build(const SortedSeeds& seeds, const Hierarchy& hierarchy);
-    [[nodiscard]] double at(int level, std::size_t node) const {
-        return levels_.empty() ? 0 : levels_[static_cast<std::size_t>(level)][node];
-    }
-    // Of all seeds.
-    [[nodiscard]] double largest() const { return levels_.empty() ? 0 : largest_; }
-    [[nodiscard]] bool empty() const { return levels_.empty(); }
-
-private:
-    std::vector<std::vector<double>> levels_;
-    double largest_ = 0;
-};
-
 // One per thread. The seeds and all that belongs to them stay with the caller.
 class Locator {
 public:
-    Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hierarchy, const NodeWeights& weights);
+    Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hierarchy);
 
     // Where a point lies among the seeds: its place, after it has been wrapped into a periodic domain by a shift.
     struct Place {
@@ -59,7 +42,9 @@ private:
 
     // No seed of weight at most `weight` matters beyond this squared distance.
     [[nodiscard]] double reach_squared(double weight) const;
-    [[nodiscard]] double reach_to(double weight) const { return weights_.empty() ? reach_ : reach_squared(weight); }
+    [[nodiscard]] double reach_to(double weight) const {
+        return seeds_.weights.empty() ? reach_ : reach_squared(weight);
+    }
     [[nodiscard]] double error_of(double distance_squared, double weight) const;
     void keep(std::int32_t home, const exact::Shift& shift, double distance_squared);
     void try_group(std::size_t group);
@@ -73,7 +58,6 @@ private:
     const Domain& domain_;
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
-    const NodeWeights& weights_;
     const Kernels& kernels_;
     const StarKernels& box_kernels_;
     double image_rounding_ = 0;  // of places among the images

@@ -5,12 +5,24 @@
 #include <limits>
 
 #include "core/ceil.hpp"
+#include "cpu/sort/seed_images.hpp"
 
 namespace votess::cpu {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t task_blocks = 512;
+
+// The largest weight of these seeds, or of the seeds that these images are of.
+double largest_of(const SortedSeeds& seeds, std::size_t begin, std::size_t end) {
+    double largest = -infinity;
+    for (std::size_t id = begin; id < end; ++id) {
+        const std::size_t home =
+            seeds.images == nullptr ? id : static_cast<std::size_t>(seeds.images->home(static_cast<std::int32_t>(id)));
+        largest = std::max(largest, seeds.weights[home]);
+    }
+    return largest;
+}
 
 }  // namespace
 
@@ -21,9 +33,12 @@ void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
         if (count <= 1) break;
     }
     while (levels_.size() < counts_.size()) levels_.emplace_back(Buffer<BoxBlock>::Pages::huge);
+    has_weights_ = !seeds.weights.empty();
+    if (has_weights_) weights_.resize(std::max(weights_.size(), counts_.size()));
     for (std::size_t level = 0; level < counts_.size(); ++level) {
         const std::size_t blocks = std::max<std::size_t>(1, ceil_div(counts_[level], fan));
         levels_[level].resize_uninitialized(blocks);
+        if (has_weights_) weights_[level].resize_uninitialized(counts_[level]);
         const auto task = [&](std::size_t index, unsigned) {
             for (std::size_t b = index * task_blocks; b < std::min(blocks, (index + 1) * task_blocks); ++b)
                 fill(seeds, level, b);
@@ -46,11 +61,17 @@ void Hierarchy::fill(const SortedSeeds& seeds, std::size_t level, std::size_t in
                     std::minmax_element(coordinates[k]->data() + begin, coordinates[k]->data() + end);
                 block.lower[k][i] = *least, block.upper[k][i] = *most;
             }
+            if (has_weights_) weights_[0][node] = largest_of(seeds, begin, end);
         } else {
             const BoxBlock& below = levels_[level - 1][node];
             for (int k = 0; k < 3; ++k) {
                 block.lower[k][i] = *std::min_element(below.lower[k], below.lower[k] + fan);
                 block.upper[k][i] = *std::max_element(below.upper[k], below.upper[k] + fan);
+            }
+            if (has_weights_) {
+                const double* weights = weights_[level - 1].data() + node * fan;
+                weights_[level][node] =
+                    *std::max_element(weights, weights + std::min(fan, counts_[level - 1] - node * fan));
             }
         }
     }

@@ -280,27 +280,39 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
 template <class Isa>
 bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* three, int& added) {
     Box at;
-    double reach2 = 0;
+    double x2 = 0, size = 0, reach2 = 0;
     GroupTest test{p_, scale_, {}, 0};
     auto look_around = [&] {
-        double size = 0;
+        size = 0;
         for (int k = 0; k < 3; ++k) {
             const double offset = x.x[k] * unscale_;
             at.lower[k] = at.upper[k] = p_[k] + offset;
             size = std::max(size, std::abs(p_[k]) + std::abs(offset));
             test.v[k] = x.x[k];
         }
-        const double x2 = dot(wide(x), wide(x));
+        x2 = dot(wide(x), wide(x));
         const double reach = std::sqrt(x2 + more_) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
         reach2 = reach * reach;
         test.slack = 2 * margin * x2;
     };
     look_around();
+    // The same for seeds that are no heavier, 0 if there is none: the sphere shrinks to nothing for the lightest.
+    auto reach_of = [&](double heaviest) {
+        const double more = (heaviest - weight_) * scale_ * scale_;
+        if (more >= more_) return reach2;
+        const double square =
+            x2 * (1 + 8 * margin) + more + 8 * unit * (std::abs(heaviest) + std::abs(weight_)) * scale_ * scale_;
+        if (!(square > 0)) return 0.0;
+        const double reach =
+            (std::sqrt(square) + 4 * margin * std::sqrt(x2)) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
+        return reach * reach;
+    };
     std::size_t nodes = 1;
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
-        unsigned near = Isa::near_boxes(hierarchy_.block(level, index), at, reach2);
+        unsigned near = Isa::near_boxes(hierarchy_.block(level, index), at,
+                                        weighted_ ? reach_of(hierarchy_.largest_weight_below(level, index)) : reach2);
         if (level > 0) {
             for (; near != 0; near &= near - 1)
                 nodes_[nodes++] = {level - 1, index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near))};
@@ -309,6 +321,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
         for (; near != 0; near &= near - 1) {
             const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
             if (cells_.group_done(child)) continue;
+            if (weighted_ && reach_of(hierarchy_.largest_weight(0, child)) == 0) continue;
             const std::size_t begin = std::size_t{child} * group_size;
             unsigned inside = find_inside(begin, test);
             while (inside != 0) {
