@@ -24,7 +24,7 @@ struct DiagramState {
 
     struct Searcher {
         cpu::Locator locator;
-        // Of the queries taken at once: where they lie, and key and number in the order in which they are asked.
+        // Where the queries taken at once lie; key and number of each, in the order in which they are asked.
         std::vector<cpu::Locator::Place> places;
         std::vector<std::uint64_t> order;
     };

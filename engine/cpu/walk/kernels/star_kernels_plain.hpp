@@ -1,4 +1,4 @@
-// The loops of StarKernels in plain C++: the baseline, and for other sets where the compiler does as well.
+// The loops of StarKernels for any processor, in vectors of four that the compiler knows.
 #pragma once
 
 #include <bit>
