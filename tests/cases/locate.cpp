@@ -213,7 +213,8 @@ TEST_SUITE("locate") {
                 for (int y = 0; y <= 2 * side; ++y)
                     for (int x = 0; x <= 2 * side; ++x) {
                         queries.insert(queries.end(), {x / 2.0, y / 2.0, z / 2.0});
-                        // Of the two cells that meet at a whole number the lower one; across the box's faces seed 0.
+                        // Two cells meet at a whole number, and the lower one has it; across the box's faces seed 0
+                        // has.
                         const auto lowest = [&](int twice) {
                             if (twice % 2 == 1) return twice / 2;
                             if (twice == 0 || twice == 2 * side) return periodic || twice == 0 ? 0 : side - 1;

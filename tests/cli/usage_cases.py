@@ -390,6 +390,8 @@ class Locate(CliTest):
                                 ([*asked, "-o", "a.npy", "--want", "faces"], "--want is about cells"),
                                 ([*asked, "-o", "a.npy", "--verify"], "--verify is about cells"),
                                 ([*asked, "-o", "a.npy", "--image", "a.png"], "--image is about cells"),
+                                ([*asked, "-o", "a.npy", "--slice", "z=0.5"], "--slice is about cells"),
+                                ([*asked, "-o", "a.npy", "--seeds"], "--seeds is about cells"),
                                 ([*asked, "-o", "a.npy", "-x", "gpu"], "CPU"), ([*asked, "-o", "-", "--json"], "stdout"),
                                 (["cube.txt", "--locate", "", "-o", "a.npy"], "--locate is empty"),
                                 (["-", "--locate", "-", "-o", "a.npy"], "stdin"),

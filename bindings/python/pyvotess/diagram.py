@@ -10,8 +10,9 @@ import numpy as np
 from . import _c_api
 from ._c_api import DuplicatesWord, OutsideWord
 from ._call import Handle, raise_on_failure
-from ._input import Domain, as_count, as_points, as_text, as_word
+from ._input import Domain, as_points, as_word
 from ._library import lib
+from .tessellator import new_options
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -48,12 +49,8 @@ class Diagram:
         instructions: str = "",
     ) -> None:
         array = np.require(as_points(points), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
-        options = _c_api.Options()
-        raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
-        options.threads = as_count(threads, "threads", 32)
+        options = new_options("cpu", threads, grid_resolution=grid_resolution, instructions=instructions)
         options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
-        options.grid_resolution = as_count(grid_resolution, "grid_resolution", 32)
-        options.instructions = as_text(instructions, "instructions")
         kept = Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
         self._handle = Handle(lib.votess_diagram_free)
         raise_on_failure(

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-def _new_options(
+def new_options(
     device: str,
     threads: int,
-    precision: PrecisionWord,
-    grid_resolution: int,
-    k_init: int,
-    chunk_size: int,
+    precision: PrecisionWord = "single",
+    grid_resolution: int = 0,
+    k_init: int = 0,
+    chunk_size: int = 0,
     instructions: str = "",
 ) -> _c_api.Options:
     options = _c_api.Options()
@@ -150,7 +150,7 @@ def tessellate(
     MemoryError, VotessError : the run failed; ``VotessError.code`` is UNSUPPORTED when the device cannot be had,
         DEVICE_LOST when it failed.
     """
-    options = _new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
+    options = new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
     domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
     return _tessellate(None, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area)
 
@@ -181,7 +181,7 @@ class Tessellator:
         chunk_size: int = 0,
         instructions: str = "",
         ) -> None:
-        self._options = _new_options(
+        self._options = new_options(
             device, threads, precision, grid_resolution, k_init, chunk_size, instructions
         )
         self._lock = threading.Lock()

@@ -125,7 +125,7 @@ class Loading(unittest.TestCase):
             ("k_init", 5000, "k_init = 5000"),
             ("instructions", b"mmx", "instructions 'mmx'"),
         ):
-            options = tessellator._new_options("cpu", 0, "single", 0, 0, 0)
+            options = tessellator.new_options("cpu", 0, "single", 0, 0, 0)
             setattr(options, field, value)
             result = ctypes.c_void_p()
             arguments = (None, points.ctypes.data, 4, ctypes.byref(options), ctypes.byref(result))
