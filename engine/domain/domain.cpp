@@ -277,6 +277,31 @@ exact::Shift only_shift(const Domain& domain, const ShiftRange& range) {
     return in_lattice(domain.reduced, range.least);
 }
 
+std::vector<exact::Shift> near_translations(const Domain& domain) {
+    constexpr int most = 2;
+    std::array<int, 3> steps;
+    for (std::size_t j = 0; j < 3; ++j) steps[j] = domain.periodic[j] ? most : 0;
+    std::vector<std::pair<double, exact::Shift>> found;
+    for (int a = -steps[0]; a <= steps[0]; ++a)
+        for (int b = -steps[1]; b <= steps[1]; ++b)
+            for (int c = -steps[2]; c <= steps[2]; ++c) {
+                if (a == 0 && b == 0 && c == 0) continue;
+                const exact::Shift shift = in_lattice(domain.reduced, {a, b, c});
+                const Vector by = domain.translation(shift);
+                found.emplace_back(dot(by, by), shift);
+            }
+    std::ranges::sort(found);
+    std::vector<exact::Shift> shifts;
+    for (const auto& [square, shift] : found) shifts.push_back(shift);
+    return shifts;
+}
+
+double nearest_translation(const Domain& domain) {
+    const auto shifts = near_translations(domain);
+    if (shifts.empty()) return std::numeric_limits<double>::infinity();
+    return length(domain.translation(shifts.front())) * (1 - 1e-12);
+}
+
 Domain box_domain(const Box& box, const std::array<bool, 3>& periodic) {
     Domain domain;
     domain.box = box;

@@ -77,6 +77,11 @@ struct Domain {
     [[nodiscard]] exact::Plane box_wall(int wall) const;
 };
 
+// The shifts by which an image of a point may bound the point's own cell: by -2 to 2 of each of the reduced vectors, of
+// which any two are short beside each other. The nearest come first.
+std::vector<exact::Shift> near_translations(const Domain& domain);
+// At most the distance of a point to its nearest image; infinite where nothing repeats.
+double nearest_translation(const Domain& domain);
 // The shifts by which a point of `box` may come nearer than `distance` to x, with care for rounding. Where there are
 // none, only that by 0.
 ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Point& x, double distance);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct Job {
     double scale = 1;
     std::shared_ptr<const Domain> domain;  // times scale
     std::vector<CellStatus> outside;       // N when some seeds lie outside of a wall: `outside` for them
+    // The points are queries among so many seeds: their cells do not fit together.
+    std::optional<std::int32_t> probes_of;
     // Arrays of an earlier run, whose memory ResultBuilder::begin() takes; may be null.
     detail::Result* arrays = nullptr;
 };

@@ -211,26 +211,8 @@ Box check_points(const Points& points, const Options& options, std::vector<CellS
 }
 
 void take_weights(const Job& job, Domain& domain) {
-    const bool radii = !job.options.radii.empty();
-    const auto given = radii ? job.options.radii : job.options.weights;
-    const char* name = radii ? "radii" : "weights";
-    if (given.empty()) return;
-    if (given.size() != job.points.count())
-        refuse(std::string(name) + " hold " + std::to_string(given.size()) + " numbers for " +
-               std::to_string(job.points.count()) + " points");
-    domain.weights.resize(given.size());
-    for (std::size_t i = 0; i < given.size(); ++i) {
-        const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(i); };
-        if (!std::isfinite(given[i])) refuse(place() + " = " + number(given[i]) + " is not finite");
-        if (radii && given[i] < 0) refuse(place() + " = " + number(given[i]) + " is negative");
-        const double weight = radii ? given[i] * given[i] : given[i];
-        if (!std::isfinite(weight)) refuse(place() + " = " + number(given[i]) + " is too large: its square overflows");
-        const double in_units = weight * job.scale * job.scale;
-        if (in_units / job.scale / job.scale != weight || std::abs(in_units) > largest_scaled_weight)
-            refuse(place() + " = " + number(given[i]) + " is too large or too small beside the box");
-        domain.weights[i] = in_units;
-    }
-    domain.largest_weight = *std::ranges::max_element(domain.weights);
+    domain.weights = scaled_weights(job.options, job.points.count(), "points", job.scale);
+    if (domain.has_weights()) domain.largest_weight = *std::ranges::max_element(domain.weights);
 }
 
 void take_walls(Job& job, Domain& domain) {
@@ -304,6 +286,28 @@ void make_domain(Job& job) {
 }
 
 }  // namespace
+
+std::vector<double> scaled_weights(const Options& options, std::size_t count, const char* of, double scale) {
+    const bool radii = !options.radii.empty();
+    const auto given = radii ? options.radii : options.weights;
+    if (given.empty()) return {};
+    if (given.size() != count)
+        refuse(std::string(radii ? "radii" : "weights") + " hold " + std::to_string(given.size()) + " numbers for " +
+               std::to_string(count) + " " + of);
+    std::vector<double> weights(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(i); };
+        if (!std::isfinite(given[i])) refuse(place() + " = " + number(given[i]) + " is not finite");
+        if (radii && given[i] < 0) refuse(place() + " = " + number(given[i]) + " is negative");
+        const double weight = radii ? given[i] * given[i] : given[i];
+        if (!std::isfinite(weight)) refuse(place() + " = " + number(given[i]) + " is too large: its square overflows");
+        const double in_units = weight * scale * scale;
+        if (in_units / scale / scale != weight || std::abs(in_units) > largest_scaled_weight)
+            refuse(place() + " = " + number(given[i]) + " is too large or too small beside the box");
+        weights[i] = in_units;
+    }
+    return weights;
+}
 
 void check_k_init(std::uint32_t k_init) {
     constexpr std::uint32_t most = 1024;

@@ -9,6 +9,9 @@ namespace votess {
 void check_options(const Options& options);
 void check_box(const Box& box);
 void check_k_init(std::uint32_t k_init);
+// The weights, or squares of radii, that `count` points have by the options, times scale squared; none if these name
+// none. of: what the points are called.
+std::vector<double> scaled_weights(const Options& options, std::size_t count, const char* of, double scale);
 // Options and points.
 Job validate(const Points& points, const Options& options);
 

@@ -15,6 +15,7 @@ struct Result {
     std::vector<Wall> walls;
     std::vector<double> weights;
     bool lists_walls = false;
+    bool probed = false;  // the cells of probes, which do not fit together
     double least_face = 0;
     Buffer<std::int64_t> indptr;
     Buffer<std::int32_t> indices;

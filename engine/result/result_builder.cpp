@@ -101,6 +101,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     for (const double radius : job.options.radii) result_.weights.push_back(radius * radius);
     box_volume_ = job.box_volume;
     result_.lists_walls = job.options.list_walls;
+    result_.probed = job.probes_of.has_value();
     result_.least_face = 0;
     min_face_ = job.options.min_face;
     min_area_ = job.options.min_area;

@@ -63,7 +63,7 @@ std::set<std::int32_t> shown(const Window& window) {
 // Complete within its reach and true to half a unit. Returns the reach.
 double check_window(const Sorted& sorted, Window& window, std::size_t home, double radius, const Neighborhood& cells) {
     CAPTURE(home);
-    REQUIRE(window.open(home, window.home_box(home), radius, cells));
+    REQUIRE(window.open(home, window.home_box(home), radius, 0, cells));
     const votess::Box box = sorted.home_box(home);
     const std::set<std::int32_t> ids = shown(window);
     const auto own = static_cast<std::size_t>(home * Window::home_seeds);
@@ -284,7 +284,7 @@ TEST_SUITE("stages") {
         const Neighborhood line_cells = fresh(line);
         Window window(line.seeds, line.hierarchy, star_kernels("baseline"));
         CHECK(check_window(line, window, 100, 5, line_cells) < 0.2);
-        CHECK_FALSE(window.open(100, window.home_box(100), 1e3, line_cells));
+        CHECK_FALSE(window.open(100, window.home_box(100), 1e3, 0, line_cells));
     }
 
     TEST_CASE("star window: seeds far beyond it are clamped") {
@@ -329,6 +329,6 @@ TEST_SUITE("stages") {
         const Sorted small(tiny);
         const Neighborhood small_cells = fresh(small);
         Window none(small.seeds, small.hierarchy, star_kernels("baseline"));
-        CHECK_FALSE(none.open(0, none.home_box(0), 1e-310, small_cells));
+        CHECK_FALSE(none.open(0, none.home_box(0), 1e-310, 0, small_cells));
     }
 }

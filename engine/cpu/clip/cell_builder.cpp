@@ -19,6 +19,7 @@ constexpr double first_band = 0.8;                // of the squared reach expect
 constexpr double band_growth = 1.6;               // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
+constexpr double coordinate_rounding = 0x1p-50;  // of differences of places that are rounded
 
 bool farther(const QueueEntry& a, const QueueEntry& b) {
     return a.distance_squared > b.distance_squared;
@@ -61,32 +62,51 @@ void CellBuilder::begin_job(const Domain& domain) {
     plain_ = !domain.is_periodic() && !domain.has_weights();
     rounding_ = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        place_rounding_[k] = seeds_.images == nullptr ? 0 : 8 * 0x1p-53 * seeds_.images->largest_rounded()[k];
+        place_rounding_[k] = seeds_.images == nullptr ? 0 : coordinate_rounding * seeds_.images->largest_rounded()[k];
         rounding_ = std::max(rounding_, place_rounding_[k]);
     }
     more_weight_ = 0;
     heaviest_ = -1;
+    own_images_.clear();
     if (domain.is_periodic() && !seeds_.weights.empty())
         heaviest_ = static_cast<std::int32_t>(std::ranges::max_element(seeds_.weights) - seeds_.weights.begin());
     group_ = ~std::size_t{0};
     reach_ = 0;
 }
 
-void CellBuilder::start(std::size_t seed) {
-    const exact::Point at{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
-    base_ = seeds_.images == nullptr ? SeedImages::Base{at, {}} : seeds_.images->base(seed);
-    if (!seeds_.weights.empty()) more_weight_ = domain_->most_more(seeds_.weights[seed]);
-    cell_.start(base_.point, *domain_, static_cast<std::int32_t>(seed));
-    seed_ = seed;
-    if (heaviest_ >= 0) clip_by_heaviest(at);
+void CellBuilder::be(std::size_t seed) {
+    own_ = static_cast<std::int32_t>(seed);
+    probing_ = false;
+    coincident_ = -1;
+    at_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    base_ = seeds_.images == nullptr ? SeedImages::Base{at_, {}} : seeds_.images->base(seed);
+    if (!seeds_.weights.empty()) weight_ = seeds_.weights[seed];
+}
+
+void CellBuilder::start() {
+    if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->most_more(weight_));
+    cell_.start(base_.point, *domain_, own_);
+    if (heaviest_ >= 0) clip_by_heaviest();
+    if (probing_ && domain_->is_periodic()) clip_by_own_images();
+}
+
+// A seed's own images are among the others.
+void CellBuilder::clip_by_own_images() {
+    if (own_images_.empty()) own_images_ = near_translations(*domain_);
+    for (const exact::Shift& shift : own_images_) {
+        const exact::Point by = domain_->translation(shift);
+        if (by[0] * by[0] + by[1] * by[1] + by[2] * by[2] >= reach_squared()) return;
+        if (cell_.knows(own_, shift)) continue;
+        cell_.clip(own_, exact::Plane::bisector(base_.point, shift, domain_->lattice), shift);
+    }
 }
 
 // The heaviest seed has an image near any place. It buries what is much lighter, and after it no weight can reach a
 // cell from far away.
-void CellBuilder::clip_by_heaviest(const exact::Point& at) {
+void CellBuilder::clip_by_heaviest() {
+    if (heaviest_ == own_) return;
     const auto i = static_cast<std::size_t>(heaviest_);
-    if (i == seed_) return;
-    const auto f = domain_->reduced.fraction({at[0] - seeds_.x[i], at[1] - seeds_.y[i], at[2] - seeds_.z[i]});
+    const auto f = domain_->reduced.fraction({at_[0] - seeds_.x[i], at_[1] - seeds_.y[i], at_[2] - seeds_.z[i]});
     ShiftRange nearest;
     for (std::size_t j = 0; j < 3; ++j)
         if (domain_->periodic[j]) nearest.least[j] = static_cast<std::int32_t>(std::round(f[j]));
@@ -94,7 +114,7 @@ void CellBuilder::clip_by_heaviest(const exact::Point& at) {
 }
 
 void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
-    if (plain_)
+    if (plain_ && coincident_ < 0)
         cell_.clip(id, {x, y, z});
     else if (seeds_.images == nullptr)
         clip_by_image(id, {});
@@ -105,11 +125,49 @@ void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
 void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     const auto i = static_cast<std::size_t>(home);
     // The nearest of them are there from the start.
-    if ((i == seed_ || home == heaviest_) && cell_.knows(home, shift)) return;
-    exact::Plane plane = seeds_.images == nullptr ? exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]})
-                                                  : seeds_.images->bisector(base_, home, shift);
-    if (!seeds_.weights.empty()) plane.power = exact::two_sum(seeds_.weights[seed_], -seeds_.weights[i]);
+    if ((home == own_ || home == heaviest_) && cell_.knows(home, shift)) return;
+    exact::Plane plane = bisector(home, shift);
+    if (home == coincident_ && coincides(plane)) return;
+    if (!seeds_.weights.empty()) plane.power = exact::two_sum(weight_, -seeds_.weights[i]);
     cell_.clip(home, plane, shift);
+}
+
+bool CellBuilder::coincides(const exact::Plane& bisector) const {
+    const auto d = exact::differences(base_.point, bisector).x;
+    return std::ranges::all_of(d, [](const exact::DoubleDouble& x) { return x.high == 0 && x.low == 0; });
+}
+
+exact::Plane CellBuilder::bisector(std::int32_t home, const exact::Shift& shift) const {
+    const auto i = static_cast<std::size_t>(home);
+    return seeds_.images == nullptr ? exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]})
+                                    : seeds_.images->bisector(base_, home, shift);
+}
+
+// The seed at the place of the probe; -1 if there is none.
+std::int32_t CellBuilder::find_coincident() {
+    const Box here{at_, at_};
+    const double near = 4 * rounding_ * rounding_;
+    far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
+    while (!far_queue_.empty()) {
+        const QueueEntry entry = far_queue_.back();
+        far_queue_.pop_back();
+        if (entry.level > 0) {
+            for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
+                if (box_distance(box, here) <= near) far_queue_.push_back({0, level, static_cast<std::uint32_t>(node)});
+            });
+            continue;
+        }
+        const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto id = static_cast<std::int32_t>(i);
+            const double d[3] = {seeds_.x[i] - at_[0], seeds_.y[i] - at_[1], seeds_.z[i] - at_[2]};
+            if (!(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= near)) continue;
+            const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
+            const exact::Shift shift = seeds_.images == nullptr ? exact::Shift{} : seeds_.images->shift(id);
+            if (coincides(bisector(home, shift))) return home;
+        }
+    }
+    return -1;
 }
 
 // A seed of weight w cuts the cell of weight w_p only when it is nearer than R + sqrt(R^2 + w - w_p), where R is the
@@ -122,9 +180,8 @@ double CellBuilder::reach_squared() {
     return reach * reach;
 }
 
-void CellBuilder::open_window(std::size_t group) {
-    group_ = group;
-    home_ = hierarchy_.box(0, group);
+void CellBuilder::open_window(const Box& home) {
+    home_ = home;
     queue_.assign(1, {0, hierarchy_.top_level(), 0});
     covered_ = 0;
     for (auto* v : {&x_, &y_, &z_}) v->clear();
@@ -164,11 +221,41 @@ void CellBuilder::extend_window(double distance_squared, std::size_t least_count
 }
 
 Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
+    if (most_tests > 0 && seed / group_size != group_) {
+        group_ = seed / group_size;
+        open_window(hierarchy_.box(0, group_));
+    }
+    be(seed);
+    return search(most_tests);
+}
+
+Cell& CellBuilder::build(const Probe& probe) {
+    own_ = static_cast<std::int32_t>(seeds_.places());
+    probing_ = true;
+    coincident_ = -1;
+    at_ = probe.place.at;
+    base_ = {probe.x, probe.place.by};
+    weight_ = probe.weight;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (place_rounding_[k] == 0 && probe.place.low[k] == 0) continue;
+        place_rounding_[k] = std::max(place_rounding_[k], coordinate_rounding * std::abs(at_[k]));
+        rounding_ = std::max(rounding_, place_rounding_[k]);
+    }
+    if (seeds_.size() == 0) {
+        start();
+        return cell_;
+    }
+    coincident_ = find_coincident();
+    group_ = ~std::size_t{0};
+    open_window({at_, at_});
+    return *search(std::numeric_limits<std::size_t>::max());
+}
+
+Cell* CellBuilder::search(std::size_t most_tests) {
     tests_ = 0;
     most_tests_ = most_tests;
     if (most_tests == 0) return nullptr;
-    if (seed / group_size != group_) open_window(seed / group_size);
-    start(seed);
+    start();
     measured_ = 0;
     double from = 0;
     double to = first_band * reach_;
@@ -178,25 +265,29 @@ Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
             to = std::min(to, covered_);
         }
         if (to <= from && covered_ < infinity) {
-            clip_far(seed, from);
+            clip_far(from);
             break;
         }
-        if (clip_band(seed, from, to) || to == infinity) break;
+        if (clip_band(from, to) || to == infinity) break;
         from = to;
         to = covered_ == infinity ? infinity : std::min(to * band_growth, reach_squared());
     }
-    if (seeds_.images != nullptr) clip_far_images(seed);
+    if (seeds_.images != nullptr) clip_far_images();
     if (exhausted()) return nullptr;
     reach_ = reach_squared();
     return &cell_;
 }
 
 Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates) {
-    start(seed);
-    const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    be(seed);
+    return build_from(candidates);
+}
+
+Cell& CellBuilder::build_from(std::span<const std::int32_t> candidates) {
+    start();
     candidates_.clear();
     for (const std::int32_t i : candidates) {
-        const double d[3] = {seeds_.x[i] - p[0], seeds_.y[i] - p[1], seeds_.z[i] - p[2]};
+        const double d[3] = {seeds_.x[i] - at_[0], seeds_.y[i] - at_[1], seeds_.z[i] - at_[2]};
         candidates_.emplace_back(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], i);
     }
     std::sort(candidates_.begin(), candidates_.end());
@@ -220,7 +311,7 @@ Cell& CellBuilder::again(CellFaces& faces) {
     neighbors_.clear();
     for (const std::int32_t p : faces.planes)
         if (const std::int32_t id = cell_.planes()[p].id; id >= 0) neighbors_.push_back(id);
-    return build_from(seed_, neighbors_);
+    return build_from(neighbors_);
 }
 
 Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
@@ -233,23 +324,22 @@ Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
     std::ranges::sort(planes_, [](const CellPlane& a, const CellPlane& b) {
         return std::tie(a.norm, a.id, a.shift) < std::tie(b.norm, b.id, b.shift);
     });
-    start(seed_);
+    start();
     for (const CellPlane& plane : planes_) {
         if (!cell_.knows(plane.id, plane.shift)) cell_.clip(plane.id, plane.source, plane.shift);
     }
     return cell_;
 }
 
-bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
+bool CellBuilder::clip_band(double from, double to) {
     const std::size_t count = index_.size();
     if (measured_ < count) {
         distance_.resize(count);
-        const double p[3] = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
         kernels_.squared_distances(x_.data() + measured_, y_.data() + measured_, z_.data() + measured_,
-                                   static_cast<int>(count - measured_), p, distance_.data() + measured_);
+                                   static_cast<int>(count - measured_), at_.data(), distance_.data() + measured_);
         // The home group comes first into the window, but equal distances may put another before it.
         for (std::size_t i = measured_; i < count; ++i)
-            if (index_[i] == static_cast<std::int32_t>(seed)) distance_[i] = infinity;
+            if (index_[i] == own_) distance_[i] = infinity;
         measured_ = count;
     }
     band_.resize(count + lanes);
@@ -266,9 +356,8 @@ bool CellBuilder::clip_band(std::size_t seed, double from, double to) {
     return to >= reach_squared();
 }
 
-void CellBuilder::clip_far(std::size_t seed, double from) {
-    const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
-    const Box here{p, p};
+void CellBuilder::clip_far(double from) {
+    const Box here{at_, at_};
     far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
     while (!far_queue_.empty()) {
         std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
@@ -276,7 +365,7 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > most_tests_) return;
-        if (!cell_.in_reach(seen_from(p, hierarchy_.box(entry.level, entry.node), place_rounding_), more_weight_))
+        if (!cell_.in_reach(seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_), more_weight_))
             continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
@@ -288,17 +377,17 @@ void CellBuilder::clip_far(std::size_t seed, double from) {
         const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
         double distance[group_size];
         kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
-                                   p.data(), distance);
+                                   at_.data(), distance);
         for (std::size_t i = begin; i < end; ++i) {
-            if (distance[i - begin] < from || i == seed) continue;
+            if (distance[i - begin] < from || static_cast<std::int32_t>(i) == own_) continue;
             clip_by(static_cast<std::int32_t>(i), seeds_.x[i], seeds_.y[i], seeds_.z[i]);
             ++tests_;
         }
     }
 }
 
-void CellBuilder::push_far(const exact::Point& p, const ImageNode& node) {
-    const Box images = seen_from({}, images_of(*domain_, box_of(node, seeds_, hierarchy_), node.shifts, p),
+void CellBuilder::push_far(const ImageNode& node) {
+    const Box images = seen_from({}, images_of(*domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_),
                                  seeds_.images->rounding_of_seeds());
     const double distance_squared = box_distance(images, {});
     if (distance_squared >= reach_squared()) return;
@@ -306,9 +395,9 @@ void CellBuilder::push_far(const exact::Point& p, const ImageNode& node) {
     std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
 }
 
-void CellBuilder::clip_far_group(const exact::Point& p, const FarEntry& entry, double from) {
+void CellBuilder::clip_far_group(const FarEntry& entry, double from) {
     const exact::Shift shift = only_shift(*domain_, entry.at.shifts);
-    const exact::Point by = domain_->translation(shift), moved{p[0] - by[0], p[1] - by[1], p[2] - by[2]};
+    const exact::Point by = domain_->translation(shift), moved{at_[0] - by[0], at_[1] - by[1], at_[2] - by[2]};
     const std::size_t begin = entry.at.node * group_size, end = std::min(seeds_.group_end(begin), seeds_.size());
     double distance[group_size];
     kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
@@ -321,16 +410,15 @@ void CellBuilder::clip_far_group(const exact::Point& p, const FarEntry& entry, d
     }
 }
 
-void CellBuilder::clip_far_images(std::size_t seed) {
-    const exact::Point p{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
-    const double known = std::max(0.0, seeds_.images->reach(p) - rounding_);
+void CellBuilder::clip_far_images() {
+    const double known = std::max(0.0, seeds_.images->reach(at_) - rounding_);
     if (reach_squared() <= known * known) return;
     // Images surely nearer than that have been tried; bounds of images are rounded outward by more than coordinates
     // are.
     const double tried = std::max(0.0, known * (1 - 1e-9) - 64 * rounding_);
     const int top = hierarchy_.top_level();
     far_images_.clear();
-    push_far(p, {top, 0, shifts_around(*domain_, hierarchy_.box(top, 0), p, std::sqrt(reach_squared()))});
+    push_far({top, 0, shifts_around(*domain_, hierarchy_.box(top, 0), at_, std::sqrt(reach_squared()))});
     while (!far_images_.empty()) {
         std::pop_heap(far_images_.begin(), far_images_.end(), farther_images);
         const FarEntry entry = far_images_.back();
@@ -343,11 +431,11 @@ void CellBuilder::clip_far_images(std::size_t seed) {
         const bool single = entry.at.shifts.is_single();
         if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.at.level == 0) {
-            clip_far_group(p, entry, tried * tried);
+            clip_far_group(entry, tried * tried);
             continue;
         }
         if (!entry.at.is_single()) {
-            for_each_part(entry.at, *domain_, seeds_, hierarchy_, [&](const ImageNode& part) { push_far(p, part); });
+            for_each_part(entry.at, *domain_, seeds_, hierarchy_, [&](const ImageNode& part) { push_far(part); });
             continue;
         }
         const auto id = static_cast<std::int32_t>(entry.at.node);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cpu/clip/cell.hpp"
+#include "cpu/probe.hpp"
 #include "cpu/sort/hierarchy.hpp"
 #include "cpu/sort/image_nodes.hpp"
 #include "cpu/sort/seed_images.hpp"
@@ -46,6 +47,11 @@ public:
     // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.
     Cell* build(std::size_t seed, std::size_t most_tests);
     [[nodiscard]] std::size_t tests() const { return tests_; }
+    // The cell that a query would have if it were a seed. Its id, which images of it have in faces, is places() of the
+    // seeds. Fastest when the last was near.
+    Cell& build(const Probe& probe);
+    // The sorted seed that lies where the last probe does; -1: none. Unless it weighs less the probe has no cell.
+    [[nodiscard]] std::int32_t coincident() const { return coincident_; }
     // Clips the cell by these seeds, which include its neighbors.
     Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates);
     // The same by images of seeds in a periodic domain.
@@ -55,40 +61,60 @@ public:
     Cell& again(CellFaces& faces);
 
 private:
-    void start(std::size_t seed);
+    void be(std::size_t seed);
+    // Begins the cell of the seed or probe at hand.
+    void start();
+    void start(std::size_t seed) {
+        be(seed);
+        start();
+    }
+    Cell* search(std::size_t most_tests);
+    Cell& build_from(std::span<const std::int32_t> candidates);
+    void clip_by_own_images();
+    [[nodiscard]] exact::Plane bisector(std::int32_t home, const exact::Shift& shift) const;
+    [[nodiscard]] bool coincides(const exact::Plane& bisector) const;
+    [[nodiscard]] std::int32_t find_coincident();
     // A seed or image, by its id.
     void clip_by(std::int32_t id, double x, double y, double z);
     void clip_by_image(std::int32_t home, const exact::Shift& shift);
     // No seed at this squared distance or beyond it can cut the cell as it is.
     [[nodiscard]] double reach_squared();
-    void open_window(std::size_t group);
+    void open_window(const Box& home);
     // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
     void extend_window(double distance_squared, std::size_t least_count);
     void pop_into_window();
     [[nodiscard]] bool exhausted() const { return tests_ > most_tests_; }
     // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
     // tests are exhausted.
-    bool clip_band(std::size_t seed, double from, double to);
+    bool clip_band(double from, double to);
     // Clips by all seeds, and images among them, from that squared distance on.
-    void clip_far(std::size_t seed, double from);
+    void clip_far(double from);
     Cell& again_by_planes(const CellFaces& faces);
-    void clip_by_heaviest(const exact::Point& at);
+    void clip_by_heaviest();
     // Clips by the images beyond those that lie among the seeds.
-    void clip_far_images(std::size_t seed);
-    void push_far(const exact::Point& p, const ImageNode& node);
-    void clip_far_group(const exact::Point& p, const FarEntry& entry, double from);
+    void clip_far_images();
+    void push_far(const ImageNode& node);
+    void clip_far_group(const FarEntry& entry, double from);
 
     const Kernels& kernels_;
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
     Cell cell_;
-    bool plain_ = true;              // neither images nor weights
-    double rounding_ = 0;            // of distances to images
-    exact::Point place_rounding_{};  // of their coordinates
-    std::int32_t heaviest_ = -1;     // seed of a periodic power diagram
-    double more_weight_ = 0;         // by which any weight may exceed that of the seed
-    SeedImages::Base base_{};        // of the seed
+    bool plain_ = true;                     // neither images nor weights
+    double rounding_ = 0;                   // of distances to images
+    exact::Point place_rounding_{};         // of their coordinates
+    std::int32_t heaviest_ = -1;            // seed of a periodic power diagram
+    double more_weight_ = 0;                // by which any weight may exceed that of the seed
+    std::vector<exact::Shift> own_images_;  // that may bound the cell of a probe
+
+    // The seed or probe at hand.
+    std::int32_t own_ = -1;  // its id
+    bool probing_ = false;
+    exact::Point at_{};
+    SeedImages::Base base_{};
+    double weight_ = 0;
+    std::int32_t coincident_ = -1;
 
     std::size_t group_ = ~std::size_t{0};
     Box home_{};
@@ -102,7 +128,6 @@ private:
     std::vector<std::pair<double, std::int32_t>> candidates_;
     std::vector<std::int32_t> neighbors_;
     std::vector<CellPlane> planes_;
-    std::size_t seed_ = 0;                    // of the last cell
     std::size_t tests_ = 0, most_tests_ = 0;  // of the current seed
     double reach_ = 0;                        // 4 R^2 expected of the next cell
 };

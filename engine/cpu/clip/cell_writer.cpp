@@ -33,6 +33,8 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     out_ = &out;
     want_ = job.options.want;
     walls_ = job.options.list_walls;
+    domain_ = job.domain.get();
+    probe_number_ = job.probes_of.value_or(0);
     periodic_ = job.domain->is_periodic();
     placed_ = needs_geometry(want_);
     measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
@@ -55,10 +57,10 @@ void CellWriter::leave_out() {
     if (want_.vertices) polygon_writer_.append_none();
 }
 
-bool CellWriter::write(std::size_t seed, Star& star) {
+bool CellWriter::write(Star& star) {
     if (star.faces().empty()) {
         counters_.exact_cells += star.used_exact() ? 1 : 0;
-        write_empty(seed);
+        write_empty();
         return true;
     }
     if (measured_ ? !star.measure(geometry_) : placed_ && !star.knows_vertices()) return false;
@@ -68,27 +70,27 @@ bool CellWriter::write(std::size_t seed, Star& star) {
     if (want_.normals) star.normals(face_normals_);
     if (want_.neighbors) {
         face_shifts_.clear();
-        if (periodic_) find_shifts(seed, faces);
+        if (periodic_) find_shifts(faces);
         write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
     }
     if (want_.vertices) {
         rank_faces();
         star.polygons(ranks_, polygons_);
         // Their cells lie elsewhere in the domain, each by a shift of its own.
-        if (periodic_ && seeds_.images->has_moves()) polygons_.shared.clear();
-        write_polygons(seed);
+        if (has_moves()) polygons_.shared.clear();
+        write_polygons();
     }
-    write_geometry(seed, geometry_.volume, geometry_.centroid.data());
+    write_geometry(geometry_.volume, geometry_.centroid.data());
     if (want_.surfaces || want_.radii)
-        write_sizes(seed, std::span(geometry_.areas).first(faces.size()), star.farthest_squared());
-    write_counts(seed, faces.size(), static_cast<std::uint32_t>(star.edge_count()),
+        write_sizes(std::span(geometry_.areas).first(faces.size()), star.farthest_squared());
+    write_counts(faces.size(), static_cast<std::uint32_t>(star.edge_count()),
                  static_cast<std::uint32_t>(star.vertex_count()));
     return true;
 }
 
-void CellWriter::write(std::size_t seed, Cell& cell) {
+void CellWriter::write(Cell& cell) {
     counters_.exact_cells += cell.used_exact() ? 1 : 0;
-    if (cell.empty()) return write_empty(seed);
+    if (cell.empty()) return write_empty();
     std::span<const std::int32_t> planes;
     if (placed_ || want_.counts || cell.met_tie()) {
         cell.canonical_faces(faces_);
@@ -98,11 +100,11 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
         planes = planes_;
     }
     constexpr std::size_t least_faces = 4;
-    if (planes.size() < least_faces) return write_empty(seed);  // flat
+    if (planes.size() < least_faces) return write_empty();  // flat
     counters_.faces += planes.size();
     if (measured_) {
         const CellGeometry geometry = cell.measure(faces_, want_.areas || want_.surfaces ? &face_areas_ : nullptr);
-        write_geometry(seed, geometry.volume, geometry.centroid.data());
+        write_geometry(geometry.volume, geometry.centroid.data());
     }
     if (want_.neighbors) {
         ids_.clear();
@@ -113,74 +115,89 @@ void CellWriter::write(std::size_t seed, Cell& cell) {
             if (periodic_) face_shifts_.push_back(cell.planes()[p].shift);
             if (want_.normals) face_normals_.push_back(unit_vector(cell.planes()[p].n));
         }
-        if (periodic_ && seeds_.images->has_moves()) count_from_domain(seed, ids_);
+        if (has_moves()) count_from_domain(ids_);
         write_row({ids_, face_shifts_, face_areas_.data(), face_normals_.data()});
     }
     if (want_.vertices) {
         rank_faces();
         read_polygons(cell, faces_, ranks_, polygons_);
-        write_polygons(seed);
+        write_polygons();
     }
-    if (want_.surfaces || want_.radii) write_sizes(seed, face_areas_, cell.farthest_squared(faces_));
-    write_counts(seed, planes.size(), faces_.edge_count, faces_.vertex_count);
+    if (want_.surfaces || want_.radii) write_sizes(face_areas_, cell.farthest_squared(faces_));
+    write_counts(planes.size(), faces_.edge_count, faces_.vertex_count);
 }
 
-void CellWriter::write_empty(std::size_t seed) {
-    out_->set_empty(static_cast<std::size_t>(seeds_.input[seed]), CellStatus::empty);
+void CellWriter::write_none(std::size_t output, CellStatus status) {
+    out_->set_empty(output, status);
     ++counters_.empty_cells;
     leave_out();
 }
 
-void CellWriter::write_geometry(std::size_t seed, double volume, const double* centroid) {
-    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
-    if (want_.volumes) out_->volumes()[input] = volume * unscale_ * unscale_ * unscale_;
+void CellWriter::write_geometry(double volume, const double* centroid) {
+    if (want_.volumes) out_->volumes()[output_] = volume * unscale_ * unscale_ * unscale_;
     if (!want_.centroids) return;
-    const exact::Point p = place(seed);
-    for (int k = 0; k < 3; ++k) out_->centroids()[3 * input + k] = (centroid[k] + p[k]) * unscale_;
+    const exact::Point p = place();
+    for (int k = 0; k < 3; ++k) out_->centroids()[3 * output_ + k] = (centroid[k] + p[k]) * unscale_;
 }
 
-void CellWriter::write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared) {
-    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+void CellWriter::write_sizes(std::span<const double> areas, double farthest_squared) {
     if (want_.surfaces)
-        out_->surface_areas()[input] = std::accumulate(areas.begin(), areas.end(), 0.0) * unscale_ * unscale_;
-    if (want_.radii) out_->security_radii()[input] = 2 * std::sqrt(farthest_squared) * unscale_;
+        out_->surface_areas()[output_] = std::accumulate(areas.begin(), areas.end(), 0.0) * unscale_ * unscale_;
+    if (want_.radii) out_->security_radii()[output_] = 2 * std::sqrt(farthest_squared) * unscale_;
 }
 
-void CellWriter::write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
+void CellWriter::write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
     if (!want_.counts) return;
-    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
-    out_->face_counts()[input] = static_cast<std::uint32_t>(faces);
-    out_->edge_counts()[input] = edges;
-    out_->vertex_counts()[input] = vertices;
+    out_->face_counts()[output_] = static_cast<std::uint32_t>(faces);
+    out_->edge_counts()[output_] = edges;
+    out_->vertex_counts()[output_] = vertices;
 }
 
 std::int32_t CellWriter::input_of(std::int32_t id) const {
+    if (probe_ != nullptr && static_cast<std::size_t>(id) == seeds_.places()) return probe_number_;
     const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
     return seeds_.input[static_cast<std::size_t>(home)];
 }
 
 // Leaves face_shifts_ empty where all are zero, as they are away from the faces of the domain.
-void CellWriter::find_shifts(std::size_t seed, std::span<const std::int32_t> ids) {
+void CellWriter::find_shifts(std::span<const std::int32_t> ids) {
     const SeedImages& images = *seeds_.images;
-    if (!images.has_moves() && std::ranges::none_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); }))
-        return;
+    if (!has_moves() && std::ranges::none_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); })) return;
     for (const std::int32_t id : ids) face_shifts_.push_back(id < 0 ? exact::Shift{} : images.shift(id));
-    if (images.has_moves()) count_from_domain(seed, ids);
+    if (has_moves()) count_from_domain(ids);
     if (std::ranges::all_of(face_shifts_, [](const auto& shift) { return shift == exact::Shift{}; }))
         face_shifts_.clear();
 }
 
-void CellWriter::count_from_domain(std::size_t seed, std::span<const std::int32_t> ids) {
+void CellWriter::count_from_domain(std::span<const std::int32_t> ids) {
     for (std::size_t f = 0; f < ids.size(); ++f) {
         if (ids[f] < 0) continue;
-        const exact::Shift more = seeds_.images->shift_in_domain(seeds_.images->home(ids[f]), seed);
+        const exact::Shift more = shift_in_domain(ids[f]);
         for (std::size_t j = 0; j < 3; ++j) face_shifts_[f][j] += more[j];
     }
 }
 
-exact::Point CellWriter::place(std::size_t seed) const {
-    if (seeds_.images != nullptr) return seeds_.images->place_in_domain(seed);
-    return {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+bool CellWriter::has_moves() const {
+    return periodic_ && (seeds_.images->has_moves() || (probe_ != nullptr && probe_->place.move != exact::Shift{}));
+}
+
+exact::Shift CellWriter::shift_in_domain(std::int32_t id) const {
+    const SeedImages& images = *seeds_.images;
+    if (probe_ == nullptr) return images.shift_in_domain(images.home(id), seed_);
+    if (static_cast<std::size_t>(id) == seeds_.places()) return {};
+    return images.shift_in_domain(images.home(id), probe_->place.move);
+}
+
+exact::Point CellWriter::place() const {
+    if (probe_ != nullptr) {
+        const auto& [at, low, by, move] = probe_->place;
+        if (move == exact::Shift{}) return at;
+        const exact::Shift shift{by[0] - move[0], by[1] - move[1], by[2] - move[2]};
+        const auto moved = exact::differences({}, exact::Plane::bisector(probe_->x, shift, domain_->lattice));
+        return {moved.x[0].high, moved.x[1].high, moved.x[2].high};
+    }
+    if (seeds_.images != nullptr) return seeds_.images->place_in_domain(seed_);
+    return {seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
 }
 
 void CellWriter::make_room(std::size_t faces) {
@@ -268,9 +285,9 @@ void CellWriter::rank_faces() {
     for (std::size_t r = 0; r < order_.size(); ++r) ranks_[order_[r]] = static_cast<std::uint32_t>(r);
 }
 
-void CellWriter::write_polygons(std::size_t seed) {
+void CellWriter::write_polygons() {
     const std::size_t hidden = order_.size() - lengths_.back();
-    polygon_writer_.append(polygons_, labels_, order_, hidden, place(seed));
+    polygon_writer_.append(polygons_, labels_, order_, hidden, place());
 }
 
 void CellWriter::end_block(std::span<const std::int32_t> cells) {

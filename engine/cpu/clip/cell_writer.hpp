@@ -25,8 +25,25 @@ public:
     // For the start of a cell: its results go to the places of the input, which are anywhere in memory.
     void prefetch(std::size_t seed) const;
     // The last cell that `star` has built; false when its geometry cannot be had to the digits promised.
-    [[nodiscard]] bool write(std::size_t seed, Star& star);
-    void write(std::size_t seed, Cell& cell);
+    [[nodiscard]] bool write(std::size_t seed, Star& star) {
+        aim(seed);
+        return write(star);
+    }
+    void write(std::size_t seed, Cell& cell) {
+        aim(seed);
+        write(cell);
+    }
+    // The cell of a probe, to the place `output`.
+    [[nodiscard]] bool write(std::size_t output, const Probe& probe, Star& star) {
+        aim(output, probe);
+        return write(star);
+    }
+    void write(std::size_t output, const Probe& probe, Cell& cell) {
+        aim(output, probe);
+        write(cell);
+    }
+    // A probe that has no cell.
+    void write_none(std::size_t output, CellStatus status);
     // The row of the next cell comes by another block.
     void leave_out();
     // Hands the rows written since the last call to the result; cells: as in ResultBuilder::add_rows.
@@ -45,26 +62,41 @@ private:
         const std::array<double, 3>* normals = nullptr;
     };
 
-    void write_empty(std::size_t seed);
+    void aim(std::size_t seed) {
+        output_ = static_cast<std::size_t>(seeds_.input[seed]);
+        seed_ = seed;
+        probe_ = nullptr;
+    }
+    void aim(std::size_t output, const Probe& probe) {
+        output_ = output;
+        probe_ = &probe;
+    }
+    [[nodiscard]] bool write(Star& star);
+    void write(Cell& cell);
+    void write_empty() { write_none(output_, CellStatus::empty); }
     [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
     // Fills face_shifts_.
-    void find_shifts(std::size_t seed, std::span<const std::int32_t> ids);
+    void find_shifts(std::span<const std::int32_t> ids);
     // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
-    void count_from_domain(std::size_t seed, std::span<const std::int32_t> ids);
-    [[nodiscard]] exact::Point place(std::size_t seed) const;
-    void write_geometry(std::size_t seed, double volume, const double* centroid);
-    void write_sizes(std::size_t seed, std::span<const double> areas, double farthest_squared);
-    void write_counts(std::size_t seed, std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
+    void count_from_domain(std::span<const std::int32_t> ids);
+    [[nodiscard]] bool has_moves() const;
+    [[nodiscard]] exact::Shift shift_in_domain(std::int32_t id) const;
+    [[nodiscard]] exact::Point place() const;
+    void write_geometry(double volume, const double* centroid);
+    void write_sizes(std::span<const double> areas, double farthest_squared);
+    void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
     void write_row(const Faces& faces);
     std::size_t write_plain_row(const Faces& faces);
     void make_room(std::size_t faces);
     void find_order(const Faces& faces);
     void rank_faces();
-    void write_polygons(std::size_t seed);
+    void write_polygons();
 
     const SortedSeeds& seeds_;
     const StarKernels* kernels_ = nullptr;
     ResultBuilder* out_ = nullptr;
+    const Domain* domain_ = nullptr;
+    std::int32_t probe_number_ = 0;  // what images of a probe are called in its row
     Want want_;
     bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, plain_rows_ = false;
     double unscale_ = 1;
@@ -76,7 +108,10 @@ private:
     std::vector<std::uint32_t> lengths_;
     PolygonWriter polygon_writer_;
 
-    Star::Geometry geometry_;  // of the cell at hand, as what follows
+    // The cell at hand: where it goes, and whose it is.
+    std::size_t output_ = 0, seed_ = 0;
+    const Probe* probe_ = nullptr;  // instead of seed_
+    Star::Geometry geometry_;
     CellFaces faces_;
     CellPolygons polygons_;
     std::vector<std::int32_t> ids_, planes_;

@@ -36,7 +36,7 @@ Locator::Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hier
             image_rounding_ = std::max(image_rounding_, 8 * unit * largest);
 }
 
-std::optional<Locator::Place> Locator::place(const exact::Point& x, std::size_t number) const {
+std::optional<Place> Locator::place(const exact::Point& x, std::size_t number) const {
     for (int k = 0; k < 3; ++k)
         if (!domain_.triclinic && !domain_.periodic[k] &&
             !(x[k] >= domain_.box.lower[k] && x[k] <= domain_.box.upper[k]))
@@ -44,20 +44,19 @@ std::optional<Locator::Place> Locator::place(const exact::Point& x, std::size_t 
     if (domain_.has_cell_walls() && !inside_walls(domain_, x)) return std::nullopt;
     if (!std::ranges::all_of(domain_.walls, [&](const exact::Plane& wall) { return inside(wall, x); }))
         return std::nullopt;
-    if (seeds_.size() == 0) return std::nullopt;
     Place place{x};
     if (!domain_.is_periodic()) return place;
     const auto move = [&](const exact::Shift& shift) {
         for (std::size_t j = 0; j < 3; ++j) place.by[j] += shift[j];
         const auto moved = exact::differences({}, exact::Plane::bisector(x, place.by, domain_.lattice));
-        for (std::size_t k = 0; k < 3; ++k) place.at[k] = moved.x[k].high;
+        for (std::size_t k = 0; k < 3; ++k) place.at[k] = moved.x[k].high, place.low[k] = moved.x[k].low;
     };
     const auto shift = wrap(domain_, x);
     if (!shift)
         throw Error(ErrorCode::invalid_argument,
                     "query " + std::to_string(number) + " lies more than 500 million periods away from the box");
     if (*shift != exact::Shift{}) move(*shift);
-    if (domain_.skewed) move(shift_into_reduced(domain_, place.at));
+    if (domain_.skewed) move(place.move = shift_into_reduced(domain_, place.at));
     return place;
 }
 
@@ -108,8 +107,8 @@ void Locator::try_group(std::size_t group) {
 
 // From box to box, each time to the one with the nearest middle of those that hold the point, or of all: the search
 // begins with a seed that is near.
-std::size_t Locator::nearest_group() const {
-    const Box here{at_, at_};
+std::size_t Locator::group_near(const exact::Point& at) const {
+    const Box here{at, at};
     std::size_t node = 0;
     for (int level = hierarchy_.top_level(); level >= 0; --level) {
         const BoxBlock& block = hierarchy_.block(level, node);
@@ -122,7 +121,7 @@ std::size_t Locator::nearest_group() const {
             const auto i = static_cast<std::size_t>(std::countr_zero(children));
             double value = -hierarchy_.largest_weight(level, begin + i);
             for (std::size_t k = 0; k < 3; ++k) {
-                const double from_middle = 0.5 * (block.lower[k][i] + block.upper[k][i]) - at_[k];
+                const double from_middle = 0.5 * (block.lower[k][i] + block.upper[k][i]) - at[k];
                 value += from_middle * from_middle;
             }
             if (value < least) least = value, node = begin + i;
@@ -187,13 +186,14 @@ void Locator::search_images() {
 }
 
 std::int32_t Locator::find(const exact::Point& x, const Place& place) {
+    if (seeds_.size() == 0) return -1;
     at_ = place.at;
     rounding_ = image_rounding_;
     if (place.by != exact::Shift{})
         for (const double c : at_) rounding_ = std::max(rounding_, image_rounding_ + 4 * unit * std::abs(c));
     best_ = reach_ = infinity;
     candidates_.clear();
-    first_group_ = nearest_group();
+    first_group_ = group_near(at_);
     try_group(first_group_);
     search();
     if (seeds_.images != nullptr) search_images();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cpu/clip/cell_kernels.hpp"
+#include "cpu/probe.hpp"
 #include "cpu/sort/hierarchy.hpp"
 #include "cpu/sort/image_nodes.hpp"
 #include "cpu/sort/sorted_seeds.hpp"
@@ -22,15 +23,13 @@ class Locator {
 public:
     Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hierarchy);
 
-    // Where a point lies among the seeds: its place, after it has been wrapped into a periodic domain by a shift.
-    struct Place {
-        exact::Point at;
-        exact::Shift by{};
-    };
-    // x: times the scale of the job; its number is for messages. Nothing where the domain is not, or no seed.
+    // x: times the scale of the job; its number is for messages. Nothing where the domain is not.
     [[nodiscard]] std::optional<Place> place(const exact::Point& x, std::size_t number) const;
-    // The input index of the seed whose cell holds x. Fastest when the last x was near, for its seeds are in the cache.
+    // The input index of the seed whose cell holds x; -1 where there are no seeds. Fastest when the last x was near,
+    // for its seeds are in the cache.
     [[nodiscard]] std::int32_t find(const exact::Point& x, const Place& place);
+    // A group of seeds near a place.
+    [[nodiscard]] std::size_t group_near(const exact::Point& at) const;
 
 private:
     // A seed or image that may be the nearest: bounds of |x - q|^2 - w.
@@ -48,7 +47,6 @@ private:
     [[nodiscard]] double error_of(double distance_squared, double weight) const;
     void keep(std::int32_t home, const exact::Shift& shift, double distance_squared);
     void try_group(std::size_t group);
-    [[nodiscard]] std::size_t nearest_group() const;
     void search();
     void search_images();
     void push_far(const ImageNode& node);

@@ -36,11 +36,9 @@ double SeedImages::reach(const exact::Point& seed) const {
     return std::max(least * (1 - fraction_slack), 0.0);
 }
 
-exact::Shift SeedImages::shift_in_domain(std::int32_t home, std::size_t seed) const {
-    if (moves_.empty()) return {};
-    const auto &of_home = moves_[static_cast<std::size_t>(home)], &of_seed = moves_[seed];
-    exact::Shift shift;
-    for (int j = 0; j < 3; ++j) shift[j] = of_home[j] - of_seed[j];
+exact::Shift SeedImages::shift_in_domain(std::int32_t home, const exact::Shift& moved) const {
+    exact::Shift shift = moves_.empty() ? exact::Shift{} : moves_[static_cast<std::size_t>(home)];
+    for (std::size_t j = 0; j < 3; ++j) shift[j] -= moved[j];
     return shift;
 }
 

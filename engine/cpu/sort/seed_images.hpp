@@ -44,7 +44,11 @@ public:
     [[nodiscard]] bool has_moves() const { return !moves_.empty(); }
     // Returns what to add to the shift of an image of `home`, as a cell of `seed` sees it, to count from the places of
     // both in the domain.
-    [[nodiscard]] exact::Shift shift_in_domain(std::int32_t home, std::size_t seed) const;
+    [[nodiscard]] exact::Shift shift_in_domain(std::int32_t home, std::size_t seed) const {
+        return moves_.empty() ? exact::Shift{} : shift_in_domain(home, moves_[seed]);
+    }
+    // The same for a cell that has itself been moved into the reduced cell.
+    [[nodiscard]] exact::Shift shift_in_domain(std::int32_t home, const exact::Shift& moved) const;
     // Where a seed lies in the domain, rounded.
     [[nodiscard]] exact::Point place_in_domain(std::size_t seed) const;
     [[nodiscard]] double largest_coordinate() const { return largest_coordinate_; }

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t least_table = 1 << 14;
 constexpr std::size_t usual_vertices = 16;  // more than a cell of a stretch finds by itself
-constexpr std::size_t usual_slabs = 2048;   // cells at the front of a stretch
+constexpr std::size_t least_positions = 1 << 14;
+constexpr std::size_t usual_slabs = 2048;  // cells at the front of a stretch
 
 std::size_t hash(std::int32_t id) {
     return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(id)) * 0x9e3779b97f4a7c15ull) >> 32;
@@ -81,7 +82,7 @@ void Neighborhood::grow_table() {
 }
 
 void Neighborhood::grow_positions() {
-    positions_.resize(2 * positions_.size());
+    positions_.resize(std::max(least_positions, 2 * positions_.size()));
     owners_.resize(positions_.size());
 }
 

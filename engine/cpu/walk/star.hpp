@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "cpu/clip/cell_polygons.hpp"
+#include "cpu/probe.hpp"
 #include "cpu/sort/hierarchy.hpp"
 #include "cpu/sort/sort.hpp"
 #include "domain/domain.hpp"
@@ -51,6 +52,16 @@ public:
     virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
     // False when the cell is beyond what this class handles: the caller clips it.
     virtual bool build(std::size_t seed) = 0;
+
+    // Begins a run of probes instead: each cell is built for itself, and a look around serves those near each other.
+    // group: of sorted seeds, near the first.
+    virtual void begin_probes(std::size_t group, bool measure) = 0;
+    // The probes that follow lie in this box, and weigh no less.
+    virtual void look_around(const Box& box, double lightest) = 0;
+    // False also where a seed may lie at the same place, or leave no cell.
+    virtual bool build(const Probe& probe) = 0;
+    // The security radius that vertices of late needed.
+    [[nodiscard]] virtual double usual_reach() const = 0;
 
     // These are the faces of the last cell built, in no particular order: sorted seeds, or walls -1, -2, ... There are
     // none where the cell of a power diagram is empty.

@@ -6,33 +6,50 @@
 namespace votess::cpu {
 
 template <class Isa>
+void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
+    window_home_ = home;
+    Box box = probing_ ? probes_box_ : window_.home_box(home);
+    const double lightest = probing_ ? lightest_probe_ : least_weight(home);
+    const double radius = std::sqrt(with_weights(reach2, lightest)) * 1.02;
+    window_open_ = window_.open(home, box, radius, lightest, cells_);
+    // A home may span far more than its surroundings, where the curve leaves a cluster.
+    if (!window_open_) {
+        box = {p_, p_};
+        window_open_ = window_.open(home, box, radius, lightest, cells_);
+        window_home_ = ~std::size_t{0};
+    }
+    if (!window_open_) return;
+    collect_near_walls(box, window_.reach());
+    for (std::size_t s = home * Window::home_seeds; s < seed_ && !probing_; ++s)
+        if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
+}
+
+// Whether a candidate may lie where the seed does: window integers are exact to half a unit each.
+template <class Isa>
+bool StarWalk<Isa>::may_coincide() const {
+    constexpr float near = 2;
+    const CandidatePlanes& c = candidates_;
+    bool any = false;
+    for (int i = near_walls_end_; i < c.count; ++i)
+        any |= std::abs(c.nx[i]) <= near && std::abs(c.ny[i]) <= near && std::abs(c.nz[i]) <= near;
+    return any;
+}
+
+template <class Isa>
 bool StarWalk<Isa>::gather_candidates() {
     double reach2 = reach_margin * typical_reach_;
-    const std::size_t home = seed_ / Window::home_seeds;
-    if (window_home_ != home) {
-        window_home_ = home;
-        const double radius = std::sqrt(with_weights(reach2, least_weight(home))) * 1.02;
-        window_open_ = window_.open(home, window_.home_box(home), radius, cells_);
-        // A home may span far more than its surroundings, where the curve leaves a cluster.
-        if (!window_open_) {
-            window_open_ = window_.open(home, {p_, p_}, radius, cells_);
-            window_home_ = ~std::size_t{0};
-        }
-        if (window_open_) collect_near_walls(home, window_.reach());
-        if (window_open_)
-            for (std::size_t s = home * Window::home_seeds; s < seed_; ++s)
-                if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
-    }
-    if (!window_open_ || !window_.holds(seed_)) return false;
+    const std::size_t home = probing_ ? Window::no_home : seed_ / Window::home_seeds;
+    if (window_home_ != home) open_window(home, reach2);
+    if (!window_open_ || !(probing_ || window_.holds(seed_))) return false;
     reach2 = std::min(with_weights(reach2, weight_), window_.reach() * window_.reach());
     const double scale = window_.scale();
     float weight = 0;
     if (weighted_) {
         more_ = std::max(0.0, domain_->most_more(weight_)) * scale * scale;
-        weight = window_.weight(seed_);
+        weight = window_.weight(weight_);
     }
-    const auto p = window_.position(seed_);
-    window_.hide(seed_);
+    const auto p = probing_ ? window_.position(p_) : window_.position(seed_);
+    if (!probing_) window_.hide(seed_);
     have_candidates_ = true;
     own_x_ = p[0];
     scale_ = scale;
@@ -146,7 +163,7 @@ template <class Isa>
 bool StarWalk<Isa>::begin_outside() {
     constexpr int nearest_first = 8;
     constexpr float taken = std::numeric_limits<float>::infinity();
-    const auto own = static_cast<std::int32_t>(seed_);
+    const std::int32_t own = own_id_;
     probe_.start(base_.point, *domain_, own);
     const auto begin = distance_.begin(), end = begin + candidates_.count;
     auto next = begin;
@@ -328,8 +345,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
                 const int k = std::countr_zero(inside);
                 inside &= inside - 1;
                 const auto id = static_cast<std::int32_t>(begin) + k;
-                if (static_cast<std::size_t>(id) == seed_ || id == three[0] || id == three[1] || id == three[2])
-                    continue;
+                if (id == own_id_ || id == three[0] || id == three[1] || id == three[2]) continue;
                 Third third;
                 Four nearer;
                 plane_through(id, third.n, third.h, third.square);

@@ -31,23 +31,46 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
         from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
 }
 
+// A first guess that depends on nothing but the stretch: the answer, to the last bit, is the same for any number of
+// threads. The seeds of a box of the tree take about its volume each.
 template <class Isa>
-void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
-    forget_planes();
-    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()), measure);
-    make_room(cells_.locals());
-    measure_ = measure;
-    window_home_ = ~std::size_t{0};
-    // A first guess that depends on nothing but the stretch: the answer, to the last bit, is the same for any number of
-    // threads. The seeds of a box of the tree take about its volume each.
+void StarWalk<Isa>::guess_reach(std::size_t group) {
     const int level = std::min(1, hierarchy_.top_level());
-    const std::size_t seeds = level == 1 ? group_size * box_fan : group_size;
+    const std::size_t seeds = level == 1 ? group_size * box_fan : group_size, first = group * group_size;
     const Box box = hierarchy_.box(level, first / seeds);
     double longest = 0, volume = 1;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, box.upper[k] - box.lower[k]);
     for (int k = 0; k < 3; ++k) volume *= std::max(box.upper[k] - box.lower[k], 0.01 * longest);
     const double count = static_cast<double>(std::min(seeds, seeds_.size() - first / seeds * seeds));
     typical_reach_ = 5 * std::pow(volume / count, 2.0 / 3);
+}
+
+template <class Isa>
+void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
+    forget_planes();
+    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()), measure);
+    make_room(cells_.locals());
+    measure_ = measure;
+    probing_ = false;
+    own_images_ = std::numeric_limits<double>::infinity();
+    any_moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
+    window_home_ = ~std::size_t{0};
+    guess_reach(first / group_size);
+}
+
+template <class Isa>
+void StarWalk<Isa>::begin_probes(std::size_t group, bool measure) {
+    begin(0, 0, measure);
+    probing_ = true;
+    if (seeds_.images != nullptr) own_images_ = nearest_translation(*domain_);
+    guess_reach(group);
+}
+
+template <class Isa>
+void StarWalk<Isa>::look_around(const Box& box, double lightest) {
+    probes_box_ = box;
+    lightest_probe_ = lightest;
+    window_home_ = ~std::size_t{0};
 }
 
 template <class Isa>
@@ -61,9 +84,8 @@ void StarWalk<Isa>::forget_planes() {
 
 template <class Isa>
 bool StarWalk<Isa>::build(std::size_t seed) {
-    forget_planes();
     seed_ = seed;
-    own_local_ = cells_.local(static_cast<std::int32_t>(seed));
+    own_id_ = static_cast<std::int32_t>(seed);
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     base_ = {p_, {}};
     if (weighted_) weight_ = seeds_.weights[seed];
@@ -74,15 +96,39 @@ bool StarWalk<Isa>::build(std::size_t seed) {
         moved_ = !seeds_.images->is_exact(seed);
         any_rough_ = seeds_.images->any_rough();
     }
-    vertices_ = ends_ = open_begin_ = open_end_ = 0;
-    planes_known_ = facings_known_ = 0;
-    scale_ = unscale_ = 1;
-    have_candidates_ = have_walls_ = used_exact_ = false;
-    const bool done = measure_ ? complete<true>() : complete<false>();
+    const bool done = build_cell();
     if (done) cells_.set_done(seed);
     if (have_candidates_ && !done) window_.show(seed, own_x_);
     if (done && window_open_ && window_home_ == seed / Window::home_seeds) window_.hide(seed);
     return done;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::build(const Probe& probe) {
+    ++seed_;  // what is known of walls belongs to another
+    own_id_ = static_cast<std::int32_t>(seeds_.places());
+    p_ = probe.place.at;
+    base_ = {probe.x, probe.place.by};
+    const auto& low = probe.place.low;
+    low_ = {{low[0], low[1], low[2], 0}};
+    if (weighted_) weight_ = probe.weight;
+    if (seeds_.images != nullptr) {
+        moved_ = low != std::array<double, 3>{};
+        any_moved_ = seeds_.images->any_moved() || moved_;
+        any_rough_ = seeds_.images->any_rough();
+    }
+    return build_cell() && !empty_ && !may_coincide();
+}
+
+template <class Isa>
+bool StarWalk<Isa>::build_cell() {
+    forget_planes();
+    own_local_ = cells_.local(own_id_);
+    vertices_ = ends_ = open_begin_ = open_end_ = 0;
+    planes_known_ = facings_known_ = 0;
+    scale_ = unscale_ = 1;
+    have_candidates_ = have_walls_ = used_exact_ = false;
+    return measure_ ? complete<true>() : complete<false>();
 }
 
 template <class Isa>
@@ -151,6 +197,7 @@ template <class Isa>
 template <bool Keep>
 bool StarWalk<Isa>::take_known() {
     make_room(cells_.locals());
+    if (probing_) return true;
     const auto handed = cells_.known(seed_);
     if (handed.size() > most_vertices - 4) return false;
     int planes = 0, vertices = 0, ties = 0;

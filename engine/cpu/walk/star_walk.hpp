@@ -18,6 +18,10 @@ public:
     void begin_job(const Domain& domain) override;
     void begin(std::size_t first, std::size_t last, bool measure) override;
     bool build(std::size_t seed) override;
+    void begin_probes(std::size_t group, bool measure) override;
+    void look_around(const Box& box, double lightest) override;
+    bool build(const Probe& probe) override;
+    [[nodiscard]] double usual_reach() const override { return std::sqrt(typical_reach_); }
     bool measure(Geometry& out) override;
     [[nodiscard]] bool knows_vertices() const override;
     void polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const override;
@@ -111,6 +115,7 @@ private:
     };
 
     // star_edges.inl
+    bool build_cell();
     template <bool Keep>
     bool complete();
     template <bool Keep>
@@ -161,6 +166,7 @@ private:
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
     void set_longest(double length);
     void set_image_reach(double reach) {
+        reach = std::min(reach, own_images_);
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
         images_beyond2_ = window_open_ ? least_image_vertex2 : -1;
     }
@@ -194,6 +200,9 @@ private:
     [[gnu::always_inline]] inline void face(int slot);
 
     // star_candidates.inl
+    void guess_reach(std::size_t group);
+    void open_window(std::size_t home, double reach2);
+    [[nodiscard]] bool may_coincide() const;
     bool gather_candidates();
     bool begin_anywhere();
     bool begin_at_face(int candidate);
@@ -221,7 +230,7 @@ private:
         Four n;
         double h;
     };
-    void collect_near_walls(std::size_t home, double reach);
+    void collect_near_walls(const Box& home, double reach);
     bool add_near_walls();
     [[gnu::noinline]] bool add_walls();
     [[nodiscard]] bool two_walls_coincide() const;
@@ -254,8 +263,13 @@ private:
     bool window_open_ = false, measure_ = false;
     double typical_reach_ = 0;  // squared security radius that vertices of late needed
 
-    std::size_t seed_ = 0;
-    std::int32_t own_local_ = 0;
+    bool probing_ = false;
+    Box probes_box_{};  // of the probes that share a window
+    double lightest_probe_ = 0;
+    double own_images_ = std::numeric_limits<double>::infinity();  // distance of the nearest, if they are no candidates
+
+    std::size_t seed_ = 0;  // a number of its own for a probe
+    std::int32_t own_id_ = 0, own_local_ = 0;
     exact::Point p_{};         // the seed, rounded where it has been moved
     Four low_{};               // what rounding took from it
     SeedImages::Base base_{};  // as exact arithmetic knows it

@@ -11,7 +11,6 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
     domain_ = &domain;
     weighted_ = domain.has_weights();
     plain_ = !weighted_ && seeds_.images == nullptr;
-    any_moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
     walls_.clear();
     wall_places_.assign(6 + domain.walls.size(), -1);
     double size = largest_coordinate(domain.box);
@@ -46,15 +45,14 @@ double StarWalk<Isa>::distance_to(const Wall& wall) const {
     return wall.offset - (n[0] * p_[0] + n[1] * p_[1] + n[2] * p_[2]) - wall.error;
 }
 
-// Those nearer than `reach` to a seed of the home.
+// Those nearer than `reach` to a box.
 template <class Isa>
-void StarWalk<Isa>::collect_near_walls(std::size_t home, double reach) {
+void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
     near_walls_.clear();
-    const Box box = window_.home_box(home);
     for (std::size_t w = 0; w < walls_.size(); ++w) {
         const auto& n = walls_[w].normal;
         double farthest = 0;
-        for (int k = 0; k < 3; ++k) farthest += n[k] * (n[k] > 0 ? box.upper[k] : box.lower[k]);
+        for (int k = 0; k < 3; ++k) farthest += n[k] * (n[k] > 0 ? home.upper[k] : home.lower[k]);
         if (walls_[w].offset - farthest - 2 * walls_[w].error < reach) near_walls_.push_back(w);
     }
 }

@@ -56,7 +56,7 @@ Box Window::home_box(std::size_t home) const {
     return box;
 }
 
-bool Window::open(std::size_t home, const Box& box, double radius, const Neighborhood& cells) {
+bool Window::open(std::size_t home, const Box& box, double radius, double weight, const Neighborhood& cells) {
     for (int tries = 0;; ++tries) {
         const bool all = collect(box, radius * radius * (1 + 1e-12));
         if (tries == most_tries) {
@@ -85,9 +85,9 @@ bool Window::open(std::size_t home, const Box& box, double radius, const Neighbo
     group_count_ = left;
     home_places_.fill(std::numeric_limits<std::size_t>::max() / 2);
     for (std::size_t i = 0; i < kept; ++i) home_places_[groups_[i] % home_groups] = i * group_size;
-    double extent = 0, origin[3];
-    for (int k = 0; k < 3; ++k) {
-        origin[k] = 0.5 * box.lower[k] + 0.5 * box.upper[k];
+    double extent = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        origin_[k] = 0.5 * box.lower[k] + 0.5 * box.upper[k];
         extent = std::max(extent, box.upper[k] - box.lower[k]);
     }
     extent = 0.5 * extent + radius;
@@ -105,14 +105,20 @@ bool Window::open(std::size_t home, const Box& box, double radius, const Neighbo
     std::int32_t* const out[3] = {x_.data(), y_.data(), z_.data()};
     count_ = kernels_.to_window(
         {{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, kept},
-        {box, radius * radius * (1 + 1e-12), {origin[0], origin[1], origin[2]}, scale_}, out, id_.data());
+        {box, radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_}, out, id_.data());
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
-    return seeds_.weights.empty() || weigh(home);
+    base_weight_ = weight;
+    return seeds_.weights.empty() || weigh();
 }
 
-bool Window::weigh(std::size_t home) {
+std::array<std::int32_t, 3> Window::position(const std::array<double, 3>& x) const {
+    std::array<std::int32_t, 3> result;
+    for (std::size_t k = 0; k < 3; ++k) result[k] = static_cast<std::int32_t>(std::lrint((x[k] - origin_[k]) * scale_));
+    return result;
+}
+
+bool Window::weigh() {
     weight_.resize(x_.size());
-    const double base = seeds_.weights[home * home_seeds], square = scale_ * scale_;
     float least = 0, most = 0;
     for (int i = 0; i < count_; ++i) {
         const std::int32_t id = id_[i];
@@ -120,7 +126,7 @@ bool Window::weigh(std::size_t home) {
         // Padding of the home's groups is far away and has no weight.
         const bool exists = static_cast<std::size_t>(id) < (image ? seeds_.images_end : seeds_.size());
         const auto seed = static_cast<std::size_t>(exists && image ? seeds_.images->home(id) : id);
-        weight_[i] = exists ? static_cast<float>((seeds_.weights[seed] - base) * square) : 0;
+        weight_[i] = exists ? weight(seeds_.weights[seed]) : 0;
         least = std::min(least, weight_[i]);
         most = std::max(most, weight_[i]);
     }

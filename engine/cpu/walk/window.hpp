@@ -20,9 +20,12 @@ public:
     static constexpr std::size_t home_groups = 2;
     static constexpr std::size_t home_seeds = home_groups * group_size;
 
+    static constexpr std::size_t no_home = ~std::size_t{0} - 1;
+
     // Collects all seeds nearer to a box than about `radius`, but for those of groups that are done: the box of home
-    // `home` (seeds home * home_seeds and on), or one of its seeds. False when there is no representable window.
-    bool open(std::size_t home, const Box& box, double radius, const Neighborhood& cells);
+    // `home` (seeds home * home_seeds and on), or one of its seeds; or any box, for no home. weight: one of those that
+    // matter, from which weights count. False when there is no representable window.
+    bool open(std::size_t home, const Box& box, double radius, double weight, const Neighborhood& cells);
 
     // The bounds of the seeds of a home.
     [[nodiscard]] Box home_box(std::size_t home) const;
@@ -35,9 +38,12 @@ public:
         const std::size_t i = place(seed);
         return {x_[i], y_[i], z_[i]};
     }
-    // In a power diagram: the weight of a seed of the home, and how far the weights of the window lie apart, in squared
-    // units.
-    [[nodiscard]] float weight(std::size_t seed) const { return weight_[place(seed)]; }
+    // The same of any point inside the box.
+    [[nodiscard]] std::array<std::int32_t, 3> position(const std::array<double, 3>& x) const;
+    // In a power diagram: a weight as those of the window are, and how far these lie apart, in squared units.
+    [[nodiscard]] float weight(double weight) const {
+        return static_cast<float>((weight - base_weight_) * scale_ * scale_);
+    }
     [[nodiscard]] double weight_span() const { return weight_span_; }
     // Whether a seed of the home is there: not if squares of distances underflow.
     [[nodiscard]] bool holds(std::size_t seed) const { return place(seed) < static_cast<std::size_t>(count_); }
@@ -52,7 +58,7 @@ private:
         return home_places_[seed / group_size % home_groups] + seed % group_size;
     }
     // False when their weights are too different for floats.
-    bool weigh(std::size_t home);
+    bool weigh();
     // False when more groups than `most_groups` are that near.
     bool collect(const Box& box, double distance_squared);
 
@@ -69,9 +75,10 @@ private:
     std::size_t group_count_ = 0;
     std::vector<std::int32_t> x_, y_, z_, id_;
     std::vector<float> weight_;
-    double weight_span_ = 0;
+    double base_weight_ = 0, weight_span_ = 0;
     int count_ = 0;
     std::array<std::size_t, home_groups> home_places_{};  // of the first seeds of the home's groups
+    std::array<double, 3> origin_{};
     double reach_ = 0, scale_ = 1;
 };
 

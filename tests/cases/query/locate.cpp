@@ -9,6 +9,7 @@
 #include <vector>
 #include <votess/diagram.hpp>
 
+#include "cases/query/query_cases.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
@@ -16,14 +17,8 @@
 namespace {
 
 using test::Coordinates;
+using Case = test::QueryCase;
 using Vec = std::array<mpq_class, 3>;
-
-struct Case {
-    Coordinates points;
-    std::vector<double> weights;
-    votess::Options options;
-    bool periodic = false;
-};
 
 Vec rational(const double* x) {
     return {mpq_class(x[0]), mpq_class(x[1]), mpq_class(x[2])};
@@ -90,58 +85,6 @@ std::int32_t brute_force(const Case& c, const double* query) {
     return nearest;
 }
 
-Case random_case(test::Random& random, bool grid) {
-    Case c;
-    const auto coordinate = [&] { return grid ? static_cast<double>(random.below(5)) / 4 : random.uniform(); };
-    const auto domain = random.below(5);
-    c.options.box = test::unit_box();
-    c.options.threads = 1;
-    if (domain == 1)
-        for (bool& axis : c.options.periodic) axis = random.below(3) > 0;
-    if (domain == 2 || domain == 3) {
-        votess::TriclinicBox cell{{}, {1, 0, 0}, {grid ? 0.5 : 0.4, 1, 0}, {grid ? -0.25 : -0.3, 0.25, 1}};
-        if (domain == 3) cell.periodic[random.below(3)] = false;
-        c.options.box.reset();
-        c.options.cell = cell;
-    }
-    const std::size_t n = 1 + random.below(12);
-    while (c.points.size() < 3 * n) {
-        const double f[3] = {coordinate(), coordinate(), coordinate()};
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (!c.options.cell) {
-                c.points.push_back(f[k]);
-                continue;
-            }
-            const auto& cell = *c.options.cell;
-            c.points.push_back(f[0] * cell.a[k] + f[1] * cell.b[k] + f[2] * cell.c[k]);
-        }
-    }
-    if (domain == 4) {
-        votess::Wall wall{{1, 2, grid ? 0.0 : 0.7}, 2};
-        c.options.walls.push_back(wall);
-    }
-    c.options.outside = votess::Outside::drop;
-    if (random.below(2) == 0)
-        for (std::size_t i = 0; i < n; ++i)
-            c.weights.push_back(grid ? static_cast<double>(random.below(4)) / 16 : random.uniform(-0.1, 0.3));
-    return c;
-}
-
-// Anywhere, on a grid of eighths, on a seed, between two of them, and in a periodic domain up to a period away.
-std::array<double, 3> random_query(test::Random& random, const Case& c, bool repeats) {
-    std::array<double, 3> x;
-    const auto kind = random.below(4);
-    const std::size_t i = random.below(c.points.size() / 3), j = random.below(c.points.size() / 3);
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (kind == 0) x[k] = random.uniform(-0.1, 1.1);
-        if (kind == 1) x[k] = static_cast<double>(random.below(9)) / 8;
-        if (kind == 2) x[k] = c.points[3 * i + k];
-        if (kind == 3) x[k] = 0.5 * (c.points[3 * i + k] + c.points[3 * j + k]);
-        if (repeats && random.below(4) == 0) x[k] += static_cast<double>(random.integer(-1, 1));
-    }
-    return x;
-}
-
 std::vector<std::int32_t> nearest_by_distance(const Coordinates& points, const Coordinates& queries) {
     std::vector<std::int32_t> nearest;
     for (std::size_t q = 0; q < queries.size(); q += 3) {
@@ -165,7 +108,7 @@ TEST_SUITE("locate") {
         test::Random random(7);
         for (std::size_t set = 0; set < test::by_size(200, 30); ++set) {
             CAPTURE(set);
-            Case c = random_case(random, set % 2 == 0);
+            Case c = test::random_query_case(random, set % 2 == 0);
             c.options.weights = c.weights;
             const votess::Diagram diagram(c.points, c.options);
             // Dropped seeds are none.
@@ -182,7 +125,7 @@ TEST_SUITE("locate") {
             const Lattice l = lattice_of(c.options);
             Coordinates queries;
             for (int q = 0; q < 10; ++q) {
-                const auto x = random_query(random, c, l.periodic[0] && l.periodic[1] && l.periodic[2]);
+                const auto x = test::random_query(random, c, l.periodic[0] && l.periodic[1] && l.periodic[2]);
                 queries.insert(queries.end(), x.begin(), x.end());
             }
             const auto found = diagram.locate(queries);

@@ -1,0 +1,124 @@
+// Diagram::probe against tessellating the seeds with the query among them.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+#include <votess/diagram.hpp>
+
+#include "cases/query/query_cases.hpp"
+#include "support/check.hpp"
+#include "support/generators.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using test::Coordinates;
+
+votess::Want everything() {
+    votess::Want want;
+    want.centroids = want.counts = want.areas = want.normals = want.surfaces = want.radii = want.faces = true;
+    return want;
+}
+
+template <class Values>
+auto row(const Values& values, const votess::Tessellation& t, std::size_t i, std::size_t each = 1) {
+    const auto begin = static_cast<std::size_t>(t.indptr()[i]), end = static_cast<std::size_t>(t.indptr()[i + 1]);
+    return values.empty() ? values : values.subspan(each * begin, each * (end - begin));
+}
+
+bool equal(auto a, auto b) {
+    return std::ranges::equal(a, b);
+}
+
+bool near(std::span<const double> a, std::span<const double> b, double error) {
+    return std::ranges::equal(a, b, [&](double x, double y) { return std::abs(x - y) <= error; });
+}
+
+// The corners of each polygon, in order, relative to those of a cell.
+Coordinates corners(const votess::Tessellation& t, std::size_t i) {
+    Coordinates all;
+    for (auto f = t.indptr()[i]; f < t.indptr()[i + 1]; ++f) {
+        const auto face = static_cast<std::size_t>(f);
+        for (auto k = t.face_offsets()[face]; k < t.face_offsets()[face + 1]; ++k) {
+            const auto vertex = static_cast<std::size_t>(t.face_vertices()[static_cast<std::size_t>(k)]);
+            for (std::size_t c = 0; c < 3; ++c) all.push_back(t.vertices()[3 * vertex + c]);
+        }
+    }
+    return all;
+}
+
+// "" when cell a of one result is cell b of another, where only the geometry is rounded.
+std::string difference(const votess::Tessellation& s, std::size_t a, const votess::Tessellation& t, std::size_t b) {
+    if (s.status()[a] != t.status()[b]) return "status";
+    if (!equal(s.neighbors(a), t.neighbors(b))) return "neighbors";
+    if (!equal(row(s.shifts(), s, a, 3), row(t.shifts(), t, b, 3))) return "shifts";
+    if (s.face_counts()[a] != t.face_counts()[b] || s.edge_counts()[a] != t.edge_counts()[b] ||
+        s.vertex_counts()[a] != t.vertex_counts()[b])
+        return "counts";
+    const double volume = t.volumes()[b], surface = t.surface_areas()[b], length = t.security_radii()[b];
+    const auto close = [](double x, double y, double error) { return std::abs(x - y) <= error; };
+    if (!close(s.volumes()[a], volume, 1e-9 * surface * length)) return "volume";
+    if (!close(s.surface_areas()[a], surface, 1e-9 * surface)) return "surface";
+    if (!close(s.security_radii()[a], length, 1e-9 * length)) return "radius";
+    if (!near(row(s.face_areas(), s, a), row(t.face_areas(), t, b), 1e-9 * surface)) return "areas";
+    if (!near(row(s.face_normals(), s, a, 3), row(t.face_normals(), t, b, 3), 1e-9)) return "normals";
+    if (!near(corners(s, a), corners(t, b), 1e-8 * length + 1e-14)) return "polygons";
+    if (volume > 1e-6 * surface * length &&
+        !near(s.centroids().subspan(3 * a, 3), t.centroids().subspan(3 * b, 3), 1e-8 * length))
+        return "centroid";
+    return "";
+}
+
+// Each query for itself: what the seeds and it come to.
+void check_probes(const test::QueryCase& c, const Coordinates& queries, const std::vector<double>& weights) {
+    votess::Options options = c.options;
+    options.weights = c.weights;
+    const votess::Diagram diagram(c.points, options);
+    votess::ProbeOptions of_probes;
+    of_probes.want = everything();
+    of_probes.weights = weights;
+    const auto probes = diagram.probe(queries, of_probes);
+    REQUIRE(probes.size() == queries.size() / 3);
+    options.want = everything();
+    options.outside = votess::Outside::drop;
+    const std::size_t n = c.points.size() / 3;
+    for (std::size_t q = 0; q < probes.size(); ++q) {
+        CAPTURE(q);
+        Coordinates with = c.points;
+        with.insert(with.end(), &queries[3 * q], &queries[3 * q] + 3);
+        std::vector<double> all_weights = c.weights;
+        if (!c.weights.empty()) all_weights.push_back(weights.empty() ? 0 : weights[q]);
+        options.weights = all_weights;
+        const auto t = votess::tessellate(with, options);
+        CHECK(difference(probes, q, t, n) == "");
+        const std::int32_t same = t.duplicate_of().empty() ? -1 : t.duplicate_of()[n];
+        CHECK((probes.duplicate_of().empty() ? -1 : probes.duplicate_of()[q]) == same);
+    }
+}
+
+}  // namespace
+
+TEST_SUITE("probe") {
+    TEST_CASE("probe: random domains and queries are what tessellating with them gives") {
+        test::Random random(test::environment("VOTESS_PROBE_SEED", 21));
+        for (std::size_t set = 0; set < test::environment("VOTESS_PROBE_SETS", test::by_size(300, 40)); ++set) {
+            CAPTURE(set);
+            test::QueryCase c = test::random_query_case(random, set % 2 == 0);
+            const auto& o = c.options;
+            const bool repeats = o.cell ? o.cell->periodic[0] && o.cell->periodic[1] && o.cell->periodic[2]
+                                        : o.periodic[0] && o.periodic[1] && o.periodic[2];
+            Coordinates queries;
+            std::vector<double> weights;
+            for (int q = 0; q < 8; ++q) {
+                const auto x = test::random_query(random, c, repeats);
+                queries.insert(queries.end(), x.begin(), x.end());
+                if (!c.weights.empty())
+                    weights.push_back(set % 2 == 0 ? static_cast<double>(random.below(4)) / 16
+                                                   : random.uniform(-0.1, 0.3));
+            }
+            check_probes(c, queries, weights);
+        }
+    }
+}
