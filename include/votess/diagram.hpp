@@ -21,6 +21,33 @@ struct ProbeOptions {
     std::span<const double> weights, radii;  // Q, of the probes in a power diagram, as in Options; empty: weight 0
 };
 
+// Sibson's: the share of a query's cell that each neighbor had before. Laplace's: the area of the face with a neighbor
+// over its distance, over the sum of these. Both reproduce linear fields away from the walls; Sibson's are smooth but
+// at the seeds.
+enum class NaturalMethod : std::int32_t { sibson = 0, laplace = 1 };
+
+struct NaturalOptions {
+    NaturalMethod method = NaturalMethod::sibson;
+    // Cells end at walls, as if the seeds had mirror images behind, with their values: weights still sum to 1, but
+    // linear fields are not reproduced where the cell of a query has a wall. False: there are no coordinates there.
+    bool at_walls = true;
+    bool gradients = false;           // Sibson's only
+    std::span<const double> weights;  // Q, of the queries in a power diagram; empty: 0
+};
+// Row q, from indptr[q] on: the natural neighbors of query q, ascending, and their weights, which are positive and sum
+// to 1 within 1e-13. A query on a seed has that one alone. Rows are empty outside of the domain, where there are no
+// seeds, where a cell has a wall unless at_walls, and where seeds of a power diagram leave a query no cell.
+struct NaturalCoordinates {
+    std::vector<std::int64_t> indptr;   // Q+1
+    std::vector<std::int32_t> indices;  // seeds
+    std::vector<double> weights;
+    std::vector<double> gradients;  // three for each entry, per length unit: of its weight; NaN on a seed
+};
+struct Interpolated {
+    std::vector<double> values;     // (Q, m); NaN where there are no coordinates
+    std::vector<double> gradients;  // (Q, m, 3), per length unit; NaN there and on seeds; empty unless wanted
+};
+
 // Seeds, sorted and searched once; no cell is built. A shared handle to what never changes, cheap to copy: any number
 // of threads may ask one at the same time. Queries run on the CPU, on options.threads threads, one call after the
 // other.
@@ -48,6 +75,14 @@ public:
     // the place of a seed, which duplicate_of() names; `empty` where seeds leave it no cell. A probe on a seed of less
     // weight has its cell. Throws as locate(), and invalid_argument for weights without a power diagram.
     [[nodiscard]] Tessellation probe(std::span<const double> queries, const ProbeOptions& options = {}) const;
+    // Natural-neighbor coordinates (Sibson 1980) of queries, as for locate(). Throws as locate(); invalid_argument for
+    // gradients of Laplace's; `unsupported` where a periodic box has so few seeds that a cell meets its own image.
+    [[nodiscard]] NaturalCoordinates natural_neighbors(std::span<const double> queries,
+                                                       const NaturalOptions& options = {}) const;
+    // The sums of the seeds' values, (N, m) with m = components, by these coordinates. Throws as natural_neighbors(),
+    // and invalid_argument for values of another shape.
+    [[nodiscard]] Interpolated interpolate(std::span<const double> values, std::size_t components,
+                                           std::span<const double> queries, const NaturalOptions& options = {}) const;
 
 private:
     std::shared_ptr<detail::DiagramState> state_;

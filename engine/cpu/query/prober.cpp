@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "input/implied_wants.hpp"
-
 namespace votess::cpu {
 namespace {
 
@@ -12,16 +10,12 @@ constexpr std::size_t most_together = 64;  // probes that share a window
 }  // namespace
 
 Prober::Prober(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
-    : seeds_(seeds),
-      builder_(seeds, hierarchy, kernels),
-      star_(make_star(kernels.name, seeds, hierarchy)),
-      writer_(seeds) {}
+    : seeds_(seeds), builder_(seeds, hierarchy, kernels), star_(make_star(kernels.name, seeds, hierarchy)) {}
 
-void Prober::begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out) {
-    builder_.begin_job(*job.domain);
-    star_->begin_job(*job.domain);
-    writer_.begin_job(job, kernels, out);
-    measure_ = needs_geometry(job.options.want);
+void Prober::begin_job(const Domain& domain, bool measure) {
+    builder_.begin_job(domain);
+    star_->begin_job(domain);
+    measure_ = measure;
 }
 
 // Returns how many of the probes lie near enough to the first to look around together: in a box no longer than what a
@@ -47,35 +41,24 @@ std::size_t Prober::look_around(std::span<const Probe> probes) {
     return count;
 }
 
-void Prober::run(std::span<const Probe> probes, std::span<const std::int32_t> cells, std::size_t near,
-                 std::span<std::int32_t> duplicate_of) {
+void Prober::run(std::span<const Probe> probes, std::size_t near, ProbeSink& sink) {
     const bool walk = seeds_.size() > 0;
     if (walk) star_->begin_probes(near, measure_);
-    writer_.begin_stretch();
     for (std::size_t begin = 0, end = 0; begin < probes.size(); begin = end) {
         end = walk ? begin + look_around(probes.subspan(begin)) : probes.size();
-        for (std::size_t k = begin; k < end; ++k) {
-            const auto output = static_cast<std::size_t>(cells[k]);
-            if (!walk || !star_->build(probes[k]) || !writer_.write(output, probes[k], *star_))
-                clip(probes[k], cells[k], duplicate_of);
-        }
+        for (std::size_t k = begin; k < end; ++k)
+            if (!walk || !star_->build(probes[k]) || !sink.take(k, *star_)) clip(probes[k], k, sink);
     }
-    writer_.end_block(cells);
 }
 
-void Prober::clip(const Probe& probe, std::int32_t cell, std::span<std::int32_t> duplicate_of) {
-    const auto output = static_cast<std::size_t>(cell);
-    Cell& clipped = builder_.build(probe);
+void Prober::clip(const Probe& probe, std::size_t k, ProbeSink& sink) {
+    Cell& cell = builder_.build(probe);
     const std::int32_t there = builder_.coincident();
-    const double weight = there < 0 || seeds_.weights.empty() ? 0 : seeds_.weights[static_cast<std::size_t>(there)];
-    if (there >= 0 && weight == probe.weight) {
-        duplicate_of[output] = seeds_.input[static_cast<std::size_t>(there)];
-        writer_.leave_out();
-    } else if (there >= 0 && weight > probe.weight) {
-        writer_.write_none(output, CellStatus::empty);
-    } else {
-        writer_.write(output, probe, measure_ ? builder_.again(faces_) : clipped);
-    }
+    const auto seed = static_cast<std::size_t>(there);
+    if (there >= 0 && (seeds_.weights.empty() || seeds_.weights[seed] >= probe.weight))
+        sink.taken(k, seed);
+    else
+        sink.take(k, measure_ ? builder_.again(faces_) : cell);
 }
 
 }  // namespace votess::cpu

@@ -1,0 +1,166 @@
+#include "cpu/query/natural_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "cpu/sort/seed_images.hpp"
+
+namespace votess::cpu {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+double dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+}  // namespace
+
+void NaturalRows::begin_job(const Job& job, const NaturalOptions& options) {
+    domain_ = job.domain.get();
+    options_ = options;
+    unscale_ = 1 / job.scale;
+}
+
+bool NaturalRows::take(std::size_t k, Star& star) {
+    if (!star.knows_vertices()) return false;
+    ranks_.resize(star.faces().size());
+    std::iota(ranks_.begin(), ranks_.end(), 0u);
+    star.polygons(ranks_, shape_.polygons);
+    read_planes(k, star);
+    divide(k);
+    return true;
+}
+
+void NaturalRows::take(std::size_t k, Cell& cell) {
+    constexpr std::size_t least_faces = 4;
+    if (!cell.empty()) cell.canonical_faces(faces_);
+    if (cell.empty() || faces_.size() < least_faces) return out_->take(k, {});
+    ranks_.resize(faces_.size());
+    std::iota(ranks_.begin(), ranks_.end(), 0u);
+    read_polygons(cell, faces_, ranks_, shape_.polygons);
+    read_planes(cell, faces_);
+    divide(k);
+}
+
+// All of the weight is the seed's.
+void NaturalRows::taken(std::size_t k, std::size_t seed) {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    entries_.clear();
+    if (seeds_.weights.empty() || seeds_.weights[seed] == probes_[k].weight)
+        entries_.push_back({seeds_.input[seed], 1, {unknown, unknown, unknown}});
+    give(k);
+}
+
+void NaturalRows::read_planes(std::size_t k, Star& star) {
+    const Probe& probe = probes_[k];
+    const SeedImages* images = seeds_.images;
+    shape_.planes.clear();
+    for (const std::int32_t id : star.faces()) {
+        ProbeShape::Plane plane{id, {}, 0};
+        if (id >= 0) {
+            const auto i = static_cast<std::size_t>(id);
+            exact::Plane bisector = exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
+            if (images != nullptr) {
+                plane.seed = images->home(id);
+                bisector = images->bisector({probe.x, probe.place.by}, plane.seed, images->shift(id));
+            }
+            const auto d = exact::differences(probe.x, bisector).x;
+            for (std::size_t c = 0; c < 3; ++c) plane.n[c] = d[c].high;
+            plane.h = 0.5 * dot(plane.n, plane.n);
+            if (!seeds_.weights.empty())
+                plane.h += 0.5 * (probe.weight - seeds_.weights[static_cast<std::size_t>(plane.seed)]);
+        }
+        shape_.planes.push_back(plane);
+    }
+}
+
+void NaturalRows::read_planes(Cell& cell, const CellFaces& faces) {
+    shape_.planes.clear();
+    for (const std::int32_t p : faces.planes) {
+        const CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
+        if (plane.id == static_cast<std::int32_t>(seeds_.places()))
+            throw Error(ErrorCode::unsupported,
+                        "the periodic box holds so few seeds that the cell of a query meets its own image: natural "
+                        "neighbors are not known there, repeat the seeds in a larger box");
+        shape_.planes.push_back({plane.id, plane.n, plane.h});
+    }
+}
+
+// Fills areas_, entries_, and gives them.
+void NaturalRows::divide(std::size_t k) {
+    entries_.clear();
+    const auto& planes = shape_.planes;
+    const bool at_wall = std::ranges::any_of(planes, [](const auto& plane) { return plane.seed < 0; });
+    if (at_wall && !options_.at_walls) return give(k);
+    const bool sibson = options_.method == NaturalMethod::sibson;
+    if (!sibson || options_.gradients) {
+        const CellPolygons& polygons = shape_.polygons;
+        areas_.assign(planes.size(), {});
+        for (std::size_t f = 0; f < planes.size(); ++f) {
+            const auto corner = [&](std::uint32_t c) { return polygons.positions[polygons.corners[c]]; };
+            const Vector first = corner(polygons.offsets[f]);
+            for (std::uint32_t c = polygons.offsets[f] + 1; c + 1 < polygons.offsets[f + 1]; ++c) {
+                const Vector a = corner(c), b = corner(c + 1);
+                Vector u, v, part;
+                for (std::size_t i = 0; i < 3; ++i) u[i] = a[i] - first[i], v[i] = b[i] - first[i];
+                for (std::size_t i = 0; i < 3; ++i)
+                    part[i] = 0.5 * (u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+                const double size = dot(part, planes[f].n) / std::sqrt(dot(planes[f].n, planes[f].n));
+                for (std::size_t i = 0; i < 3; ++i) {
+                    areas_[f].area[i] += part[i];
+                    areas_[f].moment[i] += size * (first[i] + a[i] + b[i]) / 3;
+                }
+            }
+        }
+    }
+    const std::span<const double> volumes = sibson ? sibson_.find(shape_) : std::span<const double>();
+    double total = 0;
+    for (std::size_t f = 0; f < planes.size(); ++f) {
+        if (planes[f].seed < 0) continue;
+        const double distance = std::sqrt(dot(planes[f].n, planes[f].n));
+        Entry entry{seeds_.input[static_cast<std::size_t>(planes[f].seed)], 0, {}};
+        entry.weight = sibson ? volumes[f] : std::sqrt(dot(areas_[f].area, areas_[f].area)) / distance;
+        // The volume grows as the face moves: by (x - q) / d at its point x, where the probe lies at q.
+        for (std::size_t i = 0; i < 3 && options_.gradients; ++i) entry.gradient[i] = areas_[f].moment[i] / distance;
+        total += entry.weight;
+        entries_.push_back(entry);
+    }
+    if (!(total > 0)) entries_.clear();
+    for (Entry& entry : entries_) entry.weight /= total;
+    if (options_.gradients) add_gradients(total);
+    give(k);
+}
+
+// Of weights, from those of volumes.
+void NaturalRows::add_gradients(double total) {
+    Vector sum{};
+    for (const Entry& entry : entries_)
+        for (std::size_t i = 0; i < 3; ++i) sum[i] += entry.gradient[i];
+    for (Entry& entry : entries_)
+        for (std::size_t i = 0; i < 3; ++i)
+            entry.gradient[i] = (entry.gradient[i] - entry.weight * sum[i]) / (total * unscale_);
+}
+
+// A seed of which several images are neighbors has one entry.
+void NaturalRows::give(std::size_t k) {
+    std::ranges::sort(entries_, {}, &Entry::seed);
+    row_seeds_.clear();
+    row_weights_.clear();
+    row_gradients_.clear();
+    for (const Entry& entry : entries_) {
+        if (!row_seeds_.empty() && row_seeds_.back() == entry.seed) {
+            row_weights_.back() += entry.weight;
+            for (std::size_t i = 0; i < 3; ++i) row_gradients_.back()[i] += entry.gradient[i];
+            continue;
+        }
+        row_seeds_.push_back(entry.seed);
+        row_weights_.push_back(entry.weight);
+        row_gradients_.push_back(entry.gradient);
+    }
+    out_->take(k, {row_seeds_, row_weights_, row_gradients_});
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,77 @@
+// Natural-neighbor coordinates of probes: Sibson's, volumes that their cells take from each neighbor; or Laplace's, the
+// area of a face over the distance of the neighbor (Belikov, Ivanov, Kontorovich, Korytnik, Semenov, Comput. Math.
+// Math. Phys. 37, 1997), each over the sum of all.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "cpu/query/prober.hpp"
+#include "cpu/query/sibson.hpp"
+#include "votess/diagram.hpp"
+
+namespace votess::cpu {
+
+// The coordinates of one probe: indices of seeds in the input, ascending. None where there are no coordinates.
+struct NaturalRow {
+    std::span<const std::int32_t> seeds;
+    std::span<const double> weights;
+    std::span<const std::array<double, 3>> gradients;  // of the weights, if they are wanted
+};
+
+class NaturalSink {
+public:
+    virtual ~NaturalSink() = default;
+    virtual void take(std::size_t k, const NaturalRow& row) = 0;
+};
+
+// One per thread.
+class NaturalRows final : public ProbeSink {
+public:
+    explicit NaturalRows(const SortedSeeds& seeds) : seeds_(seeds) {}
+
+    void begin_job(const Job& job, const NaturalOptions& options);
+    void begin_run(std::span<const Probe> probes, NaturalSink& out) {
+        probes_ = probes;
+        out_ = &out;
+    }
+
+    bool take(std::size_t k, Star& star) override;
+    void take(std::size_t k, Cell& cell) override;
+    void taken(std::size_t k, std::size_t seed) override;
+
+private:
+    struct Entry {
+        std::int32_t seed;  // in the input
+        double weight;
+        std::array<double, 3> gradient;
+    };
+    void read_planes(std::size_t k, Star& star);
+    void read_planes(Cell& cell, const CellFaces& faces);
+    void divide(std::size_t k);
+    void add_gradients(double total);
+    void give(std::size_t k);
+
+    const SortedSeeds& seeds_;
+    const Domain* domain_ = nullptr;
+    NaturalOptions options_;
+    double unscale_ = 1;
+    std::span<const Probe> probes_;
+    NaturalSink* out_ = nullptr;
+
+    ProbeShape shape_;
+    SibsonVolumes sibson_;
+    CellFaces faces_;
+    std::vector<std::uint32_t> ranks_;
+    struct Face {  // of the shape: the area vector, and the integral of x over it
+        std::array<double, 3> area, moment;
+    };
+    std::vector<Face> areas_;
+    std::vector<Entry> entries_;
+    std::vector<std::int32_t> row_seeds_;
+    std::vector<double> row_weights_;
+    std::vector<std::array<double, 3>> row_gradients_;
+};
+
+}  // namespace votess::cpu

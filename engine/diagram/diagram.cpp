@@ -1,0 +1,66 @@
+#include "votess/diagram.hpp"
+
+#include "diagram/diagram_state.hpp"
+#include "input/options.hpp"
+
+namespace votess {
+
+namespace {
+
+using detail::DiagramState;
+
+// A failure to get memory as an Error.
+template <class Work>
+auto with_memory(const Work& work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory, "out of memory: take fewer seeds, or ask with fewer queries at once");
+    }
+}
+
+std::shared_ptr<DiagramState> make_state(std::span<const double> points, const Options& options) {
+    if (options.device != "cpu" && options.device != "auto")
+        throw Error(ErrorCode::unsupported,
+                    "device '" + options.device + "': a Diagram is asked on the CPU, give cpu or auto");
+    if (options.min_face != 0 || options.min_area != 0)
+        throw Error(ErrorCode::invalid_argument,
+                    "min_face and min_area drop faces of a result: a Diagram has whole cells, leave them out");
+    auto state = std::make_shared<DiagramState>();
+    state->points.assign(points.begin(), points.end());
+    state->job = validate({state->points, {}}, options);
+    state->job.options.progress = {};
+    state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
+    state->clipper.begin(state->job);
+    state->clipper.prepare();
+    return state;
+}
+
+}  // namespace
+
+Diagram::Diagram() : Diagram(std::span<const double>{}) {}
+Diagram::Diagram(std::span<const double> points, const Options& options)
+    : state_(with_memory([&] { return make_state(points, options); })) {}
+
+std::size_t Diagram::size() const noexcept {
+    return state_->points.size() / 3;
+}
+
+std::vector<std::int32_t> Diagram::locate(std::span<const double> queries) const {
+    return with_memory([&] { return detail::locate(*state_, detail::check_queries(*state_, queries)); });
+}
+
+Tessellation Diagram::probe(std::span<const double> queries, const ProbeOptions& options) const {
+    return with_memory([&] { return detail::probe(*state_, queries, options); });
+}
+
+NaturalCoordinates Diagram::natural_neighbors(std::span<const double> queries, const NaturalOptions& options) const {
+    return with_memory([&] { return detail::natural_neighbors(*state_, queries, options); });
+}
+
+Interpolated Diagram::interpolate(std::span<const double> values, std::size_t components,
+                                  std::span<const double> queries, const NaturalOptions& options) const {
+    return with_memory([&] { return detail::interpolate(*state_, values, components, queries, options); });
+}
+
+}  // namespace votess

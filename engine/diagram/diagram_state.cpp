@@ -1,0 +1,127 @@
+#include "diagram/diagram_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/ceil.hpp"
+#include "core/text.hpp"
+#include "cpu/sort/hilbert.hpp"
+#include "input/options.hpp"
+
+namespace votess::detail {
+namespace {
+
+// Queries that one thread takes at once: neighbors in time are neighbors in space.
+constexpr std::size_t most_taken = 65536, fewest_taken = 256, shares_of_thread = 4;
+constexpr std::size_t most_probed = 1024;  // in one run of a walk
+
+// Along a Hilbert curve through the box.
+std::uint32_t key_of(const Box& box, const exact::Point& x) {
+    std::array<std::uint32_t, 3> at;
+    constexpr double blocks = 1 << cpu::hilbert_levels;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double along = (x[k] - box.lower[k]) / (box.upper[k] - box.lower[k]) * blocks;
+        at[k] = static_cast<std::uint32_t>(std::clamp(along, 0.0, blocks - 1));
+    }
+    return cpu::hilbert_index(at[0], at[1], at[2]);
+}
+
+}  // namespace
+
+Queries check_queries(const DiagramState& state, std::span<const double> x, std::span<const double> weights,
+                      std::span<const double> radii) {
+    if (x.size() % 3 != 0)
+        throw Error(ErrorCode::invalid_argument,
+                    "queries hold " + std::to_string(x.size()) +
+                        " coordinates, which is not a multiple of 3: the shape must be (Q,3)");
+    Options given;
+    given.weights = weights;
+    given.radii = radii;
+    check_options(given);
+    Queries queries{x, scaled_weights(given, x.size() / 3, "queries", state.job.scale)};
+    if (!queries.weights.empty() && !state.job.domain->has_weights())
+        throw Error(ErrorCode::invalid_argument,
+                    "queries have weights, but the seeds have none: give these weights too, which may be 0");
+    return queries;
+}
+
+exact::Point scaled(const Job& job, const Queries& queries, std::size_t number) {
+    exact::Point x;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double given = queries.x[3 * number + k];
+        x[k] = given * job.scale;
+        if (std::isfinite(x[k]) && x[k] / job.scale == given) continue;
+        const std::string what = "query " + std::to_string(number) + ": coordinate " + votess::number(given);
+        if (!std::isfinite(given)) throw Error(ErrorCode::invalid_argument, what + " is not finite");
+        throw Error(ErrorCode::unsupported,
+                    what + " is too large or too small beside the box to be represented at one scale");
+    }
+    return x;
+}
+
+void make_searchers(DiagramState& state) {
+    const cpu::Kernels& kernels = *cpu::find_kernels(state.job.options.instructions);
+    while (state.searchers.size() < state.clipper.pool().size())
+        state.searchers.emplace_back(state.job, state.clipper.seeds(), state.clipper.hierarchy(), kernels);
+}
+
+void for_queries(DiagramState& state, const Queries& queries,
+                 const std::function<void(DiagramState::Searcher&, std::size_t, std::size_t)>& task) {
+    ThreadPool& pool = state.clipper.pool();
+    make_searchers(state);
+    const std::size_t count = queries.count();
+    const std::size_t taken = std::clamp(count / (shares_of_thread * pool.size()), fewest_taken, most_taken);
+    pool.run(ceil_div(count, taken), [&](std::size_t index, unsigned worker) {
+        task(state.searchers[worker], index * taken, std::min(count, (index + 1) * taken));
+    });
+}
+
+void sort_queries(const Job& job, DiagramState::Searcher& searcher, const Queries& queries, std::size_t begin,
+                  std::size_t end, const std::function<void(std::size_t)>& leave_out) {
+    searcher.places.resize(end - begin);
+    searcher.order.clear();
+    for (std::size_t i = begin; i < end; ++i) {
+        const auto place = searcher.locator.place(scaled(job, queries, i), i);
+        if (!place) {
+            leave_out(i);
+            continue;
+        }
+        searcher.places[i - begin] = *place;
+        searcher.order.push_back(std::uint64_t{key_of(job.domain->box, place->at)} << 32 | (i - begin));
+    }
+    std::ranges::sort(searcher.order);
+}
+
+void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& queries, std::size_t begin,
+              std::span<std::int32_t> numbers,
+              const std::function<void(std::span<const std::int32_t>, std::size_t)>& run) {
+    const auto& order = searcher.order;
+    auto& probes = searcher.probes;
+    for (std::size_t first = 0; first < order.size(); first += most_probed) {
+        const std::size_t count = std::min(most_probed, order.size() - first);
+        probes.clear();
+        for (std::size_t k = first; k < first + count; ++k) {
+            const auto i = static_cast<std::uint32_t>(order[k]);
+            const std::size_t query = begin + i;
+            const double weight = queries.weights.empty() ? 0 : queries.weights[query];
+            probes.push_back({scaled(job, queries, query), searcher.places[i], weight});
+            numbers[k] = static_cast<std::int32_t>(query);
+        }
+        run(numbers.subspan(first, count), searcher.locator.group_near(probes.front().place.at));
+    }
+}
+
+std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries) {
+    std::vector<std::int32_t> seeds(queries.count());
+    const std::scoped_lock lock(state.at_work);
+    for_queries(state, queries, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
+        sort_queries(state.job, searcher, queries, begin, end, [&](std::size_t i) { seeds[i] = -1; });
+        for (const std::uint64_t key : searcher.order) {
+            const auto i = static_cast<std::uint32_t>(key);
+            seeds[begin + i] = searcher.locator.find(scaled(state.job, queries, begin + i), searcher.places[i]);
+        }
+    });
+    return seeds;
+}
+
+}  // namespace votess::detail

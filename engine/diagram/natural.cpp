@@ -1,0 +1,138 @@
+// Natural-neighbor coordinates, as rows or summed with values.
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "diagram/diagram_state.hpp"
+
+namespace votess::detail {
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+// make_sink: what takes the rows of a share of the queries; its `numbers` are those of a run.
+template <class MakeSink>
+void run(DiagramState& state, const Queries& queries, const NaturalOptions& options, MakeSink make_sink) {
+    if (options.gradients && options.method == NaturalMethod::laplace)
+        throw Error(ErrorCode::invalid_argument,
+                    "gradients are known with Sibson's coordinates: Laplace's have none across some spheres");
+    const std::scoped_lock lock(state.at_work);
+    make_searchers(state);
+    for (DiagramState::Searcher& searcher : state.searchers) {
+        searcher.prober.begin_job(*state.job.domain, true);
+        searcher.natural.begin_job(state.job, options);
+    }
+    for_queries(state, queries, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
+        sort_queries(state.job, searcher, queries, begin, end, [](std::size_t) {});
+        std::vector<std::int32_t> numbers(searcher.order.size());
+        auto sink = make_sink();
+        for_runs(state.job, searcher, queries, begin, numbers,
+                 [&](std::span<const std::int32_t> of_run, std::size_t near) {
+                     sink.numbers = of_run;
+                     searcher.natural.begin_run(searcher.probes, sink);
+                     searcher.prober.run(searcher.probes, near, searcher.natural);
+                 });
+    });
+}
+
+// Rows wait until all lengths are known.
+struct RowSink final : cpu::NaturalSink {
+    struct Rows {
+        std::vector<std::int32_t> queries, seeds;
+        std::vector<double> weights, gradients;
+    };
+    RowSink(NaturalCoordinates& out_to, Rows& rows_to, bool with_gradients)
+        : out(out_to), rows(rows_to), gradients(with_gradients) {}
+
+    void take(std::size_t k, const cpu::NaturalRow& row) override {
+        out.indptr[static_cast<std::size_t>(numbers[k]) + 1] = static_cast<std::int64_t>(row.seeds.size());
+        rows.queries.push_back(numbers[k]);
+        rows.seeds.insert(rows.seeds.end(), row.seeds.begin(), row.seeds.end());
+        rows.weights.insert(rows.weights.end(), row.weights.begin(), row.weights.end());
+        for (std::size_t e = 0; e < row.seeds.size() && gradients; ++e)
+            rows.gradients.insert(rows.gradients.end(), row.gradients[e].begin(), row.gradients[e].end());
+    }
+
+    NaturalCoordinates& out;
+    Rows& rows;
+    bool gradients;
+    std::span<const std::int32_t> numbers;
+};
+
+struct SumSink final : cpu::NaturalSink {
+    SumSink(Interpolated& out_to, std::span<const double> of_values, std::size_t count, bool with_gradients)
+        : out(out_to), values(of_values), components(count), gradients(with_gradients) {}
+
+    void take(std::size_t k, const cpu::NaturalRow& row) override {
+        if (row.seeds.empty()) return;
+        const auto query = static_cast<std::size_t>(numbers[k]);
+        for (std::size_t c = 0; c < components; ++c) {
+            double sum = 0;
+            std::array<double, 3> slope{};
+            for (std::size_t e = 0; e < row.seeds.size(); ++e) {
+                const double value = values[static_cast<std::size_t>(row.seeds[e]) * components + c];
+                sum += row.weights[e] * value;
+                for (std::size_t i = 0; i < 3 && gradients; ++i) slope[i] += row.gradients[e][i] * value;
+            }
+            const std::size_t place = query * components + c;
+            out.values[place] = sum;
+            for (std::size_t i = 0; i < 3 && gradients; ++i) out.gradients[3 * place + i] = slope[i];
+        }
+    }
+
+    Interpolated& out;
+    std::span<const double> values;
+    std::size_t components;
+    bool gradients;
+    std::span<const std::int32_t> numbers;
+};
+
+}  // namespace
+
+NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& options) {
+    const Queries queries = check_queries(state, x, options.weights);
+    NaturalCoordinates out;
+    out.indptr.assign(queries.count() + 1, 0);
+    std::mutex mutex;
+    std::deque<RowSink::Rows> all;
+    run(state, queries, options, [&] {
+        const std::scoped_lock lock(mutex);
+        return RowSink(out, all.emplace_back(), options.gradients);
+    });
+    std::partial_sum(out.indptr.begin(), out.indptr.end(), out.indptr.begin());
+    const auto size = static_cast<std::size_t>(out.indptr.back());
+    out.indices.resize(size);
+    out.weights.resize(size);
+    out.gradients.resize(options.gradients ? 3 * size : 0);
+    for (const RowSink::Rows& rows : all) {
+        std::size_t from = 0;
+        for (const std::int32_t query : rows.queries) {
+            const auto q = static_cast<std::size_t>(query), to = static_cast<std::size_t>(out.indptr[q]);
+            const std::size_t count = static_cast<std::size_t>(out.indptr[q + 1]) - to;
+            std::copy_n(rows.seeds.begin() + static_cast<std::ptrdiff_t>(from), count, &out.indices[to]);
+            std::copy_n(rows.weights.begin() + static_cast<std::ptrdiff_t>(from), count, &out.weights[to]);
+            if (options.gradients)
+                std::copy_n(rows.gradients.begin() + static_cast<std::ptrdiff_t>(3 * from), 3 * count,
+                            &out.gradients[3 * to]);
+            from += count;
+        }
+    }
+    return out;
+}
+
+Interpolated interpolate(DiagramState& state, std::span<const double> values, std::size_t components,
+                         std::span<const double> x, const NaturalOptions& options) {
+    const Queries queries = check_queries(state, x, options.weights);
+    const std::size_t seeds = state.points.size() / 3;
+    if (components == 0 || values.size() != seeds * components)
+        throw Error(ErrorCode::invalid_argument,
+                    "values hold " + std::to_string(values.size()) + " numbers for " + std::to_string(seeds) +
+                        " seeds with " + std::to_string(components) + " components: the shape must be (N,m)");
+    Interpolated out;
+    out.values.assign(queries.count() * components, unknown);
+    out.gradients.assign(options.gradients ? 3 * out.values.size() : 0, unknown);
+    run(state, queries, options, [&] { return SumSink(out, values, components, options.gradients); });
+    return out;
+}
+
+}  // namespace votess::detail
