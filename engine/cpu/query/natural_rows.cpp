@@ -89,45 +89,66 @@ void NaturalRows::read_planes(Cell& cell, const CellFaces& faces) {
     }
 }
 
-// Fills areas_, entries_, and gives them.
 void NaturalRows::divide(std::size_t k) {
     entries_.clear();
     const auto& planes = shape_.planes;
     const bool at_wall = std::ranges::any_of(planes, [](const auto& plane) { return plane.seed < 0; });
     if (at_wall && !options_.at_walls) return give(k);
     const bool sibson = options_.method == NaturalMethod::sibson;
-    if (!sibson || options_.gradients) {
-        const CellPolygons& polygons = shape_.polygons;
-        areas_.assign(planes.size(), {});
-        for (std::size_t f = 0; f < planes.size(); ++f) {
-            const auto corner = [&](std::uint32_t c) { return polygons.positions[polygons.corners[c]]; };
-            const Vector first = corner(polygons.offsets[f]);
-            for (std::uint32_t c = polygons.offsets[f] + 1; c + 1 < polygons.offsets[f + 1]; ++c) {
-                const Vector a = corner(c), b = corner(c + 1);
-                Vector u, v, part;
-                for (std::size_t i = 0; i < 3; ++i) u[i] = a[i] - first[i], v[i] = b[i] - first[i];
-                for (std::size_t i = 0; i < 3; ++i)
-                    part[i] = 0.5 * (u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
-                const double size = dot(part, planes[f].n) / std::sqrt(dot(planes[f].n, planes[f].n));
-                for (std::size_t i = 0; i < 3; ++i) {
-                    areas_[f].area[i] += part[i];
-                    areas_[f].moment[i] += size * (first[i] + a[i] + b[i]) / 3;
-                }
-            }
-        }
-    }
-    const std::span<const double> volumes = sibson ? sibson_.find(shape_) : std::span<const double>();
-    double total = 0;
+    if (sibson && sibson_.divide(shape_, options_.gradients, division_)) return give_division(k);
+    if (sibson) sibson_.cut(shape_, volumes_);
+    if (!sibson || options_.gradients) measure_faces();
     for (std::size_t f = 0; f < planes.size(); ++f) {
         if (planes[f].seed < 0) continue;
         const double distance = std::sqrt(dot(planes[f].n, planes[f].n));
-        Entry entry{seeds_.input[static_cast<std::size_t>(planes[f].seed)], 0, {}};
-        entry.weight = sibson ? volumes[f] : std::sqrt(dot(areas_[f].area, areas_[f].area)) / distance;
-        // The volume grows as the face moves: by (x - q) / d at its point x, where the probe lies at q.
-        for (std::size_t i = 0; i < 3 && options_.gradients; ++i) entry.gradient[i] = areas_[f].moment[i] / distance;
-        total += entry.weight;
-        entries_.push_back(entry);
+        const double weight = sibson ? volumes_[f] : std::sqrt(dot(faces_of_[f].area, faces_of_[f].area)) / distance;
+        add_entry(planes[f].seed, weight, sibson && options_.gradients ? faces_of_[f].moment : Vector{}, distance);
     }
+    finish(k);
+}
+
+void NaturalRows::give_division(std::size_t k) {
+    for (std::size_t a = 0; a < division_.size(); ++a) {
+        const Vector n = division_.normal(a);
+        add_entry(division_.seed(a), division_.volume(a), division_.moment(a), std::sqrt(dot(n, n)));
+    }
+    finish(k);
+}
+
+// Area vectors and moments of the polygons.
+void NaturalRows::measure_faces() {
+    const CellPolygons& polygons = shape_.polygons;
+    faces_of_.assign(polygons.size(), {});
+    for (std::size_t f = 0; f < polygons.size(); ++f) {
+        const auto corner = [&](std::uint32_t c) { return polygons.positions[polygons.corners[c]]; };
+        const Vector first = corner(polygons.offsets[f]), n = shape_.planes[f].n;
+        const double inverse = 1 / std::sqrt(dot(n, n));
+        for (std::uint32_t c = polygons.offsets[f] + 1; c + 1 < polygons.offsets[f + 1]; ++c) {
+            const Vector a = corner(c), b = corner(c + 1);
+            Vector u, v, part;
+            for (std::size_t i = 0; i < 3; ++i) u[i] = a[i] - first[i], v[i] = b[i] - first[i];
+            for (std::size_t i = 0; i < 3; ++i)
+                part[i] = 0.5 * (u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+            const double size = dot(part, n) * inverse;
+            for (std::size_t i = 0; i < 3; ++i) {
+                faces_of_[f].area[i] += part[i];
+                faces_of_[f].moment[i] += size * (first[i] + a[i] + b[i]) / 3;
+            }
+        }
+    }
+}
+
+// moment: the integral of x over the face at that distance. The volume grows as the face moves, at each of its points x
+// by (x - q) / d when the probe q does.
+void NaturalRows::add_entry(std::int32_t seed, double weight, const Vector& moment, double distance) {
+    Entry entry{seeds_.input[static_cast<std::size_t>(seed)], weight, {}};
+    for (std::size_t i = 0; i < 3 && options_.gradients; ++i) entry.gradient[i] = moment[i] / distance;
+    entries_.push_back(entry);
+}
+
+void NaturalRows::finish(std::size_t k) {
+    double total = 0;
+    for (const Entry& entry : entries_) total += entry.weight;
     if (!(total > 0)) entries_.clear();
     for (Entry& entry : entries_) entry.weight /= total;
     if (options_.gradients) add_gradients(total);

@@ -50,6 +50,10 @@ private:
     void read_planes(std::size_t k, Star& star);
     void read_planes(Cell& cell, const CellFaces& faces);
     void divide(std::size_t k);
+    void give_division(std::size_t k);
+    void measure_faces();
+    void add_entry(std::int32_t seed, double weight, const std::array<double, 3>& moment, double distance);
+    void finish(std::size_t k);
     void add_gradients(double total);
     void give(std::size_t k);
 
@@ -61,13 +65,15 @@ private:
     NaturalSink* out_ = nullptr;
 
     ProbeShape shape_;
-    SibsonVolumes sibson_;
+    Sibson sibson_;
+    Division division_;
+    std::vector<double> volumes_;
     CellFaces faces_;
     std::vector<std::uint32_t> ranks_;
     struct Face {  // of the shape: the area vector, and the integral of x over it
         std::array<double, 3> area, moment;
     };
-    std::vector<Face> areas_;
+    std::vector<Face> faces_of_;
     std::vector<Entry> entries_;
     std::vector<std::int32_t> row_seeds_;
     std::vector<double> row_weights_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 namespace votess::cpu {
 namespace {
@@ -11,52 +10,41 @@ namespace {
 using Vector = std::array<double, 3>;
 
 constexpr std::size_t most_vertices = 128;
-constexpr double never = 1e300;            // h of a plane that is not there
-constexpr double most_unbalanced = 1e-12;  // of the sum of volumes times distances
 
 double dot(const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+struct Three {
+    std::size_t a, b, c;
+};
+Three numbers_of(std::uint32_t three) {
+    return {static_cast<std::size_t>(std::countr_zero(three)),
+            static_cast<std::size_t>(std::countr_zero(three & (three - 1))),
+            static_cast<std::size_t>(31 - std::countl_zero(three))};
 }
 
-std::size_t lowest(std::uint32_t bits) {
-    return static_cast<std::size_t>(std::countr_zero(bits));
+Vector turned(const Vector& v) {
+    return {-v[0], -v[1], -v[2]};
 }
 
 }  // namespace
 
-std::span<const double> SibsonVolumes::find(const ProbeShape& shape) {
-    volumes_.assign(shape.planes.size(), 0);
-    if (!by_edges(shape)) by_cuts(shape);
-    return volumes_;
+bool Sibson::divide(const ProbeShape& shape, bool moments, Division& out) {
+    out.begin(moments);
+    for (const ProbeShape::Plane& plane : shape.planes)
+        if (plane.seed < 0 || out.add_neighbor(plane.seed, plane.n, plane.h) == Division::most_neighbors) return false;
+    planes_ = out.planes();
+    return add_rims(shape.polygons, out) && walk_inward(shape.polygons, out) && walk_on(out) && out.finish();
 }
 
-bool SibsonVolumes::by_edges(const ProbeShape& shape) {
-    if (!read(shape) || !walk_inward() || !walk_on() || !balanced()) return false;
-    for (double& volume : volumes_) volume /= 6;
-    return true;
-}
-
-// False where a wall bounds the cell, or more than three faces meet.
-bool SibsonVolumes::read(const ProbeShape& shape) {
-    count_ = shape.planes.size();
-    if (count_ > most_planes) return false;
-    const auto padded = std::min(most_planes, (count_ + 7) / 8 * 8);
-    for (std::size_t f = 0; f < padded; ++f) {
-        if (f < count_ && shape.planes[f].seed < 0) return false;
-        const Vector n = f < count_ ? shape.planes[f].n : Vector{};
-        nx_[f] = n[0], ny_[f] = n[1], nz_[f] = n[2];
-        h_[f] = f < count_ ? shape.planes[f].h : never;
-    }
-    const CellPolygons& polygons = shape.polygons;
+// False where more than three faces meet.
+bool Sibson::add_rims(const CellPolygons& polygons, Division& out) {
     const std::size_t vertices = polygons.positions.size();
     if (vertices > most_vertices) return false;
     sides_.resize(vertices);
     sides_known_.assign(vertices, 0);
-    for (std::size_t f = 0; f < count_; ++f) {
+    for (std::size_t f = 0; f < polygons.size(); ++f) {
         const std::uint32_t begin = polygons.offsets[f], end = polygons.offsets[f + 1];
         for (std::uint32_t k = begin; k < end; ++k) {
             const std::uint32_t v = polygons.corners[k], w = polygons.corners[k + 1 == end ? begin : k + 1];
@@ -64,152 +52,104 @@ bool SibsonVolumes::read(const ProbeShape& shape) {
             sides_[v][sides_known_[v]++] = {static_cast<std::uint8_t>(f), static_cast<std::uint8_t>(w)};
         }
     }
-    // Vertices that no face has are of no cell.
+    // Vertices of no face may be there, too.
     if (!std::ranges::all_of(sides_known_, [](std::uint8_t known) { return known == 3 || known == 0; })) return false;
-    // The edges of the cell itself: each bounds two faces of it, and the face between the two parts behind them.
     for (std::size_t v = 0; v < vertices; ++v) {
-        if (sides_known_[v] == 0) continue;
-        for (const auto& [a, w] : sides_[v]) {
+        for (std::size_t side = 0; side < sides_known_[v]; ++side) {
+            const auto& [a, w] = sides_[v][side];
+            if (w < v) continue;
             const auto back = std::ranges::find(sides_[w], static_cast<std::uint8_t>(v), &Side::to);
             if (back == sides_[w].end()) return false;
-            const std::size_t b = back->face;
-            const Vector across = cross(polygons.positions[v], polygons.positions[w]);
-            const double foot = h_[a] / (nx_[a] * nx_[a] + ny_[a] * ny_[a] + nz_[a] * nz_[a]);
-            const Vector middle = middle_of(a, b);
-            volumes_[a] +=
-                dot({foot * nx_[a] - middle[0], foot * ny_[a] - middle[1], foot * nz_[a] - middle[2]}, across);
+            out.add_rim(a, back->face, polygons.positions[v], polygons.positions[w]);
         }
     }
-    positions_ = polygons.positions.data();
     return true;
 }
 
-// Where the plane of equal distance from neighbors a and b is nearest to the probe.
-Vector SibsonVolumes::middle_of(std::size_t a, std::size_t b) const {
-    const Vector n{nx_[b] - nx_[a], ny_[b] - ny_[a], nz_[b] - nz_[a]};
-    const double foot = (h_[b] - h_[a]) / dot(n, n);
-    return {foot * n[0], foot * n[1], foot * n[2]};
+// The vertex from number `begin` on that is as near to three neighbors.
+Sibson::Vertex* Sibson::find(std::uint32_t three, std::size_t begin) {
+    for (std::size_t v = begin; v < vertices_.size(); ++v)
+        if ((vertices_[v].near & three) == three) return &vertices_[v];
+    return nullptr;
 }
 
-Vector SibsonVolumes::direction(std::size_t a, std::size_t b, std::size_t c) const {
-    return cross({nx_[b] - nx_[a], ny_[b] - ny_[a], nz_[b] - nz_[a]},
-                 {nx_[c] - nx_[a], ny_[c] - ny_[a], nz_[c] - nz_[a]});
-}
-
-// Along an edge of three neighbors, from a vertex: to where the next neighbor is as near. That vertex may be known, but
-// not its edge.
-bool SibsonVolumes::leave(const Vector& from, std::uint32_t three, const Vector& along, Vector& to) {
-    const std::size_t a = lowest(three);
-    const auto excess = [&](std::size_t i) { return h_[i] - nx_[i] * from[0] - ny_[i] * from[1] - nz_[i] * from[2]; };
-    const auto speed = [&](std::size_t i) { return nx_[i] * along[0] + ny_[i] * along[1] + nz_[i] * along[2]; };
-    const double excess_a = excess(a), speed_a = speed(a);
-    const std::size_t padded = (count_ + 7) / 8 * 8;
-    alignas(64) std::array<double, most_planes> times;
-    for (std::size_t i = 0; i < padded; ++i) {
-        const double nearing = speed(i) - speed_a;
-        const double time = (excess(i) - excess_a) / nearing;
-        times[i] = nearing > 0 ? time : never;
+// Along an edge of three neighbors, from a vertex to a new one: where the next neighbor is as near.
+bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along, Vector& to) {
+    using Four __attribute__((vector_size(32), aligned(32), may_alias)) = double;
+    const auto [a, b, c] = numbers_of(three);
+    const Vector n = division.normal(a);
+    const double excess = division.height(a) - dot(n, from), speed = dot(n, along);
+    alignas(32) std::array<double, Division::most_neighbors> times;
+    for (std::size_t i = 0; i < planes_.count; i += 4) {
+        const auto four = [i](const double* all) -> const Four& { return reinterpret_cast<const Four&>(all[i]); };
+        const Four &nx = four(planes_.nx), &ny = four(planes_.ny), &nz = four(planes_.nz);
+        const Four left = four(planes_.h) - nx * from[0] - ny * from[1] - nz * from[2] - excess;
+        const Four nearing = nx * along[0] + ny * along[1] + nz * along[2] - speed;
+        const Four none = Four{} + Division::never;
+        reinterpret_cast<Four&>(times[i]) = nearing > 0 ? left / nearing : none;
     }
-    for (std::uint32_t rest = three; rest != 0; rest &= rest - 1) times[lowest(rest)] = never;
-    const auto next = static_cast<std::size_t>(std::min_element(times.begin(), times.begin() + padded) - times.begin());
-    if (!(times[next] < never) || next >= count_) return false;
-    const std::uint32_t four = three | 1u << next;
-    const auto known = std::ranges::find(vertices_, four, &Vertex::near);
-    if (known != vertices_.end()) {
-        if ((known->done >> next & 1) != 0) return false;
-        known->done |= 1u << next;
-        to = known->x;
-        return true;
-    }
+    times[a] = times[b] = times[c] = Division::never;
+    double least = Division::never;
+    for (std::size_t i = 0; i < planes_.count; ++i) least = times[i] < least ? times[i] : least;
+    if (!(least < Division::never)) return false;
+    std::size_t next = 0;
+    while (times[next] != least) ++next;
+    if (next >= division.size()) return false;
     if (vertices_.size() == most_vertices) return false;
-    for (std::size_t k = 0; k < 3; ++k) to[k] = from[k] + times[next] * along[k];
-    vertices_.push_back({four, 1u << next, to});
+    for (std::size_t k = 0; k < 3; ++k) to[k] = from[k] + least * along[k];
+    vertices_.push_back({three | 1u << next, 1u << next, to});
     return true;
 }
 
 // The edges that begin at the vertices of the cell.
-bool SibsonVolumes::walk_inward() {
+bool Sibson::walk_inward(const CellPolygons& polygons, Division& out) {
     vertices_.clear();
     for (std::size_t v = 0; v < sides_.size(); ++v) {
         if (sides_known_[v] == 0) continue;
         const std::size_t a = sides_[v][0].face, b = sides_[v][1].face, c = sides_[v][2].face;
-        Vector along = direction(a, b, c);
-        if (nx_[a] * along[0] + ny_[a] * along[1] + nz_[a] * along[2] > 0)
-            for (double& x : along) x = -x;
         const std::uint32_t three = 1u << a | 1u << b | 1u << c;
         Vector to;
-        if (!leave(positions_[v], three, along, to)) return false;
-        add_edge(three, positions_[v], to);
+        // It meets each of these planes once, so it has one end inside.
+        if (Vertex* const known = find(three, 0)) {
+            if (!known->reach(three)) return false;
+            to = known->x;
+        } else {
+            Vector along = out.direction(a, b, c);
+            if (dot(out.normal(a), along) > 0) along = turned(along);
+            if (!leave(out, polygons.positions[v], three, along, to)) return false;
+        }
+        out.add_inner(a, b, c, polygons.positions[v], to);
     }
     return true;
 }
 
 // Those between two vertices inside.
-bool SibsonVolumes::walk_on() {
+bool Sibson::walk_on(Division& out) {
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
-        for (std::uint32_t left = vertices_[v].near; left != 0; left &= left - 1) {
-            const std::uint32_t without = left & -left;
-            if ((vertices_[v].done & without) != 0) continue;
-            const std::uint32_t three = vertices_[v].near & ~without;
-            vertices_[v].done |= without;
+        for (std::uint32_t left = vertices_[v].near & ~vertices_[v].done; left != 0; left &= left - 1) {
+            const std::uint32_t without = left & -left, three = vertices_[v].near & ~without;
+            const auto [a, b, c] = numbers_of(three);
             const Vector from = vertices_[v].x;
-            const auto other = std::ranges::find_if(vertices_, [three, this, v](const Vertex& w) {
-                return (w.near & three) == three && w.near != vertices_[v].near;
-            });
+            vertices_[v].done |= without;
             Vector to;
-            if (other != vertices_.end()) {
-                const std::uint32_t its = other->near & ~three;
-                if ((other->done & its) != 0) return false;
-                other->done |= its;
-                to = other->x;
+            // Vertices before this one have no edges left.
+            if (Vertex* const known = find(three, v + 1)) {
+                if (!known->reach(three)) return false;
+                to = known->x;
             } else {
-                const std::size_t a = lowest(three), d = lowest(without);
-                Vector along = direction(a, lowest(three & (three - 1)), 31 - std::countl_zero(three));
                 // The neighbor that is left falls back.
-                const Vector n{nx_[d] - nx_[a], ny_[d] - ny_[a], nz_[d] - nz_[a]};
-                if (dot(n, along) > 0)
-                    for (double& x : along) x = -x;
-                if (!leave(from, three, along, to)) return false;
+                Vector along = out.direction(a, b, c);
+                const Vector n = out.normal(a), d = out.normal(static_cast<std::size_t>(std::countr_zero(without)));
+                if (dot(d, along) > dot(n, along)) along = turned(along);
+                if (!leave(out, from, three, along, to)) return false;
             }
-            add_edge(three, from, to);
+            out.add_inner(a, b, c, from, to);
         }
     }
     return true;
 }
 
-// Of the three faces between parts that meet in an edge.
-void SibsonVolumes::add_edge(std::uint32_t three, const Vector& from, const Vector& to) {
-    const std::size_t a = lowest(three), b = lowest(three & (three - 1)),
-                      c = static_cast<std::size_t>(31 - std::countl_zero(three));
-    Vector across = cross(from, to);
-    if (dot(direction(a, b, c), {to[0] - from[0], to[1] - from[1], to[2] - from[2]}) < 0)
-        for (double& x : across) x = -x;
-    add_across(a, b, across);
-    add_across(b, c, across);
-    add_across(c, a, across);
-}
-
-void SibsonVolumes::add_across(std::size_t a, std::size_t b, const Vector& across) {
-    const double part = dot(middle_of(a, b), across);
-    volumes_[a] += part;
-    volumes_[b] -= part;
-}
-
-// The sum of volume times neighbor is 0, by Sibson's identity: a wrong vertex would show.
-bool SibsonVolumes::balanced() const {
-    Vector sum{};
-    double size = 0;
-    bool positive = true;
-    for (std::size_t i = 0; i < count_; ++i) {
-        const Vector n{nx_[i], ny_[i], nz_[i]};
-        for (std::size_t k = 0; k < 3; ++k) sum[k] += volumes_[i] * n[k];
-        size += std::abs(volumes_[i]) * std::sqrt(dot(n, n));
-        positive &= volumes_[i] >= 0;
-    }
-    return positive && dot(sum, sum) <= most_unbalanced * most_unbalanced * size * size;
-}
-
-void SibsonVolumes::by_cuts(const ProbeShape& shape) {
+void Sibson::cut(const ProbeShape& shape, std::vector<double>& volumes) {
     whole_.clear();
     const CellPolygons& polygons = shape.polygons;
     for (std::size_t f = 0; f < polygons.size(); ++f) {
@@ -219,8 +159,8 @@ void SibsonVolumes::by_cuts(const ProbeShape& shape) {
         whole_.add_polygon(corners_);
     }
     const auto& planes = shape.planes;
+    volumes.assign(planes.size(), 0);
     for (std::size_t a = 0; a < planes.size(); ++a) {
-        volumes_[a] = 0;
         if (planes[a].seed < 0) continue;
         part_ = whole_;
         for (std::size_t b = 0; b < planes.size() && !part_.empty(); ++b) {
@@ -229,7 +169,7 @@ void SibsonVolumes::by_cuts(const ProbeShape& shape) {
             for (std::size_t k = 0; k < 3; ++k) n[k] = planes[b].n[k] - planes[a].n[k];
             part_.cut(n, planes[b].h - planes[a].h);
         }
-        volumes_[a] = std::max(0.0, part_.volume());
+        volumes[a] = std::max(0.0, part_.volume());
     }
 }
 

@@ -1,16 +1,11 @@
-// How much of the cell of a probe each of its neighbors had before: Sibson's natural-neighbor coordinates are these
-// volumes over that of the cell (A vector identity for the Dirichlet tessellation, Math. Proc. Camb. Phil. Soc. 87,
-// 1980).
+// The division of a probe's cell, from the cell alone.
 //
-// The cell P is divided by the bisectors between its neighbors. The edges of that division begin at the vertices of P:
-// where three neighbors a, b, c are as near as the probe, the points that are as near to a, b and c lead inward, until
-// a fourth, d, is as near. At such a vertex three more edges begin, each without one of the four, and lead to other
-// vertices. The volume of a part is a sum over the edges of its faces: V x W, for an edge from V to W, sums to twice
-// the area vector A of a face, and A.R / 3 is the volume of the pyramid between the face and the probe, with R on the
-// face's plane.
+// Its edges begin at the vertices of the cell: where three neighbors a, b, c are as near as the probe, the points that
+// are as near to a, b and c lead inward, until a fourth, d, is as near. At such a vertex three more edges begin, each
+// without one of the four, and lead to other vertices.
 //
-// Where vertices of P have more than three faces, a wall is near, or rounding made the edges inconsistent, P is cut by
-// the planes instead, once for each neighbor.
+// Where more than three faces meet, a wall is near, or rounding made the edges inconsistent, the cell is cut by the
+// planes instead, once for each neighbor.
 #pragma once
 
 #include <array>
@@ -20,10 +15,11 @@
 
 #include "core/convex_piece.hpp"
 #include "cpu/clip/cell_polygons.hpp"
+#include "cpu/query/division.hpp"
 
 namespace votess::cpu {
 
-// The cell of a probe. Plane f is n.x = h in coordinates relative to the probe; the faces of a polygon are in the order
+// The cell of a probe. Plane f is n.x = h in coordinates relative to the probe; the faces of polygons are in the order
 // of planes.
 struct ProbeShape {
     struct Plane {
@@ -35,40 +31,40 @@ struct ProbeShape {
     CellPolygons polygons;
 };
 
-class SibsonVolumes {
+class Sibson {
 public:
-    // By plane: the volume of that neighbor's part; 0 for walls.
-    std::span<const double> find(const ProbeShape& shape);
+    // False when the cell must be cut. The neighbors are numbered as the planes.
+    [[nodiscard]] bool divide(const ProbeShape& shape, bool moments, Division& out);
+    // Volumes by plane, 0 for walls.
+    void cut(const ProbeShape& shape, std::vector<double>& volumes);
 
 private:
-    static constexpr std::size_t most_planes = 32;
     using Vector = std::array<double, 3>;
 
     struct Vertex {          // as near to four neighbors
         std::uint32_t near;  // bits of these
         std::uint32_t done;  // of these, bit a: the edge that leaves a is known
         Vector x;
+        // By the edge of three of them; false when that is known.
+        [[nodiscard]] bool reach(std::uint32_t three) {
+            const std::uint32_t without = near & ~three;
+            const bool is_new = (done & without) == 0;
+            done |= without;
+            return is_new;
+        }
     };
     struct Side {  // of a vertex of the cell: the edge that goes out along a face
         std::uint8_t face, to;
     };
 
-    [[nodiscard]] bool by_edges(const ProbeShape& shape);
-    [[nodiscard]] bool read(const ProbeShape& shape);
-    [[nodiscard]] bool walk_inward();
-    [[nodiscard]] bool walk_on();
-    [[nodiscard]] Vector direction(std::size_t a, std::size_t b, std::size_t c) const;
-    [[nodiscard]] bool leave(const Vector& from, std::uint32_t three, const Vector& along, Vector& to);
-    void add_edge(std::uint32_t three, const Vector& from, const Vector& to);
-    void add_across(std::size_t a, std::size_t b, const Vector& across);
-    [[nodiscard]] Vector middle_of(std::size_t a, std::size_t b) const;
-    [[nodiscard]] bool balanced() const;
-    void by_cuts(const ProbeShape& shape);
+    [[nodiscard]] bool add_rims(const CellPolygons& polygons, Division& out);
+    [[nodiscard]] bool walk_inward(const CellPolygons& polygons, Division& out);
+    [[nodiscard]] bool walk_on(Division& out);
+    [[nodiscard]] Vertex* find(std::uint32_t three, std::size_t begin);
+    [[nodiscard]] bool leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along,
+                             Vector& to);
 
-    std::size_t count_ = 0;  // planes
-    alignas(64) std::array<double, most_planes> nx_, ny_, nz_, h_;
-    std::vector<double> volumes_;
-    const Vector* positions_ = nullptr;       // vertices of the cell
+    Division::Planes planes_{};
     std::vector<std::array<Side, 3>> sides_;  // by vertex of the cell
     std::vector<std::uint8_t> sides_known_;
     std::vector<Vertex> vertices_;

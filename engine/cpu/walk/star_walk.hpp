@@ -115,7 +115,7 @@ private:
     };
 
     // star_edges.inl
-    bool build_cell();
+    [[gnu::always_inline]] inline bool build_cell();
     template <bool Keep>
     bool complete();
     template <bool Keep>

@@ -121,4 +121,65 @@ TEST_SUITE("probe") {
             check_probes(c, queries, weights);
         }
     }
+
+    // Enough seeds that the walk finds most cells, with windows for several probes.
+    TEST_CASE("probe: many seeds in every domain") {
+        const std::size_t n = test::by_size(1500, 300);
+        test::Random random(22);
+        for (int domain = 0; domain < 7; ++domain) {
+            CAPTURE(domain);
+            test::QueryCase c;
+            c.options.threads = 1;
+            c.options.box = test::unit_box();
+            c.points = (domain == 1 ? test::clustered(n, 5) : test::uniform(n, 6)).points;
+            if (domain == 2) c.options.periodic = {true, true, true};
+            if (domain == 3) c.options.walls = {{{1, 2, 0.7}, 2}};
+            if (domain == 4) {
+                c.options.box.reset();
+                c.options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}};
+            }
+            if (domain == 6) c.options.periodic = {false, true, false};
+            std::vector<double> weights;
+            Coordinates queries;
+            for (int q = 0; q < 12; ++q) {
+                // Some near each other, some next to a seed.
+                const std::size_t i = random.below(c.points.size() / 3);
+                for (std::size_t k = 0; k < 3; ++k)
+                    queries.push_back(q < 4   ? 0.4 + 0.02 * random.uniform()
+                                      : q < 8 ? random.uniform()
+                                              : c.points[3 * i + k] + 1e-9 * random.uniform());
+                weights.push_back(domain >= 5 ? random.uniform(0, 0.002) : 0);
+            }
+            if (domain >= 5)
+                for (std::size_t i = 0; i < c.points.size() / 3; ++i) c.weights.push_back(random.uniform(0, 0.003));
+            if (domain < 5) weights.clear();
+            c.options.outside = votess::Outside::drop;
+            check_probes(c, queries, weights);
+        }
+    }
+
+    TEST_CASE("probe: no seeds, several threads, and what is refused") {
+        votess::Options options;
+        options.box = test::unit_box();
+        votess::ProbeOptions all;
+        all.want = everything();
+        const auto whole = votess::Diagram(Coordinates{}, options).probe(Coordinates{0.5, 0.25, 0.5, 2, 0, 0}, all);
+        CHECK(whole.volumes()[0] == doctest::Approx(1));
+        CHECK(whole.neighbors(0).size() == 6);
+        CHECK(whole.status()[1] == votess::CellStatus::outside);
+        CHECK(votess::Diagram().probe(Coordinates{}).size() == 0);
+
+        const auto set = test::uniform(test::by_size(3000, 500), 3), queries = test::uniform(5000, 4);
+        options.threads = 1;
+        const auto one = votess::Diagram(set.points, options).probe(queries.points, all);
+        options.threads = 3;
+        const auto three = votess::Diagram(set.points, options).probe(queries.points, all);
+        CHECK(std::ranges::equal(one.indices(), three.indices()));
+        CHECK(std::ranges::equal(one.indptr(), three.indptr()));
+
+        const std::vector<double> weights(5000, 0.0);
+        votess::ProbeOptions weighted;
+        weighted.weights = weights;
+        CHECK_THROWS_AS((void)votess::Diagram(set.points, options).probe(queries.points, weighted), votess::Error);
+    }
 }
