@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 
 #include "cpu/sort/seed_images.hpp"
@@ -35,6 +36,8 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     walls_ = job.options.list_walls;
     domain_ = job.domain.get();
     probe_number_ = job.probes_of.value_or(0);
+    probe_id_ = std::numeric_limits<std::int32_t>::min();
+    moved_ = seeds_.images != nullptr && seeds_.images->has_moves();
     periodic_ = job.domain->is_periodic();
     placed_ = needs_geometry(want_);
     measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
@@ -77,7 +80,7 @@ bool CellWriter::write(Star& star) {
         rank_faces();
         star.polygons(ranks_, polygons_);
         // Their cells lie elsewhere in the domain, each by a shift of its own.
-        if (has_moves()) polygons_.shared.clear();
+        if (moved_) polygons_.shared.clear();
         write_polygons();
     }
     write_geometry(geometry_.volume, geometry_.centroid.data());
@@ -115,7 +118,7 @@ void CellWriter::write(Cell& cell) {
             if (periodic_) face_shifts_.push_back(cell.planes()[p].shift);
             if (want_.normals) face_normals_.push_back(unit_vector(cell.planes()[p].n));
         }
-        if (has_moves()) count_from_domain(ids_);
+        if (moved_) count_from_domain(ids_);
         write_row({ids_, face_shifts_, face_areas_.data(), face_normals_.data()});
     }
     if (want_.vertices) {
@@ -154,7 +157,7 @@ void CellWriter::write_counts(std::size_t faces, std::uint32_t edges, std::uint3
 }
 
 std::int32_t CellWriter::input_of(std::int32_t id) const {
-    if (probe_ != nullptr && static_cast<std::size_t>(id) == seeds_.places()) return probe_number_;
+    if (id == probe_id_) return probe_number_;
     const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
     return seeds_.input[static_cast<std::size_t>(home)];
 }
@@ -162,9 +165,9 @@ std::int32_t CellWriter::input_of(std::int32_t id) const {
 // Leaves face_shifts_ empty where all are zero, as they are away from the faces of the domain.
 void CellWriter::find_shifts(std::span<const std::int32_t> ids) {
     const SeedImages& images = *seeds_.images;
-    if (!has_moves() && std::ranges::none_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); })) return;
+    if (!moved_ && std::ranges::none_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); })) return;
     for (const std::int32_t id : ids) face_shifts_.push_back(id < 0 ? exact::Shift{} : images.shift(id));
-    if (has_moves()) count_from_domain(ids);
+    if (moved_) count_from_domain(ids);
     if (std::ranges::all_of(face_shifts_, [](const auto& shift) { return shift == exact::Shift{}; }))
         face_shifts_.clear();
 }
@@ -177,14 +180,17 @@ void CellWriter::count_from_domain(std::span<const std::int32_t> ids) {
     }
 }
 
-bool CellWriter::has_moves() const {
-    return periodic_ && (seeds_.images->has_moves() || (probe_ != nullptr && probe_->place.move != exact::Shift{}));
+void CellWriter::aim(std::size_t output, const Probe& probe) {
+    output_ = output;
+    probe_ = &probe;
+    probe_id_ = static_cast<std::int32_t>(seeds_.places());
+    moved_ = seeds_.images != nullptr && (seeds_.images->has_moves() || probe.place.move != exact::Shift{});
 }
 
 exact::Shift CellWriter::shift_in_domain(std::int32_t id) const {
     const SeedImages& images = *seeds_.images;
     if (probe_ == nullptr) return images.shift_in_domain(images.home(id), seed_);
-    if (static_cast<std::size_t>(id) == seeds_.places()) return {};
+    if (id == probe_id_) return {};
     return images.shift_in_domain(images.home(id), probe_->place.move);
 }
 

@@ -67,10 +67,7 @@ private:
         seed_ = seed;
         probe_ = nullptr;
     }
-    void aim(std::size_t output, const Probe& probe) {
-        output_ = output;
-        probe_ = &probe;
-    }
+    void aim(std::size_t output, const Probe& probe);
     [[nodiscard]] bool write(Star& star);
     void write(Cell& cell);
     void write_empty() { write_none(output_, CellStatus::empty); }
@@ -79,7 +76,6 @@ private:
     void find_shifts(std::span<const std::int32_t> ids);
     // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
     void count_from_domain(std::span<const std::int32_t> ids);
-    [[nodiscard]] bool has_moves() const;
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t id) const;
     [[nodiscard]] exact::Point place() const;
     void write_geometry(double volume, const double* centroid);
@@ -96,7 +92,8 @@ private:
     const StarKernels* kernels_ = nullptr;
     ResultBuilder* out_ = nullptr;
     const Domain* domain_ = nullptr;
-    std::int32_t probe_number_ = 0;  // what images of a probe are called in its row
+    std::int32_t probe_id_ = 0, probe_number_ = 0;  // of images of a probe: in its cell, in its row
+    bool moved_ = false;                            // shifts count from the domain, not from its reduced cell
     Want want_;
     bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, plain_rows_ = false;
     double unscale_ = 1;

@@ -96,7 +96,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
         moved_ = !seeds_.images->is_exact(seed);
         any_rough_ = seeds_.images->any_rough();
     }
-    const bool done = build_cell();
+    const bool done = build_cell<false>();
     if (done) cells_.set_done(seed);
     if (have_candidates_ && !done) window_.show(seed, own_x_);
     if (done && window_open_ && window_home_ == seed / Window::home_seeds) window_.hide(seed);
@@ -117,10 +117,11 @@ bool StarWalk<Isa>::build(const Probe& probe) {
         any_moved_ = seeds_.images->any_moved() || moved_;
         any_rough_ = seeds_.images->any_rough();
     }
-    return build_cell() && !empty_ && !may_coincide();
+    return build_cell<true>() && !empty_ && !may_coincide();
 }
 
 template <class Isa>
+template <bool Alone>
 bool StarWalk<Isa>::build_cell() {
     forget_planes();
     own_local_ = cells_.local(own_id_);
@@ -128,13 +129,15 @@ bool StarWalk<Isa>::build_cell() {
     planes_known_ = facings_known_ = 0;
     scale_ = unscale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
-    return measure_ ? complete<true>() : complete<false>();
+    return measure_ ? complete<true, Alone>() : complete<false, Alone>();
 }
 
+// Alone: no other cell has handed over vertices.
 template <class Isa>
-template <bool Keep>
+template <bool Keep, bool Alone>
 bool StarWalk<Isa>::complete() {
-    if (!take_known<Keep>()) return false;
+    if constexpr (!Alone)
+        if (!take_known<Keep>()) return false;
     empty_ = false;
     reached_ = 0;
     if (vertices_ == 0 && !find_first<Keep>()) {
@@ -197,7 +200,6 @@ template <class Isa>
 template <bool Keep>
 bool StarWalk<Isa>::take_known() {
     make_room(cells_.locals());
-    if (probing_) return true;
     const auto handed = cells_.known(seed_);
     if (handed.size() > most_vertices - 4) return false;
     int planes = 0, vertices = 0, ties = 0;

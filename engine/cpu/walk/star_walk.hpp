@@ -115,8 +115,9 @@ private:
     };
 
     // star_edges.inl
-    [[gnu::always_inline]] inline bool build_cell();
-    template <bool Keep>
+    template <bool Alone>
+    bool build_cell();
+    template <bool Keep, bool Alone>
     bool complete();
     template <bool Keep>
     [[gnu::noinline]] bool find_first();
