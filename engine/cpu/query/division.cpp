@@ -56,30 +56,26 @@ void Division::add_across(std::size_t a, std::size_t b, const Vector& across, do
     add(sum, across, sign);
 }
 
-// Counterclockwise around face a the edge has b at its right.
 void Division::add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
-    const Vector na = normal(a), nb = normal(b), across = cross(v, w);
-    const double sign = dot(cross(na, minus(w, v)), nb) < 0 ? 1 : -1;
-    add(areas_[a], across, 0.5 * sign);
-    add(areas_[b], across, -0.5 * sign);
-    add_across(a, b, across, -sign);
+    const Vector across = cross(v, w);
+    add(areas_[a], across, 0.5);
+    add(areas_[b], across, -0.5);
+    add_across(a, b, across, -1);
     if (!moments_) return;
     for (const std::size_t f : {a, b}) {
         const Vector n = normal(f);
         const double square = dot(n, n), foot = h_[f] / square;
         const Vector at{foot * n[0], foot * n[1], foot * n[2]};
-        const double size =
-            0.5 * dot(cross(minus(v, at), minus(w, at)), n) / std::sqrt(square) * (f == a ? sign : -sign);
+        const double size = 0.5 * dot(cross(minus(v, at), minus(w, at)), n) / std::sqrt(square) * (f == a ? 1 : -1);
         for (std::size_t k = 0; k < 3; ++k) moment_[f][k] += size * (at[k] + v[k] + w[k]) / 3;
     }
 }
 
 void Division::add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w) {
     const Vector across = cross(v, w);
-    const double sign = dot(direction(a, b, c), minus(w, v)) < 0 ? -1 : 1;
-    add_across(a, b, across, sign);
-    add_across(b, c, across, sign);
-    add_across(c, a, across, sign);
+    add_across(a, b, across, 1);
+    add_across(b, c, across, 1);
+    add_across(c, a, across, 1);
 }
 
 bool Division::finish() {

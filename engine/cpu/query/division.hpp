@@ -25,9 +25,9 @@ public:
     }
     // The bisector with a neighbor is n.x = h. Returns its number, the next one, or most_neighbors.
     std::size_t add_neighbor(std::int32_t seed, const Vector& n, double h);
-    // An edge of P between the faces of neighbors a and b, in any direction.
+    // An edge of P between the faces of neighbors a and b, counterclockwise around that of a.
     void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w);
-    // An edge inside, as near to neighbors a, b and c.
+    // An edge inside, as near to neighbors a, b and c: direction(a, b, c) points from v to w.
     void add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w);
     // False when the parts do not balance, which shows that an edge was wrong or missing: by Sibson's identity, the sum
     // of volume times neighbor is 0.

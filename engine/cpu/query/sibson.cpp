@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
+#include <utility>
 
 namespace votess::cpu {
 namespace {
@@ -18,14 +18,18 @@ double dot(const Vector& a, const Vector& b) {
 struct Three {
     std::size_t a, b, c;
 };
+// Swaps two of three neighbors, if need be, so that their direction leads away from where n.x > m.x. Returns it.
+Vector turn(const Division& division, std::size_t a, std::size_t& b, std::size_t& c, const Vector& n, const Vector& m) {
+    const Vector along = division.direction(a, b, c);
+    if (!(dot(n, along) > dot(m, along))) return along;
+    std::swap(b, c);
+    return {-along[0], -along[1], -along[2]};
+}
+
 Three numbers_of(std::uint32_t three) {
     return {static_cast<std::size_t>(std::countr_zero(three)),
             static_cast<std::size_t>(std::countr_zero(three & (three - 1))),
             static_cast<std::size_t>(31 - std::countl_zero(three))};
-}
-
-Vector turned(const Vector& v) {
-    return {-v[0], -v[1], -v[2]};
 }
 
 }  // namespace
@@ -106,17 +110,17 @@ bool Sibson::walk_inward(const CellPolygons& polygons, Division& out) {
     vertices_.clear();
     for (std::size_t v = 0; v < sides_.size(); ++v) {
         if (sides_known_[v] == 0) continue;
-        const std::size_t a = sides_[v][0].face, b = sides_[v][1].face, c = sides_[v][2].face;
+        const std::size_t a = sides_[v][0].face;
+        std::size_t b = sides_[v][1].face, c = sides_[v][2].face;
+        const Vector along = turn(out, a, b, c, out.normal(a), {});
         const std::uint32_t three = 1u << a | 1u << b | 1u << c;
         Vector to;
         // It meets each of these planes once, so it has one end inside.
         if (Vertex* const known = find(three, 0)) {
             if (!known->reach(three)) return false;
             to = known->x;
-        } else {
-            Vector along = out.direction(a, b, c);
-            if (dot(out.normal(a), along) > 0) along = turned(along);
-            if (!leave(out, polygons.positions[v], three, along, to)) return false;
+        } else if (!leave(out, polygons.positions[v], three, along, to)) {
+            return false;
         }
         out.add_inner(a, b, c, polygons.positions[v], to);
     }
@@ -128,20 +132,18 @@ bool Sibson::walk_on(Division& out) {
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
         for (std::uint32_t left = vertices_[v].near & ~vertices_[v].done; left != 0; left &= left - 1) {
             const std::uint32_t without = left & -left, three = vertices_[v].near & ~without;
-            const auto [a, b, c] = numbers_of(three);
-            const Vector from = vertices_[v].x;
+            auto [a, b, c] = numbers_of(three);
+            // The neighbor that is left falls back.
+            const std::size_t d = static_cast<std::size_t>(std::countr_zero(without));
+            const Vector along = turn(out, a, b, c, out.normal(d), out.normal(a)), from = vertices_[v].x;
             vertices_[v].done |= without;
             Vector to;
             // Vertices before this one have no edges left.
             if (Vertex* const known = find(three, v + 1)) {
                 if (!known->reach(three)) return false;
                 to = known->x;
-            } else {
-                // The neighbor that is left falls back.
-                Vector along = out.direction(a, b, c);
-                const Vector n = out.normal(a), d = out.normal(static_cast<std::size_t>(std::countr_zero(without)));
-                if (dot(d, along) > dot(n, along)) along = turned(along);
-                if (!leave(out, from, three, along, to)) return false;
+            } else if (!leave(out, from, three, along, to)) {
+                return false;
             }
             out.add_inner(a, b, c, from, to);
         }

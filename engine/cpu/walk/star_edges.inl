@@ -31,48 +31,6 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
         from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
 }
 
-// A first guess that depends on nothing but the stretch: the answer, to the last bit, is the same for any number of
-// threads. The seeds of a box of the tree take about its volume each.
-template <class Isa>
-void StarWalk<Isa>::guess_reach(std::size_t group) {
-    const int level = std::min(1, hierarchy_.top_level());
-    const std::size_t seeds = level == 1 ? group_size * box_fan : group_size, first = group * group_size;
-    const Box box = hierarchy_.box(level, first / seeds);
-    double longest = 0, volume = 1;
-    for (int k = 0; k < 3; ++k) longest = std::max(longest, box.upper[k] - box.lower[k]);
-    for (int k = 0; k < 3; ++k) volume *= std::max(box.upper[k] - box.lower[k], 0.01 * longest);
-    const double count = static_cast<double>(std::min(seeds, seeds_.size() - first / seeds * seeds));
-    typical_reach_ = 5 * std::pow(volume / count, 2.0 / 3);
-}
-
-template <class Isa>
-void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
-    forget_planes();
-    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()), measure);
-    make_room(cells_.locals());
-    measure_ = measure;
-    probing_ = false;
-    own_images_ = std::numeric_limits<double>::infinity();
-    any_moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
-    window_home_ = ~std::size_t{0};
-    guess_reach(first / group_size);
-}
-
-template <class Isa>
-void StarWalk<Isa>::begin_probes(std::size_t group, bool measure) {
-    begin(0, 0, measure);
-    probing_ = true;
-    if (seeds_.images != nullptr) own_images_ = nearest_translation(*domain_);
-    guess_reach(group);
-}
-
-template <class Isa>
-void StarWalk<Isa>::look_around(const Box& box, double lightest) {
-    probes_box_ = box;
-    lightest_probe_ = lightest;
-    window_home_ = ~std::size_t{0};
-}
-
 template <class Isa>
 void StarWalk<Isa>::forget_planes() {
     for (int p = 0; p < planes_; ++p) {
