@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,11 +38,12 @@ struct DiagramState {
         // The queries taken at once: by number from the first, and sorted along a curve.
         std::vector<cpu::Place> places;
         std::vector<std::uint64_t> order;
-        std::vector<cpu::Probe> probes;
+        std::vector<cpu::Probe> probes, rest;
     };
     std::mutex at_work;  // of what follows
     std::deque<Searcher> searchers;
     ResultBuilder result;
+    std::optional<cpu::VertexGraph> graph;  // made when it is worth it
 };
 
 // The queries of a call; weights: times scale squared, or none.

@@ -10,6 +10,34 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
+// Makes the graph where it will pay: it costs about as much as dividing half as many cells as there are seeds.
+bool need_graph(DiagramState& state, const Queries& queries, const NaturalOptions& options) {
+    const Job& job = state.job;
+    const cpu::SortedSeeds& seeds = state.clipper.seeds();
+    constexpr std::size_t least_seeds = 64;
+    if (options.method != NaturalMethod::sibson || job.domain->is_periodic() || job.domain->triclinic) return false;
+    if (state.graph) return true;
+    if (seeds.size() < least_seeds || queries.count() < seeds.size() / 2) return false;
+    std::vector<double> points(3 * seeds.size()), weights(seeds.weights);
+    for (std::size_t s = 0; s < seeds.size(); ++s) {
+        const double place[3] = {seeds.x[s], seeds.y[s], seeds.z[s]};
+        for (std::size_t k = 0; k < 3; ++k) points[3 * s + k] = place[k] / job.scale;
+    }
+    for (double& weight : weights) weight /= job.scale * job.scale;
+    Options wanted;
+    wanted.box = job.box;
+    wanted.walls = job.options.walls;
+    wanted.weights = weights;
+    wanted.device = "cpu";
+    wanted.threads = job.options.threads;
+    wanted.instructions = job.options.instructions;
+    wanted.want = {};
+    wanted.want.volumes = false;
+    wanted.want.faces = true;
+    state.graph.emplace(seeds, tessellate(points, wanted), job.scale);
+    return true;
+}
+
 // make_sink: what takes the rows of a share of the queries; its `numbers` are those of a run.
 template <class MakeSink>
 void run(DiagramState& state, const Queries& queries, const NaturalOptions& options, MakeSink make_sink) {
@@ -17,6 +45,7 @@ void run(DiagramState& state, const Queries& queries, const NaturalOptions& opti
         throw Error(ErrorCode::invalid_argument,
                     "gradients are known with Sibson's coordinates: Laplace's have none across some spheres");
     const std::scoped_lock lock(state.at_work);
+    const bool with_graph = need_graph(state, queries, options);
     make_searchers(state);
     for (DiagramState::Searcher& searcher : state.searchers) {
         searcher.prober.begin_job(*state.job.domain, true);
@@ -24,13 +53,28 @@ void run(DiagramState& state, const Queries& queries, const NaturalOptions& opti
     }
     for_queries(state, queries, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
         sort_queries(state.job, searcher, queries, begin, end, [](std::size_t) {});
-        std::vector<std::int32_t> numbers(searcher.order.size());
+        std::vector<std::int32_t> numbers(searcher.order.size()), of_rest;
         auto sink = make_sink();
+        const auto by_cells = [&](std::span<const cpu::Probe> probes, std::span<const std::int32_t> of_probes,
+                                  std::size_t near) {
+            sink.numbers = of_probes;
+            searcher.natural.begin_run(probes, sink);
+            searcher.prober.run(probes, near, searcher.natural);
+        };
         for_runs(state.job, searcher, queries, begin, numbers,
                  [&](std::span<const std::int32_t> of_run, std::size_t near) {
+                     if (!with_graph) return by_cells(searcher.probes, of_run, near);
                      sink.numbers = of_run;
                      searcher.natural.begin_run(searcher.probes, sink);
-                     searcher.prober.run(searcher.probes, near, searcher.natural);
+                     searcher.natural.begin_graph(*state.graph, near * cpu::group_size);
+                     searcher.rest.clear();
+                     of_rest.clear();
+                     for (std::size_t k = 0; k < of_run.size(); ++k) {
+                         if (searcher.natural.take_by_graph(k)) continue;
+                         searcher.rest.push_back(searcher.probes[k]);
+                         of_rest.push_back(of_run[k]);
+                     }
+                     if (!of_rest.empty()) by_cells(searcher.rest, of_rest, near);
                  });
     });
 }

@@ -76,7 +76,9 @@ public:
     // weight has its cell. Throws as locate(), and invalid_argument for weights without a power diagram.
     [[nodiscard]] Tessellation probe(std::span<const double> queries, const ProbeOptions& options = {}) const;
     // Natural-neighbor coordinates (Sibson 1980) of queries, as for locate(). Throws as locate(); invalid_argument for
-    // gradients of Laplace's; `unsupported` where a periodic box has so few seeds that a cell meets its own image.
+    // gradients of Laplace's; `unsupported` where a periodic box has so few seeds that a cell meets its own image. The
+    // first call with half as many queries as seeds or more, of Sibson's in a box, keeps all Voronoi vertices from then
+    // on: 430 bytes a seed, while they are found 1.2 KB, and answers two to three times faster.
     [[nodiscard]] NaturalCoordinates natural_neighbors(std::span<const double> queries,
                                                        const NaturalOptions& options = {}) const;
     // The sums of the seeds' values, (N, m) with m = components, by these coordinates. Throws as natural_neighbors(),

@@ -1,7 +1,6 @@
 #include "cpu/query/division.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace votess::cpu {
@@ -15,16 +14,8 @@ double dot(const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 Vector minus(const Vector& a, const Vector& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-void add(Vector& to, const Vector& x, double times) {
-    for (std::size_t k = 0; k < 3; ++k) to[k] += times * x[k];
 }
 
 }  // namespace
@@ -35,7 +26,6 @@ std::size_t Division::add_neighbor(std::int32_t seed, const Vector& n, double h)
     nx_[count_] = n[0], ny_[count_] = n[1], nz_[count_] = n[2];
     h_[count_] = h;
     areas_[count_] = moment_[count_] = {};
-    known_[count_] = 0;
     return count_++;
 }
 
@@ -48,20 +38,12 @@ Vector Division::direction(std::size_t a, std::size_t b, std::size_t c) const {
     return cross(minus(normal(b), normal(a)), minus(normal(c), normal(a)));
 }
 
-void Division::add_across(std::size_t a, std::size_t b, const Vector& across, double sign) {
-    if (a > b) std::swap(a, b), sign = -sign;
-    Vector& sum = across_[most_neighbors * a + b];
-    if ((known_[a] >> b & 1) == 0) sum = {};
-    known_[a] |= 1u << b;
-    add(sum, across, sign);
+void Division::start(Pair& pair, std::size_t a, std::size_t b) {
+    pair = {{}, turn_, static_cast<std::uint8_t>(std::min(a, b)), static_cast<std::uint8_t>(std::max(a, b))};
+    known_.push_back(static_cast<std::uint16_t>(most_neighbors * pair.a + pair.b));
 }
 
-void Division::add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
-    const Vector across = cross(v, w);
-    add(areas_[a], across, 0.5);
-    add(areas_[b], across, -0.5);
-    add_across(a, b, across, -1);
-    if (!moments_) return;
+void Division::add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
     for (const std::size_t f : {a, b}) {
         const Vector n = normal(f);
         const double square = dot(n, n), foot = h_[f] / square;
@@ -71,31 +53,24 @@ void Division::add_rim(std::size_t a, std::size_t b, const Vector& v, const Vect
     }
 }
 
-void Division::add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w) {
-    const Vector across = cross(v, w);
-    add_across(a, b, across, 1);
-    add_across(b, c, across, 1);
-    add_across(c, a, across, 1);
-}
-
 bool Division::finish() {
     for (std::size_t a = 0; a < count_; ++a) {
         const Vector n = normal(a);
-        volumes_[a] = h_[a] / dot(n, n) * dot(n, areas_[a]) / 3;
+        volumes_[a] = h_[a] / dot(n, n) * dot(n, areas_[a]) / 6;
     }
-    for (std::size_t a = 0; a < count_; ++a)
-        for (std::uint32_t rest = known_[a]; rest != 0; rest &= rest - 1) {
-            const auto b = static_cast<std::size_t>(std::countr_zero(rest));
-            const Vector n = minus(normal(b), normal(a));
-            const double part = (h_[b] - h_[a]) / dot(n, n) * dot(n, across_[most_neighbors * a + b]) / 6;
-            volumes_[a] += part;
-            volumes_[b] -= part;
-        }
+    for (const std::uint16_t known : known_) {
+        const Pair& pair = pairs_[known];
+        const double x = nx_[pair.b] - nx_[pair.a], y = ny_[pair.b] - ny_[pair.a], z = nz_[pair.b] - nz_[pair.a];
+        const double times = x * pair.across[0] + y * pair.across[1] + z * pair.across[2];
+        const double part = (h_[pair.b] - h_[pair.a]) * times / (6 * (x * x + y * y + z * z));
+        volumes_[pair.a] += part;
+        volumes_[pair.b] -= part;
+    }
     Vector sum{};
     double size = 0, least = 0;
     for (std::size_t a = 0; a < count_; ++a) {
         const Vector n = normal(a);
-        add(sum, n, volumes_[a]);
+        for (std::size_t k = 0; k < 3; ++k) sum[k] += n[k] * volumes_[a];
         size += std::abs(volumes_[a]) * std::sqrt(dot(n, n));
         least = std::min(least, volumes_[a]);
     }

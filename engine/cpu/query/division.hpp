@@ -7,6 +7,7 @@
 // with R anywhere on the plane of the face. Edges come in any order; lengths are relative to the probe.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -22,13 +23,26 @@ public:
     void begin(bool moments) {
         count_ = 0;
         moments_ = moments;
+        ++turn_;
+        known_.clear();
     }
     // The bisector with a neighbor is n.x = h. Returns its number, the next one, or most_neighbors.
     std::size_t add_neighbor(std::int32_t seed, const Vector& n, double h);
     // An edge of P between the faces of neighbors a and b, counterclockwise around that of a.
-    void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w);
+    void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
+        const Vector across = cross(v, w);
+        add(areas_[a], across);
+        subtract(areas_[b], across);
+        add_across(b, a, across);
+        if (moments_) add_moments(a, b, v, w);
+    }
     // An edge inside, as near to neighbors a, b and c: direction(a, b, c) points from v to w.
-    void add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w);
+    void add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w) {
+        const Vector across = cross(v, w);
+        add_across(a, b, across);
+        add_across(b, c, across);
+        add_across(c, a, across);
+    }
     // False when the parts do not balance, which shows that an edge was wrong or missing: by Sibson's identity, the sum
     // of volume times neighbor is 0.
     [[nodiscard]] bool finish();
@@ -39,8 +53,7 @@ public:
     [[nodiscard]] double height(std::size_t a) const { return h_[a]; }
     // After finish().
     [[nodiscard]] double volume(std::size_t a) const { return volumes_[a]; }
-    [[nodiscard]] const Vector& area(std::size_t a) const { return areas_[a]; }     // vector of the face of P
-    [[nodiscard]] const Vector& moment(std::size_t a) const { return moment_[a]; }  // the integral of x over it
+    [[nodiscard]] const Vector& moment(std::size_t a) const { return moment_[a]; }  // integral of x over its face
 
     // By number, padded with planes that nothing meets up to a multiple of four.
     static constexpr double never = 1e300;
@@ -53,17 +66,44 @@ public:
     [[nodiscard]] Vector direction(std::size_t a, std::size_t b, std::size_t c) const;
 
 private:
-    void add_across(std::size_t a, std::size_t b, const Vector& across, double sign);
+    static Vector cross(const Vector& a, const Vector& b) {
+        return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    }
+    static void add(Vector& to, const Vector& x) {
+        to[0] += x[0];
+        to[1] += x[1];
+        to[2] += x[2];
+    }
+    static void subtract(Vector& to, const Vector& x) {
+        to[0] -= x[0];
+        to[1] -= x[1];
+        to[2] -= x[2];
+    }
+    void add_across(std::size_t a, std::size_t b, const Vector& across) {
+        Pair& pair = pairs_[most_neighbors * std::min(a, b) + std::max(a, b)];
+        if (pair.turn != turn_) start(pair, a, b);
+        const double sign = a < b ? 1 : -1;
+        pair.across[0] += sign * across[0];
+        pair.across[1] += sign * across[1];
+        pair.across[2] += sign * across[2];
+    }
+    struct Pair {
+        Vector across;  // twice the area vector of the face between the parts of a < b, outward from a
+        std::uint32_t turn = 0;
+        std::uint8_t a, b;
+    };
+    void start(Pair& pair, std::size_t a, std::size_t b);
+    void add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w);
 
     std::size_t count_ = 0;
     bool moments_ = false;
     std::array<std::int32_t, most_neighbors> seeds_{};
     alignas(64) std::array<double, most_neighbors> nx_{}, ny_{}, nz_{}, h_{};
-    std::array<Vector, most_neighbors> areas_{}, moment_{};
+    std::array<Vector, most_neighbors> areas_{}, moment_{};  // areas_: twice those
     std::array<double, most_neighbors> volumes_{};
-    // Twice the area vector of the face between parts a < b, outward from a, by most_neighbors a + b.
-    std::array<Vector, most_neighbors * most_neighbors> across_;
-    std::array<std::uint32_t, most_neighbors> known_{};  // by a: bits of b
+    std::array<Pair, most_neighbors * most_neighbors> pairs_{};
+    std::vector<std::uint16_t> known_;  // those of this turn
+    std::uint32_t turn_ = 0;
 };
 
 }  // namespace votess::cpu

@@ -24,6 +24,13 @@ void NaturalRows::begin_job(const Job& job, const NaturalOptions& options) {
     unscale_ = 1 / job.scale;
 }
 
+bool NaturalRows::take_by_graph(std::size_t k) {
+    entries_.clear();
+    if (!divider_.divide(probes_[k], options_.gradients, division_)) return false;
+    give_division(k);
+    return true;
+}
+
 bool NaturalRows::take(std::size_t k, Star& star) {
     if (!star.knows_vertices()) return false;
     ranks_.resize(star.faces().size());

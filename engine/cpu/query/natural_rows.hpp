@@ -9,6 +9,7 @@
 
 #include "cpu/query/prober.hpp"
 #include "cpu/query/sibson.hpp"
+#include "cpu/query/vertex_graph.hpp"
 #include "votess/diagram.hpp"
 
 namespace votess::cpu {
@@ -29,13 +30,17 @@ public:
 // One per thread.
 class NaturalRows final : public ProbeSink {
 public:
-    explicit NaturalRows(const SortedSeeds& seeds) : seeds_(seeds) {}
+    explicit NaturalRows(const SortedSeeds& seeds) : seeds_(seeds), divider_(seeds) {}
 
     void begin_job(const Job& job, const NaturalOptions& options);
     void begin_run(std::span<const Probe> probes, NaturalSink& out) {
         probes_ = probes;
         out_ = &out;
     }
+
+    // By the graph; near: a seed near the first probe of the run. False when the probe's own cell is needed.
+    void begin_graph(const VertexGraph& graph, std::size_t near) { divider_.begin(graph, *domain_, near); }
+    [[nodiscard]] bool take_by_graph(std::size_t k);
 
     bool take(std::size_t k, Star& star) override;
     void take(std::size_t k, Cell& cell) override;
@@ -66,6 +71,7 @@ private:
 
     ProbeShape shape_;
     Sibson sibson_;
+    GraphDivider divider_;
     Division division_;
     std::vector<double> volumes_;
     CellFaces faces_;

@@ -119,11 +119,18 @@ TEST_SUITE("natural") {
             std::vector<double> linear(n);
             for (std::size_t i = 0; i < n; ++i)
                 linear[i] = 1 + 2 * set.points[3 * i] - set.points[3 * i + 1] + 0.5 * set.points[3 * i + 2];
-            const Coordinates queries = queries_in(test::by_size(400, 60), 0, 10);
+            // So many that the graph of all vertices is made, but not for the first few.
+            const Coordinates queries = queries_in(test::by_size(1200, 200), 0, 10);
+            const auto few = diagram.natural_neighbors(std::span(queries).first(3 * 40));
             for (const auto method : {votess::NaturalMethod::sibson, votess::NaturalMethod::laplace}) {
                 votess::NaturalOptions options;
                 options.method = method;
                 const auto all = diagram.natural_neighbors(queries, options);
+                if (method == votess::NaturalMethod::sibson) {
+                    const auto size = static_cast<std::size_t>(few.indptr.back());
+                    CHECK(std::ranges::equal(few.indices, std::span(all.indices).first(size)));
+                    for (std::size_t e = 0; e < size; ++e) CHECK(std::abs(few.weights[e] - all.weights[e]) < 1e-11);
+                }
                 options.at_walls = false;
                 options.gradients = method == votess::NaturalMethod::sibson;
                 const auto inside = diagram.natural_neighbors(queries, options);

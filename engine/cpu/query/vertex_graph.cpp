@@ -1,0 +1,247 @@
+#include "cpu/query/vertex_graph.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace votess::cpu {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+constexpr double worst_condition = 1e9;  // product of lengths over the determinant
+
+double dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vector cross(const Vector& a, const Vector& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+}  // namespace
+
+VertexGraph::VertexGraph(const SortedSeeds& seeds, const Tessellation& t, double scale) {
+    const std::size_t vertices = t.vertices().size() / 3;
+    const auto indptr = t.cell_vertex_indptr();
+    const auto indices = t.cell_vertex_indices();
+    cells_begin_.assign(vertices + 1, 0);
+    for (const std::int32_t v : indices) ++cells_begin_[static_cast<std::size_t>(v) + 1];
+    for (std::size_t v = 0; v < vertices; ++v) cells_begin_[v + 1] += cells_begin_[v];
+    cells_.resize(indices.size());
+    first_.assign(t.size(), none);
+    std::vector<std::int64_t> next(cells_begin_.begin(), cells_begin_.end() - 1);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        const auto begin = static_cast<std::size_t>(indptr[i]), end = static_cast<std::size_t>(indptr[i + 1]);
+        if (begin < end) first_[i] = indices[begin];
+        for (std::size_t k = begin; k < end; ++k)
+            cells_[static_cast<std::size_t>(next[static_cast<std::size_t>(indices[k])]++)] =
+                static_cast<std::int32_t>(i);
+    }
+    vertices_.resize(vertices);
+    place(seeds, t, scale);
+    link(t);
+    cells_begin_ = {};
+    cells_ = {};
+}
+
+void VertexGraph::place(const SortedSeeds& seeds, const Tessellation& t, double scale) {
+    const auto place_of = [&](std::int32_t seed) {
+        const auto i = static_cast<std::size_t>(seed);
+        return Vector{seeds.x[i], seeds.y[i], seeds.z[i]};
+    };
+    const auto weight_of = [&](std::int32_t seed) {
+        return seeds.weights.empty() ? 0 : seeds.weights[static_cast<std::size_t>(seed)];
+    };
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        Vertex& vertex = vertices_[v];
+        const auto begin = static_cast<std::size_t>(cells_begin_[v]);
+        const std::size_t count = static_cast<std::size_t>(cells_begin_[v + 1]) - begin;
+        vertex.next.fill(none);
+        vertex.cells.fill(none);
+        std::copy_n(&cells_[begin], std::min<std::size_t>(count, 4), vertex.cells.begin());
+        const Vector first = place_of(vertex.cells[0]);
+        std::array<Vector, 3> n;
+        std::array<double, 3> h;
+        for (std::size_t k = 0; k < 3 && count == 4; ++k) {
+            const Vector other = place_of(vertex.cells[k + 1]);
+            for (std::size_t c = 0; c < 3; ++c) n[k][c] = other[c] - first[c];
+            h[k] = 0.5 * (dot(n[k], n[k]) + weight_of(vertex.cells[0]) - weight_of(vertex.cells[k + 1]));
+        }
+        const double determinant = count == 4 ? dot(n[0], cross(n[1], n[2])) : 0;
+        const double size = count == 4 ? std::sqrt(dot(n[0], n[0]) * dot(n[1], n[1]) * dot(n[2], n[2])) : 0;
+        if (size < worst_condition * std::abs(determinant)) {
+            const Vector a = cross(n[1], n[2]), b = cross(n[2], n[0]), c = cross(n[0], n[1]);
+            for (std::size_t k = 0; k < 3; ++k)
+                vertex.from[k] = (h[0] * a[k] + h[1] * b[k] + h[2] * c[k]) / determinant;
+            if (determinant > 0) std::swap(vertex.cells[1], vertex.cells[2]);
+        } else {
+            vertex.cells[3] = none;
+            for (std::size_t k = 0; k < 3; ++k) vertex.from[k] = t.vertices()[3 * v + k] * scale - first[k];
+        }
+        vertex.power = dot(vertex.from, vertex.from) - weight_of(vertex.cells[0]);
+    }
+}
+
+// Each edge of a polygon: of the four cells of one end, the other end has all but one.
+void VertexGraph::link(const Tessellation& t) {
+    const auto has = [this](std::int32_t v, std::int32_t cell) {
+        const auto begin = cells_.begin() + cells_begin_[static_cast<std::size_t>(v)];
+        const auto end = cells_.begin() + cells_begin_[static_cast<std::size_t>(v) + 1];
+        return std::find(begin, end, cell) != end;
+    };
+    const auto join = [&](std::int32_t v, std::int32_t w) {
+        Vertex& vertex = vertices_[static_cast<std::size_t>(v)];
+        if (!vertex.is_plain()) return;
+        std::size_t left = 4, lefts = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            if (!has(w, vertex.cells[k])) left = k, ++lefts;
+        if (lefts == 1) vertex.next[left] = w;
+    };
+    const auto offsets = t.face_offsets();
+    const auto corners = t.face_vertices();
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        for (auto face = static_cast<std::size_t>(t.indptr()[i]); face < static_cast<std::size_t>(t.indptr()[i + 1]);
+             ++face) {
+            if (t.indices()[face] < static_cast<std::int32_t>(i)) continue;  // seen from the other side, or a wall
+            const auto begin = static_cast<std::size_t>(offsets[face]),
+                       end = static_cast<std::size_t>(offsets[face + 1]);
+            for (std::size_t k = begin; k < end; ++k) {
+                const std::int32_t v = corners[k], w = corners[k + 1 == end ? begin : k + 1];
+                join(v, w);
+                join(w, v);
+            }
+        }
+    }
+}
+
+// From vertex to vertex where the excess is less. It is a convex function of the tetrahedra, so the way ends in a
+// vertex that is swallowed, if any is.
+bool GraphDivider::find_first() {
+    if (near_ == VertexGraph::none) return false;
+    Place here = look(near_);
+    for (bool going = true; going && !(here.excess < 0);) {
+        going = false;
+        if (!graph_->vertex(here.vertex).is_plain()) return false;
+        for (const std::int32_t next : graph_->vertex(here.vertex).next) {
+            if (next == VertexGraph::none) continue;
+            const Place there = look(next);
+            if (!(there.excess < here.excess)) continue;
+            here = there;
+            going = true;
+            break;
+        }
+    }
+    if (!(here.excess < 0)) return false;
+    near_ = here.vertex;
+    std::int32_t place = 0;
+    (void)see(near_, place);
+    return true;
+}
+
+// Returns what is known of a vertex; its place among those swallowed, or none.
+const GraphDivider::Place* GraphDivider::see(std::int32_t vertex, std::int32_t& place) {
+    std::size_t at = (static_cast<std::uint32_t>(vertex) * 2654435761u) >> 22;
+    while (seen_[at].turn == turn_ && seen_[at].vertex != vertex) at = (at + 1) % table_size;
+    Seen& seen = seen_[at];
+    if (seen.turn != turn_) {
+        const Place found = look(vertex);
+        std::vector<Place>& list = found.excess < 0 ? swallowed_ : outside_;
+        seen = {vertex, static_cast<std::int32_t>(list.size()), turn_};
+        if (!(found.excess < 0)) seen.place = -1 - seen.place;
+        list.push_back(found);
+    }
+    place = seen.place;
+    return place < 0 ? &outside_[static_cast<std::size_t>(-1 - place)] : &swallowed_[static_cast<std::size_t>(place)];
+}
+
+std::size_t GraphDivider::neighbor(std::int32_t seed, Division& out) {
+    std::size_t at = (static_cast<std::uint32_t>(seed) * 2654435761u) >> 25;
+    while (numbers_[at].turn == turn_ && numbers_[at].seed != seed) at = (at + 1) % numbers_.size();
+    Number& number = numbers_[at];
+    if (number.turn == turn_) return number.neighbor;
+    number = {seed, turn_, static_cast<std::uint32_t>(out.size())};
+    const auto i = static_cast<std::size_t>(seed);
+    const Vector n{seeds_.x[i] - at_[0], seeds_.y[i] - at_[1], seeds_.z[i] - at_[2]};
+    const double more = seeds_.weights.empty() ? 0 : weight_ - seeds_.weights[i];
+    return out.add_neighbor(seed, n, 0.5 * (dot(n, n) + more));
+}
+
+bool GraphDivider::divide(const Probe& probe, bool moments, Division& out) {
+    out.begin(moments);
+    at_ = probe.place.at;
+    weight_ = probe.weight;
+    swallowed_.clear();
+    outside_.clear();
+    corners_.clear();
+    for (const std::uint16_t edge : edges_) ends_[edge] = 0;
+    edges_.clear();
+    ++turn_;
+    return find_first() && search(out) && add_rims(out) && out.finish();
+}
+
+bool GraphDivider::search(Division& out) {
+    // The three others of four cells: they turn so that their edge leads away.
+    constexpr std::size_t others[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+    for (std::size_t s = 0; s < swallowed_.size(); ++s) {
+        const VertexGraph::Vertex& v = graph_->vertex(swallowed_[s].vertex);
+        if (!v.is_plain() || s == most_swallowed) return false;
+        std::array<std::size_t, 4> near;
+        for (std::size_t k = 0; k < 4; ++k) {
+            near[k] = neighbor(v.cells[k], out);
+            if (near[k] == Division::most_neighbors) return false;
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (v.next[k] == VertexGraph::none) return false;
+            const std::size_t a = near[others[k][0]], b = near[others[k][1]], c = near[others[k][2]];
+            std::int32_t place = 0;
+            const Place* const there = see(v.next[k], place);
+            const Place& here = swallowed_[s];
+            if (place >= 0) {
+                if (static_cast<std::size_t>(place) > s) out.add_inner(a, b, c, here.x, there->x);
+                continue;
+            }
+            // Along the edge the excess is linear.
+            const double share = here.excess / (here.excess - there->excess);
+            Vector corner;
+            for (std::size_t i = 0; i < 3; ++i) corner[i] = here.x[i] + share * (there->x[i] - here.x[i]);
+            if (!is_inside(corner)) return false;
+            out.add_inner(a, b, c, here.x, corner);
+            add_corner(a, b, c, corner);
+        }
+    }
+    return true;
+}
+
+// direction(a, b, c) leads out of the cell there.
+void GraphDivider::add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x) {
+    corners_.push_back(x);
+    const auto number = static_cast<std::uint16_t>(corners_.size());
+    for (const std::size_t edge :
+         {Division::most_neighbors * a + b, Division::most_neighbors * b + c, Division::most_neighbors * c + a}) {
+        ends_[edge] = number;
+        edges_.push_back(static_cast<std::uint16_t>(edge));
+    }
+}
+
+// The domain is convex: where all corners lie inside, no wall cuts the cell.
+bool GraphDivider::is_inside(const Vector& x) const {
+    Vector place;
+    for (std::size_t k = 0; k < 3; ++k) {
+        place[k] = at_[k] + x[k];
+        if (!(place[k] > domain_->box.lower[k] && place[k] < domain_->box.upper[k])) return false;
+    }
+    return std::ranges::all_of(domain_->walls,
+                               [&](const exact::Plane& wall) { return dot(wall.seed, place) < wall.wall; });
+}
+
+bool GraphDivider::add_rims(Division& out) {
+    for (const std::uint16_t edge : edges_) {
+        const std::size_t a = edge / Division::most_neighbors, b = edge % Division::most_neighbors;
+        const std::uint16_t end = ends_[edge], begin = ends_[Division::most_neighbors * b + a];
+        if (begin == 0) return false;
+        if (a < b) out.add_rim(a, b, corners_[begin - 1u], corners_[end - 1u]);
+    }
+    return true;
+}
+
+}  // namespace votess::cpu
