@@ -30,6 +30,10 @@ struct votess_diagram {
     votess::Diagram diagram;
 };
 
+struct votess_natural {
+    votess::NaturalCoordinates coordinates;
+};
+
 namespace votess::c {
 
 // Whether a constant of votess.h has the value of votess.hpp.

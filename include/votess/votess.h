@@ -130,6 +130,7 @@ typedef struct votess_tessellator votess_tessellator;
 typedef struct votess_result votess_result;
 typedef struct votess_delaunay votess_delaunay;
 typedef struct votess_diagram votess_diagram;
+typedef struct votess_natural votess_natural;
 
 // Version of the library that is loaded: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -220,6 +221,26 @@ VOTESS_API size_t votess_diagram_size(const votess_diagram* diagram);  // N
 // Writes to seeds, count of them, in whose cell each query lies (3 * count coordinates), -1 outside of the domain.
 VOTESS_API votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,
                                                int32_t* seeds);
+
+// Natural-neighbor coordinates of queries, see Diagram::natural_neighbors in diagram.hpp. at_walls, gradients: nonzero
+// for true; weights: count of them, in a power diagram only, or NULL for 0. On success *out is new, else NULL; it does
+// not need the diagram afterwards. Arrays as those of a result; rows as in struct NaturalCoordinates.
+#define VOTESS_NATURAL_SIBSON 0
+#define VOTESS_NATURAL_LAPLACE 1
+VOTESS_API votess_status votess_natural_new(const votess_diagram* diagram, const double* queries, size_t count,
+                                            int32_t method, int32_t at_walls, int32_t gradients, const double* weights,
+                                            votess_natural** out);
+VOTESS_API void votess_natural_free(votess_natural* natural);
+VOTESS_API const int64_t* votess_natural_indptr(const votess_natural* natural, size_t* length);
+VOTESS_API const int32_t* votess_natural_indices(const votess_natural* natural, size_t* length);
+VOTESS_API const double* votess_natural_weights(const votess_natural* natural, size_t* length);
+VOTESS_API const double* votess_natural_gradients(const votess_natural* natural, size_t* length);
+// Sums of values by these coordinates: values has N * components numbers; count * components go to interpolated, three
+// times as many to gradients unless it is NULL. NaN where there are no coordinates.
+VOTESS_API votess_status votess_diagram_interpolate(const votess_diagram* diagram, const double* values,
+                                                    size_t components, const double* queries, size_t count,
+                                                    int32_t method, int32_t at_walls, const double* weights,
+                                                    double* interpolated, double* gradients);
 
 // Checks a result against the points it came from (see verify() in votess.hpp). *passed becomes 1 or 0; a failed check
 // is not a failed call: its one-line description, else "", is copied to failure (failure_size bytes, zero-terminated,

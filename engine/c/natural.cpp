@@ -1,0 +1,86 @@
+// Natural-neighbor coordinates and interpolation.
+#include <algorithm>
+
+#include "c/handles.hpp"
+
+using namespace votess::c;
+
+namespace {
+
+static_assert(same(VOTESS_NATURAL_SIBSON, votess::NaturalMethod::sibson));
+static_assert(same(VOTESS_NATURAL_LAPLACE, votess::NaturalMethod::laplace));
+
+votess::NaturalOptions natural_options(int32_t method, int32_t at_walls, bool gradients, const double* weights,
+                                       std::size_t count) {
+    if (method != VOTESS_NATURAL_SIBSON && method != VOTESS_NATURAL_LAPLACE)
+        refuse("method is " + std::to_string(method) + ": use one of VOTESS_NATURAL_*");
+    votess::NaturalOptions options;
+    options.method = static_cast<votess::NaturalMethod>(method);
+    options.at_walls = at_walls != 0;
+    options.gradients = gradients;
+    if (weights != nullptr) options.weights = {weights, count};
+    return options;
+}
+
+template <typename Element>
+const Element* expose(const votess_natural* natural, std::size_t* length,
+                      std::vector<Element> votess::NaturalCoordinates::*array) noexcept {
+    if (natural == nullptr) set_last_error("natural is NULL");
+    return hand_out<Element>(
+        natural == nullptr ? std::span<const Element>() : std::span<const Element>(natural->coordinates.*array),
+        length);
+}
+
+}  // namespace
+
+votess_status votess_natural_new(const votess_diagram* diagram, const double* queries, size_t count, int32_t method,
+                                 int32_t at_walls, int32_t gradients, const double* weights, votess_natural** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(diagram, "diagram");
+        const auto input = coordinates(queries, count, "queries");
+        *out = new votess_natural{diagram->diagram.natural_neighbors(
+            input, natural_options(method, at_walls, gradients != 0, weights, count))};
+    });
+}
+
+void votess_natural_free(votess_natural* natural) {
+    delete natural;
+}
+
+const int64_t* votess_natural_indptr(const votess_natural* natural, size_t* length) {
+    return expose(natural, length, &votess::NaturalCoordinates::indptr);
+}
+
+const int32_t* votess_natural_indices(const votess_natural* natural, size_t* length) {
+    return expose(natural, length, &votess::NaturalCoordinates::indices);
+}
+
+const double* votess_natural_weights(const votess_natural* natural, size_t* length) {
+    return expose(natural, length, &votess::NaturalCoordinates::weights);
+}
+
+const double* votess_natural_gradients(const votess_natural* natural, size_t* length) {
+    return expose(natural, length, &votess::NaturalCoordinates::gradients);
+}
+
+votess_status votess_diagram_interpolate(const votess_diagram* diagram, const double* values, size_t components,
+                                         const double* queries, size_t count, int32_t method, int32_t at_walls,
+                                         const double* weights, double* interpolated, double* gradients) {
+    return guarded([&] {
+        require(diagram, "diagram");
+        const std::size_t seeds = diagram->diagram.size();
+        if (seeds > 0) require(values, "values");
+        if (components == 0 ||
+            components > std::numeric_limits<std::size_t>::max() / (8 * std::max<std::size_t>(seeds, 1)))
+            refuse("components is " + std::to_string(components) + ": values have at least 1, and fit into memory");
+        if (count > 0) require(interpolated, "interpolated");
+        const auto input = coordinates(queries, count, "queries");
+        const votess::Interpolated found =
+            diagram->diagram.interpolate({values, seeds * components}, components, input,
+                                         natural_options(method, at_walls, gradients != nullptr, weights, count));
+        std::ranges::copy(found.values, interpolated);
+        if (gradients != nullptr) std::ranges::copy(found.gradients, gradients);
+    });
+}
