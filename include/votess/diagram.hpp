@@ -44,9 +44,9 @@ public:
     // Q cells, in the order of the queries, whose rows name seeds; N is the query itself, which in a small periodic
     // domain may be its own neighbor. Shifts count from where the query lies inside the domain. Cells of probes do not
     // fit together: vertices are not shared, stats().volume_sum is no volume of the domain, and delaunay(), verify(),
-    // wrapped_points() and render() refuse the result. status(): `outside` where the domain is not; `duplicate` for a query at
-    // the place of a seed, which duplicate_of() names; `empty` where seeds leave it no cell. A probe on a seed of less
-    // weight has its cell. Throws as locate(), and invalid_argument for weights without a power diagram.
+    // wrapped_points() and render() refuse the result. status(): `outside` where the domain is not; `duplicate` for a
+    // query at the place of a seed, which duplicate_of() names; `empty` where seeds leave it no cell. A probe on a seed
+    // of less weight has its cell. Throws as locate(), and invalid_argument for weights without a power diagram.
     [[nodiscard]] Tessellation probe(std::span<const double> queries, const ProbeOptions& options = {}) const;
 
 private:
