@@ -23,6 +23,7 @@
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "queries/locate.hpp"
+#include "queries/probe.hpp"
 #include "read/input.hpp"
 #include "summary.hpp"
 #include "write/output.hpp"
@@ -211,6 +212,8 @@ int main_inside(int count, const char* const* values) {
             print_devices();
         } else if (!arguments.locate.empty()) {
             print(run_locate(arguments));
+        } else if (!arguments.probe.empty()) {
+            print(run_probe(arguments));
         } else {
             return run(arguments);
         }

@@ -116,6 +116,9 @@ std::span<const double> Tessellation::weights() const noexcept {
 bool Tessellation::lists_walls() const noexcept {
     return result_->lists_walls;
 }
+bool Tessellation::probed() const noexcept {
+    return result_->probed;
+}
 const Stats& Tessellation::stats() const noexcept {
     return result_->stats;
 }

@@ -9,6 +9,7 @@
 #include "files/numbers.hpp"
 #include "help/help.hpp"
 #include "queries/locate.hpp"
+#include "queries/probe.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -18,7 +19,7 @@ namespace {
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
     std::optional<std::string> periodic, cell, origin, outside, min_face, min_area;
-    std::optional<std::string> dataset, frame, weights, radii, copy, density, locate;
+    std::optional<std::string> dataset, frame, weights, radii, copy, density, locate, probe;
     std::vector<std::string> walls, sphere_walls, cylinder_walls, cone_walls;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
@@ -56,6 +57,7 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--copy", typed.copy);
     app.add_option("--density", typed.density);
     app.add_option("--locate", typed.locate);
+    app.add_option("--probe", typed.probe);
     app.add_option("-x,--device", typed.device);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
@@ -312,14 +314,12 @@ void read_source(const Typed& typed, Arguments& arguments) {
 
 void read_outputs(const Typed& typed, Arguments& arguments) {
     arguments.outputs = typed.outputs;
-    check_outputs(arguments.outputs, arguments.input);
+    check_outputs(arguments.outputs, {arguments.input, arguments.probe});
     const bool text = std::any_of(arguments.outputs.begin(), arguments.outputs.end(), is_text_output);
     if (typed.format) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*typed.format);
     }
-    const bool to_stdout = std::count(arguments.outputs.begin(), arguments.outputs.end(), "-") > 0;
-    if (to_stdout && typed.json) throw bad_input("-o - and --json both go to stdout: give the output a file name");
     if ((typed.copy || typed.density) && !typed.picture.image &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
         throw bad_input(
@@ -331,11 +331,12 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
 }
 
-// No cell is made, so there is nothing that options of cells could mean.
-void read_queries(const Typed& typed, Arguments& arguments) {
-    const std::pair<const char*, bool> of_cells[] = {{"--format", typed.format.has_value()},
-                                                     {"--want", typed.want.has_value()},
-                                                     {"--list-walls", typed.list_walls},
+// The seeds get no cells, so there is nothing that options of their cells could mean.
+void refuse_options_of_cells(const Typed& typed, const std::string& by) {
+    const bool no_cells = typed.locate.has_value();
+    const std::pair<const char*, bool> of_cells[] = {{"--format", no_cells && typed.format},
+                                                     {"--want", no_cells && typed.want},
+                                                     {"--list-walls", no_cells && typed.list_walls},
                                                      {"--min-face", typed.min_face.has_value()},
                                                      {"--min-area", typed.min_area.has_value()},
                                                      {"--copy", typed.copy.has_value()},
@@ -353,14 +354,28 @@ void read_queries(const Typed& typed, Arguments& arguments) {
                                                      {"--chunk-size", typed.chunk_size.has_value()},
                                                      {"--verify", typed.verify}};
     for (const auto& [option, given] : of_cells)
-        if (given) throw bad_input(std::string(option) + " is about cells, which --locate does not make: leave it out");
-    if (typed.locate->empty()) throw bad_input("--locate is empty: give the file of the points to locate");
-    if (*typed.locate == "-" && arguments.input == "-") throw bad_input("INPUT and --locate are both stdin");
-    arguments.locate = *typed.locate;
-    arguments.outputs = typed.outputs;
-    if (arguments.json && std::ranges::count(arguments.outputs, "-") > 0)
-        throw bad_input("-o - and --json both go to stdout: give the output a file name");
-    check_located_outputs(arguments);
+        if (given)
+            throw bad_input(std::string(option) + " is about the cells of the points, which " + by +
+                            " does not make: leave it out");
+}
+
+void read_queries(const Typed& typed, Arguments& arguments) {
+    if (typed.locate && typed.probe) throw bad_input("give either --locate or --probe, not both");
+    const std::string option = typed.probe ? "--probe" : "--locate";
+    refuse_options_of_cells(typed, option);
+    std::string& queries = typed.probe ? arguments.probe : arguments.locate;
+    queries = typed.probe ? *typed.probe : *typed.locate;
+    if (queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
+    if (queries == "-" && arguments.input == "-") throw bad_input("INPUT and " + option + " are both stdin");
+    if (typed.locate) {
+        arguments.outputs = typed.outputs;
+        check_located_outputs(arguments);
+        return;
+    }
+    read_outputs(typed, arguments);
+    check_probed_outputs(arguments);
+    arguments.options.want = arguments.wanted;
+    arguments.wanted = votess::implied_want(arguments.options);
 }
 
 void read_colors(const Typed& typed, Arguments& arguments) {
@@ -406,7 +421,9 @@ Arguments read_arguments(int count, const char* const* values) {
     options.list_walls = typed.list_walls;
     read_source(typed, arguments);
     read_domain(typed, arguments);
-    if (typed.locate) {
+    if (typed.json && std::ranges::count(typed.outputs, "-") > 0)
+        throw bad_input("-o - and --json both go to stdout: give the output a file name");
+    if (typed.locate || typed.probe) {
         read_queries(typed, arguments);
         return arguments;
     }

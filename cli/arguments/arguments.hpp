@@ -23,7 +23,7 @@ struct Arguments {
     std::optional<std::uint64_t> random_count;
     std::uint64_t rng_seed = 1;
 
-    std::string locate;  // the file of the queries of --locate; else empty
+    std::string locate, probe;  // the file of the queries of one of these options; else empty
 
     std::vector<std::string> outputs;
     TextFormat format{"%i %n"};

@@ -101,7 +101,7 @@ Arguments read_voropp_arguments(int count, const char* const* values) {
     arguments.outputs = {arguments.input + ".vol"};
     arguments.read.text = true;
     if (arguments.has_radii) arguments.read.columns = {"5"};
-    check_outputs(arguments.outputs, arguments.input);
+    check_outputs(arguments.outputs, {arguments.input});
 
     if (format.empty()) format = arguments.has_radii ? "%i %q %v %r" : "%i %q %v";
     arguments.format = TextFormat(format, true);

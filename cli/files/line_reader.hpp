@@ -80,9 +80,6 @@ private:
     std::size_t line_ = 0;
 };
 
-// Which column of a row `wish` means: a name, or a number from 1. Throws Failure when there is none.
-[[nodiscard]] std::size_t find_column(const Words& names, const std::string& wish, const std::string& where);
-
 // A number of rows that a file announces cannot be true when each takes at least `bytes_each` of the bytes that are
 // left: so a broken count takes no memory.
 inline bool can_hold(std::size_t bytes, std::uint64_t rows, std::size_t bytes_each) {

@@ -155,6 +155,14 @@ front, or the whole cells whose points lie in that octant)"},
 its index in the input from 0; exactly, of several that meet there the
 lowest; -1 outside of the domain. Into -o FILE.npy (int32), FILE.txt or -
 (a line each). In a periodic domain queries are wrapped)"},
+             {"--probe QUERIES", "",
+              R"(the cell that each point of the file QUERIES would have if it alone were
+added to the points: a row or polyhedron each, by --want, --list-walls and
+--format, into text, .npz, .h5 or .vtu. Neighbors are points by their index
+in the input from 0; their number is the query itself. Status 7: outside
+of the domain; 5: at the place of a point, which duplicate_of names; 6:
+heavier points leave no cell. With --weights or --radii the column of that
+name or number is taken out of QUERIES too, 0 where it has none)"},
          }},
         {"run",
          {

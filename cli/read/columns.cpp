@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "failure.hpp"
+
 namespace clvotess {
 namespace {
 
@@ -17,6 +19,13 @@ std::optional<std::size_t> find(const Words& names, const std::string& name) {
     return static_cast<std::size_t>(at - names.begin());
 }
 
+// By name, or by number from 1.
+std::optional<std::size_t> find_any(const Words& names, const std::string& wish) {
+    if (const auto same = find(names, wish)) return same;
+    if (const auto number = read_uint64(wish); number && *number >= 1 && *number <= names.size()) return *number - 1;
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::size_t columns) {
@@ -26,8 +35,8 @@ std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::s
 
 ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where) {
     for (const std::string& wish : request.columns) {
-        Place& place = places_.emplace_back();
         if (!find(names, wish) && find(names, wish + "_1")) {
+            Place& place = places_.emplace_back();
             place.name = wish;
             for (std::size_t part = 1;; ++part) {
                 const auto at = find(names, wish + "_" + std::to_string(part));
@@ -36,8 +45,13 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
             }
             continue;
         }
-        place.at.push_back(find_column(names, wish, where));
-        place.name = name_of(names[place.at[0]]);
+        if (const auto at = find_any(names, wish)) {
+            places_.push_back({name_of(names[*at]), {*at}});
+        } else if (!request.columns_may_lack) {
+            std::string list;
+            for (const std::string_view name : names) add_name(list, name);
+            throw bad_input(where + ": no column " + in_quotes(wish) + "; there are " + list);
+        }
     }
 }
 

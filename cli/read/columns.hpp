@@ -17,7 +17,7 @@ namespace clvotess {
 class ColumnPlaces {
 public:
     // names: of all columns, numbers from 1 where they have none. where: for messages. Throws Failure when a column
-    // that the request names is not there.
+    // that the request names is not there, unless it may lack.
     ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where);
 
     // For `all`: adds the columns that are not taken, for coordinates and ids, and hold a number in this row.

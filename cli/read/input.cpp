@@ -85,7 +85,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         throw bad_input("cannot read " + in_quotes(path) + ": only text is read packed; unpack it with gunzip");
     }
     if (extension == ".npy") {
-        if (!request.columns.empty()) {
+        if (!request.columns.empty() && !request.columns_may_lack) {
             throw bad_input(path + ": one array has no column " + in_quotes(request.columns[0]));
         }
         return read_npy(path);

@@ -60,6 +60,7 @@ struct ReadRequest {
     bool text = false;    // rows, whatever the name of the file says
     std::string dataset;  // HDF5: path of the points; .npz: name of their member; empty: the only one that fits
     std::vector<std::string> columns;    // by names, or in files of rows numbers from 1
+    bool columns_may_lack = false;       // leaves out those of `columns` that the file has not
     bool all_columns = false;            // the others too
     std::optional<std::uint64_t> frame;  // LAMMPS dump, .xyz: which one, from 0; default the first
 };

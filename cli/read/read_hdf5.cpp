@@ -319,11 +319,16 @@ private:
         }
     }
 
-    // Beside the points, or at the root.
-    [[nodiscard]] std::string path_of(const std::string& column, const Hdf5File& file) const {
+    // Beside the points, or at the root; empty when it is at neither place.
+    [[nodiscard]] std::string find_column(const std::string& column, const Hdf5File& file) const {
         const std::string beside = group_of(name_) + column;
         const std::string path = file.has(beside) ? beside : without_slash(column);
-        if (file.has(path)) return path;
+        return file.has(path) ? path : "";
+    }
+
+    [[nodiscard]] std::string path_of(const std::string& column, const Hdf5File& file) const {
+        const std::string path = find_column(column, file);
+        if (!path.empty()) return path;
         throw bad_input(file.path() + ": no dataset " + in_quotes(column) +
                         ", neither beside the points nor at the root");
     }
@@ -331,8 +336,10 @@ private:
     // The columns that the run names, and all others beside the points if it says so.
     [[nodiscard]] std::vector<InputColumn> wanted(const Hdf5File& file, std::uint64_t rows) const {
         std::vector<InputColumn> columns;
-        for (const std::string& name : request_.columns)
+        for (const std::string& name : request_.columns) {
+            if (request_.columns_may_lack && find_column(name, file).empty()) continue;
             columns.push_back({name, static_cast<std::size_t>(file.open(path_of(name, file)).width()), {}});
+        }
         const std::string group = group_of(name_);
         for (const std::string& path : request_.all_columns ? file.datasets() : std::vector<std::string>()) {
             const std::string name = path.substr(std::min(group.size(), path.size()));

@@ -137,6 +137,7 @@ private:
 
     void read_column(const std::string& name, Input& input) const {
         const ZipMember* const member = find(name);
+        if (!member && request_.columns_may_lack) return;
         if (!member) throw bad_input(name_ + ": no array " + in_quotes(name));
         NpyArray array = open(*member);
         if (!may_be_column(array)) throw bad_input(name_ + ": " + name + " is no array of numbers for each point");

@@ -93,7 +93,8 @@ private:
 }  // namespace
 
 Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request) {
-    if (!request.columns.empty()) throw bad_input(name + ": a POSCAR has no column " + in_quotes(request.columns[0]));
+    if (!request.columns.empty() && !request.columns_may_lack)
+        throw bad_input(name + ": a POSCAR has no column " + in_quotes(request.columns[0]));
     return PoscarReader(text, name).read();
 }
 

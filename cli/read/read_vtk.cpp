@@ -165,6 +165,7 @@ private:
         std::vector<InputColumn> columns;
         for (const std::string& name : request_.columns) {
             const VtkArray* const array = find(piece, name);
+            if (!array && request_.columns_may_lack) continue;
             columns.push_back({name, array ? static_cast<std::size_t>(array->components) : 1, {}});
         }
         for (const VtkArray& array : piece.columns) {

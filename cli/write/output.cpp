@@ -88,8 +88,20 @@ void add_output_needs(const std::string& path, votess::Want& want) {
     if (kind->write == write_vtu) want.volumes = want.centroids = true;
 }
 
-void check_outputs(const std::vector<std::string>& paths, const std::string& input) {
-    std::set<std::string> seen;
+void check_paths(const std::vector<std::string>& paths, const std::vector<std::string>& inputs) {
+    std::set<std::string> seen, read;
+    for (const std::string& input : inputs)
+        if (!input.empty() && input != "-" && !is_special_file(input)) read.insert(identity_of(input));
+    for (const std::string& path : paths) {
+        if (path != "-") check_writable(path);
+        const std::string identity = identity_of(path);
+        if (!seen.insert(identity).second) throw bad_input("output " + in_quotes(path) + " is named twice");
+        if (path != "-" && read.contains(identity))
+            throw bad_input("output " + in_quotes(path) + " is the input: give it another name");
+    }
+}
+
+void check_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs) {
     for (const std::string& path : paths) {
         const Kind* const kind = kind_of(path);
         if (!kind) {
@@ -103,13 +115,8 @@ void check_outputs(const std::vector<std::string>& paths, const std::string& inp
                 throw bad_input("cannot write " + in_quotes(path) + ": HDF5 needs a regular file, no device or pipe");
             }
         }
-        if (path != "-") check_writable(path);
-        if (!seen.insert(identity_of(path)).second) throw bad_input("output " + in_quotes(path) + " is named twice");
-        if (path != "-" && input != "-" && !input.empty() && !is_special_file(path) &&
-            identity_of(path) == identity_of(input)) {
-            throw bad_input("output " + in_quotes(path) + " is the input: give it another name");
-        }
     }
+    check_paths(paths, inputs);
 }
 
 std::vector<Attribute> attributes_of(const OutputData& data) {

@@ -14,8 +14,12 @@ namespace clvotess {
 
 class OutputFile;
 
-// Before any work: known extensions, folders that exist and can be written, no file twice, none that is the input.
-void check_outputs(const std::vector<std::string>& paths, const std::string& input);
+// Before any work: folders that exist and can be written, no file twice, none that is one of the inputs, which may be
+// empty or "-".
+void check_paths(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
+
+// The same, and known extensions.
+void check_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
 
 [[nodiscard]] bool is_text_output(const std::string& path);
 [[nodiscard]] bool carries_columns(const std::string& path);

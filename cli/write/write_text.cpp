@@ -146,10 +146,10 @@ private:
         return data_.input.ids.empty() ? static_cast<std::int64_t>(i) : data_.input.ids[i];
     }
 
-    // Id of the neighbor, or number of the wall, behind an entry of indices.
+    // Id of the neighbor, or number of the wall, behind an entry of indices. The ids of probes are not those of seeds.
     [[nodiscard]] std::int64_t name_of(std::size_t entry) const {
         const std::int32_t j = cells_.indices()[entry];
-        return j < 0 ? j : id_of(static_cast<std::size_t>(j));
+        return j < 0 || cells_.probed() ? j : id_of(static_cast<std::size_t>(j));
     }
 
     // order_: the entries of row i, walls first, then by id; indices alone are in that order already.

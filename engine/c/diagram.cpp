@@ -32,3 +32,18 @@ votess_status votess_diagram_locate(const votess_diagram* diagram, const double*
         std::ranges::copy(diagram->diagram.locate(coordinates(queries, count, "queries")), seeds);
     });
 }
+
+votess_status votess_diagram_probe(const votess_diagram* diagram, const double* queries, size_t count, uint32_t want,
+                                   int32_t list_walls, const double* weights, votess_result** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(diagram, "diagram");
+        const auto input = coordinates(queries, count, "queries");
+        votess::ProbeOptions options;
+        options.want = convert_want(want, "want");
+        options.list_walls = list_walls != 0;
+        if (weights != nullptr) options.weights = {weights, count};
+        *out = new votess_result{diagram->diagram.probe(input, options)};
+    });
+}

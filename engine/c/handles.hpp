@@ -52,6 +52,8 @@ void require(const void* pointer, const char* name);
 void require_text_buffer(const char* buffer, std::size_t size, const char* name);
 void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy);
 
+// bits: VOTESS_WANT_*. name: for the message that refuses others.
+[[nodiscard]] Want convert_want(std::uint32_t bits, const std::string& name);
 // given: NULL for the defaults. count: how many numbers weights and radii hold.
 [[nodiscard]] Options convert_options(const votess_options* given, std::size_t count);
 

@@ -91,22 +91,28 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
 
 }  // namespace
 
+Want convert_want(std::uint32_t bits, const std::string& name) {
+    std::uint32_t unknown = bits;
+    for (const WantBit& word : want_bits) unknown &= ~word.bit;
+    if (unknown != 0) {
+        refuse(name + " is " + std::to_string(bits) + ": its bits " + std::to_string(unknown) +
+               " are unknown; combine VOTESS_WANT_* bits");
+    }
+    Want want;
+    for (const WantBit& word : want_bits) want.*word.member = (bits & word.bit) != 0;
+    return want;
+}
+
 Options convert_options(const votess_options* given, std::size_t count) {
     if (given == nullptr) return {};
     require_struct_size(given->struct_size, first_size, "options.struct_size", "call votess_options_init first");
     votess_options c_options = default_options();
     std::memcpy(&c_options, given, std::min<std::size_t>(given->struct_size, sizeof c_options));
 
-    std::uint32_t unknown = c_options.want;
-    for (const WantBit& word : want_bits) unknown &= ~word.bit;
-    if (unknown != 0) {
-        refuse("options.want is " + std::to_string(c_options.want) + ": its bits " + std::to_string(unknown) +
-               " are unknown; combine VOTESS_WANT_* bits");
-    }
     Options options;
+    options.want = convert_want(c_options.want, "options.want");
     convert_domain(c_options, count, options);
     options.list_walls = c_options.list_walls != 0;
-    for (const WantBit& word : want_bits) options.want.*word.member = (c_options.want & word.bit) != 0;
     options.min_face = c_options.min_face;
     options.min_area = c_options.min_area;
     options.duplicates = static_cast<Duplicates>(c_options.duplicates);

@@ -1,4 +1,4 @@
-// The domain of a result: as options, and where its seeds lie in it.
+// The domain of a result: as options, and where its seeds lie in it; whether it is a whole diagram.
 #include "input/domain_of_result.hpp"
 
 #include "input/options.hpp"
@@ -16,7 +16,14 @@ Options domain_options(const Tessellation& t) {
     return options;
 }
 
+void require_whole_diagram(const Tessellation& t, const std::string& function) {
+    if (t.probed())
+        throw Error(ErrorCode::invalid_argument,
+                    function + ": these are cells of probes, which do not fit together: give a result of tessellate()");
+}
+
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
+    require_whole_diagram(t, "wrapped_points");
     if (points.size() != 3 * t.size())
         throw Error(ErrorCode::invalid_argument, "wrapped_points: points hold " + std::to_string(points.size()) +
                                                      " coordinates, the result has " + std::to_string(t.size()) +

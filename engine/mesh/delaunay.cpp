@@ -5,6 +5,7 @@
 #include <tuple>
 #include <vector>
 
+#include "input/domain_of_result.hpp"
 #include "result/result.hpp"
 
 namespace votess {
@@ -149,6 +150,7 @@ private:
 }  // namespace
 
 Delaunay delaunay(const Tessellation& tessellation) {
+    require_whole_diagram(tessellation, "delaunay");
     const Result& result = *tessellation.result_;
     if (result.face_offsets.empty() && !result.status.empty())
         throw Error(ErrorCode::invalid_argument, "delaunay: the tessellation has no polygons, set want.faces");

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "core/text.hpp"
+#include "input/domain_of_result.hpp"
 #include "input/options.hpp"
 #include "picture/colors.hpp"
 #include "picture/legend/layout.hpp"
@@ -41,6 +42,7 @@ void check_slice(const Slice& slice, const Box& box) {
 }
 
 void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
+    require_whole_diagram(t, "picture");
     const std::size_t n = t.size();
     check_size("width", options.width);
     check_size("height", options.height);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/text.hpp"
+#include "input/domain_of_result.hpp"
 #include "input/options.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
@@ -54,6 +55,7 @@ std::string check_euler(const Tessellation& t) {
 }  // namespace
 
 VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
+    require_whole_diagram(t, "verify");
     if (points.size() != 3 * t.size())
         throw Error(ErrorCode::invalid_argument, "verify: points hold " + std::to_string(points.size()) +
                                                      " coordinates, the result has " + std::to_string(t.size()) +

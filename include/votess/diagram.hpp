@@ -70,10 +70,10 @@ public:
     // finds for seed N of those and the query, volumes and the like to 1e-10. queries: as for locate(). The result has
     // Q cells, in the order of the queries, whose rows name seeds; N is the query itself, which in a small periodic
     // domain may be its own neighbor. Shifts count from where the query lies inside the domain. Cells of probes do not
-    // fit together: vertices are not shared, stats().volume_sum is no volume of the domain, and delaunay(), verify()
-    // and wrapped_points() refuse the result. status(): `outside` where the domain is not; `duplicate` for a query at
-    // the place of a seed, which duplicate_of() names; `empty` where seeds leave it no cell. A probe on a seed of less
-    // weight has its cell. Throws as locate(), and invalid_argument for weights without a power diagram.
+    // fit together: vertices are not shared, stats().volume_sum is no volume of the domain, and delaunay(), verify(),
+    // wrapped_points() and render() refuse the result. status(): `outside` where the domain is not; `duplicate` for a
+    // query at the place of a seed, which duplicate_of() names; `empty` where seeds leave it no cell. A probe on a seed
+    // of less weight has its cell. Throws as locate(), and invalid_argument for weights without a power diagram.
     [[nodiscard]] Tessellation probe(std::span<const double> queries, const ProbeOptions& options = {}) const;
     // Natural-neighbor coordinates (Sibson 1980) of queries, as for locate(). Throws as locate(); invalid_argument for
     // gradients of Laplace's; `unsupported` where a periodic box has so few seeds that a cell meets its own image. The

@@ -221,6 +221,13 @@ VOTESS_API size_t votess_diagram_size(const votess_diagram* diagram);  // N
 // Writes to seeds, count of them, in whose cell each query lies (3 * count coordinates), -1 outside of the domain.
 VOTESS_API votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,
                                                int32_t* seeds);
+// The cells that queries would have, each as if it alone were added to the seeds, see Diagram::probe in diagram.hpp.
+// want: VOTESS_WANT_* bits; list_walls: as in votess_options; weights: count of them, in a power diagram only, or NULL
+// for 0. On success *out is a new result of count cells, which votess_delaunay_new, votess_verify and
+// votess_wrapped_points refuse with VOTESS_ERROR_INVALID_ARGUMENT, else it is NULL.
+VOTESS_API votess_status votess_diagram_probe(const votess_diagram* diagram, const double* queries, size_t count,
+                                              uint32_t want, int32_t list_walls, const double* weights,
+                                              votess_result** out);
 
 // Natural-neighbor coordinates of queries, see Diagram::natural_neighbors in diagram.hpp. at_walls, gradients: nonzero
 // for true; weights: count of them, in a power diagram only, or NULL for 0. On success *out is new, else NULL; it does

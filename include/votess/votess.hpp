@@ -274,6 +274,7 @@ public:
     [[nodiscard]] std::span<const Wall> walls() const noexcept;
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
     [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
+    [[nodiscard]] bool probed() const noexcept;                      // whether the cells are those of Diagram::probe()
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:
@@ -326,7 +327,7 @@ struct Delaunay {
     std::vector<std::int8_t> polytope_shifts;      // three for each of these, as above
     std::vector<std::int32_t> polytope_centers;    // P
 };
-// Needs Want::faces without min_face and min_area, else throws invalid_argument.
+// Needs Want::faces without min_face and min_area, else throws invalid_argument, as for cells of probes.
 [[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
 
 // The checker of --verify. Volumes sum to the domain's (relative 1e-9; 1e-4 when stats().precision is single), neighbor
@@ -347,7 +348,8 @@ struct VerifyReport {
     std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
     std::size_t sampled = 0;           // cells tried by brute force, up to the one that failed
 };
-// points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's.
+// points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's, and for
+// cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

@@ -190,6 +190,19 @@ class Hdf5Files(ReaderTest):
                         np.testing.assert_array_equal(arrays[name], other, name)
                 self.assertEqual((self.folder / "out.h5").read_bytes(), (self.folder / "out.hdf5").read_bytes())
 
+    def test_probes(self):
+        points, queries = random_points(40), random_points(5, seed=8)
+        self.save("p.h5", points=points, r=0.2 * points[:, 0])
+        self.save("q.h5", points=queries)
+        self.save("0.h5", points=queries, r=np.zeros(5))
+        asked = ["p.h5", "--box", "0,0,0,1,1,1", "--radii", "r", "-q", "--probe"]
+        self.run_cli(*asked, "q.h5", "-o", "a.h5", "-o", "a.npz")
+        self.run_cli(*asked, "0.h5", "-o", "b.h5")
+        with h5py.File(self.folder / "a.h5") as a, h5py.File(self.folder / "b.h5") as b, np.load(self.folder / "a.npz") as c:
+            for name in ("indptr", "indices", "volumes", "status"):
+                np.testing.assert_array_equal(a[name], b[name], name)
+                np.testing.assert_array_equal(a[name], c[name], name)
+
     def test_a_snapshot_told_alone(self):
         """The domain, ids and units stand in the output, which then states them in turn."""
         points = random_points(2000) * 100

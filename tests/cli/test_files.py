@@ -8,8 +8,7 @@ import sys
 import unittest
 
 from cli_test import CLI
-from domain_cases import FileDomains, Regressions
-from frame_cases import FrameFiles
+from frame_cases import FileDomains, FrameFiles, Regressions
 from hdf5_cases import Hdf5Files, Hdf5Module
 from lammps_cases import LammpsFiles
 from reader_cases import ArrayFiles, Columns, PlyFiles, TextFiles

@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import tempfile
 import time
-import unittest
 from pathlib import Path
 
 import numpy as np
@@ -341,60 +340,3 @@ class Usage(CliTest):
         self.assertEqual(json.loads(done.stdout)["verified_cells"], 7)
         self.assertRegex(done.stderr, r"\Aclvotess: verification failed[^\n]*seed 3 lists 5 but not back\n\Z")
         self.assertEqual(self.files(), [])
-
-
-class Locate(CliTest):
-    """--locate: which cell holds each point of another file."""
-
-    def expected(self, points, queries):
-        return ((queries[:, None, :] - points[None, :, :]) ** 2).sum(axis=2).argmin(axis=1)
-
-    def test_outputs(self):
-        points, queries = random_points(300), random_points(500, seed=8)
-        self.put("p.npy", points)
-        self.put("q.npy", queries)
-        expected = self.expected(points, queries)
-        done = self.run_cli("p.npy", "--box", "0,0,0,1,1,1", "--locate", "q.npy", "-o", "ids.npy", "-o", "ids.txt")
-        self.assertEqual(done.stdout, "located 500 queries among 300 seeds\n")
-        found = np.load(self.folder / "ids.npy")
-        self.assertEqual((found.dtype, found.shape), (np.int32, (500,)))
-        np.testing.assert_array_equal(found, expected)
-        np.testing.assert_array_equal(np.loadtxt(self.folder / "ids.txt", dtype=int), expected)
-        text = "".join(f"{i}\n" for i in expected)
-        self.assertEqual(self.run_cli("p.npy", "--box", "0,0,0,1,1,1", "--locate", "q.npy", "-o", "-").stdout, text)
-        rows = "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in queries.tolist())
-        self.assertEqual(self.rows("p.npy", "--box", "0,0,0,1,1,1", "--locate", "-", stdin=rows), text.splitlines())
-
-    def test_domains(self):
-        self.put("cube.txt", CUBE)
-        self.put("q.txt", "1.2 0 0\n0.5 0.5 0.5\n9 0 0\n")
-        summary = self.json("cube.txt", "--box", CUBE_BOX, "--locate", "q.txt", "-o", "a.npy")
-        self.assertEqual({k: summary[k] for k in ("points", "queries", "outside")},
-                         {"points": 8, "queries": 3, "outside": 1})
-        self.assertEqual(sorted(summary["seconds"]), sorted(["total", "read", "sort", "locate", "write"]))
-        self.assertEqual(np.load(self.folder / "a.npy").tolist(), [1, 0, -1])
-        self.assertEqual(self.rows("cube.txt", "--box", CUBE_BOX, "--periodic", "--locate", "q.txt"), ["1", "0", "1"])
-        self.put("r.txt", "0 0 0 0.1\n1 0 0 1\n")
-        self.assertEqual(self.rows("r.txt", "--box", CUBE_BOX, "--radii", "4", "--locate", "q.txt"), ["1", "1", "-1"])
-        self.put("none.txt", "")
-        self.assertEqual(self.rows("none.txt", "--box", CUBE_BOX, "--locate", "q.txt"), ["-1"] * 3)
-        self.assertEqual(self.rows("cube.txt", "--box", CUBE_BOX, "--locate", "none.txt"), [])
-
-    def test_refused(self):
-        self.put("cube.txt", CUBE)
-        self.put("q.txt", "0 0 0\n")
-        self.put("nan.txt", "0 0 0\nnan 0 0\n")
-        asked = ["cube.txt", "--locate", "q.txt"]
-        for arguments, says in [(asked, "-o FILE.npy"), ([*asked, "-o", "a.npz"], ".npy and .txt, not 'a.npz'"),
-                                ([*asked, "-o", "q.txt"], "'q.txt'"), ([*asked, "-o", "a.npy", "-o", "./a.npy"], "twice"),
-                                ([*asked, "-o", "a.npy", "--want", "faces"], "--want is about cells"),
-                                ([*asked, "-o", "a.npy", "--verify"], "--verify is about cells"),
-                                ([*asked, "-o", "a.npy", "--image", "a.png"], "--image is about cells"),
-                                ([*asked, "-o", "a.npy", "--slice", "z=0.5"], "--slice is about cells"),
-                                ([*asked, "-o", "a.npy", "--seeds"], "--seeds is about cells"),
-                                ([*asked, "-o", "a.npy", "-x", "gpu"], "CPU"), ([*asked, "-o", "-", "--json"], "stdout"),
-                                (["cube.txt", "--locate", "", "-o", "a.npy"], "--locate is empty"),
-                                (["-", "--locate", "-", "-o", "a.npy"], "stdin"),
-                                (["cube.txt", "--locate", "gone.txt", "-o", "a.npy"], "gone.txt"),
-                                (["cube.txt", "--locate", "nan.txt", "-o", "a.npy"], "nan")]:
-            self.refuse(*arguments, says=says)

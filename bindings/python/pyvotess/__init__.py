@@ -12,7 +12,7 @@ from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._library import VERSION as __version__
 from .atoms import from_ase
-from .diagram import Diagram
+from .diagram import Diagram, Probes
 from .mesh import Delaunay, Faces, Lists, Neighbors
 from .pairs import Pairs
 from .stats import StageSeconds, Stats, VerifyReport
@@ -29,6 +29,7 @@ __all__ = [
     "Lists",
     "Neighbors",
     "Pairs",
+    "Probes",
     "StageSeconds",
     "Stats",
     "Tessellation",

@@ -97,6 +97,14 @@ def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Fl
     return array.reshape(shape)
 
 
+def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
+    """A number for each of ``count`` points or queries."""
+    array = as_float64_or_float32(values, name).astype(np.float64)
+    if array.shape != (count,):
+        raise ValueError(f"{name} has shape {array.shape} for {count} {of}: it must be ({count},)")
+    return np.ascontiguousarray(array)
+
+
 def as_vector(values: Any, name: str) -> Float64Array:
     return np.ascontiguousarray(_as_numbers(values, name, (3,), "(x, y, z)"))
 
@@ -157,10 +165,7 @@ class Domain:
             values = getattr(self, name)
             if values is None:
                 continue
-            array = as_float64_or_float32(values, name).astype(np.float64)
-            if array.shape != (count,):
-                raise ValueError(f"{name} has shape {array.shape} for {count} points: it must be ({count},)")
-            array = np.ascontiguousarray(array)
+            array = as_one_each(values, name, count, "points")
             setattr(options, name, array.ctypes.data if count else None)
             kept.append(array)
         return kept

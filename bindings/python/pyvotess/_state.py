@@ -11,6 +11,8 @@ import numpy as np
 from ._c_api import ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
 from ._library import lib
+from .mesh import Faces, Lists
+from .pairs import count_edges
 from .stats import Stats, read_stats
 
 if TYPE_CHECKING:
@@ -19,6 +21,11 @@ if TYPE_CHECKING:
     from .tessellation import Tessellation
 
     Float64Array = npt.NDArray[np.float64]
+    Int8Array = npt.NDArray[np.int8]
+    Int64Array = npt.NDArray[np.int64]
+    Int32Array = npt.NDArray[np.int32]
+    UInt32Array = npt.NDArray[np.uint32]
+    UInt8Array = npt.NDArray[np.uint8]
 
 # Arrays of each word of want: name, type, columns (0: one number each).
 _WANTED: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
@@ -101,6 +108,184 @@ def locked(data: ResultData) -> ResultData:
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
     return data
+
+
+class Cells:
+    """What is known of N cells, those of seeds or of queries, in their order."""
+
+    def __init__(self, result: Handle, wanted: Tuple[str, ...]) -> None:
+        self._wanted = wanted
+        self._data = read_result(result, wanted)
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        locked(self._data)
+
+    def _check_wanted(self, name: str, word: str) -> None:
+        if word not in self._wanted:
+            raise AttributeError(f"{name} was not computed: put {word!r} into want, which was {self._wanted}")
+
+    def _wanted_array(self, name: str, word: str) -> npt.NDArray[Any]:
+        self._check_wanted(name, word)
+        return self._data.arrays[name]
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def _domain(self) -> str:
+        def text(vector: Float64Array) -> str:
+            return f"({', '.join(f'{x:g}' for x in vector)})"
+
+        if self.cell is not None and self.origin is not None:
+            where = f"cell {', '.join(text(edge) for edge in self.cell)} at {text(self.origin)}"
+        else:
+            where = f"box {text(self.box[0])} to {text(self.box[1])}"
+        if len(self.walls):
+            where += f" cut by {len(self.walls)} wall{'s' if len(self.walls) > 1 else ''}"
+        axes = "".join(axis for axis, repeats in zip("xyz" if self.cell is None else "abc", self.periodic) if repeats)
+        return where + (f", periodic {axes}" if axes else "")
+
+    @property
+    def wanted(self) -> Tuple[str, ...]:
+        """The words of ``want``, with those that they imply."""
+        return self._wanted
+
+    @property
+    def neighbors(self) -> Lists:
+        """Neighbor lists, N rows: ascending ids, walls (negative) first."""
+        self._check_wanted("neighbors", "neighbors")
+        return Lists(self._data.arrays["indptr"], self._data.arrays["indices"])
+
+    @property
+    def volumes(self) -> Float64Array:
+        """(N,) float64, length unit cubed; 0 where there is no cell."""
+        return self._wanted_array("volumes", "volumes")
+
+    @property
+    def face_areas(self) -> Float64Array:
+        """(indptr[N],) float64, length unit squared: of the face behind each entry of ``neighbors.indices``.
+
+        Those of walls only when the rows list walls. Row i is ``face_areas[indptr[i]:indptr[i+1]]``. The error is at
+        most 1e-10 of the area of the cell's whole surface, 1e-5 when ``stats.precision`` is "single".
+        """
+        return self._wanted_array("face_areas", "areas")
+
+    @property
+    def areas(self) -> Float64Array:
+        """The same as :attr:`face_areas`."""
+        return self.face_areas
+
+    @property
+    def face_normals(self) -> Float64Array:
+        """(indptr[N], 3) float64: outward unit normal of the face behind each entry of ``neighbors.indices``."""
+        return self._wanted_array("face_normals", "normals")
+
+    @property
+    def shifts(self) -> Optional[Int8Array]:
+        """(indptr[N], 3) int8: box vectors that carry each neighbor to where it touches; None unless periodic."""
+        return self._data.arrays.get("shifts")
+
+    @property
+    def surface_areas(self) -> Float64Array:
+        """(N,) float64, area of the whole surface of each cell, walls included."""
+        return self._wanted_array("surface_areas", "surfaces")
+
+    @property
+    def security_radii(self) -> Float64Array:
+        """(N,) float64, twice the distance from the seed to the farthest vertex of its cell."""
+        return self._wanted_array("security_radii", "radii")
+
+    @property
+    def vertices(self) -> Float64Array:
+        """(V, 3) float64.
+
+        Those of a Tessellation that are equal in exact arithmetic are one, shared by all cells that have it.
+        """
+        return self._wanted_array("vertices", "vertices")
+
+    @property
+    def cell_vertices(self) -> Lists:
+        """The vertices of each cell, ascending: N rows."""
+        self._check_wanted("cell_vertices", "vertices")
+        return Lists(self._data.arrays["cell_vertex_indptr"], self._data.arrays["cell_vertex_indices"])
+
+    @property
+    def faces(self) -> Faces:
+        """The polygon behind each entry of ``neighbors.indices``, counterclockwise seen from outside the cell."""
+        self._check_wanted("faces", "faces")
+        return Faces(self._data.arrays["face_offsets"], self._data.arrays["face_vertices"])
+
+    @property
+    def centroids(self) -> Float64Array:
+        """(N, 3) float64, centers of mass in the coordinates of the points; NaN where there is no cell."""
+        return self._wanted_array("centroids", "centroids")
+
+    @property
+    def face_counts(self) -> UInt32Array:
+        """(N,) uint32, faces of each cell, walls included."""
+        return self._wanted_array("face_counts", "counts")
+
+    @property
+    def edge_counts(self) -> UInt32Array:
+        """(N,) uint32, edges of each cell."""
+        return self._wanted_array("edge_counts", "counts")
+
+    @property
+    def vertex_counts(self) -> UInt32Array:
+        """(N,) uint32, vertices of each cell."""
+        return self._wanted_array("vertex_counts", "counts")
+
+    @property
+    def status(self) -> UInt8Array:
+        """(N,) uint8, values of :class:`CellStatus`."""
+        return self._data.arrays["status"]
+
+    @property
+    def duplicate_of(self) -> Optional[Int32Array]:
+        """(N,) int32: index of the seed that keeps the cell, -1 when not a duplicate. None when there is none."""
+        return self._data.arrays.get("duplicate_of")
+
+    @property
+    def box(self) -> Float64Array:
+        """(2, 3) float64, lower and upper corner of the domain that was used; of a triclinic one the bounds."""
+        return self._data.box
+
+    @property
+    def periodic(self) -> Tuple[bool, bool, bool]:
+        """Whether the domain repeats along x, y, z, or along the edges of ``cell``."""
+        return self._data.periodic
+
+    @property
+    def cell(self) -> Optional[Float64Array]:
+        """(3, 3) float64, the edges of a triclinic box, a row each; None for other domains."""
+        return self._data.cell
+
+    @property
+    def origin(self) -> Optional[Float64Array]:
+        """(3,) float64, the corner of a triclinic box; None for other domains."""
+        return self._data.origin
+
+    @property
+    def walls(self) -> Float64Array:
+        """(M, 4) float64, rows nx, ny, nz, d of the walls n.x <= d that were given."""
+        return self._data.walls
+
+    @property
+    def lists_walls(self) -> bool:
+        """Whether the rows hold wall ids."""
+        return self._data.lists_walls
+
+    @property
+    def stats(self) -> Stats:
+        """Counts and seconds per stage."""
+        return self._data.stats
+
+    def voronoi_indices(self, edge_threshold: float = 0.0) -> Int64Array:
+        """(N, M) int64: column k counts the faces of k + 3 edges; M is the least that holds all. Needs "faces" in want.
+
+        Edges shorter than ``edge_threshold`` do not count, and faces that are left with fewer than three neither.
+        """
+        return count_edges(self, edge_threshold)
 
 
 def same_arrays(ours: ResultData, anew: ResultData) -> str:

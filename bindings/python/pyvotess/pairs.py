@@ -10,6 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ._state import Cells
     from .tessellation import Tessellation
 
     Float64Array = npt.NDArray[np.float64]
@@ -59,7 +60,7 @@ def make_pairs(t: Tessellation) -> Pairs:
     return Pairs(i, j, shift, vector, np.sqrt(np.einsum("pk,pk->p", vector, vector)), area)
 
 
-def count_edges(t: Tessellation, edge_threshold: float) -> Int64Array:
+def count_edges(t: Cells, edge_threshold: float) -> Int64Array:
     faces, rows = t.faces, t.neighbors
     count = np.diff(faces.indptr)
     if edge_threshold > 0:

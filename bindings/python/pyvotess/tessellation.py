@@ -13,23 +13,18 @@ from ._c_api import ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
 from ._input import as_count
 from ._library import lib
-from ._state import locked, read_result, tessellated_anew
-from .mesh import Delaunay, Faces, Lists, Neighbors, make_delaunay
-from .pairs import Pairs, count_edges, make_derivatives, make_pairs
-from .stats import Stats, VerifyReport
+from ._state import Cells, tessellated_anew
+from .mesh import Delaunay, Neighbors, make_delaunay
+from .pairs import Pairs, make_derivatives, make_pairs
+from .stats import VerifyReport
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     Float64Array = npt.NDArray[np.float64]
-    Int8Array = npt.NDArray[np.int8]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
-    UInt32Array = npt.NDArray[np.uint32]
-    UInt8Array = npt.NDArray[np.uint8]
 
 
-class Tessellation:
+class Tessellation(Cells):
     """The cells of N seeds; rows follow the input order.
 
     Arrays are read-only and lie in the library's memory, which lives as long as any of them. An array that was not
@@ -37,35 +32,15 @@ class Tessellation:
     """
 
     def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain_given: bool) -> None:
+        super().__init__(result, wanted)
         self._result: Optional[Handle] = result  # None once unpickled, until it is needed
         self._points = points
-        self._wanted = wanted
         self._domain_given = domain_given
         self._places: Optional[Float64Array] = None  # wrapped_points, kept where it was pickled
-        self._data = read_result(result, wanted)
-        self._bind()
-
-    def _bind(self) -> None:
-        """Makes the lists out of the arrays."""
-        arrays = self._data.arrays
-        if "neighbors" in self._wanted:
-            self._neighbors = Neighbors(arrays["indptr"], arrays["indices"])
-        if "vertices" in self._wanted:
-            self._cell_vertices = Lists(arrays["cell_vertex_indptr"], arrays["cell_vertex_indices"])
-        if "faces" in self._wanted:
-            self._faces = Faces(arrays["face_offsets"], arrays["face_vertices"])
 
     def __getstate__(self) -> Dict[str, Any]:
         """The arrays go along, the library's object stays behind."""
-        state = dict(self.__dict__, _result=None, _places=self.wrapped_points if any(self.periodic) else None)
-        for name in ("_neighbors", "_cell_vertices", "_faces"):
-            state.pop(name, None)
-        return state
-
-    def __setstate__(self, state: Dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        locked(self._data)
-        self._bind()
+        return dict(self.__dict__, _result=None, _places=self.wrapped_points if any(self.periodic) else None)
 
     def __copy__(self) -> Tessellation:
         """Shares all arrays, which are read-only."""
@@ -85,30 +60,12 @@ class Tessellation:
             self._result = result
         return self._result
 
-    def _wanted_array(self, name: str, word: str) -> npt.NDArray[Any]:
-        if word not in self._wanted:
-            raise AttributeError(f"{name} was not computed: put {word!r} into want, which was {self._wanted}")
-        return self._data.arrays[name]
-
-    def __len__(self) -> int:
-        return len(self._points)
-
     def __repr__(self) -> str:
         wanted = ", ".join(self._wanted) or "status only"
         return f"<pyvotess.Tessellation of {len(self)} seeds in a {self._domain()}: {wanted}>"
 
     def _domain(self) -> str:
-        def text(vector: Float64Array) -> str:
-            return f"({', '.join(f'{x:g}' for x in vector)})"
-
-        if self.cell is not None and self.origin is not None:
-            where = f"cell {', '.join(text(edge) for edge in self.cell)} at {text(self.origin)}"
-        else:
-            where = f"box {text(self.box[0])} to {text(self.box[1])}"
-        if len(self.walls):
-            where += f" cut by {len(self.walls)} wall{'s' if len(self.walls) > 1 else ''}"
-        axes = "".join(axis for axis, repeats in zip("xyz" if self.cell is None else "abc", self.periodic) if repeats)
-        return where + (f", periodic {axes}" if axes else "") + ("" if self._domain_given else " around them")
+        return super()._domain() + ("" if self._domain_given else " around them")
 
     def _repr_html_(self) -> str:
         """For notebooks: a table, and a picture of a section when the faces were wanted."""
@@ -117,74 +74,10 @@ class Tessellation:
         return as_html(self)
 
     @property
-    def wanted(self) -> Tuple[str, ...]:
-        """The words of ``want``, with those that they imply."""
-        return self._wanted
-
-    @property
     def neighbors(self) -> Neighbors:
         """Neighbor lists, N rows. Symmetric: i lists j exactly when j lists i."""
-        if "neighbors" not in self._wanted:
-            raise AttributeError(f"neighbors was not computed: put 'neighbors' into want, which was {self._wanted}")
-        return self._neighbors
-
-    @property
-    def volumes(self) -> Float64Array:
-        """(N,) float64, length unit cubed; 0 for a duplicate."""
-        return self._wanted_array("volumes", "volumes")
-
-    @property
-    def face_areas(self) -> Float64Array:
-        """(indptr[N],) float64, length unit squared: of the face behind each entry of ``neighbors.indices``.
-
-        Those of walls only when the rows list walls. Row i is ``face_areas[indptr[i]:indptr[i+1]]``. The error is at
-        most 1e-10 of the area of the cell's whole surface, 1e-5 when ``stats.precision`` is "single".
-        """
-        return self._wanted_array("face_areas", "areas")
-
-    @property
-    def areas(self) -> Float64Array:
-        """The same as :attr:`face_areas`."""
-        return self.face_areas
-
-    @property
-    def face_normals(self) -> Float64Array:
-        """(indptr[N], 3) float64: outward unit normal of the face behind each entry of ``neighbors.indices``."""
-        return self._wanted_array("face_normals", "normals")
-
-    @property
-    def shifts(self) -> Optional[Int8Array]:
-        """(indptr[N], 3) int8: box vectors that carry each neighbor to where it touches; None unless periodic."""
-        return self._data.arrays.get("shifts")
-
-    @property
-    def surface_areas(self) -> Float64Array:
-        """(N,) float64, area of the whole surface of each cell, walls included."""
-        return self._wanted_array("surface_areas", "surfaces")
-
-    @property
-    def security_radii(self) -> Float64Array:
-        """(N,) float64, twice the distance from the seed to the farthest vertex of its cell."""
-        return self._wanted_array("security_radii", "radii")
-
-    @property
-    def vertices(self) -> Float64Array:
-        """(V, 3) float64. Vertices that are equal in exact arithmetic are one, shared by all cells that have it."""
-        return self._wanted_array("vertices", "vertices")
-
-    @property
-    def cell_vertices(self) -> Lists:
-        """The vertices of each cell, ascending: N rows."""
-        if "vertices" not in self._wanted:
-            raise AttributeError(f"cell_vertices was not computed: put 'vertices' into want, which was {self._wanted}")
-        return self._cell_vertices
-
-    @property
-    def faces(self) -> Faces:
-        """The polygon behind each entry of ``neighbors.indices``, counterclockwise seen from outside the cell."""
-        if "faces" not in self._wanted:
-            raise AttributeError(f"faces was not computed: put 'faces' into want, which was {self._wanted}")
-        return self._faces
+        self._check_wanted("neighbors", "neighbors")
+        return Neighbors(self._data.arrays["indptr"], self._data.arrays["indices"])
 
     @property
     def least_face(self) -> float:
@@ -200,69 +93,9 @@ class Tessellation:
         )
 
     @property
-    def centroids(self) -> Float64Array:
-        """(N, 3) float64, centers of mass in the coordinates of the points; NaN for a duplicate."""
-        return self._wanted_array("centroids", "centroids")
-
-    @property
-    def face_counts(self) -> UInt32Array:
-        """(N,) uint32, faces of each cell, walls included."""
-        return self._wanted_array("face_counts", "counts")
-
-    @property
-    def edge_counts(self) -> UInt32Array:
-        """(N,) uint32, edges of each cell."""
-        return self._wanted_array("edge_counts", "counts")
-
-    @property
-    def vertex_counts(self) -> UInt32Array:
-        """(N,) uint32, vertices of each cell."""
-        return self._wanted_array("vertex_counts", "counts")
-
-    @property
-    def status(self) -> UInt8Array:
-        """(N,) uint8, values of :class:`CellStatus`."""
-        return self._data.arrays["status"]
-
-    @property
-    def duplicate_of(self) -> Optional[Int32Array]:
-        """(N,) int32: index of the seed that keeps the cell, -1 when not a duplicate. None when there is none."""
-        return self._data.arrays.get("duplicate_of")
-
-    @property
-    def box(self) -> Float64Array:
-        """(2, 3) float64, lower and upper corner of the domain that was used; of a triclinic one the bounds."""
-        return self._data.box
-
-    @property
-    def periodic(self) -> Tuple[bool, bool, bool]:
-        """Whether the domain repeats along x, y, z, or along the edges of ``cell``."""
-        return self._data.periodic
-
-    @property
-    def cell(self) -> Optional[Float64Array]:
-        """(3, 3) float64, the edges of a triclinic box, a row each; None for other domains."""
-        return self._data.cell
-
-    @property
-    def origin(self) -> Optional[Float64Array]:
-        """(3,) float64, the corner of a triclinic box; None for other domains."""
-        return self._data.origin
-
-    @property
-    def walls(self) -> Float64Array:
-        """(M, 4) float64, rows nx, ny, nz, d of the walls n.x <= d that were given."""
-        return self._data.walls
-
-    @property
     def weights(self) -> Optional[Float64Array]:
         """(N,) float64, the weights of a power diagram, of radii their squares; None for a Voronoi diagram."""
         return self._data.arrays.get("weights")
-
-    @property
-    def lists_walls(self) -> bool:
-        """Whether the rows hold wall ids."""
-        return self._data.lists_walls
 
     @property
     def points(self) -> npt.NDArray[Any]:
@@ -287,13 +120,6 @@ class Tessellation:
         """All entries of the rows but walls, so that each pair of neighbors is there from both sides."""
         return make_pairs(self)
 
-    def voronoi_indices(self, edge_threshold: float = 0.0) -> Int64Array:
-        """(N, M) int64: column k counts the faces of k + 3 edges; M is the least that holds all. Needs "faces" in want.
-
-        Edges shorter than ``edge_threshold`` do not count, and faces that are left with fewer than three neither.
-        """
-        return count_edges(self, edge_threshold)
-
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
         """How volumes or face areas change with the seeds: a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
 
@@ -304,11 +130,6 @@ class Tessellation:
         derivative, and the one of the polygons at hand is given.
         """
         return make_derivatives(self, of, by)
-
-    @property
-    def stats(self) -> Stats:
-        """Counts and seconds per stage."""
-        return self._data.stats
 
     def plot(
         self,

@@ -6,7 +6,7 @@ import contextlib
 import ctypes
 import threading
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Union
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -44,6 +44,13 @@ def new_options(
     return options
 
 
+def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
+    """The words of ``want`` that the options come to."""
+    implied = ctypes.c_uint32()
+    raise_on_failure(lib.votess_options_implied_want(ctypes.byref(options), ctypes.byref(implied)))
+    return tuple(word for word, bit in _c_api.WANT_BITS.items() if implied.value & bit)
+
+
 def _tessellate(
     tessellator: Optional[Handle],
     options: _c_api.Options,
@@ -63,10 +70,7 @@ def _tessellate(
     options.list_walls = bool(list_walls)
     options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
     kept = domain.fill(options, len(array))
-
-    implied = ctypes.c_uint32()
-    raise_on_failure(lib.votess_options_implied_want(ctypes.byref(options), ctypes.byref(implied)))
-    wanted = tuple(word for word, bit in _c_api.WANT_BITS.items() if implied.value & bit)
+    wanted = implied_words(options)
 
     function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
     result = Handle(lib.votess_result_free)

@@ -1,4 +1,4 @@
-"""Diagram: which cell holds a point."""
+"""Diagram: which cell holds a point, and what cell a point would have."""
 
 import copy
 import pickle
@@ -98,6 +98,119 @@ class Diagrams(unittest.TestCase):
         for copied in (copy.copy, copy.deepcopy, pickle.dumps):
             with self.assertRaises(TypeError):
                 copied(d)
+
+
+EVERYTHING = "neighbors,volumes,centroids,counts,areas,normals,surfaces,radii,vertices,faces"
+
+
+def row(cells, i):
+    """All that is known of cell i; polygons by the places of their corners."""
+    entries = slice(*cells.neighbors.indptr[i : i + 2])
+    exact = [cells.status[i], cells.neighbors[i], cells.face_counts[i], cells.edge_counts[i], cells.vertex_counts[i]]
+    exact.append(-1 if cells.duplicate_of is None else cells.duplicate_of[i])
+    exact.append(None if cells.shifts is None else cells.shifts[entries])
+    exact.append([len(face) for face in cells.faces[entries]])
+    near = [cells.volumes[i], cells.centroids[i], cells.surface_areas[i], cells.security_radii[i]]
+    near += [cells.face_areas[entries], cells.face_normals[entries]]
+    near += [cells.vertices[face] for face in cells.faces[entries]]
+    near.append(cells.vertices[cells.cell_vertices[i]].sum(axis=0))
+    return exact, near
+
+
+class Probing(unittest.TestCase):
+    def check(self, points, queries, weights=None, of_queries=None, **domain):
+        """Against tessellating the points and each query. Returns the probes."""
+        probes = vt.Diagram(points, weights=weights, outside="drop", **domain).probe(queries, EVERYTHING, of_queries)
+        self.assertEqual(len(probes), len(queries))
+        for q, query in enumerate(queries):
+            if weights is not None:
+                domain["weights"] = np.append(weights, 0 if of_queries is None else of_queries[q])
+            t = vt.tessellate(np.vstack((points, query)), outside="drop", device="cpu", want=EVERYTHING, **domain)
+            exact, near = row(probes, q)
+            exact_there, near_there = row(t, len(points))
+            for ours, theirs in zip(exact, exact_there):
+                np.testing.assert_array_equal(ours, theirs)
+            for ours, theirs in zip(near, near_there):
+                np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-10)
+        return probes
+
+    def test_domains(self):
+        points, queries = uniform(40), uniform(8, seed=2)
+        queries[1] = points[9]
+        probes = self.check(points, np.vstack((queries, (2, 0.5, 0.5))), box=UNIT_BOX)
+        self.assertEqual(probes.status.tolist()[-1], vt.CellStatus.OUTSIDE)
+        self.assertEqual((probes.status[1], probes.duplicate_of[1]), (vt.CellStatus.DUPLICATE, 9))
+        self.check(points, queries + (1, -2, 0), box=UNIT_BOX, periodic=True)
+        self.check(points, queries, box=UNIT_BOX, periodic="xz")
+        cell = np.asarray(CELL, float)
+        self.check(points @ cell, (queries - (1, 0, 1)) @ cell, cell=cell)
+        self.check(points @ cell, queries @ cell, cell=cell, periodic="xy")
+        self.check(points, queries, box=UNIT_BOX, walls=[(1, 1, 1, 1.5)])
+        # Ties: at a seed, where eight cells meet, in a corner of the box, on a wall.
+        self.check(lattice(3), [(1.5, 1.5, 1.5), (1, 1, 1), (0, 0, 0), (1, 0.75, 3)], box=(0, 0, 0, 3, 3, 3))
+
+    def test_weights(self):
+        points, queries = uniform(40), uniform(8, seed=2)
+        weights, of_queries = 0.05 * uniform(40, seed=3)[:, 0], 0.05 * uniform(8, seed=4)[:, 0]
+        queries[0], of_queries[0] = points[3], weights[3]
+        queries[1], of_queries[1] = points[int(weights.argmax())], 0
+        probes = self.check(points, queries, weights, of_queries, box=UNIT_BOX)
+        self.assertEqual(probes.status.tolist()[:2], [vt.CellStatus.DUPLICATE, vt.CellStatus.EMPTY])
+        self.check(points, queries, weights, box=UNIT_BOX)
+        self.check(points, queries, weights, of_queries, box=UNIT_BOX, periodic=True)
+
+    def test_touches_itself(self):
+        probes = self.check(np.array([(0.25, 0.5, 0.5)]), [(0.75, 0.5, 0.5)], box=UNIT_BOX, periodic=True)
+        self.assertEqual(probes.neighbors[0].tolist(), [0, 0, 1, 1, 1, 1])
+
+    def test_what_it_returns(self):
+        points, queries = uniform(300), uniform(200, seed=2)
+        d = vt.Diagram(points, UNIT_BOX, threads=2)
+        probes = d.probe(queries)
+        self.assertIsInstance(probes, vt.Probes)
+        self.assertEqual(probes.wanted, ("neighbors", "volumes"))
+        self.assertIs(type(probes.neighbors), vt.Lists)
+        self.assertEqual(
+            repr(probes), "<pyvotess.Probes of 200 queries in a box (0, 0, 0) to (1, 1, 1): neighbors, volumes>"
+        )
+        self.assertFalse(probes.lists_walls)
+        self.assertTrue(d.probe(queries, list_walls=True).lists_walls)
+        self.assertEqual(probes.stats.points, 200)
+        self.assertIsNone(probes.duplicate_of)
+        with self.assertRaisesRegex(AttributeError, "put 'faces' into want"):
+            _ = probes.faces
+        with self.assertRaises(ValueError):
+            probes.volumes[0] = 1
+        for missing in ("pairs", "derivatives", "delaunay", "verify", "wrapped_points", "points", "save", "plot"):
+            self.assertFalse(hasattr(probes, missing), missing)
+        self.assertEqual(len(d.probe(np.empty((0, 3)), EVERYTHING)), 0)
+        # The diagram may go before its answers, and answers can be copied.
+        expected = probes.volumes.copy()
+        del d
+        for copied in (copy.copy, copy.deepcopy, lambda probes: pickle.loads(pickle.dumps(probes))):
+            other = copied(probes)
+            np.testing.assert_array_equal(other.volumes, expected)
+            np.testing.assert_array_equal(other.neighbors.indices, probes.neighbors.indices)
+            self.assertFalse(other.volumes.flags.writeable)
+
+    def test_voronoi_indices(self):
+        probes = vt.Diagram(lattice(2), (0, 0, 0, 2, 2, 2)).probe([(1, 1, 1)], "faces")
+        self.assertEqual(probes.voronoi_indices().tolist(), [[8]])  # an octahedron
+
+    def test_refused(self):
+        points = uniform(5)
+        d = vt.Diagram(points, UNIT_BOX)
+        for arguments, says in [
+            (([(0.5, np.nan, 0.5)],), "query 0"),
+            (([0.5, 0.5, 0.5],), "queries has shape"),
+            ((points, "cells"), "want has 'cells'"),
+            ((points, "volumes", [1, 2]), "weights has shape"),
+            ((points, "volumes", np.zeros(5)), "the seeds have none"),
+        ]:
+            with self.assertRaisesRegex(ValueError, says):
+                d.probe(*arguments)
+        with self.assertRaisesRegex(ValueError, "weight 1 = nan"):
+            vt.Diagram(points, UNIT_BOX, weights=np.zeros(5)).probe(points, weights=[0, np.nan, 0, 0, 0])
 
 
 if __name__ == "__main__":

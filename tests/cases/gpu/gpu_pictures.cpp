@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <votess/diagram.hpp>
 
 #include "gpu/device_choice.hpp"
 #include "picture/colors.hpp"
@@ -237,6 +238,9 @@ TEST_SUITE("cases") {
         };
         const Tessellation lists = votess::tessellate(set.points, test::all_options(set.box));
         names(message(lists, bare()), "Want::faces");
+        votess::ProbeOptions of_probes;
+        of_probes.want.faces = true;
+        names(message(votess::Diagram(set.points).probe(set.points, of_probes), bare()), "cells of probes");
         PictureOptions options = bare();
         options.width = 20;
         names(message(t, options), "width = 20");

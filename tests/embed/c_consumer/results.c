@@ -341,6 +341,67 @@ void check_duplicates(votess_tessellator* tessellator) {
     CHECK(result == NULL);
 }
 
+// In the middle of the cube, at a seed, and outside.
+static void check_probes(const votess_diagram* diagram) {
+    const double queries[9] = {1, 1, 1, 0.5, 0.5, 0.5, 3, 0, 0};
+    const uint32_t want = VOTESS_WANT_VOLUMES | VOTESS_WANT_FACES;
+    votess_result* probes = NULL;
+    CHECK(votess_diagram_probe(diagram, queries, 3, want, 1, NULL, &probes) == VOTESS_OK && probes != NULL);
+    size_t length = 0;
+    CHECK(votess_result_size(probes) == 3);
+    // An octahedron that reaches no wall.
+    const int64_t* indptr = votess_result_indptr(probes, &length);
+    CHECK(length == 4 && indptr[1] == 8 && indptr[3] == 8);
+    const int32_t* indices = votess_result_indices(probes, &length);
+    CHECK(length == 8 && indices[0] == 0 && indices[7] == 7);
+    const double* volumes = votess_result_volumes(probes, &length);
+    CHECK(length == 3 && fabs(volumes[0] - 9.0 / 16) < 1e-12 && volumes[1] == 0 && volumes[2] == 0);
+    const uint8_t* status = votess_result_status(probes, &length);
+    CHECK(length == 3 && status[0] == VOTESS_CELL_CERTIFIED && status[1] == VOTESS_CELL_DUPLICATE &&
+          status[2] == VOTESS_CELL_OUTSIDE);
+    const int32_t* duplicate_of = votess_result_duplicate_of(probes, &length);
+    CHECK(length == 3 && duplicate_of[0] == -1 && duplicate_of[1] == 0);
+    // What asks for a whole diagram.
+    votess_delaunay* delaunay = NULL;
+    int passed = 0;
+    double places[9];
+    CHECK_FAILS(votess_delaunay_new(probes, &delaunay), VOTESS_ERROR_INVALID_ARGUMENT, "cells of probes");
+    CHECK_FAILS(votess_verify(probes, queries, 3, 1, 1, &passed, NULL, NULL, NULL, 0), VOTESS_ERROR_INVALID_ARGUMENT,
+                "cells of probes");
+    CHECK_FAILS(votess_wrapped_points(probes, queries, 3, places), VOTESS_ERROR_INVALID_ARGUMENT, "cells of probes");
+    votess_result_free(probes);
+
+    CHECK(votess_diagram_probe(diagram, NULL, 0, want, 0, NULL, &probes) == VOTESS_OK);
+    CHECK(votess_result_size(probes) == 0);
+    votess_result_free(probes);
+    CHECK_FAILS(votess_diagram_probe(diagram, queries, 3, 1u << 20, 0, NULL, &probes), VOTESS_ERROR_INVALID_ARGUMENT,
+                "want is 1048576");
+    CHECK_FAILS(votess_diagram_probe(diagram, queries, 3, want, 0, queries, &probes), VOTESS_ERROR_INVALID_ARGUMENT,
+                "weights");
+    CHECK_FAILS(votess_diagram_probe(diagram, NULL, 1, want, 0, NULL, &probes), VOTESS_ERROR_INVALID_ARGUMENT,
+                "queries");
+    CHECK_FAILS(votess_diagram_probe(NULL, queries, 1, want, 0, NULL, &probes), VOTESS_ERROR_INVALID_ARGUMENT,
+                "diagram");
+    CHECK_FAILS(votess_diagram_probe(diagram, queries, 1, want, 0, NULL, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "out");
+    CHECK(probes == NULL);
+}
+
+// A power diagram: a query between two equal seeds.
+static void check_weighted_probes(void) {
+    votess_options options = options_with_box(2);
+    const double seeds[6] = {0.5, 1, 1, 1.5, 1, 1}, weights[2] = {0, 0}, query[3] = {1, 1, 1}, weight = 0.125;
+    options.weights = weights;
+    votess_diagram* diagram = NULL;
+    CHECK(votess_diagram_new(seeds, 2, &options, &diagram) == VOTESS_OK);
+    votess_result* probes = NULL;
+    CHECK(votess_diagram_probe(diagram, query, 1, VOTESS_WANT_VOLUMES, 0, &weight, &probes) == VOTESS_OK);
+    const double* volumes = votess_result_volumes(probes, NULL);
+    // Bisectors move by weight / (2 distance) = 1/8.
+    CHECK(volumes != NULL && fabs(volumes[0] - 4 * 2 * (0.25 + 0.125)) < 1e-12);
+    votess_result_free(probes);
+    votess_diagram_free(diagram);
+}
+
 void check_diagram(void) {
     votess_options options = options_with_box(2);
     votess_diagram* diagram = NULL;
@@ -355,6 +416,8 @@ void check_diagram(void) {
     CHECK_FAILS(votess_diagram_locate(diagram, NULL, 1, seeds), VOTESS_ERROR_INVALID_ARGUMENT, "queries");
     CHECK_FAILS(votess_diagram_locate(diagram, queries, 1, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "seeds");
     CHECK_FAILS(votess_diagram_locate(NULL, queries, 1, seeds), VOTESS_ERROR_INVALID_ARGUMENT, "diagram");
+    check_probes(diagram);
+    check_weighted_probes();
     votess_diagram_free(diagram);
     votess_diagram_free(NULL);
     options.device = "gpu";

@@ -47,8 +47,8 @@ if TYPE_CHECKING:
     Int64Array = npt.NDArray[np.int64]
 
 _INSTEAD = {
-    "locate": "in standard mode a query belongs to its nearest point, scipy.spatial.cKDTree(points).query(queries)",
-    "ghost_cells": "tessellate the points with one query behind them: its cell is the last",
+    "locate": "pyvotess.Diagram.locate",
+    "ghost_cells": "pyvotess.Diagram.probe",
     "analyze_tessellation": "compute(..., return_diagnostics=True), or pyvotess.Tessellation.verify",
     "validate_tessellation": "pyvotess.Tessellation.verify",
     "validate_normalized_topology": "pyvotess.Tessellation.verify",

@@ -1,0 +1,51 @@
+// What --locate and --probe share: two files of points, the seeds sorted, and what the run tells at its end.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+#include <votess/diagram.hpp>
+
+#include "arguments/arguments.hpp"
+#include "read/input.hpp"
+
+namespace clvotess {
+
+// Wall-clock seconds of the stages of a run, in their order.
+class StageTimes {
+public:
+    // Ends the stage of that name, which began where the one before has ended.
+    void end(const char* stage);
+    [[nodiscard]] std::string json() const;  // an object: the total, then the stages
+
+private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point began_ = Clock::now(), last_ = began_;
+    std::vector<std::pair<const char*, double>> stages_;
+};
+
+struct Asked {
+    Input seeds, queries;
+    std::string domain_from;  // "given", "file" or "bounds"
+    votess::Diagram diagram;
+};
+
+// Ends the stages read and sort. queries: their file; of_queries: what to take out of it.
+[[nodiscard]] Asked read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
+                                  StageTimes& times);
+
+// Queries of one kind.
+struct QueryCount {
+    const char* name;  // in JSON
+    const char* text;  // for people
+    std::ptrdiff_t number;
+};
+
+// The summary or its JSON object; empty with --quiet, and where rows have stdout to themselves. done: "located".
+[[nodiscard]] std::string query_summary(const Arguments& arguments, const std::string& done, const Asked& asked,
+                                        std::span<const QueryCount> counts, const StageTimes& times);
+
+}  // namespace clvotess

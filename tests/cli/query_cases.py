@@ -1,0 +1,162 @@
+"""Questions to seeds that get no cells: --locate and --probe."""
+
+import numpy as np
+
+from cli_test import CUBE, CUBE_BOX, CliTest, random_points, text_of
+
+
+class Locate(CliTest):
+    """--locate: which cell holds each point of another file."""
+
+    def expected(self, points, queries):
+        return ((queries[:, None, :] - points[None, :, :]) ** 2).sum(axis=2).argmin(axis=1)
+
+    def test_outputs(self):
+        points, queries = random_points(300), random_points(500, seed=8)
+        self.put("p.npy", points)
+        self.put("q.npy", queries)
+        expected = self.expected(points, queries)
+        done = self.run_cli("p.npy", "--box", "0,0,0,1,1,1", "--locate", "q.npy", "-o", "ids.npy", "-o", "ids.txt")
+        self.assertEqual(done.stdout, "located 500 queries among 300 seeds\n")
+        found = np.load(self.folder / "ids.npy")
+        self.assertEqual((found.dtype, found.shape), (np.int32, (500,)))
+        np.testing.assert_array_equal(found, expected)
+        np.testing.assert_array_equal(np.loadtxt(self.folder / "ids.txt", dtype=int), expected)
+        text = "".join(f"{i}\n" for i in expected)
+        self.assertEqual(self.run_cli("p.npy", "--box", "0,0,0,1,1,1", "--locate", "q.npy", "-o", "-").stdout, text)
+        rows = "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in queries.tolist())
+        self.assertEqual(self.rows("p.npy", "--box", "0,0,0,1,1,1", "--locate", "-", stdin=rows), text.splitlines())
+
+    def test_domains(self):
+        self.put("cube.txt", CUBE)
+        self.put("q.txt", "1.2 0 0\n0.5 0.5 0.5\n9 0 0\n")
+        summary = self.json("cube.txt", "--box", CUBE_BOX, "--locate", "q.txt", "-o", "a.npy")
+        self.assertEqual({k: summary[k] for k in ("points", "queries", "outside")},
+                         {"points": 8, "queries": 3, "outside": 1})
+        self.assertEqual(sorted(summary["seconds"]), sorted(["total", "read", "sort", "locate", "write"]))
+        self.assertEqual(np.load(self.folder / "a.npy").tolist(), [1, 0, -1])
+        self.assertEqual(self.rows("cube.txt", "--box", CUBE_BOX, "--periodic", "--locate", "q.txt"), ["1", "0", "1"])
+        self.put("r.txt", "0 0 0 0.1\n1 0 0 1\n")
+        self.assertEqual(self.rows("r.txt", "--box", CUBE_BOX, "--radii", "4", "--locate", "q.txt"), ["1", "1", "-1"])
+        self.put("none.txt", "")
+        self.assertEqual(self.rows("none.txt", "--box", CUBE_BOX, "--locate", "q.txt"), ["-1"] * 3)
+        self.assertEqual(self.rows("cube.txt", "--box", CUBE_BOX, "--locate", "none.txt"), [])
+
+    def test_refused(self):
+        self.put("cube.txt", CUBE)
+        self.put("q.txt", "0 0 0\n")
+        self.put("nan.txt", "0 0 0\nnan 0 0\n")
+        asked = ["cube.txt", "--locate", "q.txt"]
+        for arguments, says in [(asked, "-o FILE.npy"), ([*asked, "-o", "a.npz"], ".npy and .txt, not 'a.npz'"),
+                                ([*asked, "-o", "q.txt"], "'q.txt'"), ([*asked, "-o", "a.npy", "-o", "./a.npy"], "twice"),
+                                ([*asked, "-o", "a.npy", "--want", "faces"], "--want is about the cells"),
+                                ([*asked, "-o", "a.npy", "--verify"], "--verify is about the cells"),
+                                ([*asked, "-o", "a.npy", "--image", "a.png"], "--image is about the cells"),
+                                ([*asked, "-o", "a.npy", "--slice", "z=0.5"], "--slice is about the cells"),
+                                ([*asked, "-o", "a.npy", "--seeds"], "--seeds is about the cells"),
+                                ([*asked, "-o", "a.npy", "-x", "gpu"], "CPU"), ([*asked, "-o", "-", "--json"], "stdout"),
+                                (["cube.txt", "--locate", "", "-o", "a.npy"], "--locate is empty"),
+                                (["-", "--locate", "-", "-o", "a.npy"], "stdin"),
+                                (["cube.txt", "--locate", "gone.txt", "-o", "a.npy"], "gone.txt"),
+                                (["cube.txt", "--locate", "nan.txt", "-o", "a.npy"], "nan")]:
+            self.refuse(*arguments, says=says)
+
+
+class Probe(CliTest):
+    """--probe: the cells that the points of another file would have, each against a run with that point added."""
+
+    BOX = ["--box", "0,0,0,1,1,1"]
+
+    def check(self, points, queries, *options, columns=()):
+        """columns: of the points and of the queries, as radii in the last column."""
+        rows = [np.hstack(row) for row in zip((points, queries), columns)] if columns else (points, queries)
+        self.put("p.txt", text_of(rows[0]))
+        self.put("q.txt", text_of(rows[1]))
+        options = [*options, "--want", "neighbors,volumes,counts,centroids", "--list-walls", "--outside", "drop"]
+        self.run_cli("p.txt", "--probe", "q.txt", "-o", "a.npz", "-q", *options)
+        with np.load(self.folder / "a.npz") as file:
+            probes = dict(file)
+        for q, row in enumerate(rows[1]):
+            self.put("one.txt", text_of([*rows[0], row]))
+            self.run_cli("one.txt", "-x", "cpu", "-o", "one.npz", "-q", *options)
+            with np.load(self.folder / "one.npz") as t:
+                for name in ("status", "face_counts", "edge_counts", "vertex_counts"):
+                    self.assertEqual(probes[name][q], t[name][-1], name)
+                for name in ("indices", "shifts") if "shifts" in t else ("indices",):
+                    np.testing.assert_array_equal(probes[name][slice(*probes["indptr"][q:q + 2])],
+                                                  t[name][t["indptr"][-2]:], name)
+                for name in ("volumes", "centroids"):
+                    np.testing.assert_allclose(probes[name][q], t[name][-1], rtol=1e-9, atol=1e-12)
+        return probes
+
+    def test_domains(self):
+        points, queries = random_points(40), random_points(4, seed=8)
+        queries[1] = points[5]
+        probes = self.check(points, np.vstack((queries, (2, 0, 0))), *self.BOX)
+        self.assertEqual(probes["status"].tolist(), [0, 5, 0, 0, 7])
+        self.assertEqual(probes["duplicate_of"].tolist(), [-1, 5, -1, -1, -1])
+        self.check(points, queries + (1, 0, -2), *self.BOX, "--periodic")
+        self.check(points, queries, "--cell", "2,0,0,0.5,1,0,-0.2,0.1,1")
+        self.check(points, queries, *self.BOX, "--wall", "1,1,1,1.5")
+        own = self.check(np.array([(0.25, 0.5, 0.5)]), [(0.75, 0.5, 0.5)], *self.BOX, "--periodic")
+        self.assertEqual(own["indices"].tolist(), [0, 0, 1, 1, 1, 1])
+
+    def test_weights(self):
+        points, queries = random_points(40), random_points(4, seed=8)
+        radii = [0.2 * random_points(n, seed)[:, :1] for n, seed in ((40, 3), (4, 4))]
+        for option in ("--radii", "--weights"):
+            probes = self.check(points, queries, *self.BOX, option, "4", columns=radii)
+        # Queries without that column, in every kind of file, have weight 0.
+        self.put("r.txt", text_of(np.hstack((points, radii[0]))))
+        self.put("0.txt", text_of(np.hstack((queries, 0 * radii[1]))))
+        asked = ["r.txt", *self.BOX, "--weights", "4", "--format", "%i %n"]
+        expected = self.rows(*asked, "--probe", "0.txt")
+        self.put("1.txt", text_of(np.hstack((queries, 1 + 0 * radii[1]))))
+        self.assertNotEqual(expected, self.rows(*asked, "--probe", "1.txt"))
+        self.put("q.npy", queries)
+        np.savez(self.folder / "q.npz", points=queries)
+        self.put("q.csv", "x,y,z\n" + text_of(queries, ","))
+        header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+        self.put("q.ply", header + "end_header\n" + text_of(queries))
+        self.put("q.vtp", '<VTKFile type="PolyData"><PolyData><Piece NumberOfPoints="4"><Points><DataArray type="Float64" '
+                 f'NumberOfComponents="3" format="ascii">{text_of(queries)}</DataArray></Points></Piece></PolyData></VTKFile>')
+        for name in ("q.npy", "q.npz", "q.csv", "q.ply", "q.vtp"):
+            self.assertListEqual(self.rows(*asked, "--probe", name), expected, name)
+        self.assertListEqual(self.rows(*asked, "--probe", "-", stdin=text_of(queries)), expected)
+
+    def test_outputs(self):
+        points, queries = random_points(40), random_points(4, seed=8)
+        queries[2] = points[7]
+        self.put("p.txt", "".join(f"{100 + i} {row}\n" for i, row in enumerate(text_of(points).splitlines())))
+        self.put("q.txt", "".join(f"{-i} {row}\n" for i, row in enumerate(text_of(queries).splitlines())))
+        asked = ["p.txt", *self.BOX, "--probe", "q.txt"]
+        # Ids of rows are those of the queries, neighbors are points by their index.
+        done = self.run_cli(*asked, "-o", "a.npz", "-o", "a.txt", "-o", "a.vtu", "--format", "%i %q %s %n", "--want", "neighbors")
+        self.assertEqual(done.stdout, "probed 4 queries among 40 seeds, 1 at the place of a seed\n")
+        with np.load(self.folder / "a.npz") as file:
+            self.assertEqual(file["ids"].tolist(), [0, -1, -2, -3])
+            rows = np.split(file["indices"], file["indptr"][1:-1])
+        text = [line.split() for line in (self.folder / "a.txt").read_text().splitlines()]
+        self.assertEqual([int(words[0]) for words in text], [0, -1, -2, -3])
+        np.testing.assert_array_equal(np.array([words[1:4] for words in text], float), queries)
+        self.assertEqual([[int(j) for j in words[5:] if int(j) >= 0] for words in text], [row[row >= 0].tolist() for row in rows])
+        self.assertIn(b'NumberOfCells="3"', (self.folder / "a.vtu").read_bytes())
+        summary = self.json(*asked, "-o", "b.txt")
+        self.assertEqual(list(summary), ["version", "points", "queries", "outside", "duplicates", "empty", "seconds"])
+        self.assertEqual([summary[k] for k in list(summary)[1:6]], [40, 4, 0, 1, 0])
+        self.assertEqual(list(summary["seconds"]), ["total", "read", "sort", "probe", "write"])
+        self.assertEqual(self.rows("p.txt", "--probe", self.put("none.txt", "")), [])
+
+    def test_refused(self):
+        self.put("cube.txt", CUBE)
+        self.put("q.txt", "0 0 0\n")
+        asked = ["cube.txt", "--probe", "q.txt"]
+        for arguments, says in [(asked, "-o FILE"), ([*asked, "-o", "a.ply"], "not 'a.ply'"), ([*asked, "-o", "q.txt"], "'q.txt'"),
+                                ([*asked, "-o", "a.npz", "--verify"], "--verify is about the cells of the points"),
+                                ([*asked, "-o", "a.npz", "--copy", "4"], "--copy is about"), ([*asked, "-o", "-", "--json"], "stdout"),
+                                ([*asked, "-o", "a.npz", "--image", "a.png"], "--image is about"),
+                                ([*asked, "-o", "a.npz", "--locate", "q.txt"], "not both"),
+                                ([*asked, "-o", "a.npz", "--want", "cells"], "'cells'"), ([*asked, "-o", "a.npz", "-x", "gpu"], "CPU"),
+                                (["cube.txt", "--probe", "", "-o", "a.npz"], "--probe is empty"),
+                                (["-", "--probe", "-", "-o", "a.npz"], "stdin")]:
+            self.refuse(*arguments, says=says)
