@@ -13,7 +13,7 @@ from ._call import VotessError
 from ._library import VERSION as __version__
 from .atoms import from_ase
 from .diagram import Diagram, Probes
-from .mesh import Delaunay, Faces, Lists, Neighbors
+from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
 from .pairs import Pairs
 from .stats import StageSeconds, Stats, VerifyReport
 from .tessellation import Tessellation
@@ -27,6 +27,7 @@ __all__ = [
     "ErrorCode",
     "Faces",
     "Lists",
+    "NaturalCoordinates",
     "Neighbors",
     "Pairs",
     "Probes",

@@ -62,12 +62,14 @@ WANT_BITS: Dict[str, int] = {
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
 OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
+NATURAL_METHODS: Dict[str, int] = {"sibson": 0, "laplace": 1}
 WantWord = Literal[
     "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
 ]
 DuplicatesWord = Literal["merge", "error"]
 OutsideWord = Literal["error", "drop"]
 PrecisionWord = Literal["single", "double"]
+NaturalWord = Literal["sibson", "laplace"]
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 
@@ -201,6 +203,19 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_diagram_free": (None, (_HANDLE,)),
     "votess_diagram_size": (c_size_t, (_HANDLE,)),
     "votess_diagram_locate": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
+    "votess_natural_new": (
+        c_int,
+        (_HANDLE, c_void_p, c_size_t, c_int32, c_int32, c_int32, c_void_p, POINTER(_HANDLE)),
+    ),
+    "votess_natural_free": (None, (_HANDLE,)),
+    "votess_natural_indptr": (c_void_p, (_HANDLE, POINTER(c_size_t))),
+    "votess_natural_indices": (c_void_p, (_HANDLE, POINTER(c_size_t))),
+    "votess_natural_weights": (c_void_p, (_HANDLE, POINTER(c_size_t))),
+    "votess_natural_gradients": (c_void_p, (_HANDLE, POINTER(c_size_t))),
+    "votess_diagram_interpolate": (
+        c_int,
+        (_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t, c_int32, c_int32, c_void_p, c_void_p, c_void_p),
+    ),
     "votess_diagram_probe": (
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_uint32, c_int32, c_void_p, POINTER(_HANDLE)),

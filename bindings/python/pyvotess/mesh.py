@@ -11,6 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
     Int32Array = npt.NDArray[np.int32]
     Int8Array = npt.NDArray[np.int8]
@@ -103,6 +104,25 @@ class Delaunay:
 
     def __repr__(self) -> str:
         return f"<pyvotess.Delaunay: {len(self.tetrahedra)} tetrahedra, {len(self.polytopes)} polytopes>"
+
+
+@dataclass(frozen=True)
+class NaturalCoordinates:
+    """Natural-neighbor coordinates of Q queries: row q of ``neighbors`` and the weights behind its entries."""
+
+    neighbors: Neighbors  #: Q rows of seeds, ascending
+    weights: Float64Array  #: (neighbors.indptr[Q],) positive, each row sums to 1
+    gradients: Optional[Float64Array]  #: (neighbors.indptr[Q], 3) of each weight, per length unit; None unless wanted
+
+    def to_scipy(self, seeds: int) -> Any:
+        """The (Q, seeds) matrix of the weights as a new scipy.sparse.csr_array: times values it interpolates."""
+        from scipy.sparse import csr_array
+
+        rows = self.neighbors
+        return csr_array((self.weights, rows.indices, rows.indptr), shape=(len(rows), seeds))
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.NaturalCoordinates of {len(self.neighbors)} queries>"
 
 
 def make_delaunay(read: Any, periodic: bool) -> Delaunay:

@@ -213,5 +213,96 @@ class Probing(unittest.TestCase):
             vt.Diagram(points, UNIT_BOX, weights=np.zeros(5)).probe(points, weights=[0, np.nan, 0, 0, 0])
 
 
+
+class NaturalNeighbors(unittest.TestCase):
+    def setUp(self):
+        self.points = uniform(600)
+        self.diagram = vt.Diagram(self.points, box=UNIT_BOX)
+        self.queries = 0.25 + 0.5 * uniform(900, seed=2)
+
+    def test_coordinates(self):
+        probes = self.diagram.probe(self.queries, want="areas")
+        for method in ("sibson", "laplace"):
+            with self.subTest(method=method):
+                c = self.diagram.natural_neighbors(self.queries, method)
+                self.assertIsNone(c.gradients)
+                self.assertEqual(repr(c), "<pyvotess.NaturalCoordinates of 900 queries>")
+                np.testing.assert_array_equal(c.neighbors.indptr, probes.neighbors.indptr)
+                np.testing.assert_array_equal(c.neighbors.indices, probes.neighbors.indices)
+                sums = np.add.reduceat(c.weights, c.neighbors.indptr[:-1])
+                np.testing.assert_allclose(sums, 1, rtol=1e-13)
+                weighted = c.weights[:, None] * self.points[c.neighbors.indices]
+                places = np.add.reduceat(weighted, c.neighbors.indptr[:-1], axis=0)
+                np.testing.assert_allclose(places, self.queries, rtol=1e-12)
+        query = np.repeat(np.arange(900), np.diff(probes.neighbors.indptr))
+        distance = np.linalg.norm(self.points[probes.neighbors.indices] - self.queries[query], axis=1)
+        ratio = probes.face_areas / distance
+        expected = ratio / np.add.reduceat(ratio, probes.neighbors.indptr[:-1])[query]
+        np.testing.assert_allclose(c.weights, expected, rtol=1e-7, atol=1e-12)
+
+    def test_fields(self):
+        slope = np.array((1.0, -2.0, 0.5))
+        values = np.column_stack((self.points @ slope, uniform(600, seed=3)[:, 0]))
+        field, gradient = self.diagram.interpolate(values, self.queries, gradient=True)
+        self.assertEqual((field.shape, gradient.shape), ((900, 2), (900, 2, 3)))
+        np.testing.assert_allclose(field[:, 0], self.queries @ slope, rtol=1e-11, atol=1e-12)
+        np.testing.assert_allclose(gradient[:, 0], np.tile(slope, (900, 1)), rtol=1e-6)
+        one = self.diagram.interpolate(values[:, 1], self.queries)
+        np.testing.assert_array_equal(one, field[:, 1])
+        c = self.diagram.natural_neighbors(self.queries, gradient=True)
+        query = np.repeat(np.arange(900), np.diff(c.neighbors.indptr))
+        summed = np.zeros((900, 3))
+        np.add.at(summed, query, c.gradients * values[c.neighbors.indices, 1][:, None])
+        np.testing.assert_allclose(gradient[:, 1], summed, rtol=1e-9, atol=1e-9)
+        try:
+            matrix = c.to_scipy(600)
+        except ImportError:
+            return
+        np.testing.assert_allclose(matrix @ values[:, 1], one, rtol=1e-13)
+
+    def test_walls_and_seeds(self):
+        queries = np.vstack((self.points[5], (0.001, 0.5, 0.5), (2, 0, 0)))
+        values = np.arange(600.0)
+        field, gradient = self.diagram.interpolate(values, queries, gradient=True)
+        self.assertEqual(field[0], 5)
+        self.assertTrue(np.isnan(gradient[0]).all())
+        self.assertTrue(np.isfinite(field[1]) and np.isfinite(gradient[1]).all())
+        self.assertTrue(np.isnan(field[2]))
+        inside = self.diagram.interpolate(values, queries, at_walls=False)
+        np.testing.assert_array_equal(np.isnan(inside), (False, True, True))
+        rows = self.diagram.natural_neighbors(queries, at_walls=False).neighbors
+        self.assertEqual([list(row) for row in rows], [[5], [], []])
+
+    def test_periodic_and_power(self):
+        values = uniform(600, seed=4)[:, 0]
+        periodic = vt.Diagram(self.points, UNIT_BOX, periodic=True)
+        field = periodic.interpolate(values, self.queries)
+        np.testing.assert_allclose(periodic.interpolate(values, self.queries + (3, -1, 0)), field, rtol=1e-9)
+        self.assertTrue(np.all((field >= values.min()) & (field <= values.max())))
+        weights = 1e-3 * uniform(600, seed=5)[:, 0]
+        power = vt.Diagram(self.points, UNIT_BOX, weights=weights)
+        c = power.natural_neighbors(self.queries, weights=np.full(900, 1e-3))
+        np.testing.assert_array_equal(np.diff(c.neighbors.indptr) > 0, True)
+        places = c.weights[:, None] * self.points[c.neighbors.indices]
+        places = np.add.reduceat(places, c.neighbors.indptr[:-1], axis=0)
+        np.testing.assert_allclose(places, self.queries, rtol=1e-11)
+
+    def test_refusals(self):
+        d, q = self.diagram, self.queries
+        for call, what in (
+            (lambda: d.natural_neighbors(q, "linear"), "sibson"),
+            (lambda: d.natural_neighbors(q, "laplace", gradient=True), "Sibson"),
+            (lambda: d.natural_neighbors(q, weights=np.zeros(900)), "weights"),
+            (lambda: d.interpolate(np.zeros(599), q), "599"),
+            (lambda: d.interpolate(np.zeros((600, 1, 1)), q), "shape"),
+            (lambda: d.interpolate(np.zeros((600, 0)), q), "components"),
+        ):
+            with self.assertRaisesRegex(ValueError, what):
+                call()
+        with self.assertRaises(vt.VotessError) as raised:
+            vt.Diagram([(0.5, 0.5, 0.5)], UNIT_BOX, periodic=True).natural_neighbors([(0.1, 0.2, 0.3)])
+        self.assertEqual(raised.exception.code, vt.ErrorCode.UNSUPPORTED)
+
+
 if __name__ == "__main__":
     unittest.main()
