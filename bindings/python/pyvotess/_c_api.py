@@ -203,6 +203,10 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_diagram_free": (None, (_HANDLE,)),
     "votess_diagram_size": (c_size_t, (_HANDLE,)),
     "votess_diagram_locate": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
+    "votess_diagram_probe": (
+        c_int,
+        (_HANDLE, c_void_p, c_size_t, c_uint32, c_int32, c_void_p, POINTER(_HANDLE)),
+    ),
     "votess_natural_new": (
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_int32, c_int32, c_int32, c_void_p, POINTER(_HANDLE)),
@@ -215,10 +219,6 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_diagram_interpolate": (
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t, c_int32, c_int32, c_void_p, c_void_p, c_void_p),
-    ),
-    "votess_diagram_probe": (
-        c_int,
-        (_HANDLE, c_void_p, c_size_t, c_uint32, c_int32, c_void_p, POINTER(_HANDLE)),
     ),
     "votess_verify": (
         c_int,
