@@ -38,11 +38,6 @@ Vector Division::direction(std::size_t a, std::size_t b, std::size_t c) const {
     return cross(minus(normal(b), normal(a)), minus(normal(c), normal(a)));
 }
 
-void Division::start(Pair& pair, std::size_t a, std::size_t b) {
-    pair = {{}, turn_, static_cast<std::uint8_t>(std::min(a, b)), static_cast<std::uint8_t>(std::max(a, b))};
-    known_.push_back(static_cast<std::uint16_t>(most_neighbors * pair.a + pair.b));
-}
-
 void Division::add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
     for (const std::size_t f : {a, b}) {
         const Vector n = normal(f);
@@ -58,8 +53,8 @@ bool Division::finish() {
         const Vector n = normal(a);
         volumes_[a] = h_[a] / dot(n, n) * dot(n, areas_[a]) / 6;
     }
-    for (const std::uint16_t known : known_) {
-        const Pair& pair = pairs_[known];
+    for (std::size_t k = 0; k < known_count_; ++k) {
+        const Pair& pair = pairs_[known_[k]];
         const double x = nx_[pair.b] - nx_[pair.a], y = ny_[pair.b] - ny_[pair.a], z = nz_[pair.b] - nz_[pair.a];
         const double times = x * pair.across[0] + y * pair.across[1] + z * pair.across[2];
         const double part = (h_[pair.b] - h_[pair.a]) * times / (6 * (x * x + y * y + z * z));

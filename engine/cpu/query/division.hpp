@@ -10,8 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <span>
-#include <vector>
 
 namespace votess::cpu {
 
@@ -24,7 +22,7 @@ public:
         count_ = 0;
         moments_ = moments;
         ++turn_;
-        known_.clear();
+        known_count_ = 0;
     }
     // The bisector with a neighbor is n.x = h. Returns its number, the next one, or most_neighbors.
     std::size_t add_neighbor(std::int32_t seed, const Vector& n, double h);
@@ -92,7 +90,10 @@ private:
         std::uint32_t turn = 0;
         std::uint8_t a, b;
     };
-    void start(Pair& pair, std::size_t a, std::size_t b);
+    void start(Pair& pair, std::size_t a, std::size_t b) {
+        pair = {{}, turn_, static_cast<std::uint8_t>(std::min(a, b)), static_cast<std::uint8_t>(std::max(a, b))};
+        known_[known_count_++] = static_cast<std::uint16_t>(most_neighbors * pair.a + pair.b);
+    }
     void add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w);
 
     std::size_t count_ = 0;
@@ -102,7 +103,8 @@ private:
     std::array<Vector, most_neighbors> areas_{}, moment_{};  // areas_: twice those
     std::array<double, most_neighbors> volumes_{};
     std::array<Pair, most_neighbors * most_neighbors> pairs_{};
-    std::vector<std::uint16_t> known_;  // those of this turn
+    std::array<std::uint16_t, most_neighbors * most_neighbors / 2> known_;  // those of this turn
+    std::size_t known_count_ = 0;
     std::uint32_t turn_ = 0;
 };
 

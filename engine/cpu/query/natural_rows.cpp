@@ -172,21 +172,30 @@ void NaturalRows::add_gradients(double total) {
             entry.gradient[i] = (entry.gradient[i] - entry.weight * sum[i]) / (total * unscale_);
 }
 
-// A seed of which several images are neighbors has one entry.
+// In ascending order. A seed of which several images are neighbors has one entry.
 void NaturalRows::give(std::size_t k) {
-    std::ranges::sort(entries_, {}, &Entry::seed);
+    order_.resize(entries_.size());
+    for (std::size_t e = 0; e < order_.size(); ++e) {
+        const std::uint64_t key = std::uint64_t{static_cast<std::uint32_t>(entries_[e].seed)} << 32 | e;
+        std::size_t place = e;
+        for (; place > 0 && order_[place - 1] > key; --place) order_[place] = order_[place - 1];
+        order_[place] = key;
+    }
     row_seeds_.clear();
     row_weights_.clear();
     row_gradients_.clear();
-    for (const Entry& entry : entries_) {
-        if (!row_seeds_.empty() && row_seeds_.back() == entry.seed) {
+    for (const std::uint64_t key : order_) {
+        const Entry& entry = entries_[static_cast<std::uint32_t>(key)];
+        const bool again = !row_seeds_.empty() && row_seeds_.back() == entry.seed;
+        if (!again) {
+            row_seeds_.push_back(entry.seed);
+            row_weights_.push_back(entry.weight);
+        } else {
             row_weights_.back() += entry.weight;
-            for (std::size_t i = 0; i < 3; ++i) row_gradients_.back()[i] += entry.gradient[i];
-            continue;
         }
-        row_seeds_.push_back(entry.seed);
-        row_weights_.push_back(entry.weight);
-        row_gradients_.push_back(entry.gradient);
+        if (!options_.gradients) continue;
+        if (!again) row_gradients_.push_back({});
+        for (std::size_t i = 0; i < 3; ++i) row_gradients_.back()[i] += entry.gradient[i];
     }
     out_->take(k, {row_seeds_, row_weights_, row_gradients_});
 }

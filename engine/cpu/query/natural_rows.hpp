@@ -81,6 +81,7 @@ private:
     };
     std::vector<Face> faces_of_;
     std::vector<Entry> entries_;
+    std::vector<std::uint64_t> order_;  // by seed, then entry
     std::vector<std::int32_t> row_seeds_;
     std::vector<double> row_weights_;
     std::vector<std::array<double, 3>> row_gradients_;

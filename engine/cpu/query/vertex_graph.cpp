@@ -133,25 +133,22 @@ bool GraphDivider::find_first() {
     }
     if (!(here.excess < 0)) return false;
     near_ = here.vertex;
-    std::int32_t place = 0;
-    (void)see(near_, place);
+    (void)see(near_);
     return true;
 }
 
-// Returns what is known of a vertex; its place among those swallowed, or none.
-const GraphDivider::Place* GraphDivider::see(std::int32_t vertex, std::int32_t& place) {
+// Returns the place of a vertex, which is new at first, and swallowed if it is nearer to the probe than to its seeds.
+std::size_t GraphDivider::see(std::int32_t vertex) {
     std::size_t at = (static_cast<std::uint32_t>(vertex) * 2654435761u) >> 22;
     while (seen_[at].turn == turn_ && seen_[at].vertex != vertex) at = (at + 1) % table_size;
     Seen& seen = seen_[at];
     if (seen.turn != turn_) {
-        const Place found = look(vertex);
-        std::vector<Place>& list = found.excess < 0 ? swallowed_ : outside_;
-        seen = {vertex, static_cast<std::int32_t>(list.size()), turn_};
-        if (!(found.excess < 0)) seen.place = -1 - seen.place;
-        list.push_back(found);
+        seen = {vertex, static_cast<std::int32_t>(place_count_), turn_};
+        places_[place_count_] = look(vertex);
+        if (places_[place_count_].excess < 0) swallowed_[swallowed_count_++] = static_cast<std::uint16_t>(place_count_);
+        ++place_count_;
     }
-    place = seen.place;
-    return place < 0 ? &outside_[static_cast<std::size_t>(-1 - place)] : &swallowed_[static_cast<std::size_t>(place)];
+    return static_cast<std::size_t>(seen.place);
 }
 
 std::size_t GraphDivider::neighbor(std::int32_t seed, Division& out) {
@@ -170,11 +167,8 @@ bool GraphDivider::divide(const Probe& probe, bool moments, Division& out) {
     out.begin(moments);
     at_ = probe.place.at;
     weight_ = probe.weight;
-    swallowed_.clear();
-    outside_.clear();
-    corners_.clear();
-    for (const std::uint16_t edge : edges_) ends_[edge] = 0;
-    edges_.clear();
+    for (std::size_t e = 0; e < 3 * corner_count_; ++e) ends_[edges_[e]] = 0;
+    place_count_ = swallowed_count_ = corner_count_ = 0;
     ++turn_;
     return find_first() && search(out) && add_rims(out) && out.finish();
 }
@@ -182,9 +176,11 @@ bool GraphDivider::divide(const Probe& probe, bool moments, Division& out) {
 bool GraphDivider::search(Division& out) {
     // The three others of four cells: they turn so that their edge leads away.
     constexpr std::size_t others[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
-    for (std::size_t s = 0; s < swallowed_.size(); ++s) {
-        const VertexGraph::Vertex& v = graph_->vertex(swallowed_[s].vertex);
-        if (!v.is_plain() || s == most_swallowed) return false;
+    for (std::size_t s = 0; s < swallowed_count_; ++s) {
+        const std::size_t own = swallowed_[s];
+        const Place& here = places_[own];
+        const VertexGraph::Vertex& v = graph_->vertex(here.vertex);
+        if (!v.is_plain() || swallowed_count_ > most_swallowed) return false;
         std::array<std::size_t, 4> near;
         for (std::size_t k = 0; k < 4; ++k) {
             near[k] = neighbor(v.cells[k], out);
@@ -193,18 +189,17 @@ bool GraphDivider::search(Division& out) {
         for (std::size_t k = 0; k < 4; ++k) {
             if (v.next[k] == VertexGraph::none) return false;
             const std::size_t a = near[others[k][0]], b = near[others[k][1]], c = near[others[k][2]];
-            std::int32_t place = 0;
-            const Place* const there = see(v.next[k], place);
-            const Place& here = swallowed_[s];
-            if (place >= 0) {
-                if (static_cast<std::size_t>(place) > s) out.add_inner(a, b, c, here.x, there->x);
+            const std::size_t place = see(v.next[k]);
+            const Place& there = places_[place];
+            if (there.excess < 0) {
+                if (place > own) out.add_inner(a, b, c, here.x, there.x);  // such an edge comes twice
                 continue;
             }
             // Along the edge the excess is linear.
-            const double share = here.excess / (here.excess - there->excess);
+            const double share = here.excess / (here.excess - there.excess);
             Vector corner;
-            for (std::size_t i = 0; i < 3; ++i) corner[i] = here.x[i] + share * (there->x[i] - here.x[i]);
-            if (!is_inside(corner)) return false;
+            for (std::size_t i = 0; i < 3; ++i) corner[i] = here.x[i] + share * (there.x[i] - here.x[i]);
+            if (corner_count_ == most_corners || !is_inside(corner)) return false;
             out.add_inner(a, b, c, here.x, corner);
             add_corner(a, b, c, corner);
         }
@@ -214,13 +209,13 @@ bool GraphDivider::search(Division& out) {
 
 // direction(a, b, c) leads out of the cell there.
 void GraphDivider::add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x) {
-    corners_.push_back(x);
-    const auto number = static_cast<std::uint16_t>(corners_.size());
-    for (const std::size_t edge :
-         {Division::most_neighbors * a + b, Division::most_neighbors * b + c, Division::most_neighbors * c + a}) {
-        ends_[edge] = number;
-        edges_.push_back(static_cast<std::uint16_t>(edge));
-    }
+    constexpr std::size_t most = Division::most_neighbors;
+    std::uint16_t* const edges = &edges_[3 * corner_count_];
+    corners_[corner_count_++] = x;
+    edges[0] = static_cast<std::uint16_t>(most * a + b);
+    edges[1] = static_cast<std::uint16_t>(most * b + c);
+    edges[2] = static_cast<std::uint16_t>(most * c + a);
+    for (std::size_t e = 0; e < 3; ++e) ends_[edges[e]] = static_cast<std::uint16_t>(corner_count_);
 }
 
 // The domain is convex: where all corners lie inside, no wall cuts the cell.
@@ -235,7 +230,8 @@ bool GraphDivider::is_inside(const Vector& x) const {
 }
 
 bool GraphDivider::add_rims(Division& out) {
-    for (const std::uint16_t edge : edges_) {
+    for (std::size_t e = 0; e < 3 * corner_count_; ++e) {
+        const std::uint16_t edge = edges_[e];
         const std::size_t a = edge / Division::most_neighbors, b = edge % Division::most_neighbors;
         const std::uint16_t end = ends_[edge], begin = ends_[Division::most_neighbors * b + a];
         if (begin == 0) return false;

@@ -68,31 +68,31 @@ public:
 private:
     using Vector = std::array<double, 3>;
     struct Seen {
-        std::int32_t vertex, place;  // in swallowed_, or outside_
+        std::int32_t vertex, place;  // in places_
         std::uint32_t turn = 0;
     };
     struct Place {
-        std::int32_t vertex;
         Vector x;  // relative to the probe
-        double
-            excess;  // squared distance of the probe, less its weight and the vertex's power: negative when swallowed
+        // The squared distance of the probe, less its weight and the vertex's power: negative when it is swallowed.
+        double excess;
+        std::int32_t vertex;
     };
     [[nodiscard]] Place look(std::int32_t vertex) const {
         const VertexGraph::Vertex& v = graph_->vertex(vertex);
         const auto seed = static_cast<std::size_t>(v.cells[0]);
         const Vector x{(seeds_.x[seed] - at_[0]) + v.from[0], (seeds_.y[seed] - at_[1]) + v.from[1],
                        (seeds_.z[seed] - at_[2]) + v.from[2]};
-        return {vertex, x, x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - weight_ - v.power};
+        return {x, x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - weight_ - v.power, vertex};
     }
     [[nodiscard]] bool find_first();
-    [[nodiscard]] const Place* see(std::int32_t vertex, std::int32_t& place);
+    [[nodiscard]] std::size_t see(std::int32_t vertex);
     [[nodiscard]] std::size_t neighbor(std::int32_t seed, Division& out);
     [[nodiscard]] bool search(Division& out);
     void add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x);
     [[nodiscard]] bool is_inside(const Vector& x) const;
     [[nodiscard]] bool add_rims(Division& out);
 
-    static constexpr std::size_t table_size = 1024, most_swallowed = 128;
+    static constexpr std::size_t table_size = 1024, most_swallowed = 128, most_corners = 2 * Division::most_neighbors;
 
     const SortedSeeds& seeds_;
     const VertexGraph* graph_ = nullptr;
@@ -100,7 +100,10 @@ private:
     std::int32_t near_ = VertexGraph::none;  // a vertex near the last probe
     exact::Point at_{};
     double weight_ = 0;
-    std::vector<Place> swallowed_, outside_;
+    std::array<Place, 5 * most_swallowed> places_;  // of the vertices seen
+    std::size_t place_count_ = 0;
+    std::array<std::uint16_t, most_swallowed + 4> swallowed_;  // of these
+    std::size_t swallowed_count_ = 0;
     std::array<Seen, table_size> seen_{};
     struct Number {  // of a seed in the division
         std::int32_t seed;
@@ -108,10 +111,11 @@ private:
     };
     std::array<Number, 128> numbers_{};
     std::uint32_t turn_ = 0;
-    std::vector<Vector> corners_;  // of the cell
+    std::array<Vector, most_corners> corners_;  // of the cell
+    std::size_t corner_count_ = 0;
     // By neighbors a and b: 1 + the corner where the edge between their faces ends, counterclockwise around a.
     std::array<std::uint16_t, Division::most_neighbors * Division::most_neighbors> ends_{};
-    std::vector<std::uint16_t> edges_;  // places of ends_ in use
+    std::array<std::uint16_t, 3 * most_corners> edges_;  // places of ends_ in use, three a corner
 };
 
 }  // namespace votess::cpu
