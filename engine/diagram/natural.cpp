@@ -149,15 +149,14 @@ NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double
     out.weights.resize(size);
     out.gradients.resize(options.gradients ? 3 * size : 0);
     for (const RowSink::Rows& rows : all) {
-        std::size_t from = 0;
+        std::ptrdiff_t from = 0;
         for (const std::int32_t query : rows.queries) {
-            const auto q = static_cast<std::size_t>(query), to = static_cast<std::size_t>(out.indptr[q]);
-            const std::size_t count = static_cast<std::size_t>(out.indptr[q + 1]) - to;
-            std::copy_n(rows.seeds.begin() + static_cast<std::ptrdiff_t>(from), count, &out.indices[to]);
-            std::copy_n(rows.weights.begin() + static_cast<std::ptrdiff_t>(from), count, &out.weights[to]);
+            const auto q = static_cast<std::size_t>(query);
+            const std::ptrdiff_t to = out.indptr[q], count = out.indptr[q + 1] - to;
+            std::copy_n(rows.seeds.begin() + from, count, out.indices.begin() + to);
+            std::copy_n(rows.weights.begin() + from, count, out.weights.begin() + to);
             if (options.gradients)
-                std::copy_n(rows.gradients.begin() + static_cast<std::ptrdiff_t>(3 * from), 3 * count,
-                            &out.gradients[3 * to]);
+                std::copy_n(rows.gradients.begin() + 3 * from, 3 * count, out.gradients.begin() + 3 * to);
             from += count;
         }
     }
