@@ -215,14 +215,31 @@ TEST_SUITE("threads") {
         votess::Options options;
         options.box = test::unit_box();
         options.threads = 1;
-        const auto expected = votess::Diagram(set.points, options).locate(queries);
+        const votess::Diagram alone(set.points, options);
+        const auto expected = alone.locate(queries);
+        const auto cells = alone.probe(queries);
+        const auto coordinates = alone.natural_neighbors(queries);
         options.threads = 3;
         const votess::Diagram diagram(set.points, options);
-        const votess::Diagram& copy = diagram;
-        std::array<std::vector<std::int32_t>, 4> found;
+        struct Found {
+            std::vector<std::int32_t> located;
+            votess::Tessellation cells;
+            votess::NaturalCoordinates coordinates;
+        };
+        std::array<Found, 4> found;
         std::vector<std::thread> threads;
-        for (auto& one : found) threads.emplace_back([&] { one = copy.locate(queries); });
+        for (Found& one : found)
+            threads.emplace_back([&, copy = diagram] {
+                one.located = copy.locate(queries);
+                one.cells = copy.probe(queries);
+                one.coordinates = copy.natural_neighbors(queries);
+            });
         for (std::thread& thread : threads) thread.join();
-        for (const auto& one : found) CHECK(one == expected);
+        for (const Found& one : found) {
+            CHECK(one.located == expected);
+            CHECK(std::ranges::equal(one.cells.indices(), cells.indices()));
+            CHECK(one.coordinates.indptr == coordinates.indptr);
+            CHECK(one.coordinates.indices == coordinates.indices);
+        }
     }
 }
