@@ -158,6 +158,51 @@ TEST_SUITE("probe") {
         }
     }
 
+    // Cells so flat that seeds are moved into a reduced one, thin and far boxes, queries next to seeds and far outside.
+    TEST_CASE("probe: extreme domains") {
+        test::Random random(test::environment("VOTESS_PROBE_SEED", 23));
+        for (std::size_t set = 0; set < test::environment("VOTESS_PROBE_SETS", test::by_size(120, 24)); ++set) {
+            CAPTURE(set);
+            test::QueryCase c;
+            c.options.threads = 1;
+            votess::TriclinicBox cell{{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+            const auto kind = set % 6;
+            if (kind == 0) cell.b = {3.4, 1, 0}, cell.c = {-2.7, 1.8, 1};
+            if (kind == 1) cell.b = {0.5, 0.05, 0}, cell.c = {0.25, 0.125, 0.5};
+            if (kind == 2) cell.b = {0, 1e-3, 0};
+            if (kind == 3) cell.a = {0x1p-10, 0, 0}, cell.b = {0, 0x1p-10, 0}, cell.c = {0, 0, 0x1p-10};
+            if (kind == 3) cell.origin = {1e8, -1e8, 3e7};
+            if (kind == 4) cell.b = {2.5, 1, 0}, cell.periodic = {true, true, false};
+            if (kind == 5) cell.c = {30, -20, 1}, cell.periodic = {true, false, true};
+            c.options.cell = cell;
+            const auto at = [&](double a, double b, double d, Coordinates& to) {
+                for (std::size_t k = 0; k < 3; ++k)
+                    to.push_back(cell.origin[k] + a * cell.a[k] + b * cell.b[k] + d * cell.c[k]);
+            };
+            const std::size_t n = 1 + random.below(40);
+            for (std::size_t i = 0; i < n; ++i) at(random.uniform(), random.uniform(), random.uniform(), c.points);
+            if (set % 4 == 3)
+                for (std::size_t i = 0; i < n; ++i) c.weights.push_back(1e-7 * random.uniform());
+            Coordinates queries;
+            for (int q = 0; q < 6; ++q) {
+                const auto far = [&](std::size_t j) {
+                    return cell.periodic[j] ? random.uniform(-3, 4) : random.uniform(0, 1);
+                };
+                if (q < 3) {
+                    at(far(0), far(1), far(2), queries);
+                    continue;
+                }
+                const std::size_t i = random.below(n);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double x = c.points[3 * i + k];
+                    queries.push_back(q == 3 ? x : std::nextafter(x, random.below(2) == 0 ? -1e9 : 1e9));
+                }
+            }
+            c.options.outside = votess::Outside::drop;
+            check_probes(c, queries, {});
+        }
+    }
+
     TEST_CASE("probe: no seeds, several threads, and what is refused") {
         votess::Options options;
         options.box = test::unit_box();
