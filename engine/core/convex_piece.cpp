@@ -4,23 +4,6 @@
 #include <cmath>
 
 namespace votess {
-namespace {
-
-using Vector = ConvexPiece::Vector;
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Vector minus(const Vector& a, const Vector& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-}  // namespace
 
 void ConvexPiece::clear() {
     corners_.clear();

@@ -7,11 +7,13 @@
 #include <span>
 #include <vector>
 
+#include "core/vector3.hpp"
+
 namespace votess {
 
 class ConvexPiece {
 public:
-    using Vector = std::array<double, 3>;
+    using Vector = Vector3;
 
     void clear();
     // The polyhedron is bounded by polygons, counterclockwise seen from outside.

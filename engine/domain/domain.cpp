@@ -3,20 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/vector3.hpp"
 #include "exact/integer/rows.hpp"
 
 namespace votess {
 namespace {
 
-using Vector = std::array<double, 3>;
+using Vector = Vector3;
 using exact::WideInt;
 
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 double length(const Vector& a) {
     return std::sqrt(dot(a, a));
 }

@@ -5,12 +5,13 @@
 #include <string>
 
 #include "core/text.hpp"
+#include "core/vector3.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
 namespace {
 
-using Vector = std::array<double, 3>;
+using Vector = Vector3;
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message);
@@ -40,10 +41,6 @@ Vector direction(const char* what, const Vector& x) {
     const Vector scaled{x[0] * scale, x[1] * scale, x[2] * scale};
     const double length = std::hypot(scaled[0], scaled[1], scaled[2]);
     return {scaled[0] / length, scaled[1] / length, scaled[2] / length};
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 // The plane across n through the point that is `distance` along n from `from`.

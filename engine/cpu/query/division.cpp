@@ -3,20 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/vector3.hpp"
+
 namespace votess::cpu {
 namespace {
 
 using Vector = Division::Vector;
 
 constexpr double most_unbalanced = 1e-12;  // of the sum of volumes times distances
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector minus(const Vector& a, const Vector& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
 
 }  // namespace
 

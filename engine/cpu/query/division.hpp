@@ -11,11 +11,13 @@
 #include <array>
 #include <cstdint>
 
+#include "core/vector3.hpp"
+
 namespace votess::cpu {
 
 class Division {
 public:
-    using Vector = std::array<double, 3>;
+    using Vector = Vector3;
     static constexpr std::size_t most_neighbors = 32;
 
     void begin(bool moments) {
@@ -64,9 +66,6 @@ public:
     [[nodiscard]] Vector direction(std::size_t a, std::size_t b, std::size_t c) const;
 
 private:
-    static Vector cross(const Vector& a, const Vector& b) {
-        return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    }
     static void add(Vector& to, const Vector& x) {
         to[0] += x[0];
         to[1] += x[1];

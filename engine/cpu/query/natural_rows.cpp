@@ -5,16 +5,13 @@
 #include <limits>
 #include <numeric>
 
+#include "core/vector3.hpp"
 #include "cpu/sort/seed_images.hpp"
 
 namespace votess::cpu {
 namespace {
 
-using Vector = std::array<double, 3>;
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+using Vector = Vector3;
 
 }  // namespace
 

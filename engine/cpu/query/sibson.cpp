@@ -4,16 +4,14 @@
 #include <bit>
 #include <utility>
 
+#include "core/vector3.hpp"
+
 namespace votess::cpu {
 namespace {
 
-using Vector = std::array<double, 3>;
+using Vector = Vector3;
 
 constexpr std::size_t most_vertices = 128;
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 struct Three {
     std::size_t a, b, c;

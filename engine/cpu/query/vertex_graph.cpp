@@ -3,20 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/vector3.hpp"
+
 namespace votess::cpu {
 namespace {
 
-using Vector = std::array<double, 3>;
+using Vector = Vector3;
 
 constexpr double worst_condition = 1e9;  // product of lengths over the determinant
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 }  // namespace
 
