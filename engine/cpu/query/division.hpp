@@ -4,7 +4,8 @@
 //
 // The volume of a part is a sum over the edges of its faces: V x W, for an edge from V to W counterclockwise around a
 // face, sums to twice the area vector A of the face, and A.R / 3 is the volume of the pyramid between it and the probe,
-// with R anywhere on the plane of the face. Edges come in any order; lengths are relative to the probe.
+// with R anywhere on the plane of the face. Edges come in any order; lengths are relative to the probe. A wall that P
+// reaches is a neighbor without a part: it bounds those of others.
 #pragma once
 
 #include <algorithm>
@@ -21,33 +22,37 @@ public:
     static constexpr std::size_t most_neighbors = 32;
 
     void begin(bool moments) {
-        count_ = 0;
+        count_ = neighbors_ = 0;
         moments_ = moments;
         ++turn_;
         known_count_ = 0;
     }
     // The bisector with a neighbor is n.x = h. Returns its number, the next one, or most_neighbors.
     std::size_t add_neighbor(std::int32_t seed, const Vector& n, double h);
-    // An edge of P between the faces of neighbors a and b, counterclockwise around that of a.
+    // The plane n.x = h of a wall, after all neighbors.
+    std::size_t add_wall(const Vector& n, double h);
+    // An edge of P between the faces of a and b, counterclockwise around that of a; not between two walls.
     void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
         const Vector across = cross(v, w);
-        add(areas_[a], across);
-        subtract(areas_[b], across);
+        if (!is_wall(a)) add(areas_[a], across);
+        if (!is_wall(b)) subtract(areas_[b], across);
         add_across(b, a, across);
         if (moments_) add_moments(a, b, v, w);
     }
-    // An edge inside, as near to neighbors a, b and c: direction(a, b, c) points from v to w.
+    // An edge inside, as near to a, b and c, or on those of them that are walls; between walls it is an edge of P, too.
+    // direction(a, b, c) points from v to w.
     void add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w) {
         const Vector across = cross(v, w);
         add_across(a, b, across);
         add_across(b, c, across);
         add_across(c, a, across);
     }
-    // False when the parts do not balance, which shows that an edge was wrong or missing: by Sibson's identity, the sum
-    // of volume times neighbor is 0.
+    // False when an edge was wrong or missing: the faces of a part then do not sum to 0, or the parts do not balance:
+    // by Sibson's identity, the sum of volume times neighbor is 0 away from walls.
     [[nodiscard]] bool finish();
 
-    [[nodiscard]] std::size_t size() const { return count_; }
+    [[nodiscard]] std::size_t size() const { return neighbors_; }
+    [[nodiscard]] bool is_wall(std::size_t a) const { return a >= neighbors_; }
     [[nodiscard]] std::int32_t seed(std::size_t a) const { return seeds_[a]; }
     [[nodiscard]] Vector normal(std::size_t a) const { return {nx_[a], ny_[a], nz_[a]}; }
     [[nodiscard]] double height(std::size_t a) const { return h_[a]; }
@@ -55,14 +60,13 @@ public:
     [[nodiscard]] double volume(std::size_t a) const { return volumes_[a]; }
     [[nodiscard]] const Vector& moment(std::size_t a) const { return moment_[a]; }  // integral of x over its face
 
-    // By number, padded with planes that nothing meets up to a multiple of four.
-    static constexpr double never = 1e300;
-    struct Planes {
-        const double *nx, *ny, *nz, *h;
+    // Components of normals by number, walls too; readable up to most_neighbors.
+    struct Normals {
+        const double *x, *y, *z;
         std::size_t count;
     };
-    [[nodiscard]] Planes planes();
-    // Along the line of points as near to a, b and c.
+    [[nodiscard]] Normals normals() const { return {nx_.data(), ny_.data(), nz_.data(), count_}; }
+    // Along the line of points as near to a, which is no wall, b and c.
     [[nodiscard]] Vector direction(std::size_t a, std::size_t b, std::size_t c) const;
 
 private:
@@ -77,6 +81,7 @@ private:
         to[2] -= x[2];
     }
     void add_across(std::size_t a, std::size_t b, const Vector& across) {
+        if (is_wall(a) && is_wall(b)) return;
         Pair& pair = pairs_[most_neighbors * std::min(a, b) + std::max(a, b)];
         if (pair.turn != turn_) start(pair, a, b);
         const double sign = a < b ? 1 : -1;
@@ -95,7 +100,7 @@ private:
     }
     void add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w);
 
-    std::size_t count_ = 0;
+    std::size_t count_ = 0, neighbors_ = 0;
     bool moments_ = false;
     std::array<std::int32_t, most_neighbors> seeds_{};
     alignas(64) std::array<double, most_neighbors> nx_{}, ny_{}, nz_{}, h_{};

@@ -62,9 +62,16 @@ void NaturalRows::read_planes(std::size_t k, Star& star) {
     const Probe& probe = probes_[k];
     const SeedImages* images = seeds_.images;
     shape_.planes.clear();
+    const bool at_wall = std::ranges::any_of(star.faces(), [](std::int32_t id) { return id < 0; });
+    if (at_wall) star.normals(normals_);
     for (const std::int32_t id : star.faces()) {
         ProbeShape::Plane plane{id, {}, 0};
-        if (id >= 0) {
+        if (id < 0) {
+            const CellPolygons& polygons = shape_.polygons;
+            const std::size_t face = shape_.planes.size();
+            plane.n = normals_[face];
+            plane.h = dot(plane.n, polygons.positions[polygons.corners[polygons.offsets[face]]]);
+        } else {
             const auto i = static_cast<std::size_t>(id);
             exact::Plane bisector = exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
             if (images != nullptr) {

@@ -76,6 +76,7 @@ private:
     std::vector<double> volumes_;
     CellFaces faces_;
     std::vector<std::uint32_t> ranks_;
+    std::vector<std::array<double, 3>> normals_;
     struct Face {  // of the shape: the area vector, and the integral of x over it
         std::array<double, 3> area, moment;
     };

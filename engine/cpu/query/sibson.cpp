@@ -12,6 +12,8 @@ namespace {
 using Vector = Vector3;
 
 constexpr std::size_t most_vertices = 128;
+constexpr double never = 1e300;                 // h of a plane that is not there
+constexpr double more_than_rounding = 0x1p-43;  // of the squared distances of neighbors
 
 struct Three {
     std::size_t a, b, c;
@@ -33,11 +35,39 @@ Three numbers_of(std::uint32_t three) {
 }  // namespace
 
 bool Sibson::divide(const ProbeShape& shape, bool moments, Division& out) {
+    for (const double moved : {0.0, more_than_rounding})
+        if (read(shape, moved, moments, out) && add_rims(shape.polygons, out) && walk_inward(shape.polygons, out) &&
+            walk_on(out) && out.finish())
+            return true;
+    return false;
+}
+
+bool Sibson::read(const ProbeShape& shape, double moved, bool moments, Division& out) {
     out.begin(moments);
-    for (const ProbeShape::Plane& plane : shape.planes)
-        if (plane.seed < 0 || out.add_neighbor(plane.seed, plane.n, plane.h) == Division::most_neighbors) return false;
-    planes_ = out.planes();
-    return add_rims(shape.polygons, out) && walk_inward(shape.polygons, out) && walk_on(out) && out.finish();
+    const std::size_t count = shape.planes.size();
+    if (count > Division::most_neighbors) return false;
+    for (std::size_t f = 0; f < count; ++f) {
+        const ProbeShape::Plane& plane = shape.planes[f];
+        if (plane.seed < 0) continue;
+        const std::size_t a = out.add_neighbor(plane.seed, plane.n, plane.h);
+        number_[f] = static_cast<std::uint8_t>(a);
+        // By shares that follow no pattern.
+        const double share = static_cast<double>(static_cast<std::uint32_t>(plane.seed) * 2654435761u) * 0x1p-32;
+        h_[a] = plane.h + moved * share * dot(plane.n, plane.n);
+        approached_[a] = 1;
+    }
+    for (std::size_t f = 0; f < count; ++f) {
+        const ProbeShape::Plane& plane = shape.planes[f];
+        if (plane.seed >= 0) continue;
+        const std::size_t w = out.add_wall(plane.n, plane.h);
+        number_[f] = static_cast<std::uint8_t>(w);
+        h_[w] = plane.h;
+        approached_[w] = 0;
+    }
+    normals_ = out.normals();
+    padded_ = (count + 3) / 4 * 4;
+    for (std::size_t i = count; i < padded_; ++i) h_[i] = never;
+    return true;
 }
 
 // False where more than three faces meet.
@@ -51,7 +81,7 @@ bool Sibson::add_rims(const CellPolygons& polygons, Division& out) {
         for (std::uint32_t k = begin; k < end; ++k) {
             const std::uint32_t v = polygons.corners[k], w = polygons.corners[k + 1 == end ? begin : k + 1];
             if (sides_known_[v] == 3) return false;
-            sides_[v][sides_known_[v]++] = {static_cast<std::uint8_t>(f), static_cast<std::uint8_t>(w)};
+            sides_[v][sides_known_[v]++] = {number_[f], static_cast<std::uint8_t>(w)};
         }
     }
     // Vertices of no face may be there, too.
@@ -62,7 +92,8 @@ bool Sibson::add_rims(const CellPolygons& polygons, Division& out) {
             if (w < v) continue;
             const auto back = std::ranges::find(sides_[w], static_cast<std::uint8_t>(v), &Side::to);
             if (back == sides_[w].end()) return false;
-            out.add_rim(a, back->face, polygons.positions[v], polygons.positions[w]);
+            if (!out.is_wall(a) || !out.is_wall(back->face))
+                out.add_rim(a, back->face, polygons.positions[v], polygons.positions[w]);
         }
     }
     return true;
@@ -80,23 +111,24 @@ bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t t
     using Four __attribute__((vector_size(32), aligned(32), may_alias)) = double;
     const auto [a, b, c] = numbers_of(three);
     const Vector n = division.normal(a);
-    const double excess = division.height(a) - dot(n, from), speed = dot(n, along);
+    const double excess = h_[a] - dot(n, from), speed = dot(n, along);
     alignas(32) std::array<double, Division::most_neighbors> times;
-    for (std::size_t i = 0; i < planes_.count; i += 4) {
+    for (std::size_t i = 0; i < padded_; i += 4) {
         const auto four = [i](const double* all) -> const Four& { return reinterpret_cast<const Four&>(all[i]); };
-        const Four &nx = four(planes_.nx), &ny = four(planes_.ny), &nz = four(planes_.nz);
-        const Four left = four(planes_.h) - nx * from[0] - ny * from[1] - nz * from[2] - excess;
-        const Four nearing = nx * along[0] + ny * along[1] + nz * along[2] - speed;
-        const Four none = Four{} + Division::never;
+        const Four &nx = four(normals_.x), &ny = four(normals_.y), &nz = four(normals_.z);
+        const Four& approached = four(approached_.data());
+        const Four left = four(h_.data()) - nx * from[0] - ny * from[1] - nz * from[2] - approached * excess;
+        const Four nearing = nx * along[0] + ny * along[1] + nz * along[2] - approached * speed;
+        const Four none = Four{} + never;
         reinterpret_cast<Four&>(times[i]) = nearing > 0 ? left / nearing : none;
     }
-    times[a] = times[b] = times[c] = Division::never;
-    double least = Division::never;
-    for (std::size_t i = 0; i < planes_.count; ++i) least = times[i] < least ? times[i] : least;
-    if (!(least < Division::never)) return false;
+    for (std::size_t i = normals_.count; i < padded_; ++i) times[i] = never;
+    times[a] = times[b] = times[c] = never;
+    double least = never;
+    for (std::size_t i = 0; i < padded_; ++i) least = times[i] < least ? times[i] : least;
+    if (!(least < never)) return false;
     std::size_t next = 0;
     while (times[next] != least) ++next;
-    if (next >= division.size()) return false;
     if (vertices_.size() == most_vertices) return false;
     for (std::size_t k = 0; k < 3; ++k) to[k] = from[k] + least * along[k];
     vertices_.push_back({three | 1u << next, 1u << next, to});
@@ -108,8 +140,11 @@ bool Sibson::walk_inward(const CellPolygons& polygons, Division& out) {
     vertices_.clear();
     for (std::size_t v = 0; v < sides_.size(); ++v) {
         if (sides_known_[v] == 0) continue;
-        const std::size_t a = sides_[v][0].face;
-        std::size_t b = sides_[v][1].face, c = sides_[v][2].face;
+        std::size_t a = sides_[v][0].face, b = sides_[v][1].face, c = sides_[v][2].face;
+        // Neighbors have lower numbers than walls.
+        if (b < a) std::swap(a, b);
+        if (c < a) std::swap(a, c);
+        if (out.is_wall(a)) continue;
         const Vector along = turn(out, a, b, c, out.normal(a), {});
         const std::uint32_t three = 1u << a | 1u << b | 1u << c;
         Vector to;
@@ -130,11 +165,13 @@ bool Sibson::walk_on(Division& out) {
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
         for (std::uint32_t left = vertices_[v].near & ~vertices_[v].done; left != 0; left &= left - 1) {
             const std::uint32_t without = left & -left, three = vertices_[v].near & ~without;
-            auto [a, b, c] = numbers_of(three);
-            // The neighbor that is left falls back.
-            const std::size_t d = static_cast<std::size_t>(std::countr_zero(without));
-            const Vector along = turn(out, a, b, c, out.normal(d), out.normal(a)), from = vertices_[v].x;
             vertices_[v].done |= without;
+            auto [a, b, c] = numbers_of(three);
+            if (out.is_wall(a)) continue;
+            // The one that is left falls back.
+            const std::size_t d = static_cast<std::size_t>(std::countr_zero(without));
+            const Vector than = out.is_wall(d) ? Vector{} : out.normal(a), from = vertices_[v].x;
+            const Vector along = turn(out, a, b, c, out.normal(d), than);
             Vector to;
             // Vertices before this one have no edges left.
             if (Vertex* const known = find(three, v + 1)) {

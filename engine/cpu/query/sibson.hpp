@@ -2,10 +2,11 @@
 //
 // Its edges begin at the vertices of the cell: where three neighbors a, b, c are as near as the probe, the points that
 // are as near to a, b and c lead inward, until a fourth, d, is as near. At such a vertex three more edges begin, each
-// without one of the four, and lead to other vertices.
+// without one of the four, and lead to other vertices. A wall takes part as a neighbor that is reached, not approached.
 //
-// Where more than three faces meet, a wall is near, or rounding made the edges inconsistent, the cell is cut by the
-// planes instead, once for each neighbor.
+// Where more than four neighbors are as near, rounding makes the edges inconsistent. They are found once more with
+// neighbors that are moved by a little more than rounding is. Where more than three faces of the cell meet, or that
+// fails, the cell is cut by the planes instead, once for each neighbor.
 #pragma once
 
 #include <array>
@@ -33,7 +34,7 @@ struct ProbeShape {
 
 class Sibson {
 public:
-    // False when the cell must be cut. The neighbors are numbered as the planes.
+    // False when the cell must be cut.
     [[nodiscard]] bool divide(const ProbeShape& shape, bool moments, Division& out);
     // Volumes by plane, 0 for walls.
     void cut(const ProbeShape& shape, std::vector<double>& volumes);
@@ -57,6 +58,7 @@ private:
         std::uint8_t face, to;
     };
 
+    [[nodiscard]] bool read(const ProbeShape& shape, double moved, bool moments, Division& out);
     [[nodiscard]] bool add_rims(const CellPolygons& polygons, Division& out);
     [[nodiscard]] bool walk_inward(const CellPolygons& polygons, Division& out);
     [[nodiscard]] bool walk_on(Division& out);
@@ -64,8 +66,12 @@ private:
     [[nodiscard]] bool leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along,
                              Vector& to);
 
-    Division::Planes planes_{};
-    std::vector<std::array<Side, 3>> sides_;  // by vertex of the cell
+    // By number, padded with planes that nothing meets up to a multiple of four.
+    Division::Normals normals_{};
+    std::size_t padded_ = 0;
+    alignas(32) std::array<double, Division::most_neighbors> h_{}, approached_{};  // 1 for neighbors, 0 for walls
+    std::array<std::uint8_t, Division::most_neighbors> number_{};                  // by plane of the shape
+    std::vector<std::array<Side, 3>> sides_;                                       // by vertex of the cell
     std::vector<std::uint8_t> sides_known_;
     std::vector<Vertex> vertices_;
     ConvexPiece whole_, part_;
