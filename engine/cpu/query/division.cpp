@@ -34,6 +34,28 @@ Vector Division::direction(std::size_t a, std::size_t b, std::size_t c) const {
     return cross(away(b), away(c));
 }
 
+bool Division::add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x) {
+    if (corner_count_ == most_corners) return false;
+    std::uint16_t* const edges = &edges_[3 * corner_count_];
+    corners_[corner_count_++] = x;
+    edges[0] = static_cast<std::uint16_t>(most_neighbors * a + b);
+    edges[1] = static_cast<std::uint16_t>(most_neighbors * b + c);
+    edges[2] = static_cast<std::uint16_t>(most_neighbors * c + a);
+    for (std::size_t e = 0; e < 3; ++e) ends_[edges[e]] = static_cast<std::uint16_t>(corner_count_);
+    return true;
+}
+
+bool Division::add_rims() {
+    for (std::size_t e = 0; e < 3 * corner_count_; ++e) {
+        const std::size_t a = edges_[e] / most_neighbors, b = edges_[e] % most_neighbors;
+        if (is_wall(a) && is_wall(b)) continue;
+        const std::uint16_t end = ends_[edges_[e]], begin = ends_[most_neighbors * b + a];
+        if (begin == 0) return false;
+        if (a < b) add_rim(a, b, corners_[begin - 1u], corners_[end - 1u]);
+    }
+    return true;
+}
+
 void Division::add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
     for (const std::size_t f : {a, b}) {
         if (is_wall(f)) continue;

@@ -26,19 +26,18 @@ public:
         moments_ = moments;
         ++turn_;
         known_count_ = 0;
+        for (std::size_t e = 0; e < 3 * corner_count_; ++e) ends_[edges_[e]] = 0;
+        corner_count_ = 0;
     }
     // The bisector with a neighbor is n.x = h. Returns its number, the next one, or most_neighbors.
     std::size_t add_neighbor(std::int32_t seed, const Vector& n, double h);
     // The plane n.x = h of a wall, after all neighbors.
     std::size_t add_wall(const Vector& n, double h);
-    // An edge of P between the faces of a and b, counterclockwise around that of a; not between two walls.
-    void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
-        const Vector across = cross(v, w);
-        if (!is_wall(a)) add(areas_[a], across);
-        if (!is_wall(b)) subtract(areas_[b], across);
-        add_across(b, a, across);
-        if (moments_) add_moments(a, b, v, w);
-    }
+    // A vertex of P on the faces of a, b and c, not all of them walls: direction(a, b, c) leads out of P. False when
+    // there are too many.
+    [[nodiscard]] bool add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x);
+    // After all corners: the edges between them. False when one has no end.
+    [[nodiscard]] bool add_rims();
     // An edge inside, as near to a, b and c, or on those of them that are walls; between walls it is an edge of P, too.
     // direction(a, b, c) points from v to w.
     void add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w) {
@@ -80,6 +79,14 @@ private:
         to[1] -= x[1];
         to[2] -= x[2];
     }
+    // Counterclockwise around the face of a.
+    void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
+        const Vector across = cross(v, w);
+        if (!is_wall(a)) add(areas_[a], across);
+        if (!is_wall(b)) subtract(areas_[b], across);
+        add_across(b, a, across);
+        if (moments_) add_moments(a, b, v, w);
+    }
     void add_across(std::size_t a, std::size_t b, const Vector& across) {
         if (is_wall(a) && is_wall(b)) return;
         Pair& pair = pairs_[most_neighbors * std::min(a, b) + std::max(a, b)];
@@ -110,6 +117,12 @@ private:
     std::array<std::uint16_t, most_neighbors * most_neighbors / 2> known_;  // those of this turn
     std::size_t known_count_ = 0;
     std::uint32_t turn_ = 0;
+    static constexpr std::size_t most_corners = 2 * most_neighbors;
+    std::array<Vector, most_corners> corners_;
+    std::size_t corner_count_ = 0;
+    // By most_neighbors a + b: 1 + the corner where the edge between their faces ends, counterclockwise around a.
+    std::array<std::uint16_t, most_neighbors * most_neighbors> ends_{};
+    std::array<std::uint16_t, 3 * most_corners> edges_;  // places of ends_ in use, three a corner
 };
 
 }  // namespace votess::cpu

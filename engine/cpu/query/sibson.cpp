@@ -11,7 +11,7 @@ namespace {
 
 using Vector = Vector3;
 
-constexpr std::size_t most_vertices = 128;
+constexpr std::size_t most_vertices = 128, none = ~std::size_t{0};
 constexpr double never = 1e300;                 // h of a plane that is not there
 constexpr double more_than_rounding = 0x1p-43;  // of the squared distances of neighbors
 
@@ -35,67 +35,91 @@ Three numbers_of(std::uint32_t three) {
 }  // namespace
 
 bool Sibson::divide(const ProbeShape& shape, bool moments, Division& out) {
-    for (const double moved : {0.0, more_than_rounding})
-        if (read(shape, moved, moments, out) && add_rims(shape.polygons, out) && walk_inward(shape.polygons, out) &&
-            walk_on(out) && out.finish())
-            return true;
+    if (shape.planes.size() > Division::most_neighbors) return false;
+    for (const double moved : {0.0, more_than_rounding}) {
+        read(shape, moved, moments, out);
+        const bool known = moved == 0 ? read_corners(shape.polygons) : walk_surface(shape.polygons, out);
+        if (known && walk_inward(out) && walk_on(out) && out.add_rims() && out.finish()) return true;
+    }
     return false;
 }
 
-bool Sibson::read(const ProbeShape& shape, double moved, bool moments, Division& out) {
+void Sibson::read(const ProbeShape& shape, double moved, bool moments, Division& out) {
     out.begin(moments);
-    const std::size_t count = shape.planes.size();
-    if (count > Division::most_neighbors) return false;
-    for (std::size_t f = 0; f < count; ++f) {
-        const ProbeShape::Plane& plane = shape.planes[f];
-        if (plane.seed < 0) continue;
-        const std::size_t a = out.add_neighbor(plane.seed, plane.n, plane.h);
+    const auto& planes = shape.planes;
+    for (std::size_t f = 0; f < planes.size(); ++f) {
+        if (planes[f].seed < 0) continue;
+        const std::size_t a = out.add_neighbor(planes[f].seed, planes[f].n, planes[f].h);
         number_[f] = static_cast<std::uint8_t>(a);
         // By shares that follow no pattern.
-        const double share = static_cast<double>(static_cast<std::uint32_t>(plane.seed) * 2654435761u) * 0x1p-32;
-        h_[a] = plane.h + moved * share * dot(plane.n, plane.n);
+        const double share = static_cast<double>(static_cast<std::uint32_t>(planes[f].seed) * 2654435761u) * 0x1p-32;
+        h_[a] = planes[f].h + moved * share * dot(planes[f].n, planes[f].n);
         approached_[a] = 1;
     }
-    for (std::size_t f = 0; f < count; ++f) {
-        const ProbeShape::Plane& plane = shape.planes[f];
-        if (plane.seed >= 0) continue;
-        const std::size_t w = out.add_wall(plane.n, plane.h);
+    for (std::size_t f = 0; f < planes.size(); ++f) {
+        if (planes[f].seed >= 0) continue;
+        const std::size_t w = out.add_wall(planes[f].n, planes[f].h);
         number_[f] = static_cast<std::uint8_t>(w);
-        h_[w] = plane.h;
+        h_[w] = planes[f].h;
         approached_[w] = 0;
     }
     normals_ = out.normals();
-    padded_ = (count + 3) / 4 * 4;
-    for (std::size_t i = count; i < padded_; ++i) h_[i] = never;
-    return true;
+    padded_ = (planes.size() + 3) / 4 * 4;
+    for (std::size_t i = planes.size(); i < padded_; ++i) h_[i] = never, approached_[i] = 0;
 }
 
 // False where more than three faces meet.
-bool Sibson::add_rims(const CellPolygons& polygons, Division& out) {
+bool Sibson::read_corners(const CellPolygons& polygons) {
     const std::size_t vertices = polygons.positions.size();
-    if (vertices > most_vertices) return false;
-    sides_.resize(vertices);
-    sides_known_.assign(vertices, 0);
-    for (std::size_t f = 0; f < polygons.size(); ++f) {
-        const std::uint32_t begin = polygons.offsets[f], end = polygons.offsets[f + 1];
-        for (std::uint32_t k = begin; k < end; ++k) {
-            const std::uint32_t v = polygons.corners[k], w = polygons.corners[k + 1 == end ? begin : k + 1];
-            if (sides_known_[v] == 3) return false;
-            sides_[v][sides_known_[v]++] = {number_[f], static_cast<std::uint8_t>(w)};
+    planes_known_.assign(vertices, 0);
+    corners_.resize(vertices);
+    for (std::size_t f = 0; f < polygons.size(); ++f)
+        for (std::uint32_t k = polygons.offsets[f]; k < polygons.offsets[f + 1]; ++k) {
+            const std::uint32_t v = polygons.corners[k];
+            if (planes_known_[v] == 3) return false;
+            corners_[v].planes[planes_known_[v]++] = number_[f];
         }
-    }
     // Vertices of no face may be there, too.
-    if (!std::ranges::all_of(sides_known_, [](std::uint8_t known) { return known == 3 || known == 0; })) return false;
+    std::size_t count = 0;
     for (std::size_t v = 0; v < vertices; ++v) {
-        for (std::size_t side = 0; side < sides_known_[v]; ++side) {
-            const auto& [a, w] = sides_[v][side];
-            if (w < v) continue;
-            const auto back = std::ranges::find(sides_[w], static_cast<std::uint8_t>(v), &Side::to);
-            if (back == sides_[w].end()) return false;
-            if (!out.is_wall(a) || !out.is_wall(back->face))
-                out.add_rim(a, back->face, polygons.positions[v], polygons.positions[w]);
-        }
+        if (planes_known_[v] == 0) continue;
+        if (planes_known_[v] != 3) return false;
+        corners_[count++] = {corners_[v].planes, polygons.positions[v]};
     }
+    corners_.resize(count);
+    return true;
+}
+
+// From a point inside to a face, an edge and a corner of the cell, and along the edges to all others.
+bool Sibson::walk_surface(const CellPolygons& polygons, const Division& division) {
+    Vector x{};
+    for (const std::uint32_t corner : polygons.corners)
+        for (std::size_t k = 0; k < 3; ++k)
+            x[k] += polygons.positions[corner][k] / static_cast<double>(polygons.corners.size());
+    const std::size_t a = go(x, division.normal(0), 0);
+    if (a == none) return false;
+    const std::size_t b = go(x, cross(division.normal(a), {0.36, 0.48, 0.8}), 1u << a);
+    if (b == none) return false;
+    const std::size_t c = go(x, cross(division.normal(a), division.normal(b)), 1u << a | 1u << b);
+    if (c == none) return false;
+    const auto corner_at = [](std::size_t i, std::size_t j, std::size_t k, const Vector& at) {
+        return Corner{{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), static_cast<std::uint8_t>(k)}, at};
+    };
+    corners_.assign(1, corner_at(a, b, c, x));
+    for (std::size_t v = 0; v < corners_.size(); ++v)
+        for (std::size_t leaving = 0; leaving < 3; ++leaving) {
+            const std::size_t i = corners_[v].planes[(leaving + 1) % 3], j = corners_[v].planes[(leaving + 2) % 3];
+            const auto has_both = [i, j, v, this](const Corner& corner) {
+                return &corner != &corners_[v] && std::ranges::find(corner.planes, i) != corner.planes.end() &&
+                       std::ranges::find(corner.planes, j) != corner.planes.end();
+            };
+            if (std::ranges::any_of(corners_, has_both)) continue;
+            Vector along = cross(division.normal(i), division.normal(j)), to = corners_[v].x;
+            if (dot(along, division.normal(corners_[v].planes[leaving])) > 0) along = {-along[0], -along[1], -along[2]};
+            const std::size_t next = go(to, along, 1u << i | 1u << j);
+            if (next == none || corners_.size() == most_vertices) return false;
+            corners_.push_back(corner_at(i, j, next, to));
+        }
     return true;
 }
 
@@ -106,12 +130,11 @@ Sibson::Vertex* Sibson::find(std::uint32_t three, std::size_t begin) {
     return nullptr;
 }
 
-// Along an edge of three neighbors, from a vertex to a new one: where the next neighbor is as near.
-bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along, Vector& to) {
+// The plane that a ray meets first, but for some; neighbors come nearer than one with that excess and speed. none: it
+// meets none.
+std::size_t Sibson::meet(const Vector& from, const Vector& along, std::uint32_t without, double excess, double speed,
+                         double& time) const {
     using Four __attribute__((vector_size(32), aligned(32), may_alias)) = double;
-    const auto [a, b, c] = numbers_of(three);
-    const Vector n = division.normal(a);
-    const double excess = h_[a] - dot(n, from), speed = dot(n, along);
     alignas(32) std::array<double, Division::most_neighbors> times;
     for (std::size_t i = 0; i < padded_; i += 4) {
         const auto four = [i](const double* all) -> const Four& { return reinterpret_cast<const Four&>(all[i]); };
@@ -119,43 +142,60 @@ bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t t
         const Four& approached = four(approached_.data());
         const Four left = four(h_.data()) - nx * from[0] - ny * from[1] - nz * from[2] - approached * excess;
         const Four nearing = nx * along[0] + ny * along[1] + nz * along[2] - approached * speed;
-        const Four none = Four{} + never;
-        reinterpret_cast<Four&>(times[i]) = nearing > 0 ? left / nearing : none;
+        const Four never_met = Four{} + never;
+        reinterpret_cast<Four&>(times[i]) = nearing > 0 ? left / nearing : never_met;
     }
     for (std::size_t i = normals_.count; i < padded_; ++i) times[i] = never;
-    times[a] = times[b] = times[c] = never;
-    double least = never;
-    for (std::size_t i = 0; i < padded_; ++i) least = times[i] < least ? times[i] : least;
-    if (!(least < never)) return false;
+    for (; without != 0; without &= without - 1) times[static_cast<std::size_t>(std::countr_zero(without))] = never;
+    time = never;
+    for (std::size_t i = 0; i < padded_; ++i) time = times[i] < time ? times[i] : time;
+    if (!(time < never)) return none;
     std::size_t next = 0;
-    while (times[next] != least) ++next;
-    if (vertices_.size() == most_vertices) return false;
-    for (std::size_t k = 0; k < 3; ++k) to[k] = from[k] + least * along[k];
+    while (times[next] != time) ++next;
+    return next;
+}
+
+// To the plane that a ray meets first.
+std::size_t Sibson::go(Vector& x, const Vector& along, std::uint32_t without) const {
+    double time = 0;
+    const std::size_t next = meet(x, along, without, 0, 0, time);
+    for (std::size_t k = 0; k < 3 && next != none; ++k) x[k] += time * along[k];
+    return next;
+}
+
+// Along an edge of three neighbors, from a vertex to a new one: where the next neighbor is as near.
+bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along, Vector& to) {
+    const std::size_t a = numbers_of(three).a;
+    const Vector n = division.normal(a);
+    double time = 0;
+    const std::size_t next = meet(from, along, three, h_[a] - dot(n, from), dot(n, along), time);
+    if (next == none || vertices_.size() == most_vertices) return false;
+    for (std::size_t k = 0; k < 3; ++k) to[k] = from[k] + time * along[k];
     vertices_.push_back({three | 1u << next, 1u << next, to});
     return true;
 }
 
-// The edges that begin at the vertices of the cell.
-bool Sibson::walk_inward(const CellPolygons& polygons, Division& out) {
+// The edges that begin at the corners of the cell.
+bool Sibson::walk_inward(Division& out) {
     vertices_.clear();
-    for (std::size_t v = 0; v < sides_.size(); ++v) {
-        if (sides_known_[v] == 0) continue;
-        std::size_t a = sides_[v][0].face, b = sides_[v][1].face, c = sides_[v][2].face;
+    for (const Corner& corner : corners_) {
+        std::size_t a = corner.planes[0], b = corner.planes[1], c = corner.planes[2];
         // Neighbors have lower numbers than walls.
         if (b < a) std::swap(a, b);
         if (c < a) std::swap(a, c);
         if (out.is_wall(a)) continue;
         const Vector along = turn(out, a, b, c, out.normal(a), {});
         const std::uint32_t three = 1u << a | 1u << b | 1u << c;
+        if (!out.add_corner(a, c, b, corner.x)) return false;
         Vector to;
         // It meets each of these planes once, so it has one end inside.
         if (Vertex* const known = find(three, 0)) {
             if (!known->reach(three)) return false;
             to = known->x;
-        } else if (!leave(out, polygons.positions[v], three, along, to)) {
+        } else if (!leave(out, corner.x, three, along, to)) {
             return false;
         }
-        out.add_inner(a, b, c, polygons.positions[v], to);
+        out.add_inner(a, b, c, corner.x, to);
     }
     return true;
 }
@@ -190,10 +230,10 @@ void Sibson::cut(const ProbeShape& shape, std::vector<double>& volumes) {
     whole_.clear();
     const CellPolygons& polygons = shape.polygons;
     for (std::size_t f = 0; f < polygons.size(); ++f) {
-        corners_.clear();
+        polygon_.clear();
         for (std::uint32_t k = polygons.offsets[f]; k < polygons.offsets[f + 1]; ++k)
-            corners_.push_back(polygons.positions[polygons.corners[k]]);
-        whole_.add_polygon(corners_);
+            polygon_.push_back(polygons.positions[polygons.corners[k]]);
+        whole_.add_polygon(polygon_);
     }
     const auto& planes = shape.planes;
     volumes.assign(planes.size(), 0);

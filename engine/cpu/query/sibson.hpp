@@ -4,9 +4,9 @@
 // are as near to a, b and c lead inward, until a fourth, d, is as near. At such a vertex three more edges begin, each
 // without one of the four, and lead to other vertices. A wall takes part as a neighbor that is reached, not approached.
 //
-// Where more than four neighbors are as near, rounding makes the edges inconsistent. They are found once more with
-// neighbors that are moved by a little more than rounding is. Where more than three faces of the cell meet, or that
-// fails, the cell is cut by the planes instead, once for each neighbor.
+// Where more than four neighbors are as near, or more than three faces of the cell meet, rounding would make the edges
+// inconsistent. All of them, those of the cell too, are then found with planes that are moved by a little more than
+// rounding is. Where that fails the cell is cut by the planes, once for each neighbor.
 #pragma once
 
 #include <array>
@@ -54,15 +54,16 @@ private:
             return is_new;
         }
     };
-    struct Side {  // of a vertex of the cell: the edge that goes out along a face
-        std::uint8_t face, to;
-    };
 
-    [[nodiscard]] bool read(const ProbeShape& shape, double moved, bool moments, Division& out);
-    [[nodiscard]] bool add_rims(const CellPolygons& polygons, Division& out);
-    [[nodiscard]] bool walk_inward(const CellPolygons& polygons, Division& out);
+    void read(const ProbeShape& shape, double moved, bool moments, Division& out);
+    [[nodiscard]] bool read_corners(const CellPolygons& polygons);
+    [[nodiscard]] bool walk_surface(const CellPolygons& polygons, const Division& division);
+    [[nodiscard]] bool walk_inward(Division& out);
     [[nodiscard]] bool walk_on(Division& out);
     [[nodiscard]] Vertex* find(std::uint32_t three, std::size_t begin);
+    [[nodiscard]] std::size_t meet(const Vector& from, const Vector& along, std::uint32_t without, double excess,
+                                   double speed, double& time) const;
+    [[nodiscard]] std::size_t go(Vector& x, const Vector& along, std::uint32_t without) const;
     [[nodiscard]] bool leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along,
                              Vector& to);
 
@@ -71,11 +72,15 @@ private:
     std::size_t padded_ = 0;
     alignas(32) std::array<double, Division::most_neighbors> h_{}, approached_{};  // 1 for neighbors, 0 for walls
     std::array<std::uint8_t, Division::most_neighbors> number_{};                  // by plane of the shape
-    std::vector<std::array<Side, 3>> sides_;                                       // by vertex of the cell
-    std::vector<std::uint8_t> sides_known_;
+    struct Corner {  // of the cell, on three of its planes
+        std::array<std::uint8_t, 3> planes;
+        Vector x;
+    };
+    std::vector<Corner> corners_;
+    std::vector<std::uint8_t> planes_known_;  // by vertex of the polygons
     std::vector<Vertex> vertices_;
     ConvexPiece whole_, part_;
-    std::vector<Vector> corners_;
+    std::vector<Vector> polygon_;
 };
 
 }  // namespace votess::cpu

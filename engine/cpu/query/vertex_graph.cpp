@@ -161,10 +161,9 @@ bool GraphDivider::divide(const Probe& probe, bool moments, Division& out) {
     out.begin(moments);
     at_ = probe.place.at;
     weight_ = probe.weight;
-    for (std::size_t e = 0; e < 3 * corner_count_; ++e) ends_[edges_[e]] = 0;
-    place_count_ = swallowed_count_ = corner_count_ = 0;
+    place_count_ = swallowed_count_ = 0;
     ++turn_;
-    return find_first() && search(out) && add_rims(out) && out.finish();
+    return find_first() && search(out) && out.add_rims() && out.finish();
 }
 
 bool GraphDivider::search(Division& out) {
@@ -193,23 +192,11 @@ bool GraphDivider::search(Division& out) {
             const double share = here.excess / (here.excess - there.excess);
             Vector corner;
             for (std::size_t i = 0; i < 3; ++i) corner[i] = here.x[i] + share * (there.x[i] - here.x[i]);
-            if (corner_count_ == most_corners || !is_inside(corner)) return false;
+            if (!is_inside(corner) || !out.add_corner(a, b, c, corner)) return false;
             out.add_inner(a, b, c, here.x, corner);
-            add_corner(a, b, c, corner);
         }
     }
     return true;
-}
-
-// direction(a, b, c) leads out of the cell there.
-void GraphDivider::add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x) {
-    constexpr std::size_t most = Division::most_neighbors;
-    std::uint16_t* const edges = &edges_[3 * corner_count_];
-    corners_[corner_count_++] = x;
-    edges[0] = static_cast<std::uint16_t>(most * a + b);
-    edges[1] = static_cast<std::uint16_t>(most * b + c);
-    edges[2] = static_cast<std::uint16_t>(most * c + a);
-    for (std::size_t e = 0; e < 3; ++e) ends_[edges[e]] = static_cast<std::uint16_t>(corner_count_);
 }
 
 // The domain is convex: where all corners lie inside, no wall cuts the cell.
@@ -221,17 +208,6 @@ bool GraphDivider::is_inside(const Vector& x) const {
     }
     return std::ranges::all_of(domain_->walls,
                                [&](const exact::Plane& wall) { return dot(wall.seed, place) < wall.wall; });
-}
-
-bool GraphDivider::add_rims(Division& out) {
-    for (std::size_t e = 0; e < 3 * corner_count_; ++e) {
-        const std::uint16_t edge = edges_[e];
-        const std::size_t a = edge / Division::most_neighbors, b = edge % Division::most_neighbors;
-        const std::uint16_t end = ends_[edge], begin = ends_[Division::most_neighbors * b + a];
-        if (begin == 0) return false;
-        if (a < b) out.add_rim(a, b, corners_[begin - 1u], corners_[end - 1u]);
-    }
-    return true;
 }
 
 }  // namespace votess::cpu

@@ -88,11 +88,9 @@ private:
     [[nodiscard]] std::size_t see(std::int32_t vertex);
     [[nodiscard]] std::size_t neighbor(std::int32_t seed, Division& out);
     [[nodiscard]] bool search(Division& out);
-    void add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x);
     [[nodiscard]] bool is_inside(const Vector& x) const;
-    [[nodiscard]] bool add_rims(Division& out);
 
-    static constexpr std::size_t table_size = 1024, most_swallowed = 128, most_corners = 2 * Division::most_neighbors;
+    static constexpr std::size_t table_size = 1024, most_swallowed = 128;
 
     const SortedSeeds& seeds_;
     const VertexGraph* graph_ = nullptr;
@@ -111,11 +109,6 @@ private:
     };
     std::array<Number, 128> numbers_{};
     std::uint32_t turn_ = 0;
-    std::array<Vector, most_corners> corners_;  // of the cell
-    std::size_t corner_count_ = 0;
-    // By neighbors a and b: 1 + the corner where the edge between their faces ends, counterclockwise around a.
-    std::array<std::uint16_t, Division::most_neighbors * Division::most_neighbors> ends_{};
-    std::array<std::uint16_t, 3 * most_corners> edges_;  // places of ends_ in use, three a corner
 };
 
 }  // namespace votess::cpu
