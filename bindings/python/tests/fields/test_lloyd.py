@@ -121,6 +121,10 @@ class Steps(unittest.TestCase):
             (points / 3, {"box": UNIT_BOX, "walls": [(70, 70, 70, 70)]}),
         ):
             vt.lloyd(start, 30, over_relaxation=1.99, **domain)
+            # So little beyond the centroid no seed leaves the domain.
+            t = vt.tessellate(start, want="centroids", **domain)
+            r = vt.lloyd(start, 1, over_relaxation=1.01, **domain)
+            np.testing.assert_allclose(r.points - start, 1.01 * (t.centroids - t.wrapped_points), atol=1e-13)
 
     def test_fixed(self):
         points = uniform(SEEDS)
