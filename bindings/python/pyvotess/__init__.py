@@ -13,6 +13,7 @@ from ._call import VotessError
 from ._library import VERSION as __version__
 from .atoms import from_ase
 from .diagram import Diagram, Probes
+from .fields.lloyd import Relaxation, lloyd
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
 from .pairs import Pairs
 from .stats import StageSeconds, Stats, VerifyReport
@@ -31,6 +32,7 @@ __all__ = [
     "Neighbors",
     "Pairs",
     "Probes",
+    "Relaxation",
     "StageSeconds",
     "Stats",
     "Tessellation",
@@ -40,6 +42,7 @@ __all__ = [
     "__version__",
     "devices",
     "from_ase",
+    "lloyd",
     "tessellate",
     "walls",
 ]

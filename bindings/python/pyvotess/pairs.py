@@ -37,7 +37,7 @@ class Pairs:
         return f"<pyvotess.Pairs: {len(self)} entries>"
 
 
-def _edges(t: Tessellation) -> Float64Array:
+def edges_of(t: Tessellation) -> Float64Array:
     """The vectors of the box, a row each."""
     if t.cell is not None:
         return t.cell
@@ -55,7 +55,7 @@ def make_pairs(t: Tessellation) -> Pairs:
     shift = None
     if t.shifts is not None:
         shift = t.shifts[is_seed]
-        vector += shift @ _edges(t)
+        vector += shift @ edges_of(t)
     area = t.face_areas[is_seed] if "areas" in t._wanted else None
     return Pairs(i, j, shift, vector, np.sqrt(np.einsum("pk,pk->p", vector, vector)), area)
 
@@ -140,7 +140,7 @@ def make_derivatives(t: Tessellation, of: str, by: str) -> Any:
     is_seed = j >= 0
     vector = np.where(is_seed[:, None], places[j] - places[i], 0)
     if t.shifts is not None:
-        vector += np.where(is_seed[:, None], t.shifts @ _edges(t), 0)
+        vector += np.where(is_seed[:, None], t.shifts @ edges_of(t), 0)
     distance = np.sqrt(np.einsum("fk,fk->f", vector, vector))
     per_distance = np.divide(1, distance, out=np.zeros(len(i)), where=is_seed)
     polygons = _polygons(t, places[i])

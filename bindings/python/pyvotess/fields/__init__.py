@@ -1,0 +1,1 @@
+"""Integrals over the cells, and what is made with them."""

@@ -1,0 +1,162 @@
+"""Lloyd's method: seeds move to the centroids of their cells, until both are the same."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Union
+
+import numpy as np
+
+from .._call import Progress, showing
+from .._input import as_count, as_points
+from ..pairs import edges_of
+from ..tessellator import Tessellator
+from .moments import Density, uniform_energy, weighted_centroids
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ..tessellation import Tessellation
+
+    BoolArray = npt.NDArray[np.bool_]
+    Float64Array = npt.NDArray[np.float64]
+
+# A seed that comes nearer to a wall than this, in units of the box, does not go beyond its centroid.
+_MARGIN = 1e-9
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """What :func:`lloyd` did in S steps, which are fewer than asked for when the tolerance was reached."""
+
+    points: Float64Array  #: (N, 3) float64, the seeds at the end, not wrapped: minus the start they are the ways
+    energies: Float64Array  #: (S + 1,) float64, at the start and after each step
+    moved: Float64Array  #: (S,) float64, the largest move of each step, in units of the mean spacing
+    tessellation: Tessellation  #: the cells of ``points``: faces, volumes and centroids
+
+    def __repr__(self) -> str:
+        first, last = self.energies[[0, -1]]
+        return f"<pyvotess.Relaxation of {len(self.points)} seeds, {len(self.moved)} steps: energy {first:.6g} to {last:.6g}>"
+
+
+def _as_mask(fixed: Any, count: int) -> BoolArray:
+    array = np.asarray(fixed)
+    mask = np.zeros(count, dtype=bool)
+    if array.dtype == bool:
+        if array.shape != (count,):
+            raise ValueError(f"fixed has shape {array.shape} for {count} points: a mask must be ({count},)")
+        mask[:] = array
+    elif array.size:
+        if array.dtype.kind not in "iu" or array.ndim != 1:
+            raise ValueError(f"fixed has dtype {array.dtype} and shape {array.shape}: give a mask or a list of indices")
+        wrong = np.flatnonzero((array < 0) | (array >= count))
+        if len(wrong):
+            raise ValueError(f"fixed[{wrong[0]}] is {array[wrong[0]]}: indices of {count} points are 0 to {count - 1}")
+        mask[array] = True
+    return mask
+
+
+def _inside(t: Tessellation, places: Float64Array) -> BoolArray:
+    """Which places lie in the domain by more than rounding."""
+    edges = edges_of(t)
+    shares = (places - (t.box[0] if t.origin is None else t.origin)) @ np.linalg.inv(edges)
+    inside: BoolArray = ((np.abs(shares - 0.5) < 0.5 - _MARGIN) | np.array(t.periodic)).all(axis=1)
+    normals, ends = t.walls[:, :3], t.walls[:, 3]
+    slack = _MARGIN * np.linalg.norm(normals, axis=1) * np.linalg.norm(edges)
+    inside &= (places @ normals.T <= ends - slack).all(axis=1)
+    return inside
+
+
+def _measure(t: Tessellation, places: Float64Array, density: Optional[Density]) -> Tuple[Float64Array, float]:
+    """Centroids relative to the seeds, NaN where there is none, and the energy."""
+    if density is None:
+        return t.centroids - places, uniform_energy(t, places)
+    return weighted_centroids(t, places, density)
+
+
+def _share(show: Progress, step: int, count: int) -> Progress:
+    """What a run is to call that is one of so many."""
+    return lambda fraction: show((step + fraction) / count)
+
+
+def lloyd(
+    points: npt.ArrayLike,
+    steps: int = 100,
+    density: Optional[Density] = None,
+    *,
+    box: Optional[npt.ArrayLike] = None,
+    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
+    cell: Optional[npt.ArrayLike] = None,
+    origin: Optional[npt.ArrayLike] = None,
+    walls: npt.ArrayLike = (),
+    fixed: npt.ArrayLike = (),
+    tolerance: float = 0.0,
+    over_relaxation: float = 1.0,
+    device: str = "auto",
+    threads: int = 0,
+    progress: Union[None, bool, Progress] = None,
+) -> Relaxation:
+    """Moves each seed to the centroid of its cell, ``steps`` times: towards a centroidal Voronoi diagram.
+
+    The energy, the sum over the cells of the integral of ``density(x) |x - p|^2``, p the seed, falls in each step until
+    rounding holds it (Lloyd 1982; Du, Faber, Gunzburger 1999). Without a density it is in closed form. With one, masses,
+    centroids and energies are sums over the tetrahedra between the seed and the triangles of each face, by the rule of
+    Hammer and Stroud (1956) with four points in each. It is exact for polynomials of degree 2: a constant density loses
+    nothing, and a linear one has exact centroids. Its points move with the cells, so the energy then falls up to the
+    error of the rule.
+
+    Parameters
+    ----------
+    points : (N, 3) array of real numbers, as for :func:`tessellate`; it is not changed. Of equal seeds the first has the
+        cell; the others stay where they are until it has left, as does a seed whose cell has no mass.
+    steps : how many at most; 0 gives the energy of the points as they are.
+    density : a function of (K, 3) points of the domain, up to rounding, that returns (K,) finite numbers >= 0. It is
+        called with some twenty thousand points at a time; in a periodic domain they are wrapped into it. Default: 1 everywhere.
+    box, periodic, cell, origin, walls : the domain, as for :func:`tessellate`. The default box is the one around the
+        points of the start, and stays.
+    fixed : (N,) bool, or a list of indices: seeds that stay. Default: none.
+    tolerance : stop when no seed has moved farther than this, in units of the mean spacing, the cube root of the volume
+        for each seed. 0 stops where nothing moves at all.
+    over_relaxation : go this many times the way to the centroid, more than 0 and less than 2; for any of these the energy
+        falls. 1.8 needs some six steps instead of ten. A seed that would leave the domain goes to its centroid.
+    device, threads : as for :func:`tessellate`. Cells are measured in double precision, which a GPU that is named must
+        have.
+    progress : as for :func:`tessellate`, the fraction of all steps.
+
+    Raises
+    ------
+    ValueError : bad input, a point outside of the domain, or what the density returned, with the first offending value.
+    MemoryError, VotessError : as :func:`tessellate`.
+    """
+    array = as_points(points).astype(np.float64)
+    steps = as_count(steps, "steps", 32)
+    moving = ~_as_mask(fixed, len(array))
+    if not 0 <= tolerance < np.inf:
+        raise ValueError(f"tolerance is {tolerance}: it must be finite and not negative")
+    if not 0 < over_relaxation < 2:
+        raise ValueError(f"over_relaxation is {over_relaxation}: it must be more than 0 and less than 2")
+    if density is not None and not callable(density):
+        raise TypeError(f"density must be a function of points, not {type(density).__name__}")
+
+    domain: Dict[str, Any] = {"box": box, "periodic": periodic, "cell": cell, "origin": origin, "walls": walls}
+    energies: List[float] = []
+    moved: List[float] = []
+    with Tessellator(device, threads, precision="double") as kept, showing(progress) as show:
+        for step in range(steps + 1):
+            part = None if show is None else _share(show, step, steps + 1)
+            t = kept.tessellate(array, want="faces,volumes,centroids", progress=part, **domain)
+            if cell is None:
+                domain["box"] = t.box
+            places = t.wrapped_points
+            way, energy = _measure(t, places, density)
+            energies.append(energy)
+            if step == steps or (moved and moved[-1] <= tolerance):
+                break
+            way[~moving | np.isnan(way[:, 0])] = 0
+            far = over_relaxation * way
+            way = far if over_relaxation <= 1 else np.where(_inside(t, places + far)[:, None], far, way)
+            spacing = np.cbrt(t.volumes.sum() / len(t)) if len(t) else 1.0
+            moved.append(float(np.sqrt((way**2).sum(axis=1).max(initial=0)) / spacing))
+            array = array + way
+            del t  # its memory serves the next one
+    return Relaxation(array, np.array(energies), np.array(moved), t)
