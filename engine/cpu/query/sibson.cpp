@@ -15,9 +15,6 @@ constexpr std::size_t most_vertices = 128, none = ~std::size_t{0};
 constexpr double never = 1e300;                 // h of a plane that is not there
 constexpr double more_than_rounding = 0x1p-43;  // of the squared distances of neighbors
 
-struct Three {
-    std::size_t a, b, c;
-};
 // Swaps two of three neighbors, if need be, so that their direction leads away from where n.x > m.x. Returns it.
 Vector turn(const Division& division, std::size_t a, std::size_t& b, std::size_t& c, const Vector& n, const Vector& m) {
     const Vector along = division.direction(a, b, c);
@@ -26,6 +23,9 @@ Vector turn(const Division& division, std::size_t a, std::size_t& b, std::size_t
     return {-along[0], -along[1], -along[2]};
 }
 
+struct Three {
+    std::size_t a, b, c;
+};
 Three numbers_of(std::uint32_t three) {
     return {static_cast<std::size_t>(std::countr_zero(three)),
             static_cast<std::size_t>(std::countr_zero(three & (three - 1))),
@@ -51,8 +51,8 @@ void Sibson::read(const ProbeShape& shape, double moved, bool moments, Division&
         if (planes[f].seed < 0) continue;
         const std::size_t a = out.add_neighbor(planes[f].seed, planes[f].n, planes[f].h);
         number_[f] = static_cast<std::uint8_t>(a);
-        // By shares that follow no pattern.
-        const double share = static_cast<double>(static_cast<std::uint32_t>(planes[f].seed) * 2654435761u) * 0x1p-32;
+        // By shares that follow no pattern; images of one seed have others.
+        const double share = static_cast<double>((static_cast<std::uint32_t>(f) + 1) * 2654435761u) * 0x1p-32;
         h_[a] = planes[f].h + moved * share * dot(planes[f].n, planes[f].n);
         approached_[a] = 1;
     }
