@@ -22,6 +22,7 @@
 #include "files/atomic_file.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
+#include "queries/interpolate.hpp"
 #include "queries/locate.hpp"
 #include "queries/probe.hpp"
 #include "read/input.hpp"
@@ -214,6 +215,8 @@ int main_inside(int count, const char* const* values) {
             print(run_locate(arguments));
         } else if (!arguments.probe.empty()) {
             print(run_probe(arguments));
+        } else if (!arguments.interpolate.empty()) {
+            print(run_interpolate(arguments));
         } else {
             return run(arguments);
         }

@@ -8,6 +8,7 @@
 #include "failure.hpp"
 #include "files/numbers.hpp"
 #include "help/help.hpp"
+#include "queries/interpolate.hpp"
 #include "queries/locate.hpp"
 #include "queries/probe.hpp"
 #include "write/output.hpp"
@@ -19,7 +20,8 @@ namespace {
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
     std::optional<std::string> periodic, cell, origin, outside, min_face, min_area;
-    std::optional<std::string> dataset, frame, weights, radii, copy, density, locate, probe;
+    std::optional<std::string> dataset, frame, weights, radii, copy, density, locate, probe, interpolate, values,
+        natural;
     std::vector<std::string> walls, sphere_walls, cylinder_walls, cone_walls;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
@@ -58,6 +60,9 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--density", typed.density);
     app.add_option("--locate", typed.locate);
     app.add_option("--probe", typed.probe);
+    app.add_option("--interpolate", typed.interpolate);
+    app.add_option("--values", typed.values);
+    app.add_option("--natural", typed.natural);
     app.add_option("-x,--device", typed.device);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
@@ -267,6 +272,12 @@ votess::Duplicates read_duplicates(const std::string& word) {
     throw bad_input("--duplicates must be merge or error, not " + in_quotes(word));
 }
 
+votess::NaturalMethod read_natural(const std::string& word) {
+    if (word == "sibson") return votess::NaturalMethod::sibson;
+    if (word == "laplace") return votess::NaturalMethod::laplace;
+    throw bad_input("--natural must be sibson or laplace, not " + in_quotes(word));
+}
+
 void read_source(const Typed& typed, Arguments& arguments) {
     if (typed.input && typed.random) throw bad_input("give either INPUT or --random N, not both");
     if (!typed.input && !typed.random) {
@@ -292,6 +303,9 @@ void read_source(const Typed& typed, Arguments& arguments) {
     arguments.has_radii = typed.radii.has_value();
     arguments.has_weights = typed.weights || typed.radii;
     arguments.has_density = typed.density.has_value();
+    if (typed.values)
+        for (const std::string_view column : split_at_commas(*typed.values))
+            add_column("--values", std::string(column));
     arguments.read.all_columns = typed.copy == "all" && !typed.random;  // else refused below
     if (typed.copy && !arguments.read.all_columns) {
         for (const std::string_view column : split_at_commas(*typed.copy)) add_column("--copy", std::string(column));
@@ -333,7 +347,7 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
 
 // The seeds get no cells, so there is nothing that options of their cells could mean.
 void refuse_options_of_cells(const Typed& typed, const std::string& by) {
-    const bool no_cells = typed.locate.has_value();
+    const bool no_cells = typed.locate || typed.interpolate;
     const std::pair<const char*, bool> of_cells[] = {{"--format", no_cells && typed.format},
                                                      {"--want", no_cells && typed.want},
                                                      {"--list-walls", no_cells && typed.list_walls},
@@ -360,16 +374,24 @@ void refuse_options_of_cells(const Typed& typed, const std::string& by) {
 }
 
 void read_queries(const Typed& typed, Arguments& arguments) {
-    if (typed.locate && typed.probe) throw bad_input("give either --locate or --probe, not both");
-    const std::string option = typed.probe ? "--probe" : "--locate";
+    if ((typed.locate && typed.probe) || (typed.interpolate && (typed.locate || typed.probe)))
+        throw bad_input("give one of --locate, --probe and --interpolate, not several");
+    const std::string option = typed.probe ? "--probe" : typed.locate ? "--locate" : "--interpolate";
     refuse_options_of_cells(typed, option);
-    std::string& queries = typed.probe ? arguments.probe : arguments.locate;
-    queries = typed.probe ? *typed.probe : *typed.locate;
+    std::string& queries = typed.probe ? arguments.probe : typed.locate ? arguments.locate : arguments.interpolate;
+    queries = typed.probe ? *typed.probe : typed.locate ? *typed.locate : *typed.interpolate;
     if (queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
     if (queries == "-" && arguments.input == "-") throw bad_input("INPUT and " + option + " are both stdin");
     if (typed.locate) {
         arguments.outputs = typed.outputs;
         check_located_outputs(arguments);
+        return;
+    }
+    if (typed.interpolate) {
+        if (!typed.values) throw bad_input("--interpolate needs --values COLUMN: which column of INPUT is the field");
+        arguments.outputs = typed.outputs;
+        if (typed.natural) arguments.natural = read_natural(*typed.natural);
+        check_interpolated_outputs(arguments);
         return;
     }
     read_outputs(typed, arguments);
@@ -423,7 +445,9 @@ Arguments read_arguments(int count, const char* const* values) {
     read_domain(typed, arguments);
     if (typed.json && std::ranges::count(typed.outputs, "-") > 0)
         throw bad_input("-o - and --json both go to stdout: give the output a file name");
-    if (typed.locate || typed.probe) {
+    if (!typed.interpolate && (typed.values || typed.natural))
+        throw bad_input(std::string(typed.values ? "--values" : "--natural") + " goes with --interpolate QUERIES only");
+    if (typed.locate || typed.probe || typed.interpolate) {
         read_queries(typed, arguments);
         return arguments;
     }

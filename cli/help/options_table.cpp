@@ -163,6 +163,17 @@ in the input from 0; their number is the query itself. Status 7: outside
 of the domain; 5: at the place of a point, which duplicate_of names; 6:
 heavier points leave no cell. With --weights or --radii the column of that
 name or number is taken out of QUERIES too, 0 where it has none)"},
+             {"--interpolate QUERIES", "",
+              R"(the field of --values at each point of the file QUERIES, from its natural
+neighbors among the points, into -o FILE.npy (float64), FILE.txt or - (a
+line each); nan where it has none, such as outside of the domain. Linear
+fields come back where the cell of a query has no wall; cells end at walls,
+as if the points had mirror images behind. Weights and radii as for --probe)"},
+             {"--values COLUMN[,COLUMN]", "",
+              R"(what to interpolate: columns of INPUT, by name or number as for --weights)"},
+             {"--natural sibson|laplace", "",
+              R"(by the volumes that the cell of a query takes from its neighbors (Sibson
+1980, the default), or by areas over distances)"},
          }},
         {"run",
          {

@@ -1,9 +1,13 @@
 #include "queries/asked.hpp"
 
 #include <algorithm>
+#include <deque>
 
 #include "domain.hpp"
+#include "failure.hpp"
 #include "files/numbers.hpp"
+#include "interrupt.hpp"
+#include "write/output.hpp"
 
 namespace clvotess {
 namespace {
@@ -43,6 +47,47 @@ Asked read_and_sort(const Arguments& arguments, const std::string& queries, cons
     asked.diagram = votess::Diagram(asked.seeds.points, options);
     times.end("sort");
     return asked;
+}
+
+ReadRequest request_of_queries(const Arguments& arguments) {
+    ReadRequest request;
+    if (!arguments.has_weights) return request;
+    request.columns = {arguments.read.columns.at(0)};
+    request.columns_may_lack = true;
+    return request;
+}
+
+std::vector<double> sizes_of_queries(const Arguments& arguments, const Asked& asked) {
+    if (!arguments.has_weights || asked.diagram.size() == 0) return {};
+    if (asked.queries.columns.empty()) return std::vector<double>(asked.queries.size());
+    const auto column = one_each(asked.queries.columns.front());
+    return {column.begin(), column.end()};
+}
+
+bool is_npy_output(const std::string& path) {
+    return path != "-" && extension_of(path) == ".npy";
+}
+
+void check_number_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
+                          const std::string& option, const std::string& does) {
+    if (outputs.empty()) throw bad_input(option + " " + does + ": add -o FILE.npy, FILE.txt or - for stdout");
+    for (const std::string& path : outputs) {
+        const bool text = path == "-" || extension_of(path) == ".txt" || is_special_file(path);
+        if (!text && !is_npy_output(path)) throw bad_input(option + " writes .npy and .txt, not " + in_quotes(path));
+    }
+    check_paths(outputs, inputs);
+}
+
+void write_numbers(const std::vector<std::string>& outputs,
+                   const std::function<void(OutputFile&, const std::string& path)>& write) {
+    const InterruptGuard guard;
+    std::deque<OutputFile> files;
+    for (const std::string& path : outputs) {
+        write(files.emplace_back(path), path);
+        files.back().finish();
+    }
+    throw_if_interrupted();
+    for (OutputFile& file : files) file.publish();
 }
 
 std::string query_summary(const Arguments& arguments, const std::string& done, const Asked& asked,

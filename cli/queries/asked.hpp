@@ -1,8 +1,10 @@
-// What --locate and --probe share: two files of points, the seeds sorted, and what the run tells at its end.
+// What --locate, --probe and --interpolate share: two files of points, the seeds sorted, and what the run tells at its
+// end.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -10,6 +12,7 @@
 #include <votess/diagram.hpp>
 
 #include "arguments/arguments.hpp"
+#include "files/atomic_file.hpp"
 #include "read/input.hpp"
 
 namespace clvotess {
@@ -36,6 +39,20 @@ struct Asked {
 // Ends the stages read and sort. queries: their file; of_queries: what to take out of it.
 [[nodiscard]] Asked read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
                                   StageTimes& times);
+
+// What to take out of the file of the queries: their weights or radii, if the seeds have them.
+[[nodiscard]] ReadRequest request_of_queries(const Arguments& arguments);
+// These, 0 where their file lacks that column; none where the seeds have none.
+[[nodiscard]] std::vector<double> sizes_of_queries(const Arguments& arguments, const Asked& asked);
+
+// Outputs that hold nothing but numbers.
+[[nodiscard]] bool is_npy_output(const std::string& path);
+// Throws Failure: some output, .npy or text each. option, does: for messages.
+void check_number_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
+                          const std::string& option, const std::string& does);
+// All of them, or none.
+void write_numbers(const std::vector<std::string>& outputs,
+                   const std::function<void(OutputFile&, const std::string& path)>& write);
 
 // Queries of one kind.
 struct QueryCount {

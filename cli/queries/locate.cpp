@@ -1,24 +1,16 @@
 #include "queries/locate.hpp"
 
 #include <algorithm>
-#include <deque>
 
-#include "failure.hpp"
 #include "files/atomic_file.hpp"
 #include "files/formats/npy_array.hpp"
-#include "interrupt.hpp"
 #include "queries/asked.hpp"
-#include "write/output.hpp"
 
 namespace clvotess {
 namespace {
 
-bool is_npy(const std::string& path) {
-    return path != "-" && extension_of(path) == ".npy";
-}
-
 void write_located(OutputFile& file, const std::string& path, const std::vector<std::int32_t>& seeds) {
-    if (is_npy(path)) {
+    if (is_npy_output(path)) {
         std::string shape = "(";
         shape += std::to_string(seeds.size());
         file.write(npy_header("<i4", shape + ",)"));
@@ -33,13 +25,8 @@ void write_located(OutputFile& file, const std::string& path, const std::vector<
 }  // namespace
 
 void check_located_outputs(const Arguments& arguments) {
-    if (arguments.outputs.empty())
-        throw bad_input("--locate finds a seed for each query: add -o FILE.npy, FILE.txt or - for stdout");
-    for (const std::string& path : arguments.outputs) {
-        const bool text = path == "-" || extension_of(path) == ".txt" || is_special_file(path);
-        if (!text && !is_npy(path)) throw bad_input("--locate writes .npy and .txt, not " + in_quotes(path));
-    }
-    check_paths(arguments.outputs, {arguments.input, arguments.locate});
+    check_number_outputs(arguments.outputs, {arguments.input, arguments.locate}, "--locate",
+                         "finds a seed for each query");
 }
 
 std::string run_locate(const Arguments& arguments) {
@@ -48,14 +35,8 @@ std::string run_locate(const Arguments& arguments) {
     const std::vector<std::int32_t> seeds = asked.diagram.locate(asked.queries.points);
     times.end("locate");
 
-    const InterruptGuard guard;
-    std::deque<OutputFile> files;
-    for (const std::string& path : arguments.outputs) {
-        write_located(files.emplace_back(path), path, seeds);
-        files.back().finish();
-    }
-    throw_if_interrupted();
-    for (OutputFile& file : files) file.publish();
+    write_numbers(arguments.outputs,
+                  [&](OutputFile& file, const std::string& path) { write_located(file, path, seeds); });
     times.end("write");
     const QueryCount outside{"outside", "outside of the domain", std::ranges::count(seeds, -1)};
     return query_summary(arguments, "located", asked, {&outside, 1}, times);

@@ -9,16 +9,6 @@
 #include "write/output.hpp"
 
 namespace clvotess {
-namespace {
-
-// Weights or radii of the queries: 0 where their file lacks that column.
-std::vector<double> sizes_of(const Input& queries) {
-    if (queries.columns.empty()) return std::vector<double>(queries.size());
-    const auto column = one_each(queries.columns.front());
-    return {column.begin(), column.end()};
-}
-
-}  // namespace
 
 void check_probed_outputs(const Arguments& arguments) {
     if (arguments.outputs.empty()) throw bad_input("--probe makes a cell for each query: add -o FILE, or - for stdout");
@@ -30,20 +20,12 @@ void check_probed_outputs(const Arguments& arguments) {
 
 std::string run_probe(const Arguments& arguments) {
     StageTimes times;
-    ReadRequest of_queries;
-    if (arguments.has_weights) {
-        of_queries.columns = {arguments.read.columns.at(0)};
-        of_queries.columns_may_lack = true;
-    }
-    Asked asked = read_and_sort(arguments, arguments.probe, of_queries, times);
+    Asked asked = read_and_sort(arguments, arguments.probe, request_of_queries(arguments), times);
     votess::ProbeOptions options;
     options.want = arguments.wanted;
     options.list_walls = arguments.options.list_walls;
-    std::vector<double> sizes;
-    if (arguments.has_weights && asked.diagram.size() > 0) {
-        sizes = sizes_of(asked.queries);
-        (arguments.has_radii ? options.radii : options.weights) = sizes;
-    }
+    const std::vector<double> sizes = sizes_of_queries(arguments, asked);
+    (arguments.has_radii ? options.radii : options.weights) = sizes;
     const votess::Tessellation cells = asked.diagram.probe(asked.queries.points, options);
     times.end("probe");
 

@@ -1,4 +1,4 @@
-"""Questions to seeds that get no cells: --locate and --probe."""
+"""Questions to seeds that get no cells: --locate, --probe and --interpolate."""
 
 import numpy as np
 
@@ -155,8 +155,78 @@ class Probe(CliTest):
                                 ([*asked, "-o", "a.npz", "--verify"], "--verify is about the cells of the points"),
                                 ([*asked, "-o", "a.npz", "--copy", "4"], "--copy is about"), ([*asked, "-o", "-", "--json"], "stdout"),
                                 ([*asked, "-o", "a.npz", "--image", "a.png"], "--image is about"),
-                                ([*asked, "-o", "a.npz", "--locate", "q.txt"], "not both"),
+                                ([*asked, "-o", "a.npz", "--locate", "q.txt"], "not several"),
                                 ([*asked, "-o", "a.npz", "--want", "cells"], "'cells'"), ([*asked, "-o", "a.npz", "-x", "gpu"], "CPU"),
                                 (["cube.txt", "--probe", "", "-o", "a.npz"], "--probe is empty"),
                                 (["-", "--probe", "-", "-o", "a.npz"], "stdin")]:
+            self.refuse(*arguments, says=says)
+
+
+class Interpolate(CliTest):
+    """--interpolate: a field at the points of another file."""
+
+    BOX = ["--box", "0,0,0,1,1,1"]
+
+    def setUp(self):
+        super().setUp()
+        self.points, self.queries = random_points(400), 0.3 + 0.4 * random_points(60, seed=8)
+        self.fields = np.column_stack((self.points @ (1, -2, 0.5), random_points(400, seed=9)[:, 0]))
+        self.put("p.csv", "x,y,z,a,b\n" + text_of(np.hstack((self.points, self.fields)), ","))
+        self.put("q.txt", text_of(self.queries))
+
+    def test_outputs(self):
+        asked = ["p.csv", *self.BOX, "--interpolate", "q.txt"]
+        done = self.run_cli(*asked, "--values", "a,b", "-o", "a.npy", "-o", "a.txt")
+        self.assertEqual(done.stdout, "interpolated 60 queries among 400 seeds\n")
+        field = np.load(self.folder / "a.npy")
+        self.assertEqual((field.dtype, field.shape), (np.float64, (60, 2)))
+        np.testing.assert_array_equal(np.loadtxt(self.folder / "a.txt"), field)
+        np.testing.assert_allclose(field[:, 0], self.queries @ (1, -2, 0.5), rtol=1e-11, atol=1e-11)
+        self.assertTrue(np.all((field[:, 1] > self.fields[:, 1].min()) & (field[:, 1] < self.fields[:, 1].max())))
+        one = self.rows(*asked, "--values", "b")
+        np.testing.assert_array_equal(np.array(one, float), field[:, 1])
+        laplace = np.array(self.rows(*asked, "--values", "a", "--natural", "laplace"), float)
+        np.testing.assert_allclose(laplace, field[:, 0], rtol=1e-11, atol=1e-11)
+        other = np.array(self.rows(*asked, "--values", "b", "--natural", "laplace"), float)
+        self.assertGreater(np.abs(other - field[:, 1]).max(), 1e-3)
+
+    def test_domains(self):
+        self.put("far.txt", text_of(np.vstack((self.points[3], (5, 0, 0)))))
+        asked = ["p.csv", *self.BOX, "--values", "b", "--interpolate"]
+        summary = self.json(*asked, "far.txt", "-o", "a.npy")
+        self.assertEqual(list(summary), ["version", "points", "queries", "without", "seconds"])
+        self.assertEqual((summary["queries"], summary["without"]), (2, 1))
+        self.assertEqual(list(summary["seconds"]), ["total", "read", "sort", "interpolate", "write"])
+        found = np.load(self.folder / "a.npy")
+        self.assertEqual(found[0], self.fields[3, 1])
+        self.assertTrue(np.isnan(found[1]))
+        inner = self.rows(*asked, "q.txt")
+        self.put("moved.txt", text_of(self.queries + (1, 0, -2)))
+        np.testing.assert_allclose(np.array(self.rows(*asked, "moved.txt", "--periodic"), float),
+                                   np.array(self.rows(*asked, "q.txt", "--periodic"), float), rtol=1e-9)
+        # Queries have radius 0 unless their file says otherwise.
+        radii = np.full((400, 1), 0.01)
+        self.put("r.csv", "x,y,z,a,b,r\n" + text_of(np.hstack((self.points, self.fields, radii)), ","))
+        self.put("qr.csv", "x,y,z,r\n" + text_of(np.hstack((self.queries, np.full((60, 1), 0.01))), ","))
+        power = ["r.csv", *self.BOX, "--values", "b", "--radii", "r", "--interpolate"]
+        np.testing.assert_allclose(np.array(self.rows(*power, "qr.csv"), float), np.array(inner, float), rtol=1e-9)
+        self.assertNotEqual(self.rows(*power, "q.txt"), self.rows(*power, "qr.csv"))
+        self.put("none.txt", "")
+        self.assertEqual(self.rows(*asked, "none.txt"), [])
+        self.assertEqual(self.rows("none.txt", *self.BOX, "--values", "4", "--interpolate", "q.txt"), ["nan"] * 60)
+
+    def test_refused(self):
+        asked = ["p.csv", "--interpolate", "q.txt"]
+        for arguments, says in [([*asked, "-o", "a.npy"], "--values COLUMN"),
+                                ([*asked, "--values", "a"], "-o FILE.npy"),
+                                ([*asked, "--values", "a", "-o", "a.npz"], "not 'a.npz'"),
+                                ([*asked, "--values", "c", "-o", "a.npy"], "c"),
+                                ([*asked, "--values", "a,", "-o", "a.npy"], "--values is empty"),
+                                ([*asked, "--values", "a", "--natural", "linear", "-o", "a.npy"], "sibson or laplace"),
+                                ([*asked, "--values", "a", "--want", "faces", "-o", "a.npy"], "--want is about"),
+                                ([*asked, "--values", "a", "--locate", "q.txt", "-o", "a.npy"], "not several"),
+                                ([*asked, "--values", "a", "-o", "q.txt"], "'q.txt'"),
+                                (["p.csv", "--values", "a", "-o", "a.npz"], "--values goes with --interpolate"),
+                                (["p.csv", "--natural", "laplace", "-o", "a.npz"], "--natural goes with"),
+                                (["--random", "9", "--values", "a", "--interpolate", "q.txt", "-o", "a.npy"], "not with --random")]:
             self.refuse(*arguments, says=says)

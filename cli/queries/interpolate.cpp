@@ -1,0 +1,81 @@
+#include "queries/interpolate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "failure.hpp"
+#include "files/atomic_file.hpp"
+#include "files/formats/npy_array.hpp"
+#include "files/numbers.hpp"
+#include "interrupt.hpp"
+#include "queries/asked.hpp"
+#include "write/output.hpp"
+
+namespace clvotess {
+namespace {
+
+// Side by side, a row for each seed.
+struct Values {
+    std::vector<double> rows;
+    std::size_t components = 0;
+};
+
+Values values_of(const Input& seeds, std::size_t first_column) {
+    Values values;
+    const auto columns = std::span(seeds.columns).subspan(std::min(first_column, seeds.columns.size()));
+    for (const InputColumn& column : columns) values.components += column.width;
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+        for (const InputColumn& column : columns)
+            for (std::size_t k = 0; k < column.width; ++k) values.rows.push_back(column.values[column.width * i + k]);
+    values.components = std::max<std::size_t>(values.components, 1);  // of a file of no points
+    return values;
+}
+
+void write_field(OutputFile& file, const std::string& path, const std::vector<double>& field, std::size_t components) {
+    if (is_npy_output(path)) {
+        std::string shape = "(";
+        shape += std::to_string(field.size() / components);
+        shape += ", ";
+        if (components > 1) shape += std::to_string(components);
+        file.write(npy_header("<f8", shape + ")"));
+        file.write({reinterpret_cast<const char*>(field.data()), field.size() * sizeof(double)});
+        return;
+    }
+    std::string text;
+    for (std::size_t k = 0; k < field.size(); ++k) text += to_text(field[k]) + ((k + 1) % components == 0 ? '\n' : ' ');
+    file.write(text);
+}
+
+}  // namespace
+
+void check_interpolated_outputs(const Arguments& arguments) {
+    check_number_outputs(arguments.outputs, {arguments.input, arguments.interpolate}, "--interpolate",
+                         "makes numbers for each query");
+}
+
+std::string run_interpolate(const Arguments& arguments) {
+    StageTimes times;
+    const Asked asked = read_and_sort(arguments, arguments.interpolate, request_of_queries(arguments), times);
+    const Values values = values_of(asked.seeds, arguments.has_weights ? 1 : 0);
+    std::vector<double> weights = sizes_of_queries(arguments, asked);
+    for (double& weight : weights)
+        if (arguments.has_radii) weight *= weight;
+    votess::NaturalOptions options;
+    options.method = arguments.natural;
+    options.weights = weights;
+    const std::vector<double> field =
+        asked.diagram.interpolate(values.rows, values.components, asked.queries.points, options).values;
+    times.end("interpolate");
+
+    write_numbers(arguments.outputs, [&](OutputFile& file, const std::string& path) {
+        write_field(file, path, field, values.components);
+    });
+    times.end("write");
+    std::ptrdiff_t without = 0;
+    for (std::size_t k = 0; k < field.size(); k += values.components) without += std::isnan(field[k]) ? 1 : 0;
+    const QueryCount nowhere{"without", "without natural neighbors", without};
+    return query_summary(arguments, "interpolated", asked, {&nowhere, 1}, times);
+}
+
+}  // namespace clvotess
