@@ -386,6 +386,42 @@ static void check_probes(const votess_diagram* diagram) {
     CHECK(probes == NULL);
 }
 
+// As far from all eight seeds, on one of them, and outside.
+static void check_natural(const votess_diagram* diagram) {
+    const double queries[9] = {1, 1, 1, 0.5, 0.5, 0.5, 3, 0, 0};
+    votess_natural* natural = NULL;
+    CHECK(votess_natural_new(diagram, queries, 3, VOTESS_NATURAL_SIBSON, 1, 1, NULL, &natural) == VOTESS_OK);
+    size_t length = 0;
+    const int64_t* indptr = votess_natural_indptr(natural, &length);
+    CHECK(length == 4 && indptr[1] == 8 && indptr[2] == 9 && indptr[3] == 9);
+    const int32_t* indices = votess_natural_indices(natural, &length);
+    CHECK(length == 9 && indices[0] == 0 && indices[7] == 7 && indices[8] == 0);
+    const double* weights = votess_natural_weights(natural, &length);
+    CHECK(length == 9 && fabs(weights[0] - 0.125) < 1e-12 && fabs(weights[7] - 0.125) < 1e-12 && weights[8] == 1);
+    const double* gradients = votess_natural_gradients(natural, &length);
+    CHECK(length == 27 && gradients[0] < 0 && gradients[26] != gradients[26]);
+    votess_natural_free(natural);
+    votess_natural_free(NULL);
+    CHECK(votess_natural_indptr(NULL, &length) == NULL && length == 0);
+
+    const double values[16] = {0, 1, 2, 1, 4, 1, 6, 1, 8, 1, 10, 1, 12, 1, 14, 1};
+    double field[6] = {0};
+    CHECK(votess_diagram_interpolate(diagram, values, 2, queries, 3, VOTESS_NATURAL_LAPLACE, 1, NULL, field, NULL) ==
+          VOTESS_OK);
+    CHECK(fabs(field[0] - 7) < 1e-12 && fabs(field[1] - 1) < 1e-12 && field[2] == 0 && field[4] != field[4]);
+    CHECK_FAILS(votess_natural_new(diagram, queries, 3, 2, 1, 0, NULL, &natural), VOTESS_ERROR_INVALID_ARGUMENT,
+                "method is 2");
+    CHECK_FAILS(votess_natural_new(diagram, queries, 3, VOTESS_NATURAL_LAPLACE, 1, 1, NULL, &natural),
+                VOTESS_ERROR_INVALID_ARGUMENT, "gradients");
+    CHECK_FAILS(votess_natural_new(NULL, queries, 3, 0, 1, 0, NULL, &natural), VOTESS_ERROR_INVALID_ARGUMENT,
+                "diagram");
+    CHECK(natural == NULL);
+    CHECK_FAILS(votess_diagram_interpolate(diagram, NULL, 1, queries, 3, 0, 1, NULL, field, NULL),
+                VOTESS_ERROR_INVALID_ARGUMENT, "values");
+    CHECK_FAILS(votess_diagram_interpolate(diagram, values, 0, queries, 3, 0, 1, NULL, field, NULL),
+                VOTESS_ERROR_INVALID_ARGUMENT, "components");
+}
+
 // A power diagram: a query between two equal seeds.
 static void check_weighted_probes(void) {
     votess_options options = options_with_box(2);
@@ -417,6 +453,7 @@ void check_diagram(void) {
     CHECK_FAILS(votess_diagram_locate(diagram, queries, 1, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "seeds");
     CHECK_FAILS(votess_diagram_locate(NULL, queries, 1, seeds), VOTESS_ERROR_INVALID_ARGUMENT, "diagram");
     check_probes(diagram);
+    check_natural(diagram);
     check_weighted_probes();
     votess_diagram_free(diagram);
     votess_diagram_free(NULL);
