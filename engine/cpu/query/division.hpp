@@ -79,7 +79,7 @@ private:
         to[1] -= x[1];
         to[2] -= x[2];
     }
-    // Counterclockwise around the face of a.
+    // The edge runs counterclockwise around the face of a.
     void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
         const Vector across = cross(v, w);
         if (!is_wall(a)) add(areas_[a], across);

@@ -126,7 +126,7 @@ void NaturalRows::give_division(std::size_t k) {
     finish(k);
 }
 
-// Area vectors and moments of the polygons.
+// Sums up area vectors and moments of the polygons.
 void NaturalRows::measure_faces() {
     const CellPolygons& polygons = shape_.polygons;
     faces_of_.assign(polygons.size(), {});
@@ -166,7 +166,7 @@ void NaturalRows::finish(std::size_t k) {
     give(k);
 }
 
-// Of weights, from those of volumes.
+// The gradients of weights follow from those of volumes.
 void NaturalRows::add_gradients(double total) {
     Vector sum{};
     for (const Entry& entry : entries_)

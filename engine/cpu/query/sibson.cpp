@@ -51,7 +51,7 @@ void Sibson::read(const ProbeShape& shape, double moved, bool moments, Division&
         if (planes[f].seed < 0) continue;
         const std::size_t a = out.add_neighbor(planes[f].seed, planes[f].n, planes[f].h);
         number_[f] = static_cast<std::uint8_t>(a);
-        // By shares that follow no pattern; images of one seed have others.
+        // The shares follow no pattern; images of one seed have others.
         const double share = static_cast<double>((static_cast<std::uint32_t>(f) + 1) * 2654435761u) * 0x1p-32;
         h_[a] = planes[f].h + moved * share * dot(planes[f].n, planes[f].n);
         approached_[a] = 1;
@@ -90,7 +90,7 @@ bool Sibson::read_corners(const CellPolygons& polygons) {
     return true;
 }
 
-// From a point inside to a face, an edge and a corner of the cell, and along the edges to all others.
+// Walks from a point inside to a face, an edge and a corner of the cell, and along the edges to all others.
 bool Sibson::walk_surface(const CellPolygons& polygons, const Division& division) {
     Vector x{};
     for (const std::uint32_t corner : polygons.corners)
@@ -155,7 +155,7 @@ std::size_t Sibson::meet(const Vector& from, const Vector& along, std::uint32_t 
     return next;
 }
 
-// To the plane that a ray meets first.
+// Moves x to the plane that a ray meets first.
 std::size_t Sibson::go(Vector& x, const Vector& along, std::uint32_t without) const {
     double time = 0;
     const std::size_t next = meet(x, along, without, 0, 0, time);
@@ -163,7 +163,7 @@ std::size_t Sibson::go(Vector& x, const Vector& along, std::uint32_t without) co
     return next;
 }
 
-// Along an edge of three neighbors, from a vertex to a new one: where the next neighbor is as near.
+// Goes along an edge of three neighbors from a vertex to a new one, where the next neighbor is as near.
 bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along, Vector& to) {
     const std::size_t a = numbers_of(three).a;
     const Vector n = division.normal(a);
@@ -175,7 +175,7 @@ bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t t
     return true;
 }
 
-// The edges that begin at the corners of the cell.
+// Walks along the edges that begin at the corners of the cell.
 bool Sibson::walk_inward(Division& out) {
     vertices_.clear();
     for (const Corner& corner : corners_) {
@@ -200,7 +200,7 @@ bool Sibson::walk_inward(Division& out) {
     return true;
 }
 
-// Those between two vertices inside.
+// Walks along those between two vertices inside.
 bool Sibson::walk_on(Division& out) {
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
         for (std::uint32_t left = vertices_[v].near & ~vertices_[v].done; left != 0; left &= left - 1) {

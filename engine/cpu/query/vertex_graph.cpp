@@ -108,7 +108,7 @@ void VertexGraph::link(const Tessellation& t) {
     }
 }
 
-// From vertex to vertex where the excess is less. It is a convex function of the tetrahedra, so the way ends in a
+// Goes from vertex to vertex where the excess is less. It is a convex function of the tetrahedra, so the way ends in a
 // vertex that is swallowed, if any is.
 bool GraphDivider::find_first() {
     if (near_ == VertexGraph::none) return false;
