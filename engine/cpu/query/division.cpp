@@ -74,8 +74,8 @@ bool Division::finish() {
         volumes_[a] = h_[a] / dot(n, n) * dot(n, areas_[a]) / 6;
         open[a] = areas_[a];
     }
-    for (std::size_t k = 0; k < known_count_; ++k) {
-        const Pair& pair = pairs_[known_[k]];
+    for (std::size_t k = 0; k < pair_count_; ++k) {
+        const Pair& pair = pairs_[k];
         const bool wall = is_wall(pair.b);
         const double of_a = wall ? 0 : 1;
         const double x = nx_[pair.b] - of_a * nx_[pair.a], y = ny_[pair.b] - of_a * ny_[pair.a],

@@ -24,8 +24,8 @@ public:
     void begin(bool moments) {
         count_ = neighbors_ = 0;
         moments_ = moments;
-        ++turn_;
-        known_count_ = 0;
+        for (std::size_t k = 0; k < pair_count_; ++k) places_[most_neighbors * pairs_[k].a + pairs_[k].b] = 0;
+        pair_count_ = 0;
         for (std::size_t e = 0; e < 3 * corner_count_; ++e) ends_[edges_[e]] = 0;
         corner_count_ = 0;
     }
@@ -89,8 +89,13 @@ private:
     }
     void add_across(std::size_t a, std::size_t b, const Vector& across) {
         if (is_wall(a) && is_wall(b)) return;
-        Pair& pair = pairs_[most_neighbors * std::min(a, b) + std::max(a, b)];
-        if (pair.turn != turn_) start(pair, a, b);
+        std::uint16_t& place = places_[most_neighbors * std::min(a, b) + std::max(a, b)];
+        if (place == 0) {
+            pairs_[pair_count_] = {
+                {}, static_cast<std::uint8_t>(std::min(a, b)), static_cast<std::uint8_t>(std::max(a, b))};
+            place = static_cast<std::uint16_t>(++pair_count_);
+        }
+        Pair& pair = pairs_[place - 1u];
         const double sign = a < b ? 1 : -1;
         pair.across[0] += sign * across[0];
         pair.across[1] += sign * across[1];
@@ -98,13 +103,8 @@ private:
     }
     struct Pair {
         Vector across;  // twice the area vector of the face between the parts of a < b, outward from a
-        std::uint32_t turn = 0;
         std::uint8_t a, b;
     };
-    void start(Pair& pair, std::size_t a, std::size_t b) {
-        pair = {{}, turn_, static_cast<std::uint8_t>(std::min(a, b)), static_cast<std::uint8_t>(std::max(a, b))};
-        known_[known_count_++] = static_cast<std::uint16_t>(most_neighbors * pair.a + pair.b);
-    }
     void add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w);
 
     std::size_t count_ = 0, neighbors_ = 0;
@@ -113,10 +113,10 @@ private:
     alignas(64) std::array<double, most_neighbors> nx_{}, ny_{}, nz_{}, h_{};
     std::array<Vector, most_neighbors> areas_{}, moment_{};  // areas_: twice those
     std::array<double, most_neighbors> volumes_{};
-    std::array<Pair, most_neighbors * most_neighbors> pairs_{};
-    std::array<std::uint16_t, most_neighbors * most_neighbors / 2> known_;  // those of this turn
-    std::size_t known_count_ = 0;
-    std::uint32_t turn_ = 0;
+    std::array<Pair, most_neighbors * most_neighbors / 2> pairs_;
+    std::size_t pair_count_ = 0;
+    std::array<std::uint16_t, most_neighbors * most_neighbors>
+        places_{};  // by most_neighbors a + b: 1 + place in pairs_
     static constexpr std::size_t most_corners = 2 * most_neighbors;
     std::array<Vector, most_corners> corners_;
     std::size_t corner_count_ = 0;
