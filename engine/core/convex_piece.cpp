@@ -1,18 +1,30 @@
 #include "core/convex_piece.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace votess {
 
+void ConvexPiece::Surface::clear() {
+    corners.clear();
+    ends.clear();
+}
+
+// What has fewer than three corners has no area, and its edges meet each other.
+void ConvexPiece::Surface::end_polygon() {
+    const std::size_t begin = ends.empty() ? 0 : ends.back();
+    if (corners.size() < begin + 3)
+        corners.resize(begin);
+    else
+        ends.push_back(corners.size());
+}
+
 void ConvexPiece::clear() {
-    corners_.clear();
-    ends_.clear();
+    surface_.clear();
 }
 
 void ConvexPiece::add_polygon(std::span<const Vector> corners) {
-    corners_.insert(corners_.end(), corners.begin(), corners.end());
-    ends_.push_back(corners_.size());
+    surface_.corners.insert(surface_.corners.end(), corners.begin(), corners.end());
+    surface_.end_polygon();
 }
 
 void ConvexPiece::add_box(const Vector& lower, const Vector& upper) {
@@ -29,81 +41,122 @@ void ConvexPiece::add_box(const Vector& lower, const Vector& upper) {
     }
 }
 
-bool ConvexPiece::cut(const Vector& n, double h) {
-    outside_.resize(corners_.size());
-    bool any_outside = false, any_inside = false;
-    for (std::size_t c = 0; c < corners_.size(); ++c) {
-        outside_[c] = dot(n, corners_[c]) - h;
-        any_outside |= outside_[c] > 0;
-        any_inside |= outside_[c] < 0;
+ConvexPiece::Sides ConvexPiece::sides() const {
+    Sides sides;
+    for (const double beyond : beyond_) {
+        sides.within |= beyond < 0;
+        sides.beyond |= beyond > 0;
     }
-    if (!any_outside) return !empty();
-    kept_corners_.clear();
-    kept_ends_.clear();
+    return sides;
+}
+
+// The half of the surface on a side of the plane, -1 within it or 1 beyond it, closed. A polygon that only touches the
+// plane belongs to neither half: what closes them is there.
+void ConvexPiece::take_half(double side, Surface& half) {
+    const std::vector<Vector>& corners = surface_.corners;
+    half.clear();
     rim_.clear();
-    for (std::size_t f = 0, begin = 0; f < ends_.size() && any_inside; begin = ends_[f++]) {
-        const std::size_t before = kept_corners_.size(), end = ends_[f];
+    for (std::size_t f = 0, begin = 0; f < surface_.ends.size(); begin = surface_.ends[f++]) {
+        const std::size_t end = surface_.ends[f];
+        bool any = false, all = true;
+        for (std::size_t c = begin; c < end; ++c) {
+            any |= side * beyond_[c] > 0;
+            all &= side * beyond_[c] > 0;
+        }
+        if (!any) continue;
+        if (all) {
+            half.corners.insert(half.corners.end(), &corners[begin], &corners[begin] + (end - begin));
+            half.end_polygon();
+            continue;
+        }
+        const std::size_t first = half.corners.size();
+        bool first_on = false, last_on = false;
+        const auto add = [&](const Vector& corner, bool on_plane) {
+            if (half.corners.size() == first) first_on = on_plane;
+            if (on_plane && last_on) rim_.push_back({corner, half.corners.back()});
+            half.corners.push_back(corner);
+            last_on = on_plane;
+        };
         for (std::size_t c = begin; c < end; ++c) {
             const std::size_t next = c + 1 == end ? begin : c + 1;
-            if (outside_[c] <= 0) kept_corners_.push_back(corners_[c]);
-            if (outside_[c] == 0) rim_.push_back(corners_[c]);
-            if ((outside_[c] > 0) == (outside_[next] > 0) || outside_[c] == 0 || outside_[next] == 0) continue;
-            // From the same end whichever way the edge goes: both of its faces get the same corner.
-            const std::size_t in = outside_[c] < 0 ? c : next, out = outside_[c] < 0 ? next : c;
-            const double share = outside_[in] / (outside_[in] - outside_[out]);
+            if (side * beyond_[c] >= 0) add(corners[c], beyond_[c] == 0);
+            if (!(beyond_[c] < 0 && beyond_[next] > 0) && !(beyond_[c] > 0 && beyond_[next] < 0)) continue;
+            // From the same end whichever way the edge goes.
+            const std::size_t in = beyond_[c] < 0 ? c : next, out = beyond_[c] < 0 ? next : c;
+            const double share = beyond_[in] / (beyond_[in] - beyond_[out]);
             Vector at;
-            for (std::size_t k = 0; k < 3; ++k) at[k] = corners_[in][k] + share * (corners_[out][k] - corners_[in][k]);
-            kept_corners_.push_back(at);
-            rim_.push_back(at);
+            for (std::size_t k = 0; k < 3; ++k) at[k] = corners[in][k] + share * (corners[out][k] - corners[in][k]);
+            add(at, true);
         }
-        if (kept_corners_.size() < before + 3)
-            kept_corners_.resize(before);
-        else
-            kept_ends_.push_back(kept_corners_.size());
+        if (first_on && last_on) rim_.push_back({half.corners[first], half.corners.back()});
+        half.end_polygon();
     }
-    corners_.swap(kept_corners_);
-    ends_.swap(kept_ends_);
-    if (!empty()) close(n);
+    close_rim(half);
+}
+
+// Edges that follow each other become polygons. As many begin at a place as end there, so each walk comes back.
+void ConvexPiece::close_rim(Surface& half) {
+    while (!rim_.empty()) {
+        const Vector start = rim_.back().from;
+        auto edge = rim_.end() - 1;
+        while (edge != rim_.end()) {
+            const Vector at = edge->to;
+            if (edge->from != at) half.corners.push_back(edge->from);
+            *edge = rim_.back();
+            rim_.pop_back();
+            if (at == start) break;
+            edge = std::ranges::find(rim_, at, &Edge::from);
+        }
+        half.end_polygon();
+    }
+}
+
+bool ConvexPiece::cut(const Vector& n, double h) {
+    beyond_.clear();
+    for (const Vector& corner : surface_.corners) beyond_.push_back(dot(n, corner) - h);
+    const Sides at = sides();
+    if (at.beyond && !at.within) clear();
+    if (at.beyond && at.within) {
+        take_half(-1, kept_);
+        std::swap(surface_, kept_);
+    }
     return !empty();
 }
 
-// The new face: the corners of the rim, which is convex, by their angles around its middle.
-void ConvexPiece::close(const Vector& n) {
-    Vector middle{};
-    for (const Vector& x : rim_)
-        for (std::size_t k = 0; k < 3; ++k) middle[k] += x[k] / static_cast<double>(rim_.size());
-    const auto largest =
-        static_cast<std::size_t>(std::ranges::max_element(n, {}, [](double c) { return std::abs(c); }) - n.begin());
-    Vector along{};
-    along[(largest + 1) % 3] = n[largest];
-    along[largest] = -n[(largest + 1) % 3];
-    const Vector up = cross(n, along);
-    const double along_size = std::sqrt(dot(along, along)), up_size = std::sqrt(dot(up, up));
-    angles_.clear();
-    for (std::uint32_t i = 0; i < rim_.size(); ++i) {
-        const Vector from = minus(rim_[i], middle);
-        angles_.emplace_back(std::atan2(dot(from, up) / up_size, dot(from, along) / along_size), i);
+void ConvexPiece::split(std::size_t axis, double h, ConvexPiece& below) {
+    beyond_.clear();
+    for (const Vector& corner : surface_.corners) beyond_.push_back(corner[axis] - h);
+    const Sides at = sides();
+    below.clear();
+    if (!at.beyond) {
+        std::swap(surface_, below.surface_);
+    } else if (at.within) {
+        take_half(-1, below.surface_);
+        take_half(1, kept_);
+        std::swap(surface_, kept_);
     }
-    std::ranges::sort(angles_);
-    const std::size_t begin = corners_.size();
-    for (const auto& [angle, i] : angles_)
-        if (corners_.size() == begin || corners_.back() != rim_[i]) corners_.push_back(rim_[i]);
-    if (corners_.size() < begin + 3)
-        corners_.resize(begin);
-    else
-        ends_.push_back(corners_.size());
+}
+
+std::pair<double, double> ConvexPiece::extent(std::size_t axis) const {
+    double least = surface_.corners.front()[axis], largest = least;
+    for (const Vector& corner : surface_.corners) {
+        least = std::min(least, corner[axis]);
+        largest = std::max(largest, corner[axis]);
+    }
+    return {least, largest};
 }
 
 // Sums over tetrahedra from a corner, which keeps what cancels small.
-ConvexPiece::Measure ConvexPiece::measure() const {
+ConvexPiece::Measure ConvexPiece::measure(std::size_t corner) const {
     Measure sum;
     if (empty()) return sum;
-    const Vector apex = corners_.front();
+    const Vector apex = surface_.corners.front();
     for (std::size_t f = 0; f < polygons(); ++f) {
         const auto corners = polygon(f);
-        const Vector a = minus(corners[0], apex);
+        const auto at = [&](std::size_t c) { return minus(corners[(corner + c) % corners.size()], apex); };
+        const Vector a = at(0);
         for (std::size_t c = 1; c + 1 < corners.size(); ++c) {
-            const Vector b = minus(corners[c], apex), d = minus(corners[c + 1], apex);
+            const Vector b = at(c), d = at(c + 1);
             const double volume = dot(a, cross(b, d)) / 6;
             sum.volume += volume;
             for (std::size_t k = 0; k < 3; ++k) sum.moment[k] += volume * (a[k] + b[k] + d[k]) / 4;

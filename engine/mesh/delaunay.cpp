@@ -6,37 +6,12 @@
 #include <vector>
 
 #include "input/domain_of_result.hpp"
-#include "result/result.hpp"
+#include "mesh/dual.hpp"
 
 namespace votess {
 namespace {
 
 using detail::Result;
-using ByteShift = std::array<std::int8_t, 3>;
-
-// A seed as it takes part in a simplex.
-struct Member {
-    std::int32_t seed;
-    ByteShift shift;
-    friend auto operator<=>(const Member&, const Member&) = default;
-};
-
-std::size_t at(std::int64_t i) {
-    return static_cast<std::size_t>(i);
-}
-
-// The first image of a vertex stands for all.
-std::size_t original(const Result& r, std::int32_t vertex) {
-    return at(r.vertex_image_of.empty() ? vertex : r.vertex_image_of[at(vertex)]);
-}
-
-ByteShift shift_in(const Buffer<std::int8_t>& shifts, std::size_t i, int sign) {
-    ByteShift shift{};
-    for (std::size_t k = 0; k < 3 && !shifts.empty(); ++k)
-        shift[k] = static_cast<std::int8_t>(sign * shifts[3 * i + k]);
-    return shift;
-}
-
 // A face passes a vertex: it comes from `before` and goes to `after`.
 struct Passage {
     std::int32_t vertex;

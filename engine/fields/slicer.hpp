@@ -1,0 +1,61 @@
+// Cuts a convex body by the planes of a grid: into slabs across the first axis, each into bars, these into parts.
+#pragma once
+
+#include <array>
+
+#include "fields/frame.hpp"
+
+namespace votess::fields {
+
+// A convex body in coordinates of the grid.
+struct Body {
+    Vector at{};
+    ConvexPiece piece;  // relative to `at`, so that a small one keeps its digits
+};
+
+// The grid cells that a piece meets along an axis.
+inline Range cover(const Frame& frame, const ConvexPiece& piece, const Vector& at, std::size_t axis) {
+    const auto [least, largest] = piece.extent(axis);
+    return frame.cover(axis, at[axis] + least, at[axis] + largest);
+}
+
+class Slicer {
+public:
+    explicit Slicer(const Frame& frame) : frame_(frame) {}
+
+    // Calls take(cell, part) for what each grid cell of the window, an index, has of the piece, of which nothing is
+    // left. The parts of all windows of a grid add up to it.
+    template <class Take>
+    void slice(ConvexPiece& piece, const Vector& at, const Window& window, const Take& take) {
+        Cell cell{};
+        slice_along(0, piece, at, window, cell, take);
+    }
+
+private:
+    template <class Take>
+    void slice_along(std::size_t k, ConvexPiece& piece, const Vector& at, const Window& window, Cell& cell,
+                     const Take& take) {
+        if (k == 3) {
+            take(frame_.index(cell), piece);
+            return;
+        }
+        const Range covered = cover(frame_, piece, at, k);
+        const auto lower_side = [&](std::int64_t number) { return static_cast<double>(number) - at[k]; };
+        ConvexPiece& below = below_[k];
+        if (covered.first < window[k].first) piece.split(k, lower_side(window[k].first), below);
+        const std::int64_t last = std::min(covered.last, window[k].last);
+        for (cell[k] = std::max(covered.first, window[k].first); cell[k] <= last && !piece.empty(); ++cell[k]) {
+            if (cell[k] == covered.last) {
+                slice_along(k + 1, piece, at, window, cell, take);
+                return;
+            }
+            piece.split(k, lower_side(cell[k] + 1), below);
+            if (!below.empty()) slice_along(k + 1, below, at, window, cell, take);
+        }
+    }
+
+    const Frame& frame_;
+    std::array<ConvexPiece, 3> below_;  // by axis
+};
+
+}  // namespace votess::fields

@@ -1,0 +1,54 @@
+// What the dual of the mesh is read from: vertices that stand for their images, and seeds with shifts.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "result/result.hpp"
+
+namespace votess {
+
+using ByteShift = std::array<std::int8_t, 3>;
+
+// A seed as it takes part in a simplex.
+struct Member {
+    std::int32_t seed;
+    ByteShift shift;
+    friend auto operator<=>(const Member&, const Member&) = default;
+};
+
+inline std::size_t at(std::int64_t i) {
+    return static_cast<std::size_t>(i);
+}
+
+// The first image of a vertex stands for all.
+inline std::size_t original(const detail::Result& r, std::int32_t vertex) {
+    return at(r.vertex_image_of.empty() ? vertex : r.vertex_image_of[at(vertex)]);
+}
+
+inline ByteShift shift_in(std::span<const std::int8_t> shifts, std::size_t i, int sign) {
+    ByteShift shift{};
+    for (std::size_t k = 0; k < 3 && !shifts.empty(); ++k)
+        shift[k] = static_cast<std::int8_t>(sign * shifts[3 * i + k]);
+    return shift;
+}
+
+inline ByteShift sum(const ByteShift& a, const ByteShift& b) {
+    ByteShift s{};
+    for (std::size_t k = 0; k < 3; ++k) s[k] = static_cast<std::int8_t>(a[k] + b[k]);
+    return s;
+}
+
+// The facets of the polytopes of a dual.
+struct PolytopeFacets {
+    std::vector<std::size_t> facet_begin{0};   // by polytope, and the end of the last
+    std::vector<std::size_t> corner_begin{0};  // by facet, and the end of the last
+    std::vector<Member> corners;               // of a facet in turn, counterclockwise seen from outside
+};
+// result: what the dual was read off.
+PolytopeFacets polytope_facets(const detail::Result& result, const Delaunay& dual);
+
+}  // namespace votess

@@ -1,0 +1,305 @@
+// to_grid(), dtfe: simplices that fit together, mass that is kept, fields that are linear.
+#include <doctest/doctest.h>
+
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "cases/fields/field_cases.hpp"
+#include "engines.hpp"
+#include "mesh/dual.hpp"
+#include "support/check.hpp"
+
+namespace {
+
+using test::FieldCase;
+using votess::Member;
+
+using Vec = std::array<double, 3>;
+
+// A tessellation with what is dual to it.
+struct Dual {
+    votess::Tessellation t;
+    votess::Delaunay simplices;
+    votess::PolytopeFacets facets;
+    std::vector<double> places;
+
+    Dual(const test::Coordinates& points, const votess::Options& options) {
+        votess::Engines engines;
+        const auto result =
+            std::make_shared<votess::detail::Result>(votess::run_on(engines, {points, {}}, options, {}));
+        t = votess::Tessellation(result);
+        simplices = votess::delaunay(t);
+        facets = votess::polytope_facets(*result, simplices);
+        places = votess::wrapped_points(t, points);
+    }
+
+    [[nodiscard]] Member corner(std::size_t tetrahedron, std::size_t k) const {
+        Member m{simplices.tetrahedra[4 * tetrahedron + k], {}};
+        if (!simplices.tetrahedra_shifts.empty())
+            std::copy_n(&simplices.tetrahedra_shifts[3 * (4 * tetrahedron + k)], 3, m.shift.begin());
+        return m;
+    }
+    [[nodiscard]] std::span<const Member> facet(std::size_t f) const {
+        return std::span(facets.corners)
+            .subspan(facets.corner_begin[f], facets.corner_begin[f + 1] - facets.corner_begin[f]);
+    }
+    [[nodiscard]] std::set<Member> members(std::size_t polytope) const {
+        std::set<Member> all;
+        for (auto f = facets.facet_begin[polytope]; f < facets.facet_begin[polytope + 1]; ++f)
+            all.insert(facet(f).begin(), facet(f).end());
+        return all;
+    }
+
+    [[nodiscard]] Vec place(const Member& m) const {
+        Vec x{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            x[k] = places[3 * static_cast<std::size_t>(m.seed) + k];
+            if (t.cell())
+                x[k] += m.shift[0] * t.cell()->a[k] + m.shift[1] * t.cell()->b[k] + m.shift[2] * t.cell()->c[k];
+            else
+                x[k] += m.shift[k] * (t.box().upper[k] - t.box().lower[k]);
+        }
+        return x;
+    }
+};
+
+template <class Members>
+Vec mean(const Dual& d, const Members& members) {
+    Vec mean{};
+    for (const Member& m : members)
+        for (std::size_t k = 0; k < 3; ++k) mean[k] += d.place(m)[k] / static_cast<double>(std::size(members));
+    return mean;
+}
+
+double volume(const Vec& o, Vec a, Vec b, Vec c) {
+    for (Vec* p : {&a, &b, &c})
+        for (std::size_t k = 0; k < 3; ++k) (*p)[k] -= o[k];
+    return (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+            a[2] * (b[0] * c[1] - b[1] * c[0])) /
+           6;
+}
+
+// The corners of a triangle or a facet, moved so that the lowest is at home.
+std::vector<Member> at_home(std::vector<Member> face) {
+    std::ranges::sort(face);
+    const votess::ByteShift home = face[0].shift;
+    for (Member& m : face)
+        for (std::size_t k = 0; k < 3; ++k) m.shift[k] = static_cast<std::int8_t>(m.shift[k] - home[k]);
+    return face;
+}
+
+// How often each of them bounds a simplex.
+std::map<std::vector<Member>, int> faces(const Dual& d) {
+    std::map<std::vector<Member>, int> count;
+    for (std::size_t t = 0; 4 * t < d.simplices.tetrahedra.size(); ++t)
+        for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+            std::vector<Member> face;
+            for (std::size_t k = 0; k < 4; ++k)
+                if (k != left_out) face.push_back(d.corner(t, k));
+            ++count[at_home(face)];
+        }
+    for (std::size_t f = 0; f + 1 < d.facets.corner_begin.size(); ++f)
+        ++count[at_home({d.facet(f).begin(), d.facet(f).end()})];
+    return count;
+}
+
+// For each seed the integral of what is 1 there, 0 at the others and linear between.
+std::vector<double> integrals(const Dual& d) {
+    std::vector<double> sum(d.t.size(), 0);
+    const auto add = [&](const auto& members, double part) {
+        for (const Member& m : members)
+            sum[static_cast<std::size_t>(m.seed)] += part / static_cast<double>(std::size(members));
+    };
+    for (std::size_t t = 0; 4 * t < d.simplices.tetrahedra.size(); ++t) {
+        const std::array<Member, 4> c{d.corner(t, 0), d.corner(t, 1), d.corner(t, 2), d.corner(t, 3)};
+        add(c, volume(d.place(c[0]), d.place(c[1]), d.place(c[2]), d.place(c[3])));
+    }
+    for (std::size_t p = 0; p + 1 < d.facets.facet_begin.size(); ++p) {
+        const auto all = d.members(p);
+        const Vec center = mean(d, all);
+        for (auto f = d.facets.facet_begin[p]; f < d.facets.facet_begin[p + 1]; ++f) {
+            const auto facet = d.facet(f);
+            const Vec middle = mean(d, facet);
+            for (std::size_t k = 0; k < facet.size(); ++k) {
+                const std::array<Member, 2> edge{facet[k], facet[(k + 1) % facet.size()]};
+                const double v = volume(center, middle, d.place(edge[0]), d.place(edge[1]));
+                add(all, v / 4);
+                add(facet, v / 4);
+                add(edge, v / 2);
+            }
+        }
+    }
+    return sum;
+}
+
+votess::Options with_faces(const std::optional<votess::Box>& box, bool periodic) {
+    votess::Options options;
+    options.box = box;
+    options.periodic = {periodic, periodic, periodic};
+    options.want.faces = true;
+    options.threads = 1;
+    options.device = "cpu";
+    return options;
+}
+
+}  // namespace
+
+TEST_SUITE("dtfe") {
+    TEST_CASE("dtfe: facets close polytopes, and simplices fit together") {
+        std::vector<FieldCase> cases;
+        for (const bool periodic : {false, true})
+            for (const auto& set : {test::cubic(4), test::bcc(3), test::fcc(3), test::hexagonal(3), test::diamond(2),
+                                    test::cospherical(26), test::cocircular(25, 3)})
+                cases.push_back({set.name, set.points, with_faces(set.box, periodic)});
+        // Few seeds of a grid, full of ties, which meet images of themselves.
+        test::Random random(3);
+        for (std::size_t set = 0; set < test::by_size(200, 30); ++set) {
+            FieldCase c{"grid", {}, with_faces(test::unit_box(), true)};
+            for (std::uint64_t i = 3 * (1 + random.below(12)); i-- > 0;)
+                c.points.push_back(static_cast<double>(random.below(4)) / 4);
+            if (set % 2 == 1) {
+                c.points =
+                    test::inside(votess::TriclinicBox{{}, {1, 0, 0}, {0.5, 1, 0}, {-0.25, 0.25, 1}, {}}, c.points);
+                c.options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0.5, 1, 0}, {-0.25, 0.25, 1}};
+                c.options.box.reset();
+                c.options.periodic = {};
+            }
+            cases.push_back(c);
+        }
+        std::size_t with_polytopes = 0;
+        for (const FieldCase& c : cases) {
+            CAPTURE(c.name);
+            const Dual d(c.points, c.options);
+            const auto& [facet_begin, corner_begin, corners] = d.facets;
+            REQUIRE(facet_begin.size() == d.simplices.polytope_indptr.size());
+            with_polytopes += facet_begin.size() > 1;
+            for (std::size_t p = 0; p + 1 < facet_begin.size(); ++p) {
+                const auto all = d.members(p);
+                const auto begin = d.simplices.polytope_indptr[p], end = d.simplices.polytope_indptr[p + 1];
+                REQUIRE(static_cast<std::int64_t>(all.size()) == end - begin);
+                std::set<std::pair<Member, Member>> edges;
+                for (auto f = facet_begin[p]; f < facet_begin[p + 1]; ++f) {
+                    const auto facet = d.facet(f);
+                    REQUIRE(facet.size() >= 3);
+                    for (std::size_t k = 0; k < facet.size(); ++k) {
+                        const Member& next = facet[(k + 1) % facet.size()];
+                        REQUIRE(edges.insert({facet[k], next}).second);
+                        REQUIRE(volume(mean(d, all), mean(d, facet), d.place(facet[k]), d.place(next)) > 0);
+                    }
+                }
+                for (const auto& [from, to] : edges) REQUIRE(edges.contains({to, from}));
+                REQUIRE(all.size() + facet_begin[p + 1] - facet_begin[p] == edges.size() / 2 + 2);
+            }
+            const auto parts = integrals(d);
+            const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
+            const bool periodic = d.t.periodic()[0];
+            if (periodic) CHECK(std::abs(sum - d.t.stats().box_volume) <= 1e-12 * d.t.stats().box_volume);
+            // The cubes of a lattice fill its hull.
+            if (c.name == "cubic" && !periodic) CHECK(sum == doctest::Approx(27).epsilon(1e-12));
+            for (const auto& [face, count] : faces(d)) {
+                if (periodic)
+                    REQUIRE(count == 2);
+                else
+                    REQUIRE(count <= 2);
+            }
+        }
+        CHECK(with_polytopes > cases.size() / 2);
+    }
+
+    TEST_CASE("dtfe: mass is kept in every domain, and seeds without a tetrahedron are counted") {
+        for (FieldCase& c : test::field_cases(test::by_size(300, 60)))
+            for (const double weight : {0.0, 0.02}) {
+                CAPTURE(c.name);
+                CAPTURE(weight);
+                const std::size_t n = c.points.size() / 3;
+                const auto weights = test::some_weights(n, weight);
+                c.options.weights = weight > 0 ? std::span<const double>(weights) : std::span<const double>();
+                const Dual d(c.points, c.options);
+                const auto parts = integrals(d);
+                test::Random random(3);
+                const auto duplicates = d.t.duplicate_of();
+                std::vector<double> masses(n);
+                double mass = 0;
+                std::size_t without = 0;
+                for (std::size_t i = 0; i < n; ++i) {
+                    masses[i] = random.uniform();
+                    const bool copy = !duplicates.empty() && duplicates[i] >= 0;
+                    const double part = parts[copy ? static_cast<std::size_t>(duplicates[i]) : i];
+                    if (part > 0) mass += masses[i];
+                    without += part == 0;
+                }
+                if (d.t.periodic() == std::array<bool, 3>{true, true, true} && weight == 0) CHECK(without == 0);
+                for (const auto& shape : {std::array<std::size_t, 3>{1, 1, 1}, {4, 8, 16}, {9, 7, 10}}) {
+                    const votess::GridOptions options{.shape = shape, .method = votess::GridMethod::dtfe};
+                    std::vector<double> grid(shape[0] * shape[1] * shape[2]);
+                    CHECK(votess::to_grid(d.t, c.points, masses, options, grid) == without);
+                    double sum = 0;
+                    for (const double x : grid) sum += x * test::grid_cell_volume(d.t, options);
+                    CHECK(std::abs(sum - mass) <= 1e-12 * mass);
+                }
+            }
+    }
+
+    TEST_CASE("dtfe: a periodic lattice of equal masses has one density") {
+        for (const auto& set : {test::cubic(4, 0.25), test::bcc(3), test::fcc(3)}) {
+            CAPTURE(set.name);
+            const auto t = votess::tessellate(set.points, with_faces(set.box, true));
+            const double density = static_cast<double>(set.size()) / t.stats().box_volume;
+            for (const double x : test::grid_of(t, set.points, std::vector<double>(set.size(), 1),
+                                                {.shape = {5, 4, 12}, .method = votess::GridMethod::dtfe}))
+                REQUIRE(std::abs(x - density) <= 1e-12 * density);
+        }
+    }
+
+    TEST_CASE("dtfe: a density that is linear has its value at the center of each grid cell") {
+        const auto linear = [](const double* x) { return 3 + x[0] - 2 * x[1] + 0.5 * x[2]; };
+        const test::PointSet uniform = test::uniform(test::by_size(2000, 500), 5), lattice = test::cubic(6, 1.0 / 6);
+        for (const auto& points : {uniform.points, lattice.points}) {
+            const Dual d(points, with_faces(test::unit_box(), false));
+            const auto parts = integrals(d);
+            std::vector<double> masses(points.size() / 3);
+            for (std::size_t i = 0; i < masses.size(); ++i) masses[i] = parts[i] * linear(&points[3 * i]);
+            const votess::GridOptions options{.shape = {12, 10, 16}, .method = votess::GridMethod::dtfe};
+            const auto grid = test::grid_of(d.t, points, masses, options);
+            std::size_t inside = 0;
+            for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+                const double center[3] = {(static_cast<double>(cell / 160) + 0.5) / 12,
+                                          (static_cast<double>(cell / 16 % 10) + 0.5) / 10,
+                                          (static_cast<double>(cell % 16) + 0.5) / 16};
+                // The hull of random seeds ends before the walls.
+                if (std::ranges::any_of(center, [](double x) { return x < 0.3 || x > 0.7; })) continue;
+                ++inside;
+                REQUIRE(std::abs(grid[cell] - linear(center)) <= 1e-10);
+            }
+            CHECK(inside > 50);
+        }
+    }
+
+    TEST_CASE("dtfe: flat tetrahedra and planes of seeds") {
+        // Almost a plane: tetrahedra as thin as rounding allows. Around them enough seeds for a hull.
+        test::Random random(8);
+        test::Coordinates points;
+        for (int i = 0; i < 60; ++i)
+            points.insert(points.end(), {random.uniform(), random.uniform(), 0.5 + 1e-15 * random.uniform()});
+        for (int i = 0; i < 60; ++i)
+            points.insert(points.end(), {random.uniform(), random.uniform(), random.uniform()});
+        for (const bool periodic : {false, true}) {
+            const auto t = votess::tessellate(points, with_faces(test::unit_box(), periodic));
+            const std::vector<double> masses(points.size() / 3, 1);
+            const votess::GridOptions options{.shape = {6, 6, 6}, .method = votess::GridMethod::dtfe};
+            std::vector<double> grid(216);
+            const std::size_t without = votess::to_grid(t, points, masses, options, grid);
+            double sum = 0;
+            for (const double x : grid) sum += x / 216;
+            CHECK(sum == doctest::Approx(static_cast<double>(masses.size() - without)).epsilon(1e-11));
+        }
+        // A plane alone has no tetrahedron at all.
+        const test::PointSet plane = test::on_axis_plane(50, 1);
+        const auto t = votess::tessellate(plane.points, with_faces(plane.box, false));
+        std::vector<double> grid(8, -1);
+        CHECK(votess::to_grid(t, plane.points, std::vector<double>(50, 1),
+                              {.shape = {2, 2, 2}, .method = votess::GridMethod::dtfe}, grid) == 50);
+        CHECK(grid == std::vector<double>(8, 0));
+    }
+}
