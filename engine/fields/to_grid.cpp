@@ -48,7 +48,6 @@ void check(const detail::Result& result, std::span<const double> points, std::sp
     if (grid.size() != count_grid_cells(options) * options.columns)
         refuse("the grid holds " + std::to_string(grid.size()) + " numbers, its shape needs " +
                std::to_string(count_grid_cells(options) * options.columns));
-    if (result.probed) refuse("these are the cells of probes, which do not fill the domain: give a tessellation");
     if (points.size() != 3 * n)
         refuse("points hold " + std::to_string(points.size()) + " coordinates, the result has " + std::to_string(n) +
                " cells");

@@ -143,7 +143,7 @@ TEST_SUITE("to_grid") {
         votess::Want want;
         want.faces = true;
         CHECK(refusal(votess::Diagram(set.points).probe(set.points, {want, true, {}, {}}), set.points, values, grid, 24)
-                  .starts_with("to_grid: these are the cells of probes"));
+                  .starts_with("to_grid: these are cells of probes"));
         grid.method = GridMethod::nearest;
         CHECK(refusal(bare, set.points, values, grid, 24) == "");
         grid.shape[1] = 0;
