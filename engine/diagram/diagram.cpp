@@ -63,4 +63,8 @@ Interpolated Diagram::interpolate(std::span<const double> values, std::size_t co
     return with_memory([&] { return detail::interpolate(*state_, values, components, queries, options); });
 }
 
+std::size_t Diagram::to_grid(std::span<const double> values, const GridOptions& options, std::span<double> grid) const {
+    return with_memory([&] { return detail::to_grid(*state_, values, options, grid); });
+}
+
 }  // namespace votess

@@ -77,5 +77,7 @@ Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOp
 NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& options);
 Interpolated interpolate(DiagramState& state, std::span<const double> values, std::size_t components,
                          std::span<const double> x, const NaturalOptions& options);
+std::size_t to_grid(DiagramState& state, std::span<const double> values, const GridOptions& options,
+                    std::span<double> grid);
 
 }  // namespace votess::detail

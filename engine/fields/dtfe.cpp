@@ -39,13 +39,13 @@ struct Tetrahedron {
 // three corners from theirs: in the same way from both sides, and whatever the order of the seeds.
 class Triangulation {
 public:
-    Triangulation(const Task& task, const detail::Result& result, const Frame& frame)
-        : frame_(frame), places_(wrapped_points(task.tessellation, task.points)) {
-        const Delaunay dual = delaunay(task.tessellation);
+    Triangulation(const Built& built, const Frame& frame)
+        : frame_(frame), places_(wrapped_points(built.tessellation, built.points)) {
+        const Delaunay dual = delaunay(built.tessellation);
         whole_ = dual.tetrahedra.size() / 4;
         for (std::size_t k = 0; k < dual.tetrahedra.size(); ++k)
             members_.push_back({dual.tetrahedra[k], shift_in(dual.tetrahedra_shifts, k, 1)});
-        cut_polytopes(dual, polytope_facets(result, dual));
+        cut_polytopes(dual, polytope_facets(built.result, dual));
     }
 
     [[nodiscard]] std::size_t size() const { return whole_ + parts_.size(); }
@@ -199,11 +199,11 @@ std::vector<double> integrals(const Triangulation& triangulation, std::size_t se
 
 }  // namespace
 
-std::size_t add_dtfe(const Task& task, const detail::Result& result, const Frame& frame, std::span<double> grid) {
-    const std::size_t n = task.tessellation.size(), m = task.columns;
-    const Triangulation triangulation(task, result, frame);
+std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool) {
+    const std::size_t n = built.tessellation.size(), m = task.columns;
+    const Triangulation triangulation(built, task.frame);
     const std::vector<double> parts = integrals(triangulation, n);
-    const std::span<const std::int32_t> duplicate_of = task.tessellation.duplicate_of();
+    const std::span<const std::int32_t> duplicate_of = built.tessellation.duplicate_of();
     Densities densities{m, std::vector<double>(n * m, 0)};
     std::size_t without = 0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -212,9 +212,9 @@ std::size_t add_dtfe(const Task& task, const detail::Result& result, const Frame
         if (parts[to] == 0) continue;
         for (std::size_t c = 0; c < m; ++c) densities.values[to * m + c] += task.values[i * m + c] / parts[to];
     }
-    overlay(frame, task.pool, triangulation.size(),
-            [&] { return std::make_unique<Tetrahedra>(triangulation, densities, grid); });
-    for (double& x : grid) x /= frame.cell_volume();
+    overlay(task.frame, pool, triangulation.size(),
+            [&] { return std::make_unique<Tetrahedra>(triangulation, densities, task.grid); });
+    for (double& x : task.grid) x /= task.frame.cell_volume();
     return without;
 }
 

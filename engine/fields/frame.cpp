@@ -18,14 +18,14 @@ Vector cross(const Vector& a, const Vector& b) {
 
 }  // namespace
 
-Frame::Frame(const Tessellation& t, const std::array<std::size_t, 3>& shape) {
+Frame::Frame(const Job& job, const std::array<std::size_t, 3>& shape) {
     std::array<Vector, 3> box_edges{};
-    if (t.cell()) {
-        origin_ = t.cell()->origin;
-        box_edges = {t.cell()->a, t.cell()->b, t.cell()->c};
+    if (job.options.cell) {
+        origin_ = job.options.cell->origin;
+        box_edges = {job.options.cell->a, job.options.cell->b, job.options.cell->c};
     } else {
-        origin_ = t.box().lower;
-        for (std::size_t k = 0; k < 3; ++k) box_edges[k][k] = t.box().upper[k] - t.box().lower[k];
+        origin_ = job.box.lower;
+        for (std::size_t k = 0; k < 3; ++k) box_edges[k][k] = job.box.upper[k] - job.box.lower[k];
     }
     // A power of two keeps products of lengths in range.
     double largest = 0;
@@ -34,7 +34,7 @@ Frame::Frame(const Tessellation& t, const std::array<std::size_t, 3>& shape) {
     const double scale = std::ldexp(1.0, -std::ilogb(largest));
     for (std::size_t k = 0; k < 3; ++k) {
         axes_[k].count = static_cast<std::int64_t>(shape[k]);
-        axes_[k].periodic = t.periodic()[k];
+        axes_[k].periodic = job.domain->periodic[k];
         axes_[k].tile = ceil_div(axes_[k].count, tiles_along_axis);
         for (double& x : box_edges[k]) x *= scale;
         axes_[k].length = std::sqrt(dot(box_edges[k], box_edges[k])) / scale;

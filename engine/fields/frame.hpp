@@ -9,7 +9,7 @@
 
 #include "core/ceil.hpp"
 #include "core/convex_piece.hpp"
-#include "votess/votess.hpp"
+#include "input/job.hpp"
 
 namespace votess::fields {
 
@@ -50,7 +50,7 @@ struct Axis {
 // Coordinates of the grid count grid cells: those of cell (i, j, k) go from i to i + 1, and so on.
 class Frame {
 public:
-    Frame(const Tessellation& tessellation, const std::array<std::size_t, 3>& shape);
+    Frame(const Job& job, const std::array<std::size_t, 3>& shape);
 
     [[nodiscard]] const Axis& axis(std::size_t k) const { return axes_[k]; }
     [[nodiscard]] std::size_t cells() const;

@@ -9,8 +9,8 @@ namespace {
 
 class Cells final : public Carrier {
 public:
-    Cells(const Task& task, const Frame& frame, std::span<double> grid)
-        : t_(task.tessellation), values_(task.values), columns_(task.columns), frame_(frame), grid_(grid) {}
+    Cells(const Task& task, const Tessellation& t)
+        : t_(t), values_(task.values), columns_(task.columns), frame_(task.frame), grid_(task.grid) {}
 
     bool load(std::size_t seed, Body& body) override {
         if (t_.status()[seed] != CellStatus::certified) return false;
@@ -57,8 +57,9 @@ private:
 
 }  // namespace
 
-void add_mean(const Task& task, const Frame& frame, std::span<double> grid) {
-    overlay(frame, task.pool, task.tessellation.size(), [&] { return std::make_unique<Cells>(task, frame, grid); });
+void add_mean(const Task& task, const Built& built, ThreadPool& pool) {
+    overlay(task.frame, pool, built.tessellation.size(),
+            [&] { return std::make_unique<Cells>(task, built.tessellation); });
 }
 
 }  // namespace votess::fields

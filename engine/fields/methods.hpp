@@ -1,6 +1,7 @@
 // The methods of to_grid(). Each adds to a grid of zeros.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -10,18 +11,27 @@
 
 namespace votess::fields {
 
-// What all of them are given, checked.
+// What all of them are given, checked. Along an axis that is projected the grid has one element, to which all grid
+// cells of the frame add.
 struct Task {
-    const Tessellation& tessellation;
-    std::span<const double> points, values;
+    const Frame& frame;
+    std::span<const double> values;  // (N, columns)
     std::size_t columns;
-    ThreadPool& pool;
+    std::span<double> grid;
 };
 
-void add_mean(const Task& task, const Frame& frame, std::span<double> grid);
-// Returns the number of seeds whose mass has no place. result: of the tessellation.
-std::size_t add_dtfe(const Task& task, const detail::Result& result, const Frame& frame, std::span<double> grid);
-// Along an axis that is projected the grid has one element, to which all grid cells of the frame add.
-void add_nearest(const Task& task, const Frame& frame, std::optional<int> projected, std::span<double> grid);
+// The seeds and their cells, with faces.
+struct Built {
+    std::span<const double> points;
+    const detail::Result& result;
+    const Tessellation& tessellation;  // of the result
+};
+
+void add_mean(const Task& task, const Built& built, ThreadPool& pool);
+// Returns the number of seeds whose mass has no place.
+std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool);
+// evaluate(centers, field): writes a row of columns for each center of a grid cell.
+void add_at_centers(const Task& task, std::optional<int> projected,
+                    const std::function<void(std::span<const double> centers, std::span<double> field)>& evaluate);
 
 }  // namespace votess::fields

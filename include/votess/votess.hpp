@@ -221,7 +221,6 @@ struct TessellatorState;
 struct Delaunay;
 struct VerifyOptions;
 struct VerifyReport;
-struct GridOptions;
 
 // The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans stay
 // valid as long as any copy of the handle. An array that was not wanted is an empty span. N is the number of seeds,
@@ -282,9 +281,6 @@ private:
     friend VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
     friend VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                           const VerifyOptions& options);
-    friend VOTESS_API std::size_t to_grid(const Tessellation& tessellation, std::span<const double> points,
-                                          std::span<const double> values, const GridOptions& options,
-                                          std::span<double> grid);
     std::shared_ptr<const detail::Result> result_;
 };
 

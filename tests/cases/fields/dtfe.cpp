@@ -230,10 +230,11 @@ TEST_SUITE("dtfe") {
                     without += part == 0;
                 }
                 if (d.t.periodic() == std::array<bool, 3>{true, true, true} && weight == 0) CHECK(without == 0);
+                const votess::Diagram diagram(c.points, c.options);
                 for (const auto& shape : {std::array<std::size_t, 3>{1, 1, 1}, {4, 8, 16}, {9, 7, 10}}) {
                     const votess::GridOptions options{.shape = shape, .method = votess::GridMethod::dtfe};
                     std::vector<double> grid(shape[0] * shape[1] * shape[2]);
-                    CHECK(votess::to_grid(d.t, c.points, masses, options, grid) == without);
+                    CHECK(diagram.to_grid(masses, options, grid) == without);
                     double sum = 0;
                     for (const double x : grid) sum += x * test::grid_cell_volume(d.t, options);
                     CHECK(std::abs(sum - mass) <= 1e-12 * mass);
@@ -246,7 +247,8 @@ TEST_SUITE("dtfe") {
             CAPTURE(set.name);
             const auto t = votess::tessellate(set.points, with_faces(set.box, true));
             const double density = static_cast<double>(set.size()) / t.stats().box_volume;
-            for (const double x : test::grid_of(t, set.points, std::vector<double>(set.size(), 1),
+            for (const double x : test::grid_of(votess::Diagram(set.points, with_faces(set.box, true)),
+                                                std::vector<double>(set.size(), 1),
                                                 {.shape = {5, 4, 12}, .method = votess::GridMethod::dtfe}))
                 REQUIRE(std::abs(x - density) <= 1e-12 * density);
         }
@@ -261,7 +263,8 @@ TEST_SUITE("dtfe") {
             std::vector<double> masses(points.size() / 3);
             for (std::size_t i = 0; i < masses.size(); ++i) masses[i] = parts[i] * linear(&points[3 * i]);
             const votess::GridOptions options{.shape = {12, 10, 16}, .method = votess::GridMethod::dtfe};
-            const auto grid = test::grid_of(d.t, points, masses, options);
+            const auto grid =
+                test::grid_of(votess::Diagram(points, with_faces(test::unit_box(), false)), masses, options);
             std::size_t inside = 0;
             for (std::size_t cell = 0; cell < grid.size(); ++cell) {
                 const double center[3] = {(static_cast<double>(cell / 160) + 0.5) / 12,
@@ -285,21 +288,21 @@ TEST_SUITE("dtfe") {
         for (int i = 0; i < 60; ++i)
             points.insert(points.end(), {random.uniform(), random.uniform(), random.uniform()});
         for (const bool periodic : {false, true}) {
-            const auto t = votess::tessellate(points, with_faces(test::unit_box(), periodic));
+            const votess::Diagram diagram(points, with_faces(test::unit_box(), periodic));
             const std::vector<double> masses(points.size() / 3, 1);
             const votess::GridOptions options{.shape = {6, 6, 6}, .method = votess::GridMethod::dtfe};
             std::vector<double> grid(216);
-            const std::size_t without = votess::to_grid(t, points, masses, options, grid);
+            const std::size_t without = diagram.to_grid(masses, options, grid);
             double sum = 0;
             for (const double x : grid) sum += x / 216;
             CHECK(sum == doctest::Approx(static_cast<double>(masses.size() - without)).epsilon(1e-11));
         }
         // A plane alone has no tetrahedron at all.
         const test::PointSet plane = test::on_axis_plane(50, 1);
-        const auto t = votess::tessellate(plane.points, with_faces(plane.box, false));
+        const votess::Diagram diagram(plane.points, with_faces(plane.box, false));
         std::vector<double> grid(8, -1);
-        CHECK(votess::to_grid(t, plane.points, std::vector<double>(50, 1),
-                              {.shape = {2, 2, 2}, .method = votess::GridMethod::dtfe}, grid) == 50);
+        CHECK(diagram.to_grid(std::vector<double>(50, 1), {.shape = {2, 2, 2}, .method = votess::GridMethod::dtfe},
+                              grid) == 50);
         CHECK(grid == std::vector<double>(8, 0));
     }
 }

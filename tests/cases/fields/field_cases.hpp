@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 #include <vector>
-#include <votess/fields.hpp>
+#include <votess/diagram.hpp>
 
 #include "support/generators.hpp"
 #include "support/random.hpp"
@@ -98,13 +98,13 @@ inline double grid_cell_volume(const votess::Tessellation& t, const votess::Grid
     return volume;
 }
 
-inline std::vector<double> grid_of(const votess::Tessellation& t, const Coordinates& points,
-                                   const std::vector<double>& values, const votess::GridOptions& options) {
+inline std::vector<double> grid_of(const votess::Diagram& diagram, const std::vector<double>& values,
+                                   const votess::GridOptions& options) {
     std::size_t cells = options.columns;
     for (int k = 0; k < 3; ++k)
         if (k != options.project) cells *= options.shape[static_cast<std::size_t>(k)];
     std::vector<double> grid(cells, -1);
-    votess::to_grid(t, points, values, options, grid);
+    diagram.to_grid(values, options, grid);
     return grid;
 }
 

@@ -1,8 +1,6 @@
 // to_grid(), mean: exact identities of averages, and what sampling finds.
 #include <doctest/doctest.h>
 
-#include <votess/diagram.hpp>
-
 #include "cases/fields/field_cases.hpp"
 #include "support/check.hpp"
 
@@ -42,6 +40,7 @@ TEST_SUITE("mean") {
                 const auto weights = test::some_weights(n, weight);
                 c.options.weights = weight > 0 ? std::span<const double>(weights) : std::span<const double>();
                 const auto t = votess::tessellate(c.points, c.options);
+                const votess::Diagram diagram(c.points, c.options);
                 // Large where cells are small, as densities are.
                 std::vector<double> densities(n, 0);
                 for (std::size_t i = 0; i < n; ++i)
@@ -52,17 +51,16 @@ TEST_SUITE("mean") {
                     CAPTURE(shape[0]);
                     votess::GridOptions options;
                     options.shape = shape;
-                    options.threads = 1;
                     const std::vector<double> ones(n, 1);
-                    const auto covered = test::grid_of(t, c.points, ones, options);
+                    const auto covered = test::grid_of(diagram, ones, options);
                     check_sum(t, covered, ones, options);
                     if (c.options.walls.empty())
                         for (const double x : covered) REQUIRE(std::abs(x - 1) <= 1e-12);
                     else
                         for (const double x : covered) REQUIRE((x >= -1e-12 && x <= 1 + 1e-12));
-                    check_sum(t, test::grid_of(t, c.points, densities, options), densities, options);
+                    check_sum(t, test::grid_of(diagram, densities, options), densities, options);
                     const auto values = random_values(n, 7);
-                    check_sum(t, test::grid_of(t, c.points, values, options), values, options);
+                    check_sum(t, test::grid_of(diagram, values, options), values, options);
                 }
             }
     }
@@ -74,9 +72,9 @@ TEST_SUITE("mean") {
         options.want.faces = true;
         for (const bool periodic : {false, true}) {
             options.periodic = {periodic, periodic, periodic};
-            const auto t = votess::tessellate(lattice.points, options);
+            const votess::Diagram diagram(lattice.points, options);
             const auto values = random_values(lattice.size(), 3);
-            const auto grid = test::grid_of(t, lattice.points, values, {.shape = {6, 6, 6}});
+            const auto grid = test::grid_of(diagram, values, {.shape = {6, 6, 6}});
             for (std::size_t i = 0; i < values.size(); ++i) {
                 std::size_t cell = 0;
                 for (std::size_t k = 0; k < 3; ++k)
@@ -99,7 +97,7 @@ TEST_SUITE("mean") {
             const votess::Diagram diagram(c.points, c.options);
             const auto values = random_values(n, 9);
             const std::array<std::size_t, 3> shape{3, 2, 2};
-            const auto grid = test::grid_of(t, c.points, values, {.shape = shape});
+            const auto grid = test::grid_of(diagram, values, {.shape = shape});
             test::Random random(11);
             for (std::size_t cell = 0; cell < grid.size(); ++cell) {
                 const std::array<std::size_t, 3> at{cell / 4, cell / 2 % 2, cell % 2};
@@ -132,32 +130,33 @@ TEST_SUITE("mean") {
     TEST_CASE("mean: columns are fields of their own, and projections integrate along an axis") {
         const FieldCase c = test::field_cases(200)[7];
         REQUIRE(c.options.cell.has_value());
-        const auto t = votess::tessellate(c.points, c.options);
+        const votess::Diagram diagram(c.points, c.options);
         const std::size_t n = c.points.size() / 3;
         const auto one = random_values(n, 1), two = random_values(n, 2);
         std::vector<double> both;
         for (std::size_t i = 0; i < n; ++i) both.insert(both.end(), {one[i], two[i]});
         votess::GridOptions options{.shape = {4, 6, 5}};
-        const auto of_one = test::grid_of(t, c.points, one, options), of_two = test::grid_of(t, c.points, two, options);
+        const auto of_one = test::grid_of(diagram, one, options), of_two = test::grid_of(diagram, two, options);
         options.columns = 2;
-        const auto of_both = test::grid_of(t, c.points, both, options);
+        const auto of_both = test::grid_of(diagram, both, options);
         for (std::size_t i = 0; i < of_one.size(); ++i) {
             REQUIRE(of_both[2 * i] == of_one[i]);
             REQUIRE(of_both[2 * i + 1] == of_two[i]);
         }
         options.columns = 1;
-        const std::array<std::array<double, 3>, 3> edges{t.cell()->a, t.cell()->b, t.cell()->c};
+        const votess::TriclinicBox& cell = *c.options.cell;
+        const std::array<std::array<double, 3>, 3> edges{cell.a, cell.b, cell.c};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             options.project = static_cast<int>(axis);
-            const auto projected = test::grid_of(t, c.points, one, options);
+            const auto projected = test::grid_of(diagram, one, options);
             std::vector<double> sums(projected.size(), 0);
             const auto& e = edges[axis];
             const double step =
                 std::sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) / static_cast<double>(options.shape[axis]);
-            for (std::size_t x = 0, cell = 0; x < 4; ++x)
+            for (std::size_t x = 0, at = 0; x < 4; ++x)
                 for (std::size_t y = 0; y < 6; ++y)
-                    for (std::size_t z = 0; z < 5; ++z, ++cell)
-                        sums[axis == 0 ? y * 5 + z : axis == 1 ? x * 5 + z : x * 6 + y] += of_one[cell] * step;
+                    for (std::size_t z = 0; z < 5; ++z, ++at)
+                        sums[axis == 0 ? y * 5 + z : axis == 1 ? x * 5 + z : x * 6 + y] += of_one[at] * step;
             for (std::size_t i = 0; i < sums.size(); ++i) REQUIRE(std::abs(sums[i] - projected[i]) <= 1e-12);
         }
     }
@@ -167,10 +166,10 @@ TEST_SUITE("mean") {
         votess::Options options;
         options.box = lattice.box;
         options.want.faces = true;
-        const auto t = votess::tessellate(lattice.points, options);
+        const votess::Diagram diagram(lattice.points, options);
         std::vector<double> values(lattice.size(), 1);
         values[0] = std::nan("");
-        const auto grid = test::grid_of(t, lattice.points, values, {.shape = {2, 2, 2}});
+        const auto grid = test::grid_of(diagram, values, {.shape = {2, 2, 2}});
         CHECK(std::isnan(grid[0]));
         for (std::size_t i = 1; i < 8; ++i) CHECK(std::abs(grid[i] - 1) < 1e-12);
     }

@@ -1,7 +1,7 @@
 // to_grid(): threads, the nearest seed, and what is refused.
 #include <doctest/doctest.h>
 
-#include <votess/diagram.hpp>
+#include <cmath>
 
 #include "cases/fields/field_cases.hpp"
 #include "support/check.hpp"
@@ -13,11 +13,11 @@ using votess::GridMethod;
 using votess::GridOptions;
 
 // The message of the refusal.
-std::string refusal(const votess::Tessellation& t, const test::Coordinates& points, const std::vector<double>& values,
-                    const GridOptions& options, std::size_t size) {
+std::string refusal(const votess::Diagram& diagram, const std::vector<double>& values, const GridOptions& options,
+                    std::size_t size) {
     std::vector<double> grid(size);
     try {
-        votess::to_grid(t, points, values, options, grid);
+        diagram.to_grid(values, options, grid);
     } catch (const votess::Error& error) {
         CHECK(error.code() == votess::ErrorCode::invalid_argument);
         return error.what();
@@ -25,21 +25,39 @@ std::string refusal(const votess::Tessellation& t, const test::Coordinates& poin
     return "";
 }
 
+// In the order of the grid.
+test::Coordinates centers_of(const votess::Options& options, const std::array<std::size_t, 3>& shape) {
+    test::Coordinates centers;
+    const auto [nx, ny, nz] = shape;
+    for (std::size_t cell = 0; cell < nx * ny * nz; ++cell) {
+        const std::array<std::size_t, 3> at{cell / (ny * nz), cell / nz % ny, cell % nz};
+        test::Coordinates f;
+        for (std::size_t k = 0; k < 3; ++k)
+            f.push_back((static_cast<double>(at[k]) + 0.5) / static_cast<double>(shape[k]));
+        if (options.cell)
+            f = test::inside(*options.cell, f);
+        else
+            for (std::size_t k = 0; k < 3; ++k)
+                f[k] = options.box->lower[k] + f[k] * (options.box->upper[k] - options.box->lower[k]);
+        centers.insert(centers.end(), f.begin(), f.end());
+    }
+    return centers;
+}
+
 }  // namespace
 
 TEST_SUITE("to_grid") {
     TEST_CASE("to_grid: the same digits with any number of threads") {
-        for (const FieldCase& c : test::field_cases(test::by_size(300, 60))) {
+        for (FieldCase& c : test::field_cases(test::by_size(300, 60))) {
             CAPTURE(c.name);
-            const auto t = votess::tessellate(c.points, c.options);
             const std::vector<double> values = test::some_weights(c.points.size() / 3, 1);
             for (const auto method : {GridMethod::mean, GridMethod::dtfe, GridMethod::nearest}) {
-                GridOptions options{.shape = {9, 20, 3}, .method = method};
-                options.threads = 1;
-                const auto one = test::grid_of(t, c.points, values, options);
+                const GridOptions options{.shape = {9, 20, 3}, .method = method};
+                c.options.threads = 1;
+                const auto one = test::grid_of(votess::Diagram(c.points, c.options), values, options);
                 for (const unsigned threads : {2u, 5u, 0u}) {
-                    options.threads = threads;
-                    REQUIRE(test::grid_of(t, c.points, values, options) == one);
+                    c.options.threads = threads;
+                    REQUIRE(test::grid_of(votess::Diagram(c.points, c.options), values, options) == one);
                 }
             }
         }
@@ -51,37 +69,61 @@ TEST_SUITE("to_grid") {
             const std::size_t n = c.points.size() / 3;
             const auto weights = test::some_weights(n, 0.02);
             c.options.weights = weights;
-            const auto t = votess::tessellate(c.points, c.options);
             const votess::Diagram diagram(c.points, c.options);
             const std::vector<double> values = test::some_weights(2 * n, 1);
             GridOptions options{.shape = {3, 4, 5}, .method = GridMethod::nearest, .columns = 2};
-            const auto grid = test::grid_of(t, c.points, values, options);
+            const auto grid = test::grid_of(diagram, values, options);
             std::vector<double> sums(2 * 3 * 5, 0);
-            for (std::size_t cell = 0; cell < 60; ++cell) {
-                const test::Coordinates f{(static_cast<double>(cell / 20) + 0.5) / 3,
-                                          (static_cast<double>(cell / 5 % 4) + 0.5) / 4,
-                                          (static_cast<double>(cell % 5) + 0.5) / 5};
-                test::Coordinates center;
-                if (t.cell())
-                    center = test::inside(*t.cell(), f);
-                else
-                    for (std::size_t k = 0; k < 3; ++k)
-                        center.push_back(t.box().lower[k] + f[k] * (t.box().upper[k] - t.box().lower[k]));
-                const auto seed = diagram.locate(center)[0];
+            const auto seeds = diagram.locate(centers_of(c.options, options.shape));
+            for (std::size_t cell = 0; cell < 60; ++cell)
                 for (std::size_t m = 0; m < 2; ++m) {
-                    const double value = seed < 0 ? 0 : values[2 * static_cast<std::size_t>(seed) + m];
+                    const double value = seeds[cell] < 0 ? 0 : values[2 * static_cast<std::size_t>(seeds[cell]) + m];
                     // Where cells meet, rounding of the center decides.
                     if (c.name != "lattice") REQUIRE(grid[2 * cell + m] == value);
                     sums[2 * (cell / 20 * 5 + cell % 5) + m] += grid[2 * cell + m];
                 }
-            }
             options.project = 1;
-            const auto projected = test::grid_of(t, c.points, values, options);
-            const double length = t.cell() ? std::hypot(t.cell()->b[0], t.cell()->b[1], t.cell()->b[2])
-                                           : t.box().upper[1] - t.box().lower[1];
+            const auto projected = test::grid_of(diagram, values, options);
+            const double length = c.options.cell
+                                      ? std::hypot(c.options.cell->b[0], c.options.cell->b[1], c.options.cell->b[2])
+                                      : c.options.box->upper[1] - c.options.box->lower[1];
             for (std::size_t i = 0; i < sums.size(); ++i)
                 REQUIRE(projected[i] == doctest::Approx(sums[i] * length / 4).epsilon(1e-13));
         }
+    }
+
+    TEST_CASE("to_grid: sibson has the value interpolated at the center, 0 outside and NaN without coordinates") {
+        std::size_t outside = 0, hidden = 0;
+        for (FieldCase& c : test::field_cases(test::by_size(300, 100)))
+            for (const double weight : {0.0, 0.3}) {
+                if (c.name == "two seeds, periodic") continue;
+                CAPTURE(c.name);
+                CAPTURE(weight);
+                const std::size_t n = c.points.size() / 3;
+                // Large ones bury queries, whose weight is 0.
+                const auto weights = test::some_weights(n, weight);
+                c.options.weights = weight > 0 ? std::span<const double>(weights) : std::span<const double>();
+                const votess::Diagram diagram(c.points, c.options);
+                const std::vector<double> values = test::some_weights(2 * n, 1);
+                const GridOptions options{.shape = {7, 4, 9}, .method = GridMethod::sibson, .columns = 2};
+                const auto grid = test::grid_of(diagram, values, options);
+                const auto centers = centers_of(c.options, options.shape);
+                const auto seeds = diagram.locate(centers);
+                const auto expected = diagram.interpolate(values, 2, centers).values;
+                for (std::size_t i = 0; i < grid.size(); ++i) {
+                    outside += seeds[i / 2] < 0;
+                    hidden += seeds[i / 2] >= 0 && std::isnan(expected[i]);
+                    if (c.name == "lattice") continue;  // its rim depends on how centers are rounded
+                    if (seeds[i / 2] < 0)
+                        REQUIRE(grid[i] == 0);
+                    else if (std::isnan(expected[i]))
+                        REQUIRE(std::isnan(grid[i]));
+                    else
+                        REQUIRE(std::abs(grid[i] - expected[i]) <= 1e-9);
+                }
+            }
+        CHECK(outside > 0);
+        CHECK(hidden > 0);
     }
 
     TEST_CASE("to_grid: cells over many decades keep their sums") {
@@ -99,8 +141,9 @@ TEST_SUITE("to_grid") {
                 mass += 1;
             }
             const GridOptions options{.shape = {7, 8, 9}};
+            const votess::Diagram diagram(set.points, test::all_options(set.box));
             double sum = 0;
-            for (const double x : test::grid_of(t, set.points, densities, options))
+            for (const double x : test::grid_of(diagram, densities, options))
                 sum += x * test::grid_cell_volume(t, options);
             CHECK(std::abs(sum - mass) <= 1e-12 * mass);
         }
@@ -109,60 +152,39 @@ TEST_SUITE("to_grid") {
     TEST_CASE("to_grid: no seeds, no field") {
         votess::Options options;
         options.box = test::unit_box();
-        options.want.faces = true;
-        for (const auto method : {GridMethod::mean, GridMethod::dtfe, GridMethod::nearest})
-            CHECK(test::grid_of(votess::tessellate(test::Coordinates{}, options), {}, {},
-                                {.shape = {2, 1, 1}, .method = method}) == std::vector<double>{0, 0});
-        // All of them outside.
+        const votess::Diagram nothing({}, options);
         options.outside = votess::Outside::drop;
-        const test::Coordinates points{2, 2, 2, 3, 3, 3};
-        const auto t = votess::tessellate(points, options);
-        for (const auto method : {GridMethod::mean, GridMethod::dtfe, GridMethod::nearest})
-            CHECK(test::grid_of(t, points, {1, 1}, {.shape = {2, 1, 1}, .method = method}) ==
-                  std::vector<double>{0, 0});
+        const votess::Diagram dropped(std::vector<double>{2, 2, 2, 3, 3, 3}, options);
+        for (const auto method : {GridMethod::mean, GridMethod::dtfe, GridMethod::nearest, GridMethod::sibson}) {
+            const GridOptions grid{.shape = {2, 1, 1}, .method = method};
+            CHECK(test::grid_of(nothing, {}, grid) == std::vector<double>{0, 0});
+            CHECK(test::grid_of(dropped, {1, 1}, grid) == std::vector<double>{0, 0});
+        }
     }
 
     TEST_CASE("to_grid: refused") {
         const auto set = test::uniform(20, 1);
-        votess::Options options = test::all_options(set.box);
-        const auto bare = votess::tessellate(set.points, options);
-        options.want.faces = true;
-        const auto t = votess::tessellate(set.points, options);
-        options.min_face = 0.1;
-        const auto filtered = votess::tessellate(set.points, options);
+        const votess::Diagram diagram(set.points);
         const std::vector<double> values(20, 1);
         GridOptions grid{.shape = {2, 3, 4}};
-        CHECK(refusal(t, set.points, values, grid, 24) == "");
-        CHECK(refusal(t, set.points, values, grid, 23) == "to_grid: the grid holds 23 numbers, its shape needs 24");
-        CHECK(refusal(t, {1, 2, 3}, values, grid, 24) == "to_grid: points hold 3 coordinates, the result has 20 cells");
-        CHECK(refusal(t, set.points, {1, 2}, grid, 24) == "to_grid: there are 2 values, 20 cells need 1 each");
-        CHECK(refusal(bare, set.points, values, grid, 24) ==
-              "to_grid: the tessellation has no polygons, set want.faces");
-        CHECK(refusal(filtered, set.points, values, grid, 24) ==
-              "to_grid: the tessellation has lost faces, set min_face and min_area to 0");
-        votess::Want want;
-        want.faces = true;
-        CHECK(refusal(votess::Diagram(set.points).probe(set.points, {want, true, {}, {}}), set.points, values, grid, 24)
-                  .starts_with("to_grid: these are cells of probes"));
+        CHECK(refusal(diagram, values, grid, 24) == "");
+        CHECK(refusal(diagram, values, grid, 23) ==
+              "to_grid: the grid holds 23 numbers, its shape needs 24 for each of 1 columns");
+        CHECK(refusal(diagram, {1, 2}, grid, 24) == "to_grid: there are 2 values, 20 seeds need 1 each");
         grid.method = GridMethod::nearest;
-        CHECK(refusal(bare, set.points, values, grid, 24) == "");
         grid.shape[1] = 0;
-        CHECK(refusal(t, set.points, values, grid, 0) == "to_grid: shape[1] = 0 is not from 1 to 1048576");
+        CHECK(refusal(diagram, values, grid, 0) == "to_grid: shape[1] = 0 is not from 1 to 1048576");
         grid.shape[1] = std::size_t{1} << 40;
-        CHECK(refusal(t, set.points, values, grid, 0).starts_with("to_grid: shape[1] = 1099511627776 is not"));
+        CHECK(refusal(diagram, values, grid, 0).starts_with("to_grid: shape[1] = 1099511627776 is not"));
         grid.shape[1] = 1;
         grid.project = 3;
-        CHECK(refusal(t, set.points, values, grid, 8) == "to_grid: project = 3 is no axis: give 0, 1 or 2");
+        CHECK(refusal(diagram, values, grid, 8) == "to_grid: project = 3 is no axis: give 0, 1 or 2");
         grid.project = {};
         grid.columns = 0;
-        CHECK(refusal(t, set.points, values, grid, 0) == "to_grid: columns = 0 is not from 1 to 1048576");
+        CHECK(refusal(diagram, values, grid, 0) == "to_grid: columns = 0 is not from 1 to 1048576");
         grid.columns = 1;
-        grid.threads = 2000;
-        CHECK(refusal(t, set.points, values, grid, 8) ==
-              "to_grid: threads = 2000 is too many: give at most 1024, or 0 for all");
-        grid.threads = 1;
         grid.method = static_cast<GridMethod>(7);
-        CHECK(refusal(t, set.points, values, grid, 8) ==
-              "to_grid: method = 7 is none: it is 0 mean, 1 dtfe or 2 nearest");
+        CHECK(refusal(diagram, values, grid, 8) ==
+              "to_grid: method = 7 is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
     }
 }

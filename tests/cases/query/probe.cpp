@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 #include <votess/diagram.hpp>
-#include <votess/fields.hpp>
 
 #include "cases/query/query_cases.hpp"
 #include "support/check.hpp"
@@ -252,10 +251,6 @@ TEST_SUITE("probe") {
         refuses("delaunay: these are cells of probes", [&] { return votess::delaunay(probes); });
         refuses("verify: these are cells of probes", [&] { return votess::verify(probes, points); });
         refuses("wrapped_points: these are cells of probes", [&] { return votess::wrapped_points(probes, points); });
-        refuses("to_grid: these are cells of probes", [&] {
-            std::vector<double> grid(8);
-            return votess::to_grid(probes, points, grid, {.shape = {2, 2, 2}}, grid);
-        });
         refuses("the seeds have none", [&] {
             const std::vector<double> weights(20);
             return diagram.probe(points, {.want = {}, .weights = weights, .radii = {}});

@@ -1,0 +1,124 @@
+// Diagram::to_grid(): what is asked is checked, and handed to a method.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "diagram/diagram_state.hpp"
+#include "engines.hpp"
+#include "fields/methods.hpp"
+
+namespace votess::detail {
+namespace {
+
+constexpr std::size_t most_along_axis = std::size_t{1} << 20, most_columns = std::size_t{1} << 20;
+
+[[noreturn]] void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, "to_grid: " + message);
+}
+
+// How many grid cells there are, along an axis that is projected one.
+std::size_t count_grid_cells(const GridOptions& options) {
+    std::size_t cells = 1;
+    for (int k = 0; k < 3; ++k) {
+        const std::size_t along = options.shape[static_cast<std::size_t>(k)];
+        if (along == 0 || along > most_along_axis)
+            refuse("shape[" + std::to_string(k) + "] = " + std::to_string(along) + " is not from 1 to " +
+                   std::to_string(most_along_axis));
+        if (k != options.project) cells *= along;
+    }
+    return cells;
+}
+
+void check(std::size_t seeds, std::span<const double> values, const GridOptions& options,
+           std::span<const double> grid) {
+    if (options.method < GridMethod::mean || options.method > GridMethod::sibson)
+        refuse("method = " + std::to_string(static_cast<int>(options.method)) +
+               " is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
+    if (options.project && (*options.project < 0 || *options.project > 2))
+        refuse("project = " + std::to_string(*options.project) + " is no axis: give 0, 1 or 2");
+    if (options.columns == 0 || options.columns > most_columns)
+        refuse("columns = " + std::to_string(options.columns) + " is not from 1 to " + std::to_string(most_columns));
+    const std::size_t cells = count_grid_cells(options);
+    if (grid.size() / options.columns != cells || grid.size() % options.columns != 0)
+        refuse("the grid holds " + std::to_string(grid.size()) + " numbers, its shape needs " + std::to_string(cells) +
+               " for each of " + std::to_string(options.columns) + " columns");
+    if (values.size() != seeds * options.columns)
+        refuse("there are " + std::to_string(values.size()) + " values, " + std::to_string(seeds) + " seeds need " +
+               std::to_string(options.columns) + " each");
+}
+
+// The cells of the seeds, with faces.
+Result build(const DiagramState& state) {
+    const Job& job = state.job;
+    Options options = job.options;
+    if (!options.cell) options.box = job.box;
+    std::vector<double> weights = job.domain->weights;
+    for (double& weight : weights) weight = weight / job.scale / job.scale;
+    options.weights = weights;
+    options.device = "cpu";
+    options.want = {};
+    options.want.faces = true;
+    options.list_walls = false;
+    Engines engines;
+    return run_on(engines, {state.points, {}}, options);
+}
+
+void locate_centers(DiagramState& state, const fields::Task& task, std::span<const double> centers,
+                    std::span<double> field) {
+    const std::vector<std::int32_t> seeds = locate(state, {centers, {}});
+    const std::size_t m = task.columns;
+    for (std::size_t q = 0; q < seeds.size(); ++q)
+        if (seeds[q] >= 0) std::copy_n(&task.values[static_cast<std::size_t>(seeds[q]) * m], m, &field[q * m]);
+}
+
+void interpolate_centers(DiagramState& state, const fields::Task& task, std::span<const double> centers,
+                         std::span<double> field) {
+    std::ranges::copy(interpolate(state, task.values, task.columns, centers, {}).values, field.begin());
+    // Beyond walls there is nothing to be known.
+    std::vector<double> unknown;
+    std::vector<std::size_t> rows;
+    for (std::size_t q = 0; 3 * q < centers.size(); ++q) {
+        if (!std::isnan(field[q * task.columns])) continue;
+        rows.push_back(q);
+        for (std::size_t k = 0; k < 3; ++k) unknown.push_back(centers[3 * q + k]);
+    }
+    const std::vector<std::int32_t> seeds = locate(state, {unknown, {}});
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (seeds[i] < 0) std::ranges::fill(field.subspan(rows[i] * task.columns, task.columns), 0.0);
+}
+
+}  // namespace
+
+std::size_t to_grid(DiagramState& state, std::span<const double> values, const GridOptions& options,
+                    std::span<double> grid) {
+    const std::size_t seeds = state.points.size() / 3;
+    check(seeds, values, options, grid);
+    std::ranges::fill(grid, 0);
+    if (seeds == 0) return 0;
+    const bool integrates = options.method == GridMethod::mean || options.method == GridMethod::dtfe;
+    std::array<std::size_t, 3> shape = options.shape;
+    if (options.project && integrates) shape[static_cast<std::size_t>(*options.project)] = 1;  // it needs no steps
+    const fields::Frame frame(state.job, shape);
+    const fields::Task task{frame, values, options.columns, grid};
+    std::size_t without_place = 0;
+    if (integrates) {
+        const auto result = std::make_shared<const Result>(build(state));
+        const Tessellation cells(result);
+        const fields::Built built{state.points, *result, cells};
+        const std::scoped_lock lock(state.at_work);
+        if (options.method == GridMethod::mean) fields::add_mean(task, built, state.clipper.pool());
+        if (options.method == GridMethod::dtfe) without_place = fields::add_dtfe(task, built, state.clipper.pool());
+    } else {
+        const auto evaluate = options.method == GridMethod::nearest ? locate_centers : interpolate_centers;
+        fields::add_at_centers(task, options.project, [&](std::span<const double> centers, std::span<double> field) {
+            evaluate(state, task, centers, field);
+        });
+    }
+    if (options.project) {
+        const fields::Axis& axis = frame.axis(static_cast<std::size_t>(*options.project));
+        for (double& x : grid) x *= axis.length / static_cast<double>(axis.count);
+    }
+    return without_place;
+}
+
+}  // namespace votess::detail
