@@ -1,9 +1,30 @@
 // Seeds that stay, and what they are asked.
 #include <algorithm>
+#include <limits>
 
 #include "c/handles.hpp"
 
 using namespace votess::c;
+
+namespace {
+
+static_assert(same(VOTESS_GRID_MEAN, votess::GridMethod::mean));
+static_assert(same(VOTESS_GRID_DTFE, votess::GridMethod::dtfe));
+static_assert(same(VOTESS_GRID_NEAREST, votess::GridMethod::nearest));
+static_assert(same(VOTESS_GRID_SIBSON, votess::GridMethod::sibson));
+
+// Of a grid as large as can be where there is no such number.
+std::size_t size_of(const votess::GridOptions& options) {
+    constexpr std::size_t most = std::numeric_limits<std::size_t>::max() / sizeof(double);
+    std::size_t size = options.columns;
+    for (int k = 0; k < 3; ++k) {
+        const std::size_t along = k == options.project ? 1 : options.shape[static_cast<std::size_t>(k)];
+        size = along > 0 && size > most / along ? most : size * along;
+    }
+    return size;
+}
+
+}  // namespace
 
 votess_status votess_diagram_new(const double* points, size_t count, const votess_options* options,
                                  votess_diagram** out) {
@@ -45,5 +66,22 @@ votess_status votess_diagram_probe(const votess_diagram* diagram, const double* 
         options.list_walls = list_walls != 0;
         if (weights != nullptr) options.weights = {weights, count};
         *out = new votess_result{diagram->diagram.probe(input, options)};
+    });
+}
+
+votess_status votess_diagram_to_grid(const votess_diagram* diagram, const double* values, size_t columns,
+                                     const size_t shape[3], int32_t method, int32_t project, double* grid,
+                                     size_t* without_place) {
+    return guarded([&] {
+        require(diagram, "diagram");
+        require(shape, "shape");
+        require(grid, "grid");
+        const std::size_t seeds = diagram->diagram.size();
+        if (seeds > 0) require(values, "values");
+        votess::GridOptions options{{shape[0], shape[1], shape[2]}, static_cast<votess::GridMethod>(method), columns};
+        if (project != -1) options.project = project;
+        const std::size_t without =
+            diagram->diagram.to_grid({values, seeds * columns}, options, {grid, size_of(options)});
+        if (without_place != nullptr) *without_place = without;
     });
 }

@@ -249,6 +249,17 @@ VOTESS_API votess_status votess_diagram_interpolate(const votess_diagram* diagra
                                                     int32_t method, int32_t at_walls, const double* weights,
                                                     double* interpolated, double* gradients);
 
+// What the seeds carry, on a grid, see Diagram::to_grid in diagram.hpp. values: N * columns; shape: nx, ny, nz;
+// project: 0, 1 or 2 to sum along that axis, else -1. grid: nx * ny * nz * columns, without the axis that is projected.
+// *without_place becomes the number of seeds whose mass has no place; may be NULL.
+#define VOTESS_GRID_MEAN 0
+#define VOTESS_GRID_DTFE 1
+#define VOTESS_GRID_NEAREST 2
+#define VOTESS_GRID_SIBSON 3
+VOTESS_API votess_status votess_diagram_to_grid(const votess_diagram* diagram, const double* values, size_t columns,
+                                                const size_t shape[3], int32_t method, int32_t project, double* grid,
+                                                size_t* without_place);
+
 // Checks a result against the points it came from (see verify() in votess.hpp). *passed becomes 1 or 0; a failed check
 // is not a failed call: its one-line description, else "", is copied to failure (failure_size bytes, zero-terminated,
 // cut if too long; may be NULL with size 0). *skipped becomes the VOTESS_CHECK_* bits of the checks whose arrays the

@@ -63,6 +63,7 @@ DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
 OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 NATURAL_METHODS: Dict[str, int] = {"sibson": 0, "laplace": 1}
+GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
 WantWord = Literal[
     "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
 ]
@@ -70,6 +71,7 @@ DuplicatesWord = Literal["merge", "error"]
 OutsideWord = Literal["error", "drop"]
 PrecisionWord = Literal["single", "double"]
 NaturalWord = Literal["sibson", "laplace"]
+GridWord = Literal["mean", "dtfe", "nearest", "sibson"]
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 
@@ -219,6 +221,10 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_diagram_interpolate": (
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t, c_int32, c_int32, c_void_p, c_void_p, c_void_p),
+    ),
+    "votess_diagram_to_grid": (
+        c_int,
+        (_HANDLE, c_void_p, c_size_t, POINTER(c_size_t), c_int32, c_int32, c_void_p, POINTER(c_size_t)),
     ),
     "votess_verify": (
         c_int,

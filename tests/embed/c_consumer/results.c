@@ -422,6 +422,32 @@ static void check_natural(const votess_diagram* diagram) {
                 VOTESS_ERROR_INVALID_ARGUMENT, "components");
 }
 
+static void check_grids(const votess_diagram* diagram) {
+    const double values[16] = {0, 1, 2, 1, 4, 1, 6, 1, 8, 1, 10, 1, 12, 1, 14, 1};
+    const size_t shape[3] = {1, 2, 3}, none[3] = {1, 0, 3}, huge[3] = {SIZE_MAX, SIZE_MAX, 2};
+    double grid[12], sum = 0;
+    size_t without_place = 9;
+    for (int32_t method = VOTESS_GRID_MEAN; method <= VOTESS_GRID_SIBSON; ++method) {
+        CHECK(votess_diagram_to_grid(diagram, values, 2, shape, method, -1, grid, &without_place) == VOTESS_OK);
+        if (method != VOTESS_GRID_DTFE) CHECK(without_place == 0 && fabs(grid[11] - 1) < 1e-12);
+    }
+    CHECK(votess_diagram_to_grid(diagram, values, 2, shape, VOTESS_GRID_MEAN, 2, grid, NULL) == VOTESS_OK);
+    for (int i = 0; i < 4; i += 2) sum += grid[i] / 2;
+    CHECK(fabs(sum - 7 * 2) < 1e-12 && fabs(grid[1] - 2) < 1e-12);  // the box is two long
+    CHECK_FAILS(votess_diagram_to_grid(diagram, values, 2, none, 0, -1, grid, NULL), VOTESS_ERROR_INVALID_ARGUMENT,
+                "shape[1] = 0");
+    CHECK_FAILS(votess_diagram_to_grid(diagram, values, 2, huge, 0, -1, grid, NULL), VOTESS_ERROR_INVALID_ARGUMENT,
+                "shape[0]");
+    CHECK_FAILS(votess_diagram_to_grid(diagram, values, 2, shape, 4, -1, grid, NULL), VOTESS_ERROR_INVALID_ARGUMENT,
+                "method = 4");
+    CHECK_FAILS(votess_diagram_to_grid(diagram, values, 2, shape, 0, 3, grid, NULL), VOTESS_ERROR_INVALID_ARGUMENT,
+                "project = 3");
+    CHECK_FAILS(votess_diagram_to_grid(diagram, NULL, 2, shape, 0, -1, grid, NULL), VOTESS_ERROR_INVALID_ARGUMENT,
+                "values");
+    CHECK_FAILS(votess_diagram_to_grid(diagram, values, 2, NULL, 0, -1, grid, NULL), VOTESS_ERROR_INVALID_ARGUMENT,
+                "shape");
+}
+
 // A power diagram: a query between two equal seeds.
 static void check_weighted_probes(void) {
     votess_options options = options_with_box(2);
@@ -454,6 +480,7 @@ void check_diagram(void) {
     CHECK_FAILS(votess_diagram_locate(NULL, queries, 1, seeds), VOTESS_ERROR_INVALID_ARGUMENT, "diagram");
     check_probes(diagram);
     check_natural(diagram);
+    check_grids(diagram);
     check_weighted_probes();
     votess_diagram_free(diagram);
     votess_diagram_free(NULL);
