@@ -25,6 +25,7 @@
 #include "queries/interpolate.hpp"
 #include "queries/locate.hpp"
 #include "queries/probe.hpp"
+#include "queries/to_grid.hpp"
 #include "read/input.hpp"
 #include "summary.hpp"
 #include "write/output.hpp"
@@ -217,6 +218,8 @@ int main_inside(int count, const char* const* values) {
             print(run_probe(arguments));
         } else if (!arguments.interpolate.empty()) {
             print(run_interpolate(arguments));
+        } else if (arguments.to_grid) {
+            print(run_to_grid(arguments));
         } else {
             return run(arguments);
         }

@@ -11,6 +11,7 @@
 #include "queries/interpolate.hpp"
 #include "queries/locate.hpp"
 #include "queries/probe.hpp"
+#include "queries/to_grid.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -29,6 +30,7 @@ struct Typed {
     bool help = false, help_all = false, man = false, version = false, list_devices = false;
     std::optional<std::string> completion;
     TypedPicture picture;
+    TypedGrid grid;
 };
 
 Typed split_command_line(int count, const char* const* values) {
@@ -63,6 +65,9 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--interpolate", typed.interpolate);
     app.add_option("--values", typed.values);
     app.add_option("--natural", typed.natural);
+    app.add_option("--to-grid", typed.grid.method);
+    app.add_option("--shape", typed.grid.shape);
+    app.add_option("--project", typed.grid.project);
     app.add_option("-x,--device", typed.device);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
@@ -347,7 +352,7 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
 
 // The seeds get no cells, so there is nothing that options of their cells could mean.
 void refuse_options_of_cells(const Typed& typed, const std::string& by) {
-    const bool no_cells = typed.locate || typed.interpolate;
+    const bool no_cells = !typed.probe, no_picture = !typed.grid.method;
     const std::pair<const char*, bool> of_cells[] = {{"--format", no_cells && typed.format},
                                                      {"--want", no_cells && typed.want},
                                                      {"--list-walls", no_cells && typed.list_walls},
@@ -355,14 +360,14 @@ void refuse_options_of_cells(const Typed& typed, const std::string& by) {
                                                      {"--min-area", typed.min_area.has_value()},
                                                      {"--copy", typed.copy.has_value()},
                                                      {"--density", typed.density.has_value()},
-                                                     {"--image", typed.picture.image.has_value()},
+                                                     {"--image", no_picture && typed.picture.image},
                                                      {"--slice", typed.picture.slice.has_value()},
                                                      {"--image-size", typed.picture.size.has_value()},
                                                      {"--cut", typed.picture.cut.has_value()},
                                                      {"--view", typed.picture.view.has_value()},
                                                      {"--seeds", typed.picture.seeds},
                                                      {"--color", typed.picture.color.has_value()},
-                                                     {"--colormap", typed.picture.colormap.has_value()},
+                                                     {"--colormap", no_picture && typed.picture.colormap},
                                                      {"--precision", typed.precision.has_value()},
                                                      {"--k-init", typed.k_init.has_value()},
                                                      {"--chunk-size", typed.chunk_size.has_value()},
@@ -370,14 +375,27 @@ void refuse_options_of_cells(const Typed& typed, const std::string& by) {
     for (const auto& [option, given] : of_cells)
         if (given)
             throw bad_input(std::string(option) + " is about the cells of the points, which " + by +
-                            " does not make: leave it out");
+                            " does not give: leave it out");
 }
 
 void read_queries(const Typed& typed, Arguments& arguments) {
-    if ((typed.locate && typed.probe) || (typed.interpolate && (typed.locate || typed.probe)))
-        throw bad_input("give one of --locate, --probe and --interpolate, not several");
-    const std::string option = typed.probe ? "--probe" : typed.locate ? "--locate" : "--interpolate";
+    if (typed.locate.has_value() + typed.probe.has_value() + typed.interpolate.has_value() +
+            typed.grid.method.has_value() >
+        1)
+        throw bad_input("give one of --locate, --probe, --interpolate and --to-grid, not several");
+    const std::string option = typed.probe         ? "--probe"
+                               : typed.locate      ? "--locate"
+                               : typed.interpolate ? "--interpolate"
+                                                   : "--to-grid";
     refuse_options_of_cells(typed, option);
+    if (typed.grid.method) {
+        arguments.outputs = typed.outputs;
+        arguments.to_grid = read_grid(typed.grid, typed.values.has_value());
+        arguments.picture = read_picture(typed.picture, arguments.input, arguments.outputs);
+        arguments.coloring = read_coloring(typed.picture);
+        check_grid(arguments);
+        return;
+    }
     std::string& queries = typed.probe ? arguments.probe : typed.locate ? arguments.locate : arguments.interpolate;
     queries = typed.probe ? *typed.probe : typed.locate ? *typed.locate : *typed.interpolate;
     if (queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
@@ -445,9 +463,12 @@ Arguments read_arguments(int count, const char* const* values) {
     read_domain(typed, arguments);
     if (typed.json && std::ranges::count(typed.outputs, "-") > 0)
         throw bad_input("-o - and --json both go to stdout: give the output a file name");
-    if (!typed.interpolate && (typed.values || typed.natural))
-        throw bad_input(std::string(typed.values ? "--values" : "--natural") + " goes with --interpolate QUERIES only");
-    if (typed.locate || typed.probe || typed.interpolate) {
+    if (typed.natural && !typed.interpolate) throw bad_input("--natural goes with --interpolate QUERIES only");
+    if (typed.values && !typed.interpolate && !typed.grid.method)
+        throw bad_input("--values goes with --interpolate QUERIES or --to-grid METHOD only");
+    if (!typed.grid.method && (typed.grid.shape || typed.grid.project))
+        throw bad_input(std::string(typed.grid.shape ? "--shape" : "--project") + " goes with --to-grid METHOD only");
+    if (typed.locate || typed.probe || typed.interpolate || typed.grid.method) {
         read_queries(typed, arguments);
         return arguments;
     }

@@ -19,12 +19,13 @@ struct Arguments {
     std::string input;  // file or "-"; empty with --random
     ReadRequest read;
     // The first column that `read` names holds weights or radii, the next one is to be divided by the volumes, the rest
-    // is carried into the output, or interpolated.
+    // is carried into the output, or makes a field.
     bool has_weights = false, has_radii = false, has_density = false;
     std::optional<std::uint64_t> random_count;
     std::uint64_t rng_seed = 1;
 
-    std::string locate, probe, interpolate;  // the file of the queries of one of these options; else empty
+    std::optional<votess::GridOptions> to_grid;  // of --values, as many columns as these have
+    std::string locate, probe, interpolate;      // the file of the queries of one of these options; else empty
     votess::NaturalMethod natural = votess::NaturalMethod::sibson;
 
     std::vector<std::string> outputs;

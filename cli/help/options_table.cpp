@@ -170,10 +170,28 @@ line each); nan where it has none, such as outside of the domain. Linear
 fields come back where the cell of a query has no wall; cells end at walls,
 as if the points had mirror images behind. Weights and radii as for --probe)"},
              {"--values COLUMN[,COLUMN]", "",
-              R"(what to interpolate: columns of INPUT, by name or number as for --weights)"},
+              R"(what --interpolate and --to-grid look at: columns of INPUT, by name or
+number as for --weights)"},
              {"--natural sibson|laplace", "",
               R"(by the volumes that the cell of a query takes from its neighbors (Sibson
 1980, the default), or by areas over distances)"},
+             {"--to-grid mean|dtfe|nearest|sibson", "",
+              R"(the field of --values on a regular grid over the domain, into -o FILE.npy,
+FILE.h5 or FILE.vti (a triclinic box not into .vti), whose cells hold
+mean      the exact average of what is constant in the cell of each point
+dtfe      the average density, linear in Delaunay tetrahedra, where values
+          are masses (Schaap and van de Weygaert 2000), without --values 1
+          each; the mass of points in no tetrahedron is left out
+nearest   the value of the cell that holds the center
+sibson    what --interpolate finds there
+and 0 beyond walls)"},
+             {"--shape NX,NY,NZ", "",
+              R"(how many grid cells along x, y and z, or a, b and c of a triclinic box; N
+stands for N,N,N)"},
+             {"--project x|y|z", "",
+              R"(sum the grid along that axis, or edge a, b or c, times the length of a grid
+cell: a column density. With --image FILE.png it is drawn, a pixel for each
+number, the first axis to the right; --colormap as for pictures)"},
          }},
         {"run",
          {

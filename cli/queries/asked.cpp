@@ -35,7 +35,7 @@ Asked read_and_sort(const Arguments& arguments, const std::string& queries, cons
     Asked asked;
     asked.seeds = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
                                          : read_input(arguments.input, arguments.read);
-    asked.queries = read_input(queries, of_queries);
+    if (!queries.empty()) asked.queries = read_input(queries, of_queries);
     votess::Options options = arguments.options;
     if (arguments.has_weights) {
         const InputColumn none{arguments.read.columns.at(0), 1, {}};  // of a file of no points
@@ -47,6 +47,17 @@ Asked read_and_sort(const Arguments& arguments, const std::string& queries, cons
     asked.diagram = votess::Diagram(asked.seeds.points, options);
     times.end("sort");
     return asked;
+}
+
+Values values_of(const Input& seeds, std::size_t first_column) {
+    Values values;
+    const auto columns = std::span(seeds.columns).subspan(std::min(first_column, seeds.columns.size()));
+    for (const InputColumn& column : columns) values.components += column.width;
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+        for (const InputColumn& column : columns)
+            for (std::size_t k = 0; k < column.width; ++k) values.rows.push_back(column.values[column.width * i + k]);
+    values.components = std::max<std::size_t>(values.components, 1);  // of a file of no points
+    return values;
 }
 
 ReadRequest request_of_queries(const Arguments& arguments) {

@@ -1,5 +1,5 @@
-// What --locate, --probe and --interpolate share: two files of points, the seeds sorted, and what the run tells at its
-// end.
+// What --locate, --probe, --interpolate and --to-grid share: files of points, the seeds sorted, and what the run tells
+// at its end.
 #pragma once
 
 #include <chrono>
@@ -36,9 +36,16 @@ struct Asked {
     votess::Diagram diagram;
 };
 
-// Ends the stages read and sort. queries: their file; of_queries: what to take out of it.
+// Ends the stages read and sort. queries: their file, or none; of_queries: what to take out of it.
 [[nodiscard]] Asked read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
                                   StageTimes& times);
+
+// Columns of the seeds side by side, a row for each.
+struct Values {
+    std::vector<double> rows;
+    std::size_t components = 0;
+};
+[[nodiscard]] Values values_of(const Input& seeds, std::size_t first_column);
 
 // What to take out of the file of the queries: their weights or radii, if the seeds have them.
 [[nodiscard]] ReadRequest request_of_queries(const Arguments& arguments);

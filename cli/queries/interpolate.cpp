@@ -15,23 +15,6 @@
 namespace clvotess {
 namespace {
 
-// Side by side, a row for each seed.
-struct Values {
-    std::vector<double> rows;
-    std::size_t components = 0;
-};
-
-Values values_of(const Input& seeds, std::size_t first_column) {
-    Values values;
-    const auto columns = std::span(seeds.columns).subspan(std::min(first_column, seeds.columns.size()));
-    for (const InputColumn& column : columns) values.components += column.width;
-    for (std::size_t i = 0; i < seeds.size(); ++i)
-        for (const InputColumn& column : columns)
-            for (std::size_t k = 0; k < column.width; ++k) values.rows.push_back(column.values[column.width * i + k]);
-    values.components = std::max<std::size_t>(values.components, 1);  // of a file of no points
-    return values;
-}
-
 void write_field(OutputFile& file, const std::string& path, const std::vector<double>& field, std::size_t components) {
     if (is_npy_output(path)) {
         std::string shape = "(";

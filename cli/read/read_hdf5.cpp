@@ -407,8 +407,9 @@ Input read(const std::string& path, const ReadRequest& request) {
 }  // namespace
 
 void write_hdf5(OutputFile& file, const OutputData& data);
+void write_grid_hdf5(OutputFile& file, const GridOutput& grid);
 
 }  // namespace clvotess
 
 extern "C" const clvotess::Hdf5Module clvotess_hdf5;
-const clvotess::Hdf5Module clvotess_hdf5{clvotess::read, clvotess::write_hdf5};
+const clvotess::Hdf5Module clvotess_hdf5{clvotess::read, clvotess::write_hdf5, clvotess::write_grid_hdf5};

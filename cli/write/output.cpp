@@ -101,6 +101,12 @@ void check_paths(const std::vector<std::string>& paths, const std::vector<std::s
     }
 }
 
+void check_hdf5(const std::string& path) {
+    load_hdf5("cannot write " + in_quotes(path));
+    if (is_special_file(path))
+        throw bad_input("cannot write " + in_quotes(path) + ": HDF5 needs a regular file, no device or pipe");
+}
+
 void check_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs) {
     for (const std::string& path : paths) {
         const Kind* const kind = kind_of(path);
@@ -109,12 +115,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
                             ": known are .txt .npz .h5 .hdf5 .vtu .ply .obj .glb, and text on stdout as -");
         }
         if (kind->write == write_glb) check_glb();
-        if (kind->write == write_hdf5) {
-            load_hdf5("cannot write " + in_quotes(path));
-            if (is_special_file(path)) {
-                throw bad_input("cannot write " + in_quotes(path) + ": HDF5 needs a regular file, no device or pipe");
-            }
-        }
+        if (kind->write == write_hdf5) check_hdf5(path);
     }
     check_paths(paths, inputs);
 }

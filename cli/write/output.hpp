@@ -18,6 +18,9 @@ class OutputFile;
 // empty or "-".
 void check_paths(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
 
+// That the module is there, and that the path names no device or pipe.
+void check_hdf5(const std::string& path);
+
 // The same, and known extensions.
 void check_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
 
@@ -52,7 +55,8 @@ void write_outputs(const std::vector<std::string>& paths, const OutputData& data
 void write_text(OutputFile& file, const OutputData& data);
 void write_npz(OutputFile& file, const OutputData& data);
 void write_vtu(OutputFile& file, const OutputData& data);
-[[nodiscard]] bool is_vtu_array(std::string_view name);  // of cells, that .vtu always holds
+[[nodiscard]] std::string xml_escaped(const std::string& text);  // for an attribute
+[[nodiscard]] bool is_vtu_array(std::string_view name);          // of cells, that .vtu always holds
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
 void write_glb(OutputFile& file, const OutputData& data);

@@ -7,6 +7,7 @@
 #include "files/atomic_file.hpp"
 #include "files/formats/hdf5_handles.hpp"
 #include "interrupt.hpp"
+#include "queries/grid_files.hpp"
 #include "write/output.hpp"
 #include "write/result_arrays.hpp"
 
@@ -73,6 +74,31 @@ public:
         require(set.close());
     }
 
+    void add_grid(const GridOutput& grid) {
+        const std::vector<std::uint64_t> shape = grid.shape();
+        const std::vector<hsize_t> extent(shape.begin(), shape.end());
+        const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
+        const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
+        Hdf5Handle set(
+            H5Dcreate2(file_.id(), "grid", H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
+            H5Dclose);
+        require(set.valid());
+        require(H5Dwrite(set.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, grid.numbers.data()) >= 0);
+        require(set.close());
+    }
+
+    void add_domain(const votess::Tessellation& tessellation) {
+        const DomainArrays domain(tessellation);
+        for (const ResultArray& array : domain.all()) {
+            if (array.name == "walls") {  // attributes hold 64 kB at most
+                add(array);
+            } else {
+                add_attribute(array);
+            }
+        }
+    }
+
     void add_attribute(const ResultArray& array) {
         const std::array<hsize_t, 2> extent{array.rows(), array.columns};
         const Hdf5Handle space(H5Screate_simple(array.columns == 1 ? 1 : 2, extent.data(), nullptr), H5Sclose);
@@ -115,17 +141,28 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
     begin_hdf5();
     Hdf5Writer writer(file);
     for (const ResultArray& array : result_arrays(data)) writer.add(array);
-    const DomainArrays domain(data.tessellation);
-    for (const ResultArray& array : domain.all()) {
-        if (array.name == "walls") {  // attributes hold 64 kB at most
-            writer.add(array);
-        } else {
-            writer.add_attribute(array);
-        }
-    }
+    writer.add_domain(data.tessellation);
     for (const auto& [name, value] : attributes_of(data)) {
         std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
     }
+    writer.finish();
+}
+
+// A dataset `grid`; the domain, the method and the names of the columns are attributes of the root.
+void write_grid_hdf5(OutputFile& file, const GridOutput& grid) {
+    begin_hdf5();
+    Hdf5Writer writer(file);
+    writer.add_grid(grid);
+    writer.add_domain(grid.domain);
+    std::string columns;
+    for (const std::string& name : grid.names) columns += (columns.empty() ? "" : ",") + name;
+    const std::string axis = grid.options.project ? std::string(1, "xyz"[*grid.options.project]) : "";
+    for (const auto& [name, text] : {std::pair<std::string, std::string>{"columns", columns},
+                                     {"method", grid.method},
+                                     {"project", axis},
+                                     {"domain_from", grid.domain_from},
+                                     {"version", VOTESS_VERSION_STRING}})
+        writer.add_attribute(name, text);
     writer.finish();
 }
 

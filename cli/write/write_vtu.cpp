@@ -27,15 +27,6 @@ Block as_it_is(std::string attributes, std::span<const Number> values) {
     return {std::move(attributes), values.size_bytes(), [bytes](OutputBuffer& out) { out.put(bytes); }};
 }
 
-// For an attribute of XML.
-std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-        result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
-    }
-    return result;
-}
-
 class VtuWriter {
 public:
     explicit VtuWriter(const OutputData& data) : data_(data), cells_(data.tessellation) {
@@ -107,7 +98,7 @@ private:
     // Data of the cells: so many columns of a table that has a row for each seed.
     void add_columns(const std::string& name, std::size_t width, std::span<const double> table) {
         const std::string components = width == 1 ? "" : " NumberOfComponents=\"" + std::to_string(width) + "\"";
-        values_.push_back({"type=\"Float64\" Name=\"" + escaped(name) + "\"" + components,
+        values_.push_back({"type=\"Float64\" Name=\"" + xml_escaped(name) + "\"" + components,
                            rows_.size() * width * sizeof(double), [this, width, table](OutputBuffer& out) {
                                for (const std::size_t i : rows_) {
                                    for (const double x : table.subspan(width * i, width)) out.put_binary(x);
@@ -171,6 +162,14 @@ private:
 };
 
 }  // namespace
+
+std::string xml_escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+    }
+    return result;
+}
 
 bool is_vtu_array(std::string_view name) {
     constexpr std::array<std::string_view, 5> names{"id", "volume", "neighbors", "centroid", "status"};

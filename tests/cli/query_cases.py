@@ -1,4 +1,4 @@
-"""Questions to seeds that get no cells: --locate, --probe and --interpolate."""
+"""Questions to seeds that get no cells: --locate, --probe, --interpolate and --to-grid."""
 
 import numpy as np
 
@@ -226,7 +226,94 @@ class Interpolate(CliTest):
                                 ([*asked, "--values", "a", "--want", "faces", "-o", "a.npy"], "--want is about"),
                                 ([*asked, "--values", "a", "--locate", "q.txt", "-o", "a.npy"], "not several"),
                                 ([*asked, "--values", "a", "-o", "q.txt"], "'q.txt'"),
-                                (["p.csv", "--values", "a", "-o", "a.npz"], "--values goes with --interpolate"),
+                                (["p.csv", "--values", "a", "-o", "a.npz"], "--values goes with --interpolate QUERIES or --to-grid"),
                                 (["p.csv", "--natural", "laplace", "-o", "a.npz"], "--natural goes with"),
                                 (["--random", "9", "--values", "a", "--interpolate", "q.txt", "-o", "a.npy"], "not with --random")]:
             self.refuse(*arguments, says=says)
+
+
+class ToGrid(CliTest):
+    """--to-grid: a field on a regular grid, as files and pictures."""
+
+    BOX = ["--box", "0,0,0,1,2,3"]
+
+    def setUp(self):
+        super().setUp()
+        self.points = random_points(300) * (1, 2, 3)
+        self.put("p.csv", "x,y,z,a,<b>\n" + text_of(np.column_stack((self.points, random_points(300, seed=9)[:, :2])), ","))
+        self.asked = ["p.csv", *self.BOX, "--shape", "4,5,6", "--to-grid"]
+
+    def test_files_hold_the_same(self):
+        both = [*self.asked, "mean", "--values", "a,<b>"]
+        done = self.run_cli(*both, "-o", "g.npy", "-o", "g.h5", "-o", "g.vti")
+        self.assertEqual(done.stdout, "a grid of 4, 5, 6 cells by mean from 300 seeds\n")
+        grid = np.load(self.folder / "g.npy")
+        self.assertEqual((grid.dtype, grid.shape), (np.float64, (4, 5, 6, 2)))
+        data = (self.folder / "g.vti").read_bytes()
+        for text in (b'WholeExtent="0 4 0 5 0 6" Origin="0 0 0" Spacing="0.25 0.4 0.5"', b'Name="a"', b'Name="&lt;b>"'):
+            self.assertIn(text, data)
+        raw = data[data.index(b"\n_") + 2:]
+        for column in range(2):
+            begin = column * (8 + 960)
+            self.assertEqual(int.from_bytes(raw[begin:begin + 8], "little"), 960)
+            numbers = np.frombuffer(raw[begin + 8:begin + 968]).reshape(6, 5, 4).T
+            np.testing.assert_array_equal(numbers, grid[..., column])
+        self.check_hdf5(grid)
+
+    def check_hdf5(self, grid):
+        try:
+            import h5py
+        except ImportError:
+            return
+        with h5py.File(self.folder / "g.h5") as file:
+            np.testing.assert_array_equal(file["grid"][()], grid)
+            self.assertEqual(file.attrs["columns"].decode(), "a,<b>")
+            self.assertEqual(file.attrs["method"].decode(), "mean")
+            np.testing.assert_array_equal(file.attrs["box"], ((0, 0, 0), (1, 2, 3)))
+
+    def test_totals(self):
+        self.run_cli("p.csv", *self.BOX, "--want", "volumes", "-o", "v.npz")
+        volumes, a = np.load(self.folder / "v.npz")["volumes"], random_points(300, seed=9)[:, 0]
+        self.run_cli(*self.asked, "mean", "--values", "a", "-o", "m.npy")
+        self.assertAlmostEqual(np.load(self.folder / "m.npy").mean() * 6, volumes @ a, places=11)
+        summary = self.json(*self.asked, "dtfe", "--periodic", "-o", "d.npy")
+        self.assertEqual(list(summary), ["version", "points", "shape", "without", "seconds"])
+        self.assertEqual((summary["shape"], summary["without"]), ([4, 5, 6], 0))
+        self.assertEqual(list(summary["seconds"]), ["total", "read", "sort", "grid", "write"])
+        self.assertAlmostEqual(np.load(self.folder / "d.npy").mean() * 6, 300, places=9)
+        self.put("plane.txt", "".join(f"{x} {y} 0.5\n" for x in range(3) for y in range(3)))
+        flat = self.run_cli("plane.txt", "--to-grid", "dtfe", "--shape", "2", "--box", "-1,-1,0,3,3,1", "-o", "f.npy")
+        self.assertIn("the mass of 9 in no tetrahedron left out", flat.stdout)
+
+    def test_projections_and_pictures(self):
+        for method in ("nearest", "sibson", "dtfe"):
+            values = ["--values", "a", "--periodic"]
+            self.run_cli(*self.asked, method, *values, "-o", "g.npy")
+            self.run_cli(*self.asked, method, *values, "-o", "p.npy", "--project", "y", "-o", "p.vti", "--image", "p.png")
+            whole, projected = (np.load(self.folder / name) for name in ("g.npy", "p.npy"))
+            np.testing.assert_allclose(projected, whole.sum(1) * 0.4, rtol=1e-11)
+            self.assertIn(b'WholeExtent="0 4 0 1 0 6" Origin="0 0 0" Spacing="0.25 2 0.5"',
+                          (self.folder / "p.vti").read_bytes())
+            png = (self.folder / "p.png").read_bytes()
+            self.assertEqual((png[:4], png[16:24]), (b"\x89PNG", (4).to_bytes(4, "big") + (6).to_bytes(4, "big")))
+
+    def test_refused(self):
+        out = ["-o", "g.npy"]
+        for arguments, says in [([*self.asked, "cic", "--values", "a", *out], "mean, dtfe, nearest or sibson"),
+                                ([*self.asked, "mean", *out], "needs --values COLUMN"),
+                                ([*self.asked, "mean", "--values", "a"], "-o FILE.npy, FILE.h5 or FILE.vti"),
+                                ([*self.asked, "mean", "--values", "a", "-o", "g.txt"], "not 'g.txt'"),
+                                ([*self.asked, "mean", "--values", "a", "-o", "-"], "not '-'"),
+                                ([*self.asked, "mean", "--values", "a", "--project", "w", *out], "must be x, y or z"),
+                                ([*self.asked, "mean", "--values", "a", "--image", "g.png"], "add --project"),
+                                ([*self.asked, "mean", "--values", "a", "--want", "faces", *out], "--want is about"),
+                                ([*self.asked, "mean", "--values", "a", "--locate", "p.csv", *out], "not several"),
+                                ([*self.asked, "mean", "--values", "a,<b>", "--project", "x", "--image", "g.png"], "one column"),
+                                (["p.csv", "--to-grid", "dtfe", *out], "needs --shape"),
+                                (["p.csv", "--shape", "3", *out], "--shape goes with --to-grid"),
+                                (["p.csv", "--project", "x", *out], "--project goes with --to-grid"),
+                                (["p.csv", "--cell", "9,0,0,1,9,0,0,0,9", "--to-grid", "dtfe", "--shape", "2", "-o", "g.vti"],
+                                 "right angles")]:
+            self.refuse(*arguments, says=says)
+        for shape in ("0", "1,2", "1,2,3,4", "2,,2", "x", "", "1,2,", "9999999"):
+            self.refuse("p.csv", "--to-grid", "dtfe", "--shape", shape, *out, says="--shape must be")

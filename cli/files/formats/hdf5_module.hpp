@@ -6,6 +6,7 @@
 
 namespace clvotess {
 
+struct GridOutput;
 struct Input;
 struct OutputData;
 class OutputFile;
@@ -15,6 +16,7 @@ struct ReadRequest;
 struct Hdf5Module {
     Input (*read)(const std::string& path, const ReadRequest& request);
     void (*write)(OutputFile& file, const OutputData& data);
+    void (*write_grid)(OutputFile& file, const GridOutput& grid);
 };
 
 // Throws Failure when the module cannot be loaded; `task`, such as "cannot read 'a.h5'", begins the message.

@@ -1,0 +1,133 @@
+#include "queries/to_grid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+
+#include "failure.hpp"
+#include "files/atomic_file.hpp"
+#include "files/numbers.hpp"
+#include "interrupt.hpp"
+#include "queries/asked.hpp"
+#include "queries/grid_files.hpp"
+
+namespace clvotess {
+namespace {
+
+constexpr std::array<const char*, 4> methods{"mean", "dtfe", "nearest", "sibson"};  // as votess::GridMethod
+
+std::array<std::size_t, 3> read_shape(const std::string& text) {
+    std::array<std::size_t, 3> shape{};
+    std::size_t begin = 0, numbers = 0;
+    for (; numbers < 3 && begin <= text.size(); ++numbers) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const auto number = read_uint64(std::string_view(text).substr(begin, end - begin));
+        if (!number || *number == 0 || *number > (std::uint64_t{1} << 20)) break;
+        shape[numbers] = *number;
+        begin = end + 1;
+    }
+    if (begin <= text.size() || (numbers != 1 && numbers != 3))
+        throw bad_input("--shape must be NX,NY,NZ or N, whole numbers from 1 to 1048576, not " + in_quotes(text));
+    if (numbers == 1) shape[1] = shape[2] = shape[0];
+    return shape;
+}
+
+std::vector<std::string> names_of(const Input& seeds, std::size_t first_column) {
+    std::vector<std::string> names;
+    for (std::size_t c = first_column; c < seeds.columns.size(); ++c)
+        for (std::size_t k = 0; k < seeds.columns[c].width; ++k)
+            names.push_back(seeds.columns[c].width > 1 ? seeds.columns[c].name + '_' + std::to_string(k)
+                                                       : seeds.columns[c].name);
+    return names;
+}
+
+std::string summary(const Arguments& arguments, const GridOutput& grid, std::size_t points, std::size_t without,
+                    const StageTimes& times) {
+    std::string shape;
+    for (const std::size_t length : grid.options.shape) {
+        if (!shape.empty()) shape += ", ";
+        shape += std::to_string(length);
+    }
+    if (arguments.json)
+        return "{\"version\": \"" VOTESS_VERSION_STRING "\", \"points\": " + std::to_string(points) + ", \"shape\": [" +
+               shape + "], \"without\": " + std::to_string(without) + ", \"seconds\": " + times.json() + "}\n";
+    if (arguments.quiet) return "";
+    std::string text = "a grid of " + shape + " cells by " + grid.method + " from " + std::to_string(points) + " seeds";
+    if (without > 0) text += ", the mass of " + std::to_string(without) + " in no tetrahedron left out";
+    return text + '\n';
+}
+
+}  // namespace
+
+votess::GridOptions read_grid(const TypedGrid& typed, bool has_values) {
+    votess::GridOptions grid;
+    const auto method = std::ranges::find(methods, *typed.method);
+    if (method == methods.end())
+        throw bad_input("--to-grid must be mean, dtfe, nearest or sibson, not " + in_quotes(*typed.method));
+    grid.method = static_cast<votess::GridMethod>(method - methods.begin());
+    if (!typed.shape) throw bad_input("--to-grid needs --shape NX,NY,NZ: how many grid cells");
+    grid.shape = read_shape(*typed.shape);
+    if (!has_values && grid.method != votess::GridMethod::dtfe)
+        throw bad_input("--to-grid " + *typed.method + " needs --values COLUMN: which column of INPUT is the field");
+    if (!typed.project) return grid;
+    if (*typed.project != "x" && *typed.project != "y" && *typed.project != "z")
+        throw bad_input("--project must be x, y or z, not " + in_quotes(*typed.project));
+    grid.project = (*typed.project)[0] - 'x';
+    return grid;
+}
+
+void check_grid(const Arguments& arguments) {
+    check_grid_outputs(arguments.outputs, arguments.picture.has_value(), arguments.input);
+    if (!arguments.picture) return;
+    const votess::GridOptions& grid = *arguments.to_grid;
+    if (!grid.project) throw bad_input("--image shows a grid as it is seen along an axis: add --project x, y or z");
+    for (int k = 0; k < 3; ++k)
+        if (k != grid.project && grid.shape[static_cast<std::size_t>(k)] > 16384)
+            throw bad_input("--image has a pixel for each grid cell, 16384 at most along an axis");
+}
+
+std::string run_to_grid(const Arguments& arguments) {
+    StageTimes times;
+    const Asked asked = read_and_sort(arguments, "", {}, times);
+    const std::size_t first_column = arguments.has_weights ? 1 : 0;
+    Values values = values_of(asked.seeds, first_column);
+    std::vector<std::string> names = names_of(asked.seeds, first_column);
+    if (arguments.read.columns.size() == first_column) {  // masses of 1
+        names = {"density"};
+        values.rows.assign(asked.diagram.size(), 1);
+    }
+    names.resize(values.components);  // of a file of no points
+    if (arguments.picture && values.components > 1) throw bad_input("--image shows one column: name one with --values");
+    const votess::Tessellation domain = asked.diagram.probe({});
+    check_grid_domain(arguments.outputs, domain);
+    votess::GridOptions options = *arguments.to_grid;
+    options.columns = values.components;
+    std::size_t size = options.columns;
+    for (int k = 0; k < 3; ++k) {
+        const std::size_t along = k == options.project ? 1 : options.shape[static_cast<std::size_t>(k)];
+        if (size > (std::size_t{1} << 59) / along) throw std::bad_alloc();
+        size *= along;
+    }
+    std::vector<double> numbers(size);
+    const std::size_t without = asked.diagram.to_grid(values.rows, options, numbers);
+    times.end("grid");
+
+    const GridOutput grid{numbers,          options, methods.at(static_cast<std::size_t>(options.method)),
+                          std::move(names), domain,  asked.domain_from};
+    const InterruptGuard guard;
+    std::deque<OutputFile> files;
+    for (const std::string& path : arguments.outputs) {
+        write_grid(files.emplace_back(path), path, grid);
+        files.back().finish();
+    }
+    if (arguments.picture) {
+        files.emplace_back(arguments.picture->file).write(draw_grid(grid, arguments.coloring.colormap));
+        files.back().finish();
+    }
+    throw_if_interrupted();
+    for (OutputFile& file : files) file.publish();
+    times.end("write");
+    return summary(arguments, grid, asked.diagram.size(), without, times);
+}
+
+}  // namespace clvotess
