@@ -1,6 +1,7 @@
 #include "core/convex_piece.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace votess {
 
@@ -144,6 +145,20 @@ std::pair<double, double> ConvexPiece::extent(std::size_t axis) const {
         largest = std::max(largest, corner[axis]);
     }
     return {least, largest};
+}
+
+ConvexPiece::Ball ConvexPiece::ball() const {
+    Ball ball;
+    if (empty()) return ball;
+    for (const Vector& corner : surface_.corners)
+        for (std::size_t k = 0; k < 3; ++k) ball.center[k] += corner[k] / static_cast<double>(surface_.corners.size());
+    double square = 0;
+    for (const Vector& corner : surface_.corners) {
+        const Vector d = minus(corner, ball.center);
+        square = std::max(square, dot(d, d));
+    }
+    ball.radius = std::sqrt(square);
+    return ball;
 }
 
 // Sums over tetrahedra from a corner, which keeps what cancels small.

@@ -41,6 +41,12 @@ public:
     [[nodiscard]] double volume(std::size_t corner = 0) const { return measure(corner).volume; }
     // Returns the least and the largest x[axis] of a polyhedron that is not empty.
     [[nodiscard]] std::pair<double, double> extent(std::size_t axis) const;
+    // A ball that holds all corners.
+    struct Ball {
+        Vector center{};
+        double radius = 0;
+    };
+    [[nodiscard]] Ball ball() const;
     // Polygon f, of polygons().
     [[nodiscard]] std::size_t polygons() const { return surface_.ends.size(); }
     [[nodiscard]] std::span<const Vector> polygon(std::size_t f) const {

@@ -22,6 +22,9 @@ struct CellPolygons {
     std::vector<std::uint32_t> shared;             // numbers that cells of a stretch have in common; or empty
 
     [[nodiscard]] std::size_t size() const { return offsets.size() - 1; }
+    [[nodiscard]] std::span<const std::uint32_t> face(std::size_t f) const {
+        return std::span(corners).subspan(offsets[f], offsets[f + 1] - offsets[f]);
+    }
     void clear() {
         offsets.assign(1, 0);
         corners.clear();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/vector3.hpp"
@@ -226,28 +228,66 @@ bool Sibson::walk_on(Division& out) {
     return true;
 }
 
+// What a neighbor had of the cell is nearer to it than to the others, and nearer to the probe than to it: the faces of
+// the others are implied. Those whose faces meet its own cut first, for they leave little to look at.
 void Sibson::cut(const ProbeShape& shape, std::vector<double>& volumes) {
-    whole_.clear();
     const CellPolygons& polygons = shape.polygons;
-    for (std::size_t f = 0; f < polygons.size(); ++f) {
-        polygon_.clear();
-        for (std::uint32_t k = polygons.offsets[f]; k < polygons.offsets[f + 1]; ++k)
-            polygon_.push_back(polygons.positions[polygons.corners[k]]);
-        whole_.add_polygon(polygon_);
-    }
     const auto& planes = shape.planes;
+    Vector lower{}, upper{};
+    for (const std::uint32_t corner : polygons.corners)
+        for (std::size_t k = 0; k < 3; ++k) {
+            lower[k] = std::min(lower[k], polygons.positions[corner][k]);
+            upper[k] = std::max(upper[k], polygons.positions[corner][k]);
+        }
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double room = (upper[k] - lower[k]) / 8;
+        lower[k] -= room, upper[k] += room;
+    }
+    read_meetings(polygons);
     volumes.assign(planes.size(), 0);
     for (std::size_t a = 0; a < planes.size(); ++a) {
         if (planes[a].seed < 0) continue;
-        part_ = whole_;
+        part_.clear();
+        part_.add_box(lower, upper);
+        part_.cut(planes[a].n, planes[a].h);
+        cut_done_.assign(planes.size(), false);
+        cut_done_[a] = true;
+        for (const std::uint32_t corner : polygons.face(a))
+            for (std::uint32_t m = meeting_begin_[corner]; m < meeting_begin_[corner + 1]; ++m)
+                if (!cut_done_[meeting_[m]]) cut_by(shape, a, meeting_[m]);
+        const auto [center, radius] = part_.ball();
         for (std::size_t b = 0; b < planes.size() && !part_.empty(); ++b) {
-            if (a == b || planes[b].seed < 0) continue;
-            Vector n;
-            for (std::size_t k = 0; k < 3; ++k) n[k] = planes[b].n[k] - planes[a].n[k];
-            part_.cut(n, planes[b].h - planes[a].h);
+            if (cut_done_[b]) continue;
+            const auto [n, h] = limit(shape, a, b);
+            if (h - dot(n, center) < radius * std::sqrt(dot(n, n))) cut_by(shape, a, b);
         }
         volumes[a] = std::max(0.0, part_.volume());
     }
+}
+
+// The faces that meet at each vertex.
+void Sibson::read_meetings(const CellPolygons& polygons) {
+    meeting_begin_.assign(polygons.positions.size() + 1, 0);
+    for (const std::uint32_t corner : polygons.corners) ++meeting_begin_[corner + 1];
+    std::partial_sum(meeting_begin_.begin(), meeting_begin_.end(), meeting_begin_.begin());
+    meeting_.resize(polygons.corners.size());
+    std::vector<std::uint32_t>& next = meeting_next_;
+    next.assign(meeting_begin_.begin(), meeting_begin_.end() - 1);
+    for (std::uint32_t f = 0; f < polygons.size(); ++f)
+        for (const std::uint32_t corner : polygons.face(f)) meeting_[next[corner]++] = f;
+}
+
+// Where plane b ends what neighbor a had: n.x <= h.
+Sibson::Limit Sibson::limit(const ProbeShape& shape, std::size_t a, std::size_t b) {
+    const ProbeShape::Plane &of_a = shape.planes[a], &of_b = shape.planes[b];
+    if (of_b.seed < 0) return {of_b.n, of_b.h};
+    return {minus(of_b.n, of_a.n), of_b.h - of_a.h};
+}
+
+void Sibson::cut_by(const ProbeShape& shape, std::size_t a, std::size_t b) {
+    cut_done_[b] = true;
+    const auto [n, h] = limit(shape, a, b);
+    part_.cut(n, h);
 }
 
 }  // namespace votess::cpu

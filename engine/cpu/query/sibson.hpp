@@ -55,6 +55,13 @@ private:
         }
     };
 
+    struct Limit {
+        Vector n;
+        double h;
+    };
+    static Limit limit(const ProbeShape& shape, std::size_t a, std::size_t b);
+    void read_meetings(const CellPolygons& polygons);
+    void cut_by(const ProbeShape& shape, std::size_t a, std::size_t b);
     void read(const ProbeShape& shape, double moved, bool moments, Division& out);
     [[nodiscard]] bool read_corners(const CellPolygons& polygons);
     [[nodiscard]] bool walk_surface(const CellPolygons& polygons, const Division& division);
@@ -79,8 +86,10 @@ private:
     std::vector<Corner> corners_;
     std::vector<std::uint8_t> planes_known_;  // by vertex of the polygons
     std::vector<Vertex> vertices_;
-    ConvexPiece whole_, part_;
-    std::vector<Vector> polygon_;
+    // For cut(): the faces that meet at vertex v, from meeting_begin_[v] on.
+    std::vector<std::uint32_t> meeting_begin_, meeting_next_, meeting_;
+    std::vector<bool> cut_done_;  // by plane
+    ConvexPiece part_;
 };
 
 }  // namespace votess::cpu
