@@ -18,7 +18,8 @@ std::size_t Division::add_neighbor(std::int32_t seed, const Vector& n, double h)
     const std::size_t a = add_wall(n, h);
     if (a == most_neighbors) return a;
     seeds_[a] = seed;
-    areas_[a] = moment_[a] = {};
+    moment_[a] = {};
+    volumes_[a] = 0;
     return neighbors_++;
 }
 
@@ -67,39 +68,40 @@ void Division::add_moments(std::size_t a, std::size_t b, const Vector& v, const 
     }
 }
 
+// What b is to a: (2 R - a).across, with R on the plane between their parts, or on the wall b; the same R for all edges
+// of a face.
+double Division::beyond(std::size_t a, std::size_t b, const Vector& across) const {
+    if (b == probe) {
+        if (!weighted_) return 0;
+        const Vector n = normal(a);
+        return (2 * h_[a] / dot(n, n) - 1) * along(a, across);
+    }
+    if (is_wall(b)) {
+        const Vector n = normal(b);
+        return 2 * h_[b] / dot(n, n) * along(b, across) - along(a, across);
+    }
+    if (!weighted_) return along(b, across);
+    const Vector d = minus(normal(b), normal(a));
+    return 2 * (h_[b] - h_[a]) / dot(d, d) * dot(d, across) - along(a, across);
+}
+
+void Division::add_general(std::size_t a, std::size_t b, std::size_t c, const Vector& across) {
+    for (const auto& [own, next, last] : {std::array{a, b, c}, {b, c, a}, {c, a, b}})
+        if (!is_wall(own)) volumes_[own] += beyond(own, next, across) - beyond(own, last, across);
+}
+
 bool Division::finish() {
-    std::array<Vector, most_neighbors> open;  // twice the sum of a part's faces
-    for (std::size_t a = 0; a < neighbors_; ++a) {
-        const Vector n = normal(a);
-        volumes_[a] = h_[a] / dot(n, n) * dot(n, areas_[a]) / 6;
-        open[a] = areas_[a];
-    }
-    for (std::size_t k = 0; k < pair_count_; ++k) {
-        const Pair& pair = pairs_[k];
-        const bool wall = is_wall(pair.b);
-        const double of_a = wall ? 0 : 1;
-        const double x = nx_[pair.b] - of_a * nx_[pair.a], y = ny_[pair.b] - of_a * ny_[pair.a],
-                     z = nz_[pair.b] - of_a * nz_[pair.a];
-        const double times = x * pair.across[0] + y * pair.across[1] + z * pair.across[2];
-        const double part = (h_[pair.b] - of_a * h_[pair.a]) * times / (6 * (x * x + y * y + z * z));
-        volumes_[pair.a] += part;
-        add(open[pair.a], pair.across);
-        if (wall) continue;
-        volumes_[pair.b] -= part;
-        subtract(open[pair.b], pair.across);
-    }
     Vector sum{};
-    double size = 0, least = 0, most_open = 0, largest = 0;
+    double size = 0, least = 0;
     for (std::size_t a = 0; a < neighbors_; ++a) {
         const Vector n = normal(a);
+        volumes_[a] /= 12;
         for (std::size_t k = 0; k < 3; ++k) sum[k] += n[k] * volumes_[a];
         size += std::abs(volumes_[a]) * std::sqrt(dot(n, n));
         least = std::min(least, volumes_[a]);
-        most_open = std::max(most_open, dot(open[a], open[a]));
-        largest = std::max(largest, dot(areas_[a], areas_[a]));
     }
     const bool balanced = dot(sum, sum) <= most_unbalanced * most_unbalanced * size * size;
-    return least >= 0 && most_open <= most_unbalanced * most_unbalanced * largest && (balanced || count_ > neighbors_);
+    return least >= 0 && (balanced || count_ > neighbors_);
 }
 
 }  // namespace votess::cpu

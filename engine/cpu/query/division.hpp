@@ -4,8 +4,11 @@
 //
 // The volume of a part is a sum over the edges of its faces: V x W, for an edge from V to W counterclockwise around a
 // face, sums to twice the area vector A of the face, and A.R / 3 is the volume of the pyramid between it and the probe,
-// with R anywhere on the plane of the face. Edges come in any order; lengths are relative to the probe. A wall that P
-// reaches is a neighbor without a part: it bounds those of others.
+// with R anywhere on the plane of the face. Where a and b are as near, R may be the middle (a + b) / 2: the area
+// vectors of a part sum to 0, so a drops out, and its volume is that of A.b / 6 summed over its faces. Without weights
+// an edge between the faces of a, b and c thus adds to three parts, and no face needs to be known. Edges come in any
+// order; lengths are relative to the probe. A wall that P reaches is a neighbor without a part: it bounds those of
+// others.
 #pragma once
 
 #include <algorithm>
@@ -21,11 +24,10 @@ public:
     using Vector = Vector3;
     static constexpr std::size_t most_neighbors = 32;
 
-    void begin(bool moments) {
+    void begin(bool weighted, bool moments) {
         count_ = neighbors_ = 0;
+        weighted_ = weighted;
         moments_ = moments;
-        for (std::size_t k = 0; k < pair_count_; ++k) places_[most_neighbors * pairs_[k].a + pairs_[k].b] = 0;
-        pair_count_ = 0;
         for (std::size_t e = 0; e < 3 * corner_count_; ++e) ends_[edges_[e]] = 0;
         corner_count_ = 0;
     }
@@ -42,12 +44,14 @@ public:
     // direction(a, b, c) points from v to w.
     void add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w) {
         const Vector across = cross(v, w);
-        add_across(a, b, across);
-        add_across(b, c, across);
-        add_across(c, a, across);
+        if (weighted_ || is_wall(a) || is_wall(b) || is_wall(c)) return add_general(a, b, c, across);
+        const double of_a = along(a, across), of_b = along(b, across), of_c = along(c, across);
+        volumes_[a] += of_b - of_c;
+        volumes_[b] += of_c - of_a;
+        volumes_[c] += of_a - of_b;
     }
-    // False when an edge was wrong or missing: the faces of a part then do not sum to 0, or the parts do not balance:
-    // by Sibson's identity, the sum of volume times neighbor is 0 away from walls.
+    // False when an edge was wrong or missing, and away from walls the parts do not balance: by Sibson's identity, the
+    // sum of volume times neighbor is 0.
     [[nodiscard]] bool finish();
 
     [[nodiscard]] std::size_t size() const { return neighbors_; }
@@ -69,54 +73,33 @@ public:
     [[nodiscard]] Vector direction(std::size_t a, std::size_t b, std::size_t c) const;
 
 private:
-    static void add(Vector& to, const Vector& x) {
-        to[0] += x[0];
-        to[1] += x[1];
-        to[2] += x[2];
+    [[nodiscard]] double along(std::size_t a, const Vector& across) const {
+        return nx_[a] * across[0] + ny_[a] * across[1] + nz_[a] * across[2];
     }
-    static void subtract(Vector& to, const Vector& x) {
-        to[0] -= x[0];
-        to[1] -= x[1];
-        to[2] -= x[2];
-    }
+    // Stands for the probe beside two of its neighbors.
+    static constexpr std::size_t probe = most_neighbors;
     // The edge runs counterclockwise around the face of a.
     void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
         const Vector across = cross(v, w);
-        if (!is_wall(a)) add(areas_[a], across);
-        if (!is_wall(b)) subtract(areas_[b], across);
-        add_across(b, a, across);
+        if (weighted_ || is_wall(a) || is_wall(b)) {
+            add_general(b, a, probe, across);
+        } else {
+            volumes_[b] += along(a, across);
+            volumes_[a] -= along(b, across);
+        }
         if (moments_) add_moments(a, b, v, w);
     }
-    void add_across(std::size_t a, std::size_t b, const Vector& across) {
-        if (is_wall(a) && is_wall(b)) return;
-        std::uint16_t& place = places_[most_neighbors * std::min(a, b) + std::max(a, b)];
-        if (place == 0) {
-            pairs_[pair_count_] = {
-                {}, static_cast<std::uint8_t>(std::min(a, b)), static_cast<std::uint8_t>(std::max(a, b))};
-            place = static_cast<std::uint16_t>(++pair_count_);
-        }
-        Pair& pair = pairs_[place - 1u];
-        const double sign = a < b ? 1 : -1;
-        pair.across[0] += sign * across[0];
-        pair.across[1] += sign * across[1];
-        pair.across[2] += sign * across[2];
-    }
-    struct Pair {
-        Vector across;  // twice the area vector of the face between the parts of a < b, outward from a
-        std::uint8_t a, b;
-    };
+    // With weights or walls.
+    void add_general(std::size_t a, std::size_t b, std::size_t c, const Vector& across);
+    [[nodiscard]] double beyond(std::size_t a, std::size_t b, const Vector& across) const;
     void add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w);
 
     std::size_t count_ = 0, neighbors_ = 0;
-    bool moments_ = false;
+    bool weighted_ = false, moments_ = false;
     std::array<std::int32_t, most_neighbors> seeds_{};
     alignas(64) std::array<double, most_neighbors> nx_{}, ny_{}, nz_{}, h_{};
-    std::array<Vector, most_neighbors> areas_{}, moment_{};  // areas_: twice those
-    std::array<double, most_neighbors> volumes_{};
-    std::array<Pair, most_neighbors * most_neighbors / 2> pairs_;
-    std::size_t pair_count_ = 0;
-    std::array<std::uint16_t, most_neighbors * most_neighbors>
-        places_{};  // by most_neighbors a + b: 1 + place in pairs_
+    std::array<Vector, most_neighbors> moment_{};
+    std::array<double, most_neighbors> volumes_{};  // 12 times those until finish()
     static constexpr std::size_t most_corners = 2 * most_neighbors;
     std::array<Vector, most_corners> corners_;
     std::size_t corner_count_ = 0;

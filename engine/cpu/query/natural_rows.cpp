@@ -19,6 +19,7 @@ void NaturalRows::begin_job(const Job& job, const NaturalOptions& options) {
     domain_ = job.domain.get();
     options_ = options;
     unscale_ = 1 / job.scale;
+    shape_.weighted = domain_->has_weights();
 }
 
 bool NaturalRows::take_by_graph(std::size_t k) {

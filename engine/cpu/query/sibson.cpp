@@ -47,7 +47,7 @@ bool Sibson::divide(const ProbeShape& shape, bool moments, Division& out) {
 }
 
 void Sibson::read(const ProbeShape& shape, double moved, bool moments, Division& out) {
-    out.begin(moments);
+    out.begin(shape.weighted, moments);
     const auto& planes = shape.planes;
     for (std::size_t f = 0; f < planes.size(); ++f) {
         if (planes[f].seed < 0) continue;

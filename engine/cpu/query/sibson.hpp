@@ -28,6 +28,7 @@ struct ProbeShape {
         std::array<double, 3> n{};
         double h = 0;
     };
+    bool weighted = false;
     std::vector<Plane> planes;
     CellPolygons polygons;
 };

@@ -158,7 +158,7 @@ std::size_t GraphDivider::neighbor(std::int32_t seed, Division& out) {
 }
 
 bool GraphDivider::divide(const Probe& probe, bool moments, Division& out) {
-    out.begin(moments);
+    out.begin(!seeds_.weights.empty(), moments);
     at_ = probe.place.at;
     weight_ = probe.weight;
     place_count_ = swallowed_count_ = 0;
