@@ -39,7 +39,7 @@ public:
     }
 
     // By the graph; near: a seed near the first probe of the run. False when the probe's own cell is needed.
-    void begin_graph(const VertexGraph& graph, std::size_t near) { divider_.begin(graph, *domain_, near); }
+    void begin_graph(const VertexGraph& graph, std::size_t near) { divider_.begin(graph, near); }
     [[nodiscard]] bool take_by_graph(std::size_t k);
 
     bool take(std::size_t k, Star& star) override;

@@ -139,7 +139,12 @@ std::size_t GraphDivider::see(std::int32_t vertex) {
     if (seen.turn != turn_) {
         seen = {vertex, static_cast<std::int32_t>(place_count_), turn_};
         places_[place_count_] = look(vertex);
-        if (places_[place_count_].excess < 0) swallowed_[swallowed_count_++] = static_cast<std::uint16_t>(place_count_);
+        if (places_[place_count_].excess < 0) {
+            swallowed_[swallowed_count_++] = static_cast<std::uint16_t>(place_count_);
+            // The search will ask for these.
+            for (const std::int32_t next : graph_->vertex(vertex).next)
+                if (next != VertexGraph::none) __builtin_prefetch(&graph_->vertex(next));
+        }
         ++place_count_;
     }
     return static_cast<std::size_t>(seen.place);
@@ -166,6 +171,8 @@ bool GraphDivider::divide(const Probe& probe, bool moments, Division& out) {
     return find_first() && search(out) && out.add_rims() && out.finish();
 }
 
+// Where a wall cuts the cell, a vertex on the wall is swallowed: the swallowed vertices hang together beyond walls too,
+// and along an edge between two of them all points are nearer to the probe.
 bool GraphDivider::search(Division& out) {
     // The three others of four cells: they turn so that their edge leads away.
     constexpr std::size_t others[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
@@ -192,22 +199,11 @@ bool GraphDivider::search(Division& out) {
             const double share = here.excess / (here.excess - there.excess);
             Vector corner;
             for (std::size_t i = 0; i < 3; ++i) corner[i] = here.x[i] + share * (there.x[i] - here.x[i]);
-            if (!is_inside(corner) || !out.add_corner(a, b, c, corner)) return false;
+            if (!out.add_corner(a, b, c, corner)) return false;
             out.add_inner(a, b, c, here.x, corner);
         }
     }
     return true;
-}
-
-// The domain is convex: where all corners lie inside, no wall cuts the cell.
-bool GraphDivider::is_inside(const Vector& x) const {
-    Vector place;
-    for (std::size_t k = 0; k < 3; ++k) {
-        place[k] = at_[k] + x[k];
-        if (!(place[k] > domain_->box.lower[k] && place[k] < domain_->box.upper[k])) return false;
-    }
-    return std::ranges::all_of(domain_->walls,
-                               [&](const exact::Plane& wall) { return dot(wall.seed, place) < wall.wall; });
 }
 
 }  // namespace votess::cpu

@@ -14,7 +14,6 @@
 #include "cpu/probe.hpp"
 #include "cpu/query/division.hpp"
 #include "cpu/sort/sorted_seeds.hpp"
-#include "domain/domain.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::cpu {
@@ -56,9 +55,8 @@ public:
     explicit GraphDivider(const SortedSeeds& seeds) : seeds_(seeds) {}
 
     // A new job, or probes that lie elsewhere: near a seed.
-    void begin(const VertexGraph& graph, const Domain& domain, std::size_t seed) {
+    void begin(const VertexGraph& graph, std::size_t seed) {
         graph_ = &graph;
-        domain_ = &domain;
         near_ = graph.vertex_of(seed);
     }
     // False where that cannot be: near walls and vertices of many cells, on a seed. Fastest when the last probe was
@@ -88,13 +86,11 @@ private:
     [[nodiscard]] std::size_t see(std::int32_t vertex);
     [[nodiscard]] std::size_t neighbor(std::int32_t seed, Division& out);
     [[nodiscard]] bool search(Division& out);
-    [[nodiscard]] bool is_inside(const Vector& x) const;
 
     static constexpr std::size_t table_size = 1024, most_swallowed = 128;
 
     const SortedSeeds& seeds_;
     const VertexGraph* graph_ = nullptr;
-    const Domain* domain_ = nullptr;
     std::int32_t near_ = VertexGraph::none;  // a vertex near the last probe
     exact::Point at_{};
     double weight_ = 0;
