@@ -47,14 +47,20 @@ bool Division::add_corner(std::size_t a, std::size_t b, std::size_t c, const Vec
 }
 
 bool Division::add_rims() {
+    std::size_t forward = 0, backward = 0;  // each edge ends at one corner around a, at the other around b
     for (std::size_t e = 0; e < 3 * corner_count_; ++e) {
         const std::size_t a = edges_[e] / most_neighbors, b = edges_[e] % most_neighbors;
-        if (is_wall(a) && is_wall(b)) continue;
+        if (is_wall(std::min(a, b))) continue;
+        if (a > b) {
+            ++backward;
+            continue;
+        }
         const std::uint16_t end = ends_[edges_[e]], begin = ends_[most_neighbors * b + a];
         if (begin == 0) return false;
-        if (a < b) add_rim(a, b, corners_[begin - 1u], corners_[end - 1u]);
+        add_rim(a, b, corners_[begin - 1u], corners_[end - 1u]);
+        ++forward;
     }
-    return true;
+    return forward == backward;
 }
 
 void Division::add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
@@ -97,7 +103,7 @@ bool Division::finish() {
         const Vector n = normal(a);
         volumes_[a] /= 12;
         for (std::size_t k = 0; k < 3; ++k) sum[k] += n[k] * volumes_[a];
-        size += std::abs(volumes_[a]) * std::sqrt(dot(n, n));
+        size += std::abs(volumes_[a]) * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
         least = std::min(least, volumes_[a]);
     }
     const bool balanced = dot(sum, sum) <= most_unbalanced * most_unbalanced * size * size;

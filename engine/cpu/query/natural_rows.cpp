@@ -122,7 +122,8 @@ void NaturalRows::divide(std::size_t k) {
 void NaturalRows::give_division(std::size_t k) {
     for (std::size_t a = 0; a < division_.size(); ++a) {
         const Vector n = division_.normal(a);
-        add_entry(division_.seed(a), division_.volume(a), division_.moment(a), std::sqrt(dot(n, n)));
+        add_entry(division_.seed(a), division_.volume(a), division_.moment(a),
+                  options_.gradients ? std::sqrt(dot(n, n)) : 1);
     }
     finish(k);
 }
