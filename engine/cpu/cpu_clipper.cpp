@@ -111,14 +111,16 @@ void CpuClipper::gather_weights() {
 
 void CpuClipper::set_empty(ResultBuilder& out) {
     sort();
-    for (const std::int32_t i : buried_) out.set_empty(static_cast<std::size_t>(i), CellStatus::empty);
-    std::size_t outside = 0;
-    for (std::size_t i = 0; i < job_.outside.size(); ++i) {
-        if (job_.outside[i] != CellStatus::outside) continue;
-        out.set_empty(i, CellStatus::outside);
-        ++outside;
-    }
-    out.count({.empty_cells = buried_.size() + outside});
+    std::size_t empty = 0;
+    const auto set = [&](std::size_t i, CellStatus status) {
+        if (i >= out.status().size()) return;  // after clip_first()
+        out.set_empty(i, status);
+        ++empty;
+    };
+    for (const std::int32_t i : buried_) set(static_cast<std::size_t>(i), CellStatus::empty);
+    for (std::size_t i = 0; i < job_.outside.size(); ++i)
+        if (job_.outside[i] == CellStatus::outside) set(i, CellStatus::outside);
+    out.count({.empty_cells = empty});
 }
 
 void CpuClipper::build_search() {
@@ -138,7 +140,26 @@ std::span<const std::int32_t> CpuClipper::duplicate_of() {
 }
 
 void CpuClipper::clip_all(ResultBuilder& out, const Share& share) {
-    const std::size_t count = seeds_.size(), threads = pool_->size();
+    cut_into_blocks(seeds_.size());
+    clip_blocks(
+        seeds_.input, [](std::size_t k) { return k; }, false, out, share);
+}
+
+void CpuClipper::clip_first(std::size_t count, std::span<double> powers, ResultBuilder& out, const Share& share) {
+    order_.clear();
+    for (std::size_t s = 0; s < seeds_.size(); ++s)
+        if (static_cast<std::size_t>(seeds_.input[s]) < count) order_.push_back(static_cast<std::int32_t>(s));
+    const std::span<std::int32_t> cells = out.keep(order_.size());
+    std::ranges::transform(order_, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
+    cut_into_blocks(order_.size());
+    powers_ = powers;
+    clip_blocks(
+        cells, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, false, out, share);
+    powers_ = {};
+}
+
+void CpuClipper::cut_into_blocks(std::size_t count) {
+    const std::size_t threads = pool_->size();
     const std::size_t parts =
         std::max({fewest_blocks, count / longest_block, threads > many_threads ? blocks_of_many * threads : 0});
     blocks_.assign(1, 0);
@@ -147,8 +168,6 @@ void CpuClipper::clip_all(ResultBuilder& out, const Share& share) {
         const std::size_t size = round_up(std::clamp(left / parts, shortest_block, longest_block), Star::alignment);
         blocks_.push_back(blocks_.back() + std::min(left, size));
     }
-    clip_blocks(
-        seeds_.input, [](std::size_t k) { return k; }, false, out, share);
 }
 
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) {
@@ -239,10 +258,12 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                 worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
-            if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star))
+            if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star)) {
                 worker.budget.star_done();
-            else
+                if (!powers_.empty()) powers_[seeds_.input[seed]] = worker.star->power_found();
+            } else {
                 search(seed, worker);
+            }
         }
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
@@ -260,6 +281,10 @@ void CpuClipper::search(std::size_t seed, Worker& worker) const {
 
 void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
     if (cell != nullptr) {
+        if (!powers_.empty())
+            powers_[seeds_.input[seed]] =
+                cell->empty() ? Star::least_power
+                              : cell->radius_squared() - (seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
         const bool measure = needs_geometry(job_.options.want);
         worker.writer.write(seed, measure ? worker.builder.again(worker.faces) : *cell);
     } else {

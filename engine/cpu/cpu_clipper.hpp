@@ -41,6 +41,10 @@ public:
     void sort();
     void build_search();
     void clip_all(ResultBuilder& out, const Share& share);
+    // Instead of the last: the cells of the first `count` points of the job, those that the result has; the others are
+    // there to be their neighbors. powers: by cell, Star::power_found(), or of a clipped cell the power of all its
+    // vertices.
+    void clip_first(std::size_t count, std::span<double> powers, ResultBuilder& out, const Share& share);
     // When no more cells are needed: gives much memory back, which the rows want.
     void rest();
 
@@ -63,6 +67,8 @@ private:
     void find_positions();
     // Fills order_.
     void put_in_sorted_order(std::span<const std::int32_t> cells);
+    // Fills blocks_ for a full run.
+    void cut_into_blocks(std::size_t count);
     // cells[k] is the input index of the sorted seed seed_at(k); blocks_ says where tasks begin.
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at, bool fallback, ResultBuilder& out,
@@ -93,6 +99,7 @@ private:
     std::vector<std::int32_t> order_;  // sorted seeds to clip
     std::vector<std::size_t> blocks_;  // where blocks of them begin, and where the last ends
     std::vector<bool> chosen_;
+    std::span<double> powers_;          // of clip_first(), else empty
     const Kernels* kernels_ = nullptr;  // that the workers are made for
     std::deque<Worker> workers_;
     std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it

@@ -156,4 +156,21 @@ TEST_SUITE("cases") {
             REQUIRE(votess::verify(t, points).failure == "");
         }
     }
+
+    // Rows without normals were read from behind the seeds.
+    TEST_CASE("images: in a skewed cell an image may have no shift, beside seeds that have none") {
+        Options options;
+        options.device = "cpu";
+        options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {7.3, 5.2, 1}, {true, true, true}};
+        options.threads = 1;
+        Options with_normals = options;
+        with_normals.want.normals = true;
+        for (std::uint64_t n = 1; n <= 3; ++n) {
+            const Coordinates points = test::uniform(test::by_size(2000, 500), n).points;
+            const auto t = tessellate(points, options), same = tessellate(points, with_normals);
+            CHECK(std::ranges::equal(t.indptr(), same.indptr()));
+            CHECK(std::ranges::equal(t.indices(), same.indices()));
+            CHECK(std::ranges::equal(t.shifts(), same.shifts()));
+        }
+    }
 }

@@ -194,8 +194,8 @@ TEST_SUITE("stages") {
                                       cells.local(7)};
         std::vector<std::int32_t> many;  // most of them not of the stretch
         for (std::int32_t s = 60; s < 130; ++s) many.push_back(cells.local(s));
-        cells.give_tie(few, cells.place(few[0], {{1, 0, 0, 0}}));
-        cells.give_tie(many, cells.place(many[0], {{2, 0, 0, 0}}));
+        cells.give_tie(few, cells.place(few[0], {{1, 0, 0, 0}}), 1);
+        cells.give_tie(many, cells.place(many[0], {{2, 0, 0, 0}}), 4);
         cells.give({cells.local(63), cells.local(7), cells.local(8), cells.local(9)},
                    cells.place(cells.local(63), {{3, 0, 0, 0}}));
         auto handed = [&](std::size_t seed) {

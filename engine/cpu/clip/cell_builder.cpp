@@ -87,7 +87,10 @@ void CellBuilder::start() {
     if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->most_more(weight_));
     cell_.start(base_.point, *domain_, own_);
     if (heaviest_ >= 0) clip_by_heaviest();
-    if (probing_ && domain_->is_periodic()) clip_by_own_images();
+    if (!probing_) return;
+    if (domain_->is_periodic()) clip_by_own_images();
+    std::int32_t id = own_;
+    for (const exact::Plane& guard : guards_) cell_.clip(++id, guard, guard.shift);
 }
 
 // A seed's own images are among the others.
@@ -229,9 +232,10 @@ Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
     return search(most_tests);
 }
 
-Cell& CellBuilder::build(const Probe& probe) {
+Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guards) {
     own_ = static_cast<std::int32_t>(seeds_.places());
     probing_ = true;
+    guards_ = guards;
     coincident_ = -1;
     at_ = probe.place.at;
     base_ = {probe.x, probe.place.by};

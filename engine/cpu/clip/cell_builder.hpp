@@ -49,7 +49,10 @@ public:
     [[nodiscard]] std::size_t tests() const { return tests_; }
     // The cell that a query would have if it were a seed. Its id, which images of it have in faces, is places() of the
     // seeds. Fastest when the last was near.
-    Cell& build(const Probe& probe);
+    Cell& build(const Probe& probe) { return build(probe, {}); }
+    // The same, cut by planes first whose bisectors are relative to the place of the probe as given; their ids in the
+    // cell are places() + 1 and so on.
+    Cell& build(const Probe& probe, std::span<const exact::Plane> guards);
     // The sorted seed that lies where the last probe does; -1: none. Unless it weighs less the probe has no cell.
     [[nodiscard]] std::int32_t coincident() const { return coincident_; }
     // Clips the cell by these seeds, which include its neighbors.
@@ -111,6 +114,7 @@ private:
     // The seed or probe at hand.
     std::int32_t own_ = -1;  // its id
     bool probing_ = false;
+    std::span<const exact::Plane> guards_;  // of a probe
     exact::Point at_{};
     SeedImages::Base base_{};
     double weight_ = 0;

@@ -162,13 +162,15 @@ std::int32_t CellWriter::input_of(std::int32_t id) const {
     return seeds_.input[static_cast<std::size_t>(home)];
 }
 
-// Leaves face_shifts_ empty where all are zero, as they are away from the faces of the domain.
+// Leaves face_shifts_ empty where all are seeds themselves by no shift, as they are away from the faces of the domain.
+// An image may have no shift either: one that was moved into the reduced cell, and lies beside it.
 void CellWriter::find_shifts(std::span<const std::int32_t> ids) {
     const SeedImages& images = *seeds_.images;
-    if (!moved_ && std::ranges::none_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); })) return;
+    const bool any_image = std::ranges::any_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); });
+    if (!moved_ && !any_image) return;
     for (const std::int32_t id : ids) face_shifts_.push_back(id < 0 ? exact::Shift{} : images.shift(id));
     if (moved_) count_from_domain(ids);
-    if (std::ranges::all_of(face_shifts_, [](const auto& shift) { return shift == exact::Shift{}; }))
+    if (!any_image && std::ranges::all_of(face_shifts_, [](const auto& shift) { return shift == exact::Shift{}; }))
         face_shifts_.clear();
 }
 

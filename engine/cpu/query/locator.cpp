@@ -44,19 +44,25 @@ std::optional<Place> Locator::place(const exact::Point& x, std::size_t number) c
     if (domain_.has_cell_walls() && !inside_walls(domain_, x)) return std::nullopt;
     if (!std::ranges::all_of(domain_.walls, [&](const exact::Plane& wall) { return inside(wall, x); }))
         return std::nullopt;
-    Place place{x};
-    if (!domain_.is_periodic()) return place;
-    const auto move = [&](const exact::Shift& shift) {
-        for (std::size_t j = 0; j < 3; ++j) place.by[j] += shift[j];
-        const auto moved = exact::differences({}, exact::Plane::bisector(x, place.by, domain_.lattice));
-        for (std::size_t k = 0; k < 3; ++k) place.at[k] = moved.x[k].high, place.low[k] = moved.x[k].low;
-    };
-    const auto shift = wrap(domain_, x);
-    if (!shift)
+    const auto place = place_in(domain_, x);
+    if (!place)
         throw Error(ErrorCode::invalid_argument,
                     "query " + std::to_string(number) + " lies more than 500 million periods away from the box");
+    return place;
+}
+
+std::optional<Place> place_in(const Domain& domain, const exact::Point& x) {
+    Place place{x};
+    if (!domain.is_periodic()) return place;
+    const auto move = [&](const exact::Shift& shift) {
+        for (std::size_t j = 0; j < 3; ++j) place.by[j] += shift[j];
+        const auto moved = exact::differences({}, exact::Plane::bisector(x, place.by, domain.lattice));
+        for (std::size_t k = 0; k < 3; ++k) place.at[k] = moved.x[k].high, place.low[k] = moved.x[k].low;
+    };
+    const auto shift = wrap(domain, x);
+    if (!shift) return std::nullopt;
     if (*shift != exact::Shift{}) move(*shift);
-    if (domain_.skewed) move(place.move = shift_into_reduced(domain_, place.at));
+    if (domain.skewed) move(place.move = shift_into_reduced(domain, place.at));
     return place;
 }
 

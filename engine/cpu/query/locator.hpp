@@ -18,6 +18,9 @@
 
 namespace votess::cpu {
 
+// Where a point lies after it has been wrapped. Nothing where that takes more than some 500 million periods.
+std::optional<Place> place_in(const Domain& domain, const exact::Point& x);
+
 // One per thread. The seeds and all that belongs to them stay with the caller.
 class Locator {
 public:

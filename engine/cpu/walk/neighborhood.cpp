@@ -34,6 +34,7 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     std::fill(table_.begin(), table_.end(), -1);
     vertices_ = 0;
     ties_.clear();
+    tie_powers_.clear();
     spill_.clear();
     if (known_.empty()) known_.resize(usual_slabs * slab_size);
     next_.assign(count + 1, 0);
@@ -115,11 +116,12 @@ std::span<const KnownVertex> Neighborhood::with_spilled(std::size_t s) {
     return gathered_;
 }
 
-void Neighborhood::give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex) {
-    const auto at = static_cast<std::int32_t>(ties_.size());
+void Neighborhood::give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex, double power) {
+    const auto at = static_cast<std::int32_t>(ties_.size()), tie = static_cast<std::int32_t>(tie_powers_.size());
+    tie_powers_.push_back(power);
     ties_.push_back(static_cast<std::int32_t>(cells.size()));
     ties_.insert(ties_.end(), cells.begin(), cells.end());
-    for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, 0, 0, vertex);
+    for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, tie, 0, vertex);
     forget_strangers();
 }
 

@@ -22,7 +22,7 @@ struct alignas(32) Four {
 // A vertex as a cell sees it: the three neighbors that it shares the vertex with, the outward normals of whose faces
 // are positively oriented. Or more than three, which stand in Neighborhood::tie().
 struct KnownVertex {
-    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 names a tie
+    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 names a tie, cells[1] its number
     std::uint32_t vertex;               // its position, see Neighborhood::position()
 
     [[nodiscard]] bool is_tie() const { return cells[0] < 0; }
@@ -79,8 +79,9 @@ public:
         give(c, p, b, a, vertex);
         forget_strangers();
     }
-    // The same for a vertex of more than four cells, which have no order.
-    void give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex);
+    // The same for a vertex of more than four cells, which have no order. power: its squared distance from a seed, less
+    // the weight of the seed.
+    void give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex, double power);
 
     // What was handed to a seed of the stretch.
     [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
@@ -92,6 +93,10 @@ public:
     [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
         const auto at = static_cast<std::size_t>(-1 - known.cells[0]);
         return {ties_.data() + at + 1, static_cast<std::size_t>(ties_[at])};
+    }
+
+    [[nodiscard]] double power_of_tie(const KnownVertex& known) const {
+        return tie_powers_[static_cast<std::size_t>(known.cells[1])];
     }
 
     // When positions are kept: a vertex, relative to its owner, in x[0..3), and in x[3] what bounds its error; and the
@@ -153,6 +158,7 @@ private:
     std::vector<Spill> spill_;
     std::vector<KnownVertex> gathered_;
     std::vector<std::int32_t> ties_;  // their number, then the cells
+    std::vector<double> tie_powers_;  // by tie
     std::vector<std::uint8_t> done_, group_done_;
 };
 

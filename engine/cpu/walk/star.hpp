@@ -71,6 +71,11 @@ public:
     [[nodiscard]] int vertex_count() const { return vertices_; }
     [[nodiscard]] int edge_count() const { return edges_; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
+    // The largest power, |v - seed|^2 - weight, of those vertices v that this cell was not handed by others, and of all
+    // ties. Of the other vertices it is no larger than what the neighbors of the stretch found: with theirs it bounds
+    // how far the cell reaches. Rounded up; least_power where it found none.
+    [[nodiscard]] double power_found() const { return power_found_; }
+    static constexpr double least_power = -1e300;
 
     struct Geometry {
         double volume = 0;
@@ -92,6 +97,7 @@ protected:
     int faces_ = 0, vertices_ = 0, edges_ = 0;
     std::array<std::int32_t, most_planes> face_{};
     bool used_exact_ = false;
+    double power_found_ = least_power;
 };
 
 // For the instruction set of that name, see supported_kernels().

@@ -87,6 +87,7 @@ bool StarWalk<Isa>::build_cell() {
     planes_known_ = facings_known_ = 0;
     scale_ = unscale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
+    power_found_ = least_power;
     return measure_ ? complete<true, Alone>() : complete<false, Alone>();
 }
 
@@ -121,7 +122,10 @@ bool StarWalk<Isa>::complete() {
             if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k])) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
-    if (needed > 0) typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
+    if (needed > 0) {
+        typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
+        power_found_ = std::max(power_found_, (1 + 4 * margin) * 0.25 * needed - weight_);
+    }
     return collect_faces();
 }
 
@@ -189,6 +193,7 @@ bool StarWalk<Isa>::take_known() {
 template <class Isa>
 bool StarWalk<Isa>::take_tie(const KnownVertex& known, int vertex) {
     if (measure_) take_position(known, vertex);
+    power_found_ = std::max(power_found_, cells_.power_of_tie(known));
     tied_cells_.clear();
     for (const std::int32_t cell : cells_.tie(known))
         if (cell != own_local_) tied_cells_.push_back(cell);
@@ -423,7 +428,8 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     if (measure_) keep_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    cells_.give_tie(tied_cells_, numbers_[vertices_]);
+    const double power = (1 + 4 * margin) * dot(wide(x), wide(x)) * unscale_ * unscale_ - weight_;
+    cells_.give_tie(tied_cells_, numbers_[vertices_], power);
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 

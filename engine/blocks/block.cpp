@@ -1,0 +1,129 @@
+#include "blocks/block.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cpu/query/locator.hpp"
+#include "input/options.hpp"
+
+namespace votess::blocks {
+namespace {
+
+constexpr double reach_slack = 1 + 1e-6;  // of what is rounded
+
+Options options_for(const Seeds& seeds, Options options) {
+    options.weights = seeds.weights;
+    options.radii = {};
+    options.want.neighbors = true;
+    options.min_face = options.min_area = 0;
+    options.progress = {};
+    return options;
+}
+
+}  // namespace
+
+Block::Block(const Options& options, Seeds own)
+    : options_(options),
+      own_(std::move(own)),
+      job_(validate({own_.points, {}}, options_for(own_, options))),
+      nearness_(*job_.domain) {
+    places_.reserve(own_.size());
+    for (std::size_t i = 0; i < own_.size(); ++i) {
+        exact::Point x;
+        for (std::size_t k = 0; k < 3; ++k) x[k] = own_.points[3 * i + k] * job_.scale;
+        const auto place = cpu::place_in(*job_.domain, x);
+        if (!place)
+            throw Error(ErrorCode::invalid_argument, "seed " + std::to_string(own_.ids[i]) +
+                                                         " lies more than 500 million periods away from the box");
+        places_.push_back(place->at);
+    }
+    tiled_ = tile_seeds(places_, job_.domain->weights);
+}
+
+Block::~Block() = default;
+
+Seeds Block::layer_for(const Outline& other) const {
+    Seeds layer;
+    if (other.tiles.empty()) return layer;
+    for (std::size_t t = 0; t < tiled_.outline.tiles.size(); ++t) {
+        const Nearness::Layer of_tile = nearness_.layer_of(tiled_.outline.tiles[t], other.box);
+        if (of_tile.by.empty()) continue;
+        for (std::size_t k = tiled_.begin[t]; k < tiled_.begin[t + 1]; ++k)
+            if (Nearness::holds(of_tile, places_[tiled_.order[k]])) layer.add(own_, tiled_.order[k]);
+    }
+    return layer;
+}
+
+void Block::run(Run& run, Seeds seeds, std::size_t first) {
+    run.seeds = std::move(seeds);
+    run.job = validate({run.seeds.points, {}}, options_for(run.seeds, options_));
+    run.clipper.begin(run.job);
+    run.clipper.sort();
+    run.clipper.build_search();
+    Job of_first = run.job;
+    of_first.points.f64 = of_first.points.f64.first(3 * first);
+    of_first.options.weights = {};
+    ResultBuilder builder;
+    ThreadPool& pool = run.clipper.pool();
+    builder.begin(of_first, pool);
+    run.powers.assign(first, cpu::Star::least_power);
+    run.clipper.clip_first(first, run.powers, builder, clipping);
+    run.clipper.set_empty(builder);
+    const auto duplicate_of = run.clipper.duplicate_of();
+    builder.set_duplicates(duplicate_of.first(std::min(first, duplicate_of.size())), pool);
+    builder.finish(run.result, pool);
+}
+
+void Block::clip(std::vector<Outline> others, std::size_t number, Seeds given) {
+    outlines_ = std::move(others);
+    number_ = number;
+    counts_.given += given.size();
+    Seeds all = own_;
+    all.add(given.sorted());
+    run(all_, std::move(all), own_.size());
+    positions_.assign(own_.size(), -1);
+    const auto& input = all_.clipper.seeds().input;
+    for (std::size_t s = 0; s < input.size(); ++s)
+        if (static_cast<std::size_t>(input[s]) < own_.size())
+            positions_[static_cast<std::size_t>(input[s])] = static_cast<std::int32_t>(s);
+    ask();
+}
+
+double Block::weight_of(std::size_t cell) const {
+    return job_.domain->weights.empty() ? 0 : job_.domain->weights[cell];
+}
+
+// Of all vertices of a cell: those that it did not find itself were found by a neighbor of this block.
+double Block::power_of(std::size_t cell) const {
+    double power = all_.powers[cell];
+    const auto& result = all_.result;
+    for (auto e = static_cast<std::size_t>(result.indptr[cell]); e < static_cast<std::size_t>(result.indptr[cell + 1]);
+         ++e) {
+        const std::int32_t neighbor = result.indices[e];
+        if (neighbor >= 0 && static_cast<std::size_t>(neighbor) < own_.size())
+            power = std::max(power, all_.powers[static_cast<std::size_t>(neighbor)]);
+    }
+    return power;
+}
+
+// No seed of at most that weight cuts the cell from farther away.
+double Block::reach_of(std::size_t cell, double heaviest) const {
+    const double weight = weight_of(cell), square = std::max(0.0, power_of(cell) + weight);
+    return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - weight))) * reach_slack;
+}
+
+std::vector<Block::Unknown> Block::unknown_near(std::size_t tile, double reach) const {
+    std::vector<Unknown> unknown;
+    const Box& home = tiled_.outline.tiles[tile].box;
+    for (std::size_t b = 0; b < outlines_.size(); ++b) {
+        const Outline& other = outlines_[b];
+        if (b == number_ || other.tiles.empty() || !nearness_.is_near(other.box, home, reach)) continue;
+        for (const Tile& of_other : other.tiles)
+            nearness_.for_unknown(of_other, tiled_.outline.box, home, reach, [&](const Box& box) {
+                unknown.push_back({box, static_cast<std::uint32_t>(b), of_other.largest_weight});
+            });
+    }
+    return unknown;
+}
+
+}  // namespace votess::blocks

@@ -1,0 +1,111 @@
+// The cells of a block: those that were complete at once, and those that had to ask.
+#include <algorithm>
+
+#include "blocks/block.hpp"
+
+namespace votess::blocks {
+namespace {
+
+// Puts the arrays of cells one after the other.
+class Merger {
+public:
+    Merger(BlockCells& out, std::size_t cells, std::size_t entries) : out_(out), cells_(cells), entries_(entries) {
+        out_.indptr.reserve(cells + 1);
+        out_.indptr.push_back(0);
+    }
+
+    // Cell i of a run with these seeds.
+    void add(const detail::Result& from, std::size_t i, const std::vector<std::int64_t>& ids) {
+        append(out_.status, from.status, i, 1, cells_);
+        append(out_.volumes, from.volumes, i, 1, cells_);
+        append(out_.centroids, from.centroids, i, 3, cells_);
+        append(out_.surface_areas, from.surface_areas, i, 1, cells_);
+        append(out_.security_radii, from.security_radii, i, 1, cells_);
+        append(out_.face_counts, from.face_counts, i, 1, cells_);
+        append(out_.edge_counts, from.edge_counts, i, 1, cells_);
+        append(out_.vertex_counts, from.vertex_counts, i, 1, cells_);
+        read_row(from, i, ids);
+        for (const Entry& entry : row_) {
+            out_.indices.push_back(entry.id);
+            append(out_.shifts, from.shifts, entry.at, 3, entries_);
+            append(out_.areas, from.face_areas, entry.at, 1, entries_);
+            append(out_.normals, from.face_normals, entry.at, 3, entries_);
+        }
+        out_.indptr.push_back(static_cast<std::int64_t>(out_.indices.size()));
+    }
+
+private:
+    struct Entry {
+        std::int64_t id;
+        std::array<std::int8_t, 3> shift;
+        std::size_t at;
+        friend bool operator<(const Entry& a, const Entry& b) { return a.id != b.id ? a.id < b.id : a.shift < b.shift; }
+    };
+    void read_row(const detail::Result& from, std::size_t i, const std::vector<std::int64_t>& ids) {
+        const bool periodic = from.shifts.size() > 0;
+        row_.clear();
+        bool ascending = true;
+        for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]); ++e) {
+            const std::int32_t index = from.indices[e];
+            Entry entry{index < 0 ? index : ids[static_cast<std::size_t>(index)], {}, e};
+            if (periodic) std::copy_n(from.shifts.data() + 3 * e, 3, entry.shift.begin());
+            ascending = ascending && (row_.empty() || row_.back().id <= entry.id);
+            row_.push_back(entry);
+        }
+        if (!ascending) std::ranges::sort(row_, std::less<>());
+    }
+    template <class T>
+    static void append(std::vector<T>& to, const Buffer<T>& from, std::size_t i, std::size_t each, std::size_t count) {
+        if (from.size() == 0) return;
+        if (to.empty()) to.reserve(each * count);
+        for (std::size_t k = each * i; k < each * (i + 1); ++k) to.push_back(from[k]);
+    }
+
+    BlockCells& out_;
+    std::size_t cells_, entries_;
+    std::vector<Entry> row_;
+};
+
+}  // namespace
+
+BlockCells Block::finish(const Seeds& answers) {
+    counts_.given += answers.size();
+    // The neighbors of the cells that had to ask are among those that they had and those that they got.
+    Seeds seeds, others = answers;
+    for (const std::uint32_t cell : asked_) seeds.add(own_, cell);
+    for (const std::int32_t i : friends_) others.add(all_.seeds, static_cast<std::size_t>(i));
+    others = others.sorted();
+    const std::vector<std::int64_t> first = seeds.ids;
+    for (std::size_t i = 0; i < others.size(); ++i)
+        if (!std::ranges::binary_search(first, others.ids[i])) seeds.add(others, i);
+    if (!asked_.empty()) run(asked_run_, std::move(seeds), asked_.size());
+
+    BlockCells cells;
+    const std::size_t entries = all_.result.indices.size() + asked_run_.result.indices.size();
+    cells.indices.reserve(entries);
+    Merger merger(cells, own_.size(), entries);
+    std::vector<std::int64_t> others_met;
+    const auto add = [&](const Run& from, std::size_t i, std::size_t first_other) {
+        merger.add(from.result, i, from.seeds.ids);
+        for (auto e = from.result.indptr[i]; e < from.result.indptr[i + 1]; ++e) {
+            const std::int32_t index = from.result.indices[static_cast<std::size_t>(e)];
+            if (index < 0 || static_cast<std::size_t>(index) < first_other) continue;
+            const std::int64_t id = from.seeds.ids[static_cast<std::size_t>(index)];
+            if (!std::ranges::binary_search(own_.ids, id)) others_met.push_back(id);
+        }
+    };
+    for (std::size_t i = 0, asked = 0; i < own_.size(); ++i) {
+        if (asked < asked_.size() && asked_[asked] == i)
+            add(asked_run_, asked++, asked_.size());
+        else
+            add(all_, i, own_.size());
+    }
+    std::ranges::sort(others_met);
+    const auto [end, last] = std::ranges::unique(others_met);
+    counts_.needed = static_cast<std::uint64_t>(end - others_met.begin());
+    for (const std::int32_t of : all_.result.duplicate_of)
+        cells.duplicate_of.push_back(of < 0 ? -1 : all_.seeds.ids[static_cast<std::size_t>(of)]);
+    return cells;
+}
+
+}  // namespace votess::blocks

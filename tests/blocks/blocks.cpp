@@ -1,0 +1,110 @@
+// Cells of blocks against those of all seeds at once.
+#include <doctest/doctest.h>
+
+#include <string>
+#include <vector>
+
+#include "blocks/in_blocks.hpp"
+#include "fuzz/kinds/kinds.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using test::PointSet;
+
+votess::Options options_of(const PointSet& set) {
+    votess::Options options;
+    options.device = "cpu";
+    options.threads = 1;
+    options.box = set.box;
+    options.list_walls = true;
+    options.want.counts = options.want.centroids = true;
+    return options;
+}
+
+void check(const PointSet& set, const votess::Options& options) {
+    const auto whole = votess::tessellate(set.points, options);
+    for (const std::size_t blocks : {1, 2, 3, 8}) {
+        CAPTURE(set.name);
+        CAPTURE(blocks);
+        CHECK(test::difference(test::in_blocks(set.points, options, blocks), whole) == "");
+    }
+}
+
+}  // namespace
+
+TEST_CASE("blocks: the families have the lists of all seeds at once") {
+    for (const PointSet& set : test::families(test::by_size(1000, 200), 5)) check(set, options_of(set));
+    check({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
+          options_of({"", {}, test::unit_box()}));
+    check({"none", {}, test::unit_box()}, options_of({"", {}, test::unit_box()}));
+}
+
+TEST_CASE("blocks: periodic along each subset of the axes") {
+    for (unsigned axes = 1; axes < 8; ++axes)
+        for (const PointSet& set : {test::uniform(2000, axes), test::clustered(2000, axes), test::cubic(10)}) {
+            votess::Options options = options_of(set);
+            options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
+            check(set, options);
+        }
+}
+
+TEST_CASE("blocks: triclinic boxes, weights and walls") {
+    test::Random random(3);
+    for (const PointSet& set : {test::uniform(2000, 1), test::clustered(2000, 2)}) {
+        votess::Options options = options_of(set);
+        options.box.reset();
+        options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
+        check(set, options);
+        options.cell->c = {7.3, 5.2, 1};  // skewed
+        check(set, options);
+        options.cell->periodic = {true, false, true};
+        options.outside = votess::Outside::drop;
+        check(set, options);
+
+        std::vector<double> radii(set.size());
+        for (double& r : radii) r = random.uniform(0, 0.15);
+        options = options_of(set);
+        options.radii = radii;
+        check(set, options);
+        options.periodic = {true, true, true};
+        check(set, options);
+
+        options = options_of(set);
+        options.outside = votess::Outside::drop;
+        for (const double x : {-1., 1.})
+            for (const double y : {-1., 1.})
+                for (const double z : {-1., 1.}) options.walls.push_back({{x, y, z}, 0.6 + 0.5 * (x + y + z)});
+        check(set, options);
+    }
+}
+
+TEST_CASE("blocks: sets of the kinds of the fuzz") {
+    const std::uint64_t first = test::environment("VOTESS_BLOCKS_SEED", 1);
+    std::uint64_t sets = 0;
+    for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
+        const std::uint64_t usual = kind.name == "many" ? 1 : 40;
+        const std::uint64_t count = test::environment("VOTESS_BLOCKS_SETS", test::by_size(usual, usual / 10 + 1));
+        for (std::uint64_t number = first; number < first + count; ++number) {
+            CAPTURE(kind.name);
+            CAPTURE(number);
+            for (const test::fuzz::Job& job : test::fuzz::make_case(kind, number).jobs) {
+                votess::Options options = job.options("cpu");
+                options.want = {};
+                options.want.counts = options.want.centroids = true;
+                try {
+                    const auto whole = votess::tessellate(job.points, options);
+                    ++sets;
+                    const std::string wrong =
+                        test::difference(test::in_blocks(job.points, options, 2 + number % 4), whole);
+                    CHECK(wrong == "");
+                } catch (const votess::Error& error) {
+                    // Some sets are there to be refused; of skewed cells a block may see neighbors too far away.
+                    CHECK(error.code() != votess::ErrorCode::internal);
+                }
+            }
+        }
+    }
+    CHECK(sets > 10);
+}
