@@ -93,8 +93,6 @@ private:
     void add(Tile& tile, const std::array<double, 3>& sides, std::size_t begin, std::size_t end) {
         const auto count = static_cast<double>(end - begin);
         tile.width = layer_spacings * std::cbrt(sides[0] * sides[1] * sides[2] / count);
-        include(out.outline.box, tile.box);
-        out.outline.largest_weight = std::max(out.outline.largest_weight, tile.largest_weight);
         out.outline.tiles.push_back(tile);
         out.begin.push_back(end);
     }
@@ -104,13 +102,21 @@ private:
 
 TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights) {
     TiledSeeds tiled;
-    tiled.outline.box = no_box();
-    tiled.outline.largest_weight = -infinity;
     tiled.order.resize(places.size());
     std::iota(tiled.order.begin(), tiled.order.end(), 0u);
     tiled.begin.assign(1, 0);
     if (!places.empty()) Tiler{places, weights, tiled}.split(0, places.size());
+    tiled.outline = outline_of(std::move(tiled.outline.tiles));
     return tiled;
+}
+
+Outline outline_of(std::vector<Tile> tiles) {
+    Outline outline{no_box(), -infinity, std::move(tiles)};
+    for (const Tile& tile : outline.tiles) {
+        include(outline.box, tile.box);
+        outline.largest_weight = std::max(outline.largest_weight, tile.largest_weight);
+    }
+    return outline;
 }
 
 Nearness::Nearness(const Domain& domain) : domain_(domain) {

@@ -25,6 +25,8 @@ struct Outline {
     std::vector<Tile> tiles;  // none where the block has no seeds
 };
 
+Outline outline_of(std::vector<Tile> tiles);
+
 // An outline, and the seeds in the order of its tiles: those of tile t are order[begin[t] .. begin[t + 1]).
 struct TiledSeeds {
     Outline outline;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <deque>
 
-#include "blocks/block.hpp"
+#include "blocks/local_block.hpp"
 #include "core/ceil.hpp"
 #include "cpu/query/locator.hpp"
 
@@ -24,9 +24,9 @@ double distance_squared(const exact::Point& x, const Box& box) {
 }  // namespace
 
 // Looks at the cells of one tile after the other. One per thread.
-class Block::Asker {
+class LocalBlock::Asker {
 public:
-    explicit Asker(Block& block)
+    explicit Asker(const LocalBlock& block)
         : block_(block),
           builder_(block.all_.clipper.seeds(), block.all_.clipper.hierarchy(),
                    *cpu::find_kernels(block.options_.instructions)) {
@@ -94,7 +94,7 @@ private:
         one.question = {block_.probe_of(number), one.guards.size()};
     }
 
-    Block& block_;
+    const LocalBlock& block_;
     cpu::CellBuilder builder_;
     double heaviest_ = -std::numeric_limits<double>::infinity();
     cpu::CellFaces faces_;
@@ -103,7 +103,7 @@ private:
 };
 
 // The seed of a cell as its planes see it.
-cpu::Probe Block::probe_of(std::size_t cell) const {
+cpu::Probe LocalBlock::probe_of(std::size_t cell) const {
     const auto position = static_cast<std::size_t>(positions_[cell]);
     const auto& seeds = all_.clipper.seeds();
     cpu::Probe probe;
@@ -120,7 +120,7 @@ cpu::Probe Block::probe_of(std::size_t cell) const {
     return probe;
 }
 
-void Block::ask() {
+void LocalBlock::ask() {
     const std::size_t tiles = tiled_.outline.tiles.size();
     questions_.assign(outlines_.size(), {});
     std::vector<std::vector<Asker::Asked>> asked(tiles);
@@ -145,9 +145,9 @@ void Block::ask() {
 }
 
 // Clips cells of other blocks. One per thread.
-class Block::Answerer {
+class LocalBlock::Answerer {
 public:
-    explicit Answerer(const Block& block)
+    explicit Answerer(const LocalBlock& block)
         : seeds_(block.all_.clipper.seeds()),
           domain_(*block.all_.job.domain),
           builder_(seeds_, block.all_.clipper.hierarchy(), *cpu::find_kernels(block.options_.instructions)) {
@@ -187,7 +187,7 @@ private:
     cpu::CellFaces faces_;
 };
 
-Seeds Block::answer(const Questions& questions) {
+Seeds LocalBlock::answer(const Questions& questions) {
     Seeds seeds;
     if (questions.cells.empty()) return seeds;
     std::vector<std::size_t> begin{0};

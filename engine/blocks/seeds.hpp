@@ -10,9 +10,10 @@
 namespace votess::blocks {
 
 struct Seeds {
-    std::vector<std::int64_t> ids;  // N, each seed of the run has one of its own
-    std::vector<double> points;     // 3N
-    std::vector<double> weights;    // N in a power diagram, else empty
+    std::vector<std::int64_t> ids;   // N, each seed of the run has one of its own
+    std::vector<double> points;      // 3N
+    std::vector<double> weights;     // N in a power diagram, else empty
+    std::vector<std::int32_t> tags;  // N, see votess::Block
 
     [[nodiscard]] std::size_t size() const { return ids.size(); }
     void add(const Seeds& from, std::size_t i) {
@@ -20,11 +21,13 @@ struct Seeds {
         points.insert(points.end(), from.points.begin() + static_cast<std::ptrdiff_t>(3 * i),
                       from.points.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
         if (!from.weights.empty()) weights.push_back(from.weights[i]);
+        tags.push_back(from.tags[i]);
     }
     void add(const Seeds& all) {
         ids.insert(ids.end(), all.ids.begin(), all.ids.end());
         points.insert(points.end(), all.points.begin(), all.points.end());
         weights.insert(weights.end(), all.weights.begin(), all.weights.end());
+        tags.insert(tags.end(), all.tags.begin(), all.tags.end());
     }
     // Ascending by id, each once.
     [[nodiscard]] Seeds sorted() const {

@@ -356,6 +356,13 @@ Want implied_want(const Options& options) {
     return with_implied(options);
 }
 
+Box box_of(const Options& options, const Box& bounds, std::uint64_t count) {
+    if (options.box) return *options.box;
+    Box box = default_box(bounds, count);
+    if (!options.walls.empty()) check_box(box = bounds_of(options.walls, box));
+    return box;
+}
+
 Job validate(const Points& points, const Options& options) {
     check_options(options);
     if (points.coordinates() % 3 != 0)
@@ -372,8 +379,7 @@ Job validate(const Points& points, const Options& options) {
     if (options.cell) {
         job.scale = scale_for(largest_number(*options.cell));
     } else {
-        job.box = options.box ? *options.box : default_box(bounds, points.count());
-        if (!options.box && !options.walls.empty()) check_box(job.box = bounds_of(options.walls, job.box));
+        job.box = box_of(options, bounds, points.count());
         job.scale = scale_for(largest_coordinate(job.box));
     }
     check_scaled(job);

@@ -12,6 +12,8 @@ void check_k_init(std::uint32_t k_init);
 // The weights, or squares of radii, that `count` points have by the options, times scale squared; none if these name
 // none. of: what the points are called.
 std::vector<double> scaled_weights(const Options& options, std::size_t count, const char* of, double scale);
+// The box of the run, where options name no cell; bounds: of all seeds, of which there are `count`.
+Box box_of(const Options& options, const Box& bounds, std::uint64_t count);
 // Options and points.
 Job validate(const Points& points, const Options& options);
 

@@ -108,3 +108,40 @@ TEST_CASE("blocks: sets of the kinds of the fuzz") {
     }
     CHECK(sets > 10);
 }
+
+TEST_CASE("blocks: what is refused, and by which words") {
+    const auto message = [](const auto& work) {
+        try {
+            work();
+        } catch (const votess::Error& error) {
+            return std::string(error.what());
+        }
+        return std::string("nothing");
+    };
+    const votess::Box box = test::unit_box();
+    votess::Options options;
+    options.box = box;
+    const votess::BlockDomain domain(options, box, 2);
+    const std::vector<double> points{0.1, 0.2, 0.3, 0.7, 0.6, 0.5}, outside{0.1, 0.2, 0.3, 0.7, 1.5, 0.5};
+    const std::vector<std::int64_t> ids{4, 9}, equal{4, 4};
+    CHECK(message([&] { (void)domain.check(outside); }).starts_with("point 1: y = 1.5 is outside the box"));
+    CHECK(message([&] { (void)domain.blocks_of(points); }) == "blocks_of() before split()");
+    CHECK(message([&] { votess::Block(domain, equal, points); }) ==
+          "ids of a block ascend from 0 on: the one at 1 is 4");
+    CHECK(message([&] { votess::Block(domain, ids, std::span(points).first(3)); }).starts_with("ids, points, weights"));
+    for (const unsigned what : {0u, 1u, 2u, 3u}) {
+        votess::Options wrong = options;
+        if (what == 0) wrong.want.faces = true;
+        if (what == 1) wrong.min_face = 0.1;
+        if (what == 2) wrong.duplicates = votess::Duplicates::error;
+        if (what == 3) wrong.device = "gpu";
+        CHECK(message([&] { votess::BlockDomain(wrong, box, 2); }) != "nothing");
+    }
+    votess::Block block(domain, ids, points);
+    votess::Message outline = block.outline();
+    CHECK(!outline.empty());
+    outline.pop_back();
+    CHECK(message([&] { (void)block.layer_for(outline); }) ==
+          "a message between blocks is not what a block of this version wrote");
+    CHECK(block.layer_for({}).empty());
+}

@@ -2,28 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
-
-#include "blocks/partition.hpp"
-#include "cpu/query/locator.hpp"
-#include "input/options.hpp"
+#include <limits>
 
 namespace test {
 namespace {
 
 using namespace votess;
-using blocks::Block;
-using blocks::BlockCells;
-using blocks::Seeds;
-
-// The options of a run that knows its domain, and whose seeds have weights of their own.
-Options with_domain(const Job& job) {
-    Options options = job.options;
-    if (!options.cell) options.box = job.box;
-    options.outside = Outside::error;
-    options.weights = options.radii = {};
-    return options;
-}
 
 template <class T>
 void put(std::vector<T>& to, const std::vector<T>& from, std::size_t place, std::size_t i, std::size_t each = 1) {
@@ -33,46 +17,61 @@ void put(std::vector<T>& to, const std::vector<T>& from, std::size_t place, std:
 }  // namespace
 
 InBlocks in_blocks(std::span<const double> points, const Options& options, std::size_t count) {
-    const Job job = validate({points, {}}, options);
-    const Options of_blocks = with_domain(job);
     const std::size_t size = points.size() / 3;
-    std::vector<exact::Point> places;
-    std::vector<std::int64_t> ids;
-    for (std::size_t i = 0; i < size; ++i) {
-        if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
-        exact::Point x;
-        for (std::size_t k = 0; k < 3; ++k) x[k] = points[3 * i + k] * job.scale;
-        places.push_back(cpu::place_in(*job.domain, x)->at);
-        ids.push_back(static_cast<std::int64_t>(i));
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        bounds.lower[i % 3] = std::min(bounds.lower[i % 3], points[i]);
+        bounds.upper[i % 3] = std::max(bounds.upper[i % 3], points[i]);
     }
-    const blocks::Partition partition(places, count);
-    std::vector<Seeds> own(count);
-    for (std::size_t s = 0; s < ids.size(); ++s) {
-        Seeds& to = own[partition.block_of(places[s])];
-        const auto i = static_cast<std::size_t>(ids[s]);
-        to.ids.push_back(ids[s]);
+    BlockDomain domain(options, bounds, size);
+    const std::vector<CellStatus> status = domain.check(points, options.weights, options.radii);
+    std::vector<std::size_t> inside;
+    std::vector<double> kept;
+    for (std::size_t i = 0; i < size; ++i) {
+        if (status[i] == CellStatus::outside) continue;
+        inside.push_back(i);
+        kept.insert(kept.end(), &points[3 * i], &points[3 * i] + 3);
+    }
+    const std::vector<double> places = domain.places(kept);
+    domain.split(places, count);
+    const std::vector<std::uint32_t> of_seed = domain.blocks_of(places);
+    struct Own {
+        std::vector<std::int64_t> ids;
+        std::vector<double> points, weights;
+        std::vector<std::int32_t> tags;
+    };
+    std::vector<Own> own(count);
+    for (std::size_t s = 0; s < inside.size(); ++s) {
+        Own& to = own[of_seed[s]];
+        const std::size_t i = inside[s];
+        to.ids.push_back(static_cast<std::int64_t>(i));
         to.points.insert(to.points.end(), &points[3 * i], &points[3 * i] + 3);
+        to.tags.push_back(static_cast<std::int32_t>(i % 1000));
         if (!options.weights.empty()) to.weights.push_back(options.weights[i]);
         if (!options.radii.empty()) to.weights.push_back(options.radii[i] * options.radii[i]);
     }
-    std::deque<Block> all;
-    std::vector<blocks::Outline> outlines;
-    for (const Seeds& seeds : own) outlines.push_back(all.emplace_back(of_blocks, seeds).outline());
+    std::vector<Block> all;
+    std::vector<Message> outlines;
+    for (const Own& seeds : own) {
+        all.emplace_back(domain, seeds.ids, seeds.points, seeds.weights, seeds.tags);
+        outlines.push_back(all.back().outline());
+    }
     for (std::size_t b = 0; b < count; ++b) {
-        Seeds given;
+        std::vector<Message> layers;
         for (std::size_t from = 0; from < count; ++from)
-            if (from != b) given.add(all[from].layer_for(outlines[b]));
-        all[b].clip(outlines, b, std::move(given));
+            if (from != b) layers.push_back(all[from].layer_for(outlines[b]));
+        all[b].clip(outlines, b, layers);
     }
     InBlocks result;
-    result.seeds = ids.size();
+    result.seeds = inside.size();
     std::vector<BlockCells> cells;
     for (std::size_t b = 0; b < count; ++b) {
-        Seeds answers;
+        std::vector<Message> answers;
         for (std::size_t to = 0; to < count; ++to)
-            if (to != b) answers.add(all[to].answer(all[b].questions()[to]));
+            if (to != b) answers.push_back(all[to].answer(all[b].question_for(to)));
         cells.push_back(all[b].finish(answers));
-        const blocks::BlockCounts& counts = all[b].counts();
+        const BlockCounts& counts = all[b].counts();
         result.counts.given += counts.given;
         result.counts.needed += counts.needed;
         result.counts.tested += counts.tested;
@@ -87,7 +86,7 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
         if (!from.volumes.empty()) out.volumes.resize(size);
         if (!from.centroids.empty()) out.centroids.resize(3 * size, NAN);
         if (!from.face_counts.empty()) out.face_counts.resize(size), out.edge_counts.resize(size);
-        for (std::size_t i = 0; i < own[b].size(); ++i) {
+        for (std::size_t i = 0; i < own[b].ids.size(); ++i) {
             const auto place = static_cast<std::size_t>(own[b].ids[i]);
             where[place] = {b, i};
             out.status[place] = from.status[i];
@@ -104,24 +103,27 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
             const BlockCells& from = cells[b];
             for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]);
                  ++e) {
-                out.indices.push_back(from.indices[e]);
+                const std::int64_t id = from.neighbors[e];
+                out.neighbors.push_back(id);
+                if (from.tags[e] != (id < 0 ? -1 : id % 1000)) out.tags.push_back(from.tags[e]);  // wrong ones
                 for (std::size_t k = 0; k < 3 && !from.shifts.empty(); ++k)
                     out.shifts.push_back(from.shifts[3 * e + k]);
                 if (!from.areas.empty()) out.areas.push_back(from.areas[e]);
             }
         }
-        out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
+        out.indptr.push_back(static_cast<std::int64_t>(out.neighbors.size()));
     }
     return result;
 }
 
 std::string difference(const InBlocks& found, const Tessellation& t) {
     const BlockCells& cells = found.cells;
+    if (!cells.tags.empty()) return "a tag is another seed's";
     if (!std::ranges::equal(cells.status, t.status())) return "statuses differ";
     for (std::size_t i = 0; i < t.size(); ++i) {
         const auto begin = static_cast<std::size_t>(cells.indptr[i]),
                    end = static_cast<std::size_t>(cells.indptr[i + 1]);
-        const auto row = std::span(cells.indices).subspan(begin, end - begin);
+        const auto row = std::span(cells.neighbors).subspan(begin, end - begin);
         const std::string cell = "cell " + std::to_string(i) + ": ";
         if (!std::ranges::equal(row, t.neighbors(i))) {
             std::string text = cell + "neighbors";

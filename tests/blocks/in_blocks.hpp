@@ -5,16 +5,14 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <votess/votess.hpp>
-
-#include "blocks/block.hpp"
+#include <votess/blocks.hpp>
 
 namespace test {
 
 struct InBlocks {
-    votess::blocks::BlockCells cells;  // of all seeds, in input order
-    votess::blocks::BlockCounts counts;
-    std::uint64_t seeds = 0, border_neighbors = 0;
+    votess::BlockCells cells;  // of all seeds, in input order
+    votess::BlockCounts counts;
+    std::uint64_t seeds = 0;
 };
 InBlocks in_blocks(std::span<const double> points, const votess::Options& options, std::size_t blocks);
 

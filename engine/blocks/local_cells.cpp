@@ -1,7 +1,7 @@
 // The cells of a block: those that were complete at once, and those that had to ask.
 #include <algorithm>
 
-#include "blocks/block.hpp"
+#include "blocks/local_block.hpp"
 
 namespace votess::blocks {
 namespace {
@@ -15,7 +15,7 @@ public:
     }
 
     // Cell i of a run with these seeds.
-    void add(const detail::Result& from, std::size_t i, const std::vector<std::int64_t>& ids) {
+    void add(const detail::Result& from, std::size_t i, const Seeds& seeds) {
         append(out_.status, from.status, i, 1, cells_);
         append(out_.volumes, from.volumes, i, 1, cells_);
         append(out_.centroids, from.centroids, i, 3, cells_);
@@ -24,30 +24,36 @@ public:
         append(out_.face_counts, from.face_counts, i, 1, cells_);
         append(out_.edge_counts, from.edge_counts, i, 1, cells_);
         append(out_.vertex_counts, from.vertex_counts, i, 1, cells_);
-        read_row(from, i, ids);
+        read_row(from, i, seeds);
         for (const Entry& entry : row_) {
-            out_.indices.push_back(entry.id);
+            out_.neighbors.push_back(entry.id);
+            out_.tags.push_back(entry.tag);
             append(out_.shifts, from.shifts, entry.at, 3, entries_);
             append(out_.areas, from.face_areas, entry.at, 1, entries_);
             append(out_.normals, from.face_normals, entry.at, 3, entries_);
         }
-        out_.indptr.push_back(static_cast<std::int64_t>(out_.indices.size()));
+        out_.indptr.push_back(static_cast<std::int64_t>(out_.neighbors.size()));
     }
 
 private:
     struct Entry {
         std::int64_t id;
+        std::int32_t tag;
         std::array<std::int8_t, 3> shift;
         std::size_t at;
         friend bool operator<(const Entry& a, const Entry& b) { return a.id != b.id ? a.id < b.id : a.shift < b.shift; }
     };
-    void read_row(const detail::Result& from, std::size_t i, const std::vector<std::int64_t>& ids) {
+    void read_row(const detail::Result& from, std::size_t i, const Seeds& seeds) {
         const bool periodic = from.shifts.size() > 0;
         row_.clear();
         bool ascending = true;
         for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]); ++e) {
             const std::int32_t index = from.indices[e];
-            Entry entry{index < 0 ? index : ids[static_cast<std::size_t>(index)], {}, e};
+            Entry entry{index, -1, {}, e};
+            if (index >= 0) {
+                entry.id = seeds.ids[static_cast<std::size_t>(index)];
+                entry.tag = seeds.tags[static_cast<std::size_t>(index)];
+            }
             if (periodic) std::copy_n(from.shifts.data() + 3 * e, 3, entry.shift.begin());
             ascending = ascending && (row_.empty() || row_.back().id <= entry.id);
             row_.push_back(entry);
@@ -68,7 +74,7 @@ private:
 
 }  // namespace
 
-BlockCells Block::finish(const Seeds& answers) {
+BlockCells LocalBlock::finish(const Seeds& answers) {
     counts_.given += answers.size();
     // The neighbors of the cells that had to ask are among those that they had and those that they got.
     Seeds seeds, others = answers;
@@ -82,11 +88,12 @@ BlockCells Block::finish(const Seeds& answers) {
 
     BlockCells cells;
     const std::size_t entries = all_.result.indices.size() + asked_run_.result.indices.size();
-    cells.indices.reserve(entries);
+    cells.neighbors.reserve(entries);
+    cells.tags.reserve(entries);
     Merger merger(cells, own_.size(), entries);
     std::vector<std::int64_t> others_met;
     const auto add = [&](const Run& from, std::size_t i, std::size_t first_other) {
-        merger.add(from.result, i, from.seeds.ids);
+        merger.add(from.result, i, from.seeds);
         for (auto e = from.result.indptr[i]; e < from.result.indptr[i + 1]; ++e) {
             const std::int32_t index = from.result.indices[static_cast<std::size_t>(e)];
             if (index < 0 || static_cast<std::size_t>(index) < first_other) continue;

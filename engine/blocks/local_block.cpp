@@ -1,4 +1,4 @@
-#include "blocks/block.hpp"
+#include "blocks/local_block.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ Options options_for(const Seeds& seeds, Options options) {
 
 }  // namespace
 
-Block::Block(const Options& options, Seeds own)
+LocalBlock::LocalBlock(const Options& options, Seeds own)
     : options_(options),
       own_(std::move(own)),
       job_(validate({own_.points, {}}, options_for(own_, options))),
@@ -40,9 +40,9 @@ Block::Block(const Options& options, Seeds own)
     tiled_ = tile_seeds(places_, job_.domain->weights);
 }
 
-Block::~Block() = default;
+LocalBlock::~LocalBlock() = default;
 
-Seeds Block::layer_for(const Outline& other) const {
+Seeds LocalBlock::layer_for(const Outline& other) const {
     Seeds layer;
     if (other.tiles.empty()) return layer;
     for (std::size_t t = 0; t < tiled_.outline.tiles.size(); ++t) {
@@ -54,7 +54,7 @@ Seeds Block::layer_for(const Outline& other) const {
     return layer;
 }
 
-void Block::run(Run& run, Seeds seeds, std::size_t first) {
+void LocalBlock::run(Run& run, Seeds seeds, std::size_t first) {
     run.seeds = std::move(seeds);
     run.job = validate({run.seeds.points, {}}, options_for(run.seeds, options_));
     run.clipper.begin(run.job);
@@ -74,7 +74,7 @@ void Block::run(Run& run, Seeds seeds, std::size_t first) {
     builder.finish(run.result, pool);
 }
 
-void Block::clip(std::vector<Outline> others, std::size_t number, Seeds given) {
+void LocalBlock::clip(std::vector<Outline> others, std::size_t number, Seeds given) {
     outlines_ = std::move(others);
     number_ = number;
     counts_.given += given.size();
@@ -89,12 +89,12 @@ void Block::clip(std::vector<Outline> others, std::size_t number, Seeds given) {
     ask();
 }
 
-double Block::weight_of(std::size_t cell) const {
+double LocalBlock::weight_of(std::size_t cell) const {
     return job_.domain->weights.empty() ? 0 : job_.domain->weights[cell];
 }
 
 // Of all vertices of a cell: those that it did not find itself were found by a neighbor of this block.
-double Block::power_of(std::size_t cell) const {
+double LocalBlock::power_of(std::size_t cell) const {
     double power = all_.powers[cell];
     const auto& result = all_.result;
     for (auto e = static_cast<std::size_t>(result.indptr[cell]); e < static_cast<std::size_t>(result.indptr[cell + 1]);
@@ -107,12 +107,12 @@ double Block::power_of(std::size_t cell) const {
 }
 
 // No seed of at most that weight cuts the cell from farther away.
-double Block::reach_of(std::size_t cell, double heaviest) const {
+double LocalBlock::reach_of(std::size_t cell, double heaviest) const {
     const double weight = weight_of(cell), square = std::max(0.0, power_of(cell) + weight);
     return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - weight))) * reach_slack;
 }
 
-std::vector<Block::Unknown> Block::unknown_near(std::size_t tile, double reach) const {
+std::vector<LocalBlock::Unknown> LocalBlock::unknown_near(std::size_t tile, double reach) const {
     std::vector<Unknown> unknown;
     const Box& home = tiled_.outline.tiles[tile].box;
     for (std::size_t b = 0; b < outlines_.size(); ++b) {

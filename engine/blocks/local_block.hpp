@@ -1,8 +1,8 @@
-// Some of the seeds of a run, and the cells that they have among all of them.
+// Some of the seeds of a run, and the cells that they have among all of them: what stands behind votess::Block.
 //
 // If j is a neighbor of i among all seeds, it is one among any that contain both: their common face can only be larger
-// there. So the neighbors of i are among those that it has in {i} and each block (Levy, Ray, Merigot, Leclerc,
-// J. Comput. Phys. 2024). A block clips its cells with its own seeds and the layers that others gave it. A cell that
+// there. So the neighbors of i are among those that it has in {i} and each block (Levy, arXiv
+// 2406.04192, 2024). A block clips its cells with its own seeds and the layers that others gave it. A cell that
 // reaches seeds which the block was not given asks their blocks: each clips the same cell further, from the faces that
 // it has, by its own seeds, and answers with those that are left. With all answers at hand the cell is complete. One
 // question is enough: a smaller cell reaches nothing that the larger one did not.
@@ -23,6 +23,7 @@
 #include "cpu/probe.hpp"
 #include "input/job.hpp"
 #include "result/result.hpp"
+#include "votess/blocks.hpp"
 
 namespace votess::blocks {
 
@@ -42,30 +43,12 @@ struct Questions {
     std::vector<Guard> guards;  // of all cells, one after the other
 };
 
-// The cells of a block's own seeds, in their order. Arrays as those of Tessellation, empty when they are not wanted,
-// but with ids of the run in rows, which ascend by them.
-struct BlockCells {
-    std::vector<CellStatus> status;
-    std::vector<std::int64_t> duplicate_of;  // ids, -1 for others; empty when there are no duplicates
-    std::vector<std::int64_t> indptr, indices;
-    std::vector<std::int8_t> shifts;
-    std::vector<double> volumes, centroids, areas, normals, surface_areas, security_radii;
-    std::vector<std::uint32_t> face_counts, edge_counts, vertex_counts;
-};
-
-struct BlockCounts {
-    std::uint64_t given = 0;      // seeds that others gave it: layers and answers
-    std::uint64_t needed = 0;     // of these, neighbors of its cells
-    std::uint64_t tested = 0;     // cells that were looked at again
-    std::uint64_t questions = 0;  // cells asked about, counted for each block
-};
-
-class Block {
+class LocalBlock {
 public:
     // options: of the whole run, with its box and without weights; `own` ascends by id. Rows have the walls if the
     // options list them.
-    Block(const Options& options, Seeds own);
-    ~Block();
+    LocalBlock(const Options& options, Seeds own);
+    ~LocalBlock();
 
     [[nodiscard]] const Outline& outline() const { return tiled_.outline; }
     [[nodiscard]] Seeds layer_for(const Outline& other) const;
