@@ -47,6 +47,8 @@ for part in "$@"; do
             need vulkan-validationlayers
             need spirv-tools
             need libglfw3-dev
+            need libopenmpi-dev
+            need openmpi-bin
             need_command pkg-config pkg-config
             tools/python.sh -c '' 2>/dev/null || wanted+=(python3-numpy)
             tools/python.sh -c 'import h5py' 2>/dev/null || need python3-h5py

@@ -1,0 +1,126 @@
+#include "mpi/exchange.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+#include <string>
+
+namespace votess::mpi {
+namespace {
+
+constexpr std::size_t most_bytes = std::size_t{1} << 30;  // MPI counts by int
+
+void check(int code, const char* what) {
+    if (code == MPI_SUCCESS) return;
+    char text[MPI_MAX_ERROR_STRING];
+    int length = 0;
+    MPI_Error_string(code, text, &length);
+    throw Error(ErrorCode::internal, std::string(what) + ": " + std::string(text, static_cast<std::size_t>(length)));
+}
+
+template <class T>
+T reduced(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op operation) {
+    T result{};
+    check(MPI_Allreduce(&value, &result, 1, type, operation, comm), "MPI_Allreduce");
+    return result;
+}
+
+}  // namespace
+
+Ranks::Ranks(MPI_Comm comm) {
+    int begun = 0;
+    MPI_Initialized(&begun);
+    if (begun == 0) throw Error(ErrorCode::invalid_use, "MPI is not initialized: call MPI_Init first");
+    check(MPI_Comm_dup(comm, &comm_), "MPI_Comm_dup");
+    MPI_Comm_size(comm_, &size_);
+    MPI_Comm_rank(comm_, &rank_);
+}
+
+Ranks::~Ranks() {
+    if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+}
+
+void Ranks::together(const std::function<void()>& work) const {
+    int code = 0;
+    std::string text;
+    try {
+        work();
+    } catch (const Error& error) {
+        code = static_cast<int>(error.code());
+        text = error.what();
+    } catch (const std::bad_alloc&) {
+        code = static_cast<int>(ErrorCode::out_of_memory);
+        text = "out of memory: take more ranks, or fewer on a machine";
+    } catch (const std::exception& error) {
+        code = static_cast<int>(ErrorCode::internal);
+        text = error.what();
+    }
+    const int first = reduced(comm_, code == 0 ? size_ : rank_, MPI_INT, MPI_MIN);
+    if (first == size_) return;
+    int head[2]{code, static_cast<int>(text.size())};
+    check(MPI_Bcast(head, 2, MPI_INT, first, comm_), "MPI_Bcast");
+    text.resize(static_cast<std::size_t>(head[1]));
+    check(MPI_Bcast(text.data(), head[1], MPI_CHAR, first, comm_), "MPI_Bcast");
+    throw Error(static_cast<ErrorCode>(head[0]), "rank " + std::to_string(first) + ": " + text);
+}
+
+std::vector<Message> Ranks::exchange(const std::vector<Message>& to) const {
+    const auto count = static_cast<std::size_t>(size_);
+    std::vector<std::uint64_t> sent(count), coming(count);
+    for (std::size_t r = 0; r < count; ++r) sent[r] = to[r].size();
+    check(MPI_Alltoall(sent.data(), 1, MPI_UINT64_T, coming.data(), 1, MPI_UINT64_T, comm_), "MPI_Alltoall");
+    std::vector<Message> from(count);
+    // Each rank must have the room before any other sends.
+    together([&] {
+        for (std::size_t r = 0; r < count; ++r) from[r].resize(coming[r]);
+    });
+    from[static_cast<std::size_t>(rank_)] = to[static_cast<std::size_t>(rank_)];
+    std::vector<MPI_Request> requests;
+    const auto pieces = [&](std::size_t bytes, const auto& post) {
+        for (std::size_t begin = 0; begin < bytes; begin += most_bytes)
+            check(post(begin, static_cast<int>(std::min(most_bytes, bytes - begin)), &requests.emplace_back()),
+                  "a message between ranks");
+    };
+    for (std::size_t step = 1; step < count; ++step) {
+        const std::size_t r = (static_cast<std::size_t>(rank_) + step) % count;
+        pieces(from[r].size(), [&](std::size_t begin, int bytes, MPI_Request* request) {
+            return MPI_Irecv(from[r].data() + begin, bytes, MPI_BYTE, static_cast<int>(r), 0, comm_, request);
+        });
+    }
+    for (std::size_t step = 1; step < count; ++step) {
+        const std::size_t r = (static_cast<std::size_t>(rank_) + step) % count;
+        pieces(to[r].size(), [&](std::size_t begin, int bytes, MPI_Request* request) {
+            return MPI_Isend(to[r].data() + begin, bytes, MPI_BYTE, static_cast<int>(r), 0, comm_, request);
+        });
+    }
+    check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
+    return from;
+}
+
+std::vector<Message> Ranks::gather_all(const Message& own) const {
+    return exchange(std::vector<Message>(static_cast<std::size_t>(size_), own));
+}
+
+double Ranks::minimum(double value) const {
+    return reduced(comm_, value, MPI_DOUBLE, MPI_MIN);
+}
+double Ranks::maximum(double value) const {
+    return reduced(comm_, value, MPI_DOUBLE, MPI_MAX);
+}
+double Ranks::sum(double value) const {
+    return reduced(comm_, value, MPI_DOUBLE, MPI_SUM);
+}
+std::uint64_t Ranks::sum(std::uint64_t value) const {
+    return reduced(comm_, value, MPI_UINT64_T, MPI_SUM);
+}
+std::uint64_t Ranks::maximum(std::uint64_t value) const {
+    return reduced(comm_, value, MPI_UINT64_T, MPI_MAX);
+}
+
+std::uint64_t Ranks::sum_before(std::uint64_t value) const {
+    std::uint64_t before = 0;
+    check(MPI_Exscan(&value, &before, 1, MPI_UINT64_T, MPI_SUM, comm_), "MPI_Exscan");
+    return rank_ == 0 ? 0 : before;
+}
+
+}  // namespace votess::mpi

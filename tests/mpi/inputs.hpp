@@ -1,0 +1,83 @@
+// What ranks share out among them, in domains of all kinds.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+#include <votess/votess.hpp>
+
+#include "support/generators.hpp"
+#include "support/random.hpp"
+
+namespace test {
+
+struct Input {
+    std::string name;
+    std::vector<double> points;
+    votess::Options options;
+    std::vector<double> radii;
+    [[nodiscard]] std::size_t size() const { return points.size() / 3; }
+};
+
+inline votess::Options usual_options() {
+    votess::Options options;
+    options.device = "cpu";
+    options.threads = 1;
+    options.list_walls = true;
+    options.want.counts = options.want.centroids = options.want.areas = true;
+    return options;
+}
+
+inline Input input_of(const PointSet& set, const std::string& more = "") {
+    Input input{set.name + more, set.points, usual_options(), {}};
+    input.options.box = set.box;
+    return input;
+}
+
+// Some for a test that is about something else.
+inline std::vector<Input> some_inputs(std::uint64_t seed) {
+    return {input_of(uniform(1000, seed)), input_of(clustered(1000, seed))};
+}
+
+inline std::vector<Input> all_inputs() {
+    std::vector<Input> all;
+    all.push_back(input_of(uniform(2000, 1)));
+    all.push_back(input_of(clustered(2000, 2)));
+    Input corner = input_of(clustered(2000, 3), ", all in one corner");
+    for (double& x : corner.points) x *= 1e-3;
+    all.push_back(corner);
+    all.push_back(input_of(cubic(10)));
+    all.push_back(input_of(bcc(8)));
+    all.push_back(input_of(with_duplicates(500, 100, 4)));
+    all.push_back(input_of(near_duplicates(500, 5)));
+    const std::vector<double> three{0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8};
+    all.push_back(input_of({"three", three, unit_box()}));
+    all.push_back(input_of({"three without a box", three, {}}));
+    all.push_back(input_of({"none", {}, unit_box()}));
+    for (unsigned axes = 1; axes < 8; ++axes)
+        for (const PointSet& set : {uniform(1000, axes), cubic(8)}) {
+            all.push_back(input_of(set, ", periodic along " + std::to_string(axes)));
+            all.back().options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
+        }
+    Input tilted = input_of(uniform(1500, 6), ", triclinic");
+    tilted.options.box.reset();
+    tilted.options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
+    all.push_back(tilted);
+    Random random(7);
+    for (const bool periodic : {false, true}) {
+        Input radii = input_of(uniform(1500, 8), ", radii");
+        radii.options.periodic = {periodic, periodic, periodic};
+        for (std::size_t i = 0; i < radii.size(); ++i) radii.radii.push_back(random.uniform(0, 0.15));
+        all.push_back(radii);
+    }
+    Input octahedron = input_of(uniform(1500, 9), ", octahedron");
+    octahedron.options.outside = votess::Outside::drop;
+    for (const double x : {-1., 1.})
+        for (const double y : {-1., 1.})
+            for (const double z : {-1., 1.}) octahedron.options.walls.push_back({{x, y, z}, 0.6 + 0.5 * (x + y + z)});
+    all.push_back(octahedron);
+    return all;
+}
+
+}  // namespace test

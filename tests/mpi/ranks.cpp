@@ -1,0 +1,261 @@
+// Cells of ranks against those of one tessellate(), which each rank makes for itself.
+//
+//   mpirun -np P votess_mpi_tests [POINTS.xyz]
+//
+// Any number of ranks. Prints what is wrong and exits 1; else rank 0 says how many runs were compared.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+#include <votess/mpi.hpp>
+
+#include "mpi/inputs.hpp"
+
+namespace {
+
+using test::Input;
+using votess::mpi::Cells;
+
+enum class Share { spread, slices, last_has_all, random };
+
+int rank_in(MPI_Comm comm) {
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    return rank;
+}
+int size_of(MPI_Comm comm) {
+    int size = 0;
+    MPI_Comm_size(comm, &size);
+    return size;
+}
+
+int failures = 0, runs = 0;
+
+void wrong(MPI_Comm comm, const std::string& what) {
+    ++failures;
+    std::fprintf(stderr, "rank %d of %d: %s\n", rank_in(comm), size_of(comm), what.c_str());
+}
+
+std::vector<int> owners_of(const Input& input, Share share, int ranks) {
+    std::vector<int> owners(input.size());
+    test::Random random(11);
+    for (std::size_t i = 0; i < owners.size(); ++i) {
+        if (share == Share::spread) owners[i] = static_cast<int>(i) % ranks;
+        if (share == Share::slices) owners[i] = static_cast<int>(i * static_cast<std::size_t>(ranks) / owners.size());
+        if (share == Share::last_has_all) owners[i] = ranks - 1;
+        if (share == Share::random) owners[i] = static_cast<int>(random.below(static_cast<std::uint64_t>(ranks)));
+    }
+    return owners;
+}
+
+// "" when these are the cells of t. Tags are owners.
+std::string difference(const votess::mpi::Result& result, const votess::Tessellation& t,
+                       const std::vector<int>& owners) {
+    const votess::BlockCells& cells = result.cells;
+    if (cells.indptr.size() != result.ids.size() + 1) return "indptr has another length";
+    for (std::size_t k = 0; k < result.ids.size(); ++k) {
+        const auto i = static_cast<std::size_t>(result.ids[k]);
+        const std::string cell = "cell " + std::to_string(i) + ": ";
+        const auto begin = static_cast<std::size_t>(cells.indptr[k]),
+                   end = static_cast<std::size_t>(cells.indptr[k + 1]), first = static_cast<std::size_t>(t.indptr()[i]);
+        if (cells.status[k] != t.status()[i]) return cell + "the status differs";
+        if ((cells.duplicate_of.empty() ? -1 : cells.duplicate_of[k]) !=
+            (t.duplicate_of().empty() ? -1 : t.duplicate_of()[i]))
+            return cell + "it is a duplicate of another";
+        if (!std::ranges::equal(std::span(cells.neighbors).subspan(begin, end - begin), t.neighbors(i)))
+            return cell + "the neighbors differ";
+        for (std::size_t e = begin; e < end; ++e) {
+            const std::int64_t id = cells.neighbors[e];
+            if (cells.tags[e] != (id < 0 ? -1 : owners[static_cast<std::size_t>(id)])) return cell + "a wrong owner";
+            const double area = t.face_areas()[first + e - begin];
+            if (!(std::abs(cells.areas[e] - area) <= 1e-9 * (1e-6 + area))) return cell + "an area differs";
+        }
+        if (!t.shifts().empty() && !std::ranges::equal(std::span(cells.shifts).subspan(3 * begin, 3 * (end - begin)),
+                                                       t.shifts().subspan(3 * first, 3 * (end - begin))))
+            return cell + "the shifts differ";
+        if (cells.face_counts[k] != t.face_counts()[i]) return cell + "the number of faces differs";
+        if (!(std::abs(cells.volumes[k] - t.volumes()[i]) <= 2e-10 * t.volumes()[i]))
+            return cell + "the volume differs";
+        for (std::size_t d = 0; d < 3; ++d) {
+            const double a = cells.centroids[3 * k + d], b = t.centroids()[3 * i + d];
+            if (std::isnan(a) != std::isnan(b) || std::abs(a - b) > 1e-9 * (1 + std::abs(b)))
+                return cell + "the centroid differs";
+        }
+    }
+    return "";
+}
+
+// What must travel, by the rows of all cells.
+std::string wrong_exchange(const votess::mpi::Result& result, const votess::Tessellation& t,
+                           const std::vector<int>& owners, int rank, int ranks) {
+    std::vector<std::set<std::int64_t>> send(static_cast<std::size_t>(ranks)), receive(send);
+    for (std::size_t i = 0; i < owners.size(); ++i)
+        for (const std::int64_t j : t.neighbors(i)) {
+            if (j < 0 || owners[i] != rank || owners[static_cast<std::size_t>(j)] == rank) continue;
+            const auto other = static_cast<std::size_t>(owners[static_cast<std::size_t>(j)]);
+            send[other].insert(static_cast<std::int64_t>(i));
+            receive[other].insert(j);
+        }
+    const auto same = [](const auto& sets, const auto& indptr, const auto& all) {
+        if (indptr.size() != sets.size() + 1) return false;
+        for (std::size_t r = 0; r < sets.size(); ++r) {
+            const auto begin = static_cast<std::size_t>(indptr[r]), end = static_cast<std::size_t>(indptr[r + 1]);
+            if (!std::ranges::equal(sets[r], std::span(all).subspan(begin, end - begin))) return false;
+        }
+        return true;
+    };
+    if (!same(send, result.send_indptr, result.send)) return "what is to be sent differs";
+    if (!same(receive, result.receive_indptr, result.receive)) return "what comes differs";
+    return "";
+}
+
+void compare(MPI_Comm comm, const Input& input, Share share) {
+    const int rank = rank_in(comm), ranks = size_of(comm);
+    const std::vector<int> owners = owners_of(input, share, ranks);
+    std::vector<double> points, radii;
+    std::vector<std::int64_t> ids;
+    for (std::size_t i = 0; i < input.size(); ++i) {
+        if (owners[i] != rank) continue;
+        ids.push_back(static_cast<std::int64_t>(i));
+        points.insert(points.end(), input.points.begin() + static_cast<std::ptrdiff_t>(3 * i),
+                      input.points.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+        if (!input.radii.empty()) radii.push_back(input.radii[i]);
+    }
+    votess::Options options = input.options;
+    options.radii = input.radii;
+    const votess::Tessellation whole = votess::tessellate(input.points, options);
+    options.radii = radii;
+    const std::string name = input.name + ", share " + std::to_string(static_cast<int>(share)) + ": ";
+    // Slices in the order of ranks have the numbers that they get without ids.
+    const auto given = share == Share::slices ? std::span<const std::int64_t>() : std::span<const std::int64_t>(ids);
+    ++runs;
+    try {
+        const auto back = votess::mpi::tessellate(comm, points, given, options);
+        if (back.ids != ids) wrong(comm, name + "the ids are others");
+        std::string what = difference(back, whole, owners);
+        if (what.empty()) what = wrong_exchange(back, whole, owners, rank, ranks);
+        if (!what.empty()) wrong(comm, name + what);
+        if (back.counts.seeds != input.size()) wrong(comm, name + "another number of seeds");
+        if (std::abs(back.counts.volume_sum - whole.stats().volume_sum) > 1e-10 * whole.stats().volume_sum)
+            wrong(comm, name + "another sum of volumes");
+        if (input.size() > 0 &&
+            std::abs(back.counts.box_volume - whole.stats().box_volume) > 1e-12 * whole.stats().box_volume)
+            wrong(comm, name + "another volume of the domain");
+
+        const auto made = votess::mpi::tessellate(comm, points, given, options, Cells::made);
+        what = difference(made, whole, owners);
+        if (!what.empty()) wrong(comm, name + "made: " + what);
+        for (std::size_t k = 0; k < made.points.size(); ++k)
+            if (made.points[k] != input.points[3 * static_cast<std::size_t>(made.ids[k / 3]) + k % 3])
+                wrong(comm, name + "made: a point is another");
+        const std::uint64_t own = made.ids.size();
+        std::uint64_t all = 0;
+        MPI_Allreduce(&own, &all, 1, MPI_UINT64_T, MPI_SUM, comm);
+        const auto dropped = std::ranges::count(whole.status(), votess::CellStatus::outside);
+        if (all + static_cast<std::uint64_t>(dropped) != input.size()) wrong(comm, name + "made: not each cell once");
+    } catch (const votess::Error& error) {
+        wrong(comm, name + error.what());
+    }
+}
+
+// All ranks must throw the same, which ends with these words.
+void refuses(MPI_Comm comm, const std::string& words, const std::vector<double>& points,
+             const std::vector<std::int64_t>& ids, const votess::Options& options) {
+    ++runs;
+    std::string what;
+    try {
+        (void)votess::mpi::tessellate(comm, points, ids, options);
+    } catch (const votess::Error& error) {
+        what = error.what();
+    }
+    if (!what.ends_with(words)) wrong(comm, "'" + what + "' instead of '" + words + "'");
+    const std::uint64_t own = std::hash<std::string>{}(what);
+    std::uint64_t least = 0, most = 0;
+    MPI_Allreduce(&own, &least, 1, MPI_UINT64_T, MPI_MIN, comm);
+    MPI_Allreduce(&own, &most, 1, MPI_UINT64_T, MPI_MAX, comm);
+    if (least != most) wrong(comm, "not all ranks throw '" + what + "'");
+}
+
+void check_errors(MPI_Comm comm) {
+    const int rank = rank_in(comm), last = size_of(comm) - 1;
+    const std::string at_last = "rank " + std::to_string(last) + ": ";
+    const bool is_last = rank == last;
+    votess::Options options;
+    options.box = test::unit_box();
+    const double x = (rank + 0.5) / (last + 1);
+    const std::vector<double> points{x, 0.1, 0.2, x, 0.7, 0.8};
+    const std::vector<std::int64_t> ids{2 * rank, 2 * rank + 1};
+
+    std::vector<double> bad = points;
+    if (is_last) bad[4] = std::numeric_limits<double>::quiet_NaN();
+    refuses(comm, at_last + "point 1: y = nan is not finite", bad, ids, options);
+    bad = points;
+    if (is_last) bad.pop_back();
+    refuses(comm, at_last + "points hold 5 coordinates, which is not a multiple of 3: the shape must be (N,3)", bad, {},
+            options);
+    bad = points;
+    if (is_last) bad[0] = 1.5;
+    refuses(comm, at_last + "point 0: x = 1.5 is outside the box, which spans 0 to 1", bad, ids, options);
+    std::vector<std::int64_t> twice = ids;
+    if (is_last) twice[1] = 0;
+    refuses(comm, "id 0 is given twice", points, twice, options);
+    if (is_last) twice[1] = -3;
+    refuses(comm, at_last + "id 1 = -3 is negative", points, is_last ? twice : ids, options);
+    if (last == 0) return;
+    refuses(comm, at_last + "it has no ids, but another rank has: give them on all or none", points,
+            is_last ? std::vector<std::int64_t>{} : ids, options);
+    votess::Options other = options;
+    other.want.volumes = !is_last;
+    refuses(comm, "its domain or what it wants is not that of another rank: give all the same options", points, ids,
+            other);
+    const std::vector<double> weights(2);
+    other = options;
+    if (!is_last) other.weights = weights;
+    refuses(comm, at_last + "it has 0 weights for 2 points, but another rank has weights: give all", points, ids,
+            other);
+}
+
+// Two communicators at once, which know nothing of each other.
+void check_parts() {
+    MPI_Comm part = MPI_COMM_NULL;
+    const int rank = rank_in(MPI_COMM_WORLD);
+    const bool first = rank % 5 < 3;
+    MPI_Comm_split(MPI_COMM_WORLD, first ? 0 : 1, -rank, &part);
+    for (const Input& input : test::some_inputs(first ? 21 : 22)) compare(part, input, Share::spread);
+    MPI_Comm_free(&part);
+}
+
+Input from_file(const char* path) {
+    Input input;
+    input.name = path;
+    std::ifstream file(path);
+    for (double x = 0; file >> x;) input.points.push_back(x);
+    input.options = test::usual_options();
+    return input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    MPI_Init(&argc, &argv);
+    if (argc > 1) {
+        compare(MPI_COMM_WORLD, from_file(argv[1]), Share::spread);
+    } else {
+        for (const Input& input : test::all_inputs())
+            for (const Share share : {Share::spread, Share::slices, Share::last_has_all, Share::random})
+                compare(MPI_COMM_WORLD, input, share);
+        check_errors(MPI_COMM_WORLD);
+        check_parts();
+    }
+    int all = 0;
+    MPI_Allreduce(&failures, &all, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
+    if (rank_in(MPI_COMM_WORLD) == 0)
+        std::printf("%d runs on %d ranks, %d failures\n", runs, size_of(MPI_COMM_WORLD), all);
+    MPI_Finalize();
+    return all == 0 ? 0 : 1;
+}
