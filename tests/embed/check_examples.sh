@@ -65,6 +65,15 @@ expect "line 2" echo "$output"
 in_c="cell 0: volume 1, neighbors 1 3 4 12 16 48"
 expect "$in_c" "$work/cmake/cells_c"
 
+echo "== MPI"
+if [[ -x $work/cmake/ranks ]]; then
+    expect "4000 cells, their volumes sum to 1.0000000000; the neighbors' volumes have come: yes" env \
+        OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 \
+        "$(cached MPIEXEC_EXECUTABLE)" -n 2 "$work/cmake/ranks"
+else
+    skip "votess is built without MPI"
+fi
+
 echo "== C by pkg-config"
 pc=$(find "$work/prefix" -name votess.pc)
 if ! command -v pkg-config >/dev/null; then
