@@ -49,6 +49,7 @@ for part in "$@"; do
             need libglfw3-dev
             need libopenmpi-dev
             need openmpi-bin
+            tools/python.sh -c 'import mpi4py' 2>/dev/null || need python3-mpi4py
             need_command pkg-config pkg-config
             tools/python.sh -c '' 2>/dev/null || wanted+=(python3-numpy)
             tools/python.sh -c 'import h5py' 2>/dev/null || need python3-h5py

@@ -44,18 +44,19 @@ constexpr bool same(int c_value, Enum value) {
 
 // Copies what fits, never half a UTF-8 character.
 void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept;
-void set_last_error(std::string_view message) noexcept;
-void set_internal_error(const char* message) noexcept;
+// libvotess shows what VOTESS_API marks here to libvotess_mpi of the same version, whose C interface shares the last error.
+VOTESS_API void set_last_error(std::string_view message) noexcept;
+VOTESS_API void set_internal_error(const char* message) noexcept;
 
-[[noreturn]] void refuse(const std::string& message);
-void require(const void* pointer, const char* name);
+[[noreturn]] VOTESS_API void refuse(const std::string& message);
+VOTESS_API void require(const void* pointer, const char* name);
 void require_text_buffer(const char* buffer, std::size_t size, const char* name);
-void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy);
+VOTESS_API void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy);
 
 // bits: VOTESS_WANT_*. name: for the message that refuses others.
 [[nodiscard]] Want convert_want(std::uint32_t bits, const std::string& name);
 // given: NULL for the defaults. count: how many numbers weights and radii hold.
-[[nodiscard]] Options convert_options(const votess_options* given, std::size_t count);
+[[nodiscard]] VOTESS_API Options convert_options(const votess_options* given, std::size_t count);
 
 template <typename Coordinate>
 std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points") {

@@ -1,11 +1,11 @@
 """The shared library shows its own interface and nothing else.
 
 Defined dynamic symbols must be exactly: the functions that votess.h declares, and members of what the C++ headers mark
-with VOTESS_API (with type information and vtables of those). So no function of Vulkan or volk, whatever its prefix, and
+with VOTESS_API (with type information and vtables of those), which engine/c does for libvotess_mpi. So no function of Vulkan or volk, whatever its prefix, and
 no instantiation of a template of std or boost, not even a weak one: a second copy in the process, or a host with
 another compiler, would share those. Undefined ones must not be of Vulkan: the loader is opened at run time.
 
-Usage: check_symbols.py NM LIBRARY INCLUDE_FOLDER
+Usage: check_symbols.py NM LIBRARY INCLUDE_FOLDER ENGINE_HEADER
 """
 
 import re
@@ -33,8 +33,8 @@ def without_comments(path):
 
 
 def main():
-    nm, library, include = sys.argv[1:]
-    headers = sorted(Path(include, "votess").glob("*.hpp"))
+    nm, library, include, shared = sys.argv[1:]
+    headers = [*sorted(Path(include, "votess").glob("*.hpp")), Path(shared)]
     c_functions = set(re.findall(r"\b(votess_\w+)\(", without_comments(Path(include, "votess", "votess.h"))))
     cpp_text = "".join(without_comments(header) for header in headers)
     cpp_names = {*CLASS.findall(cpp_text), *FUNCTION.findall(cpp_text)}
@@ -48,7 +48,7 @@ def main():
             shown.add(name)
             continue
         # votess::vulkan::Plan::frame(...) belongs to Plan, votess::devices() to devices.
-        match = re.match(r"^votess::(?:vulkan::)?(\w+)", PREFIX.sub("", name))
+        match = re.match(r"^votess::(?:(?:vulkan|c)::)?(\w+)", PREFIX.sub("", name))
         if match and match[1] in cpp_names:
             shown.add(match[1])
         else:

@@ -81,11 +81,16 @@ class _Memory:
 
 
 def array_of(
-    result: Handle, name: str, dtype: Any, columns: int = 0, prefix: str = "votess_result_"
+    result: Handle,
+    name: str,
+    dtype: Any,
+    columns: int = 0,
+    prefix: str = "votess_result_",
+    library: ctypes.CDLL = lib,
 ) -> npt.NDArray[Any]:
     """Read-only view, without a copy, of ``<prefix><name>``; shape (length,) or (length / columns, columns)."""
     length = ctypes.c_size_t()
-    address = getattr(lib, prefix + name)(result.pointer, ctypes.byref(length))
+    address = getattr(library, prefix + name)(result.pointer, ctypes.byref(length))
     shape = (length.value // columns, columns) if columns else (length.value,)
     if not address:
         array = np.empty(shape, dtype)

@@ -1,0 +1,193 @@
+"""One tessellation over the ranks of an MPI communicator of mpi4py, with the lists of one machine.
+
+>>> from mpi4py import MPI                                     # doctest: +SKIP
+>>> t = pyvotess.mpi.tessellate(points, MPI.COMM_WORLD)        # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Tuple, Union
+
+import numpy as np
+
+from .. import _c_api
+from .._c_api import DuplicatesWord, OutsideWord, WantWord
+from .._call import Handle, array_of, raise_on_failure
+from .._input import Domain, as_points, as_want, as_word
+from ..mesh import Lists
+from ..tessellator import new_options
+from ._library import ARRAYS, Counts, load
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Float64Array = npt.NDArray[np.float64]
+    Int64Array = npt.NDArray[np.int64]
+    Int32Array = npt.NDArray[np.int32]
+    Int8Array = npt.NDArray[np.int8]
+    UInt8Array = npt.NDArray[np.uint8]
+    UInt32Array = npt.NDArray[np.uint32]
+
+__all__ = ["MpiCounts", "MpiTessellation", "tessellate"]
+
+_lib, _handle = load()
+_CELLS: Dict[str, int] = {"handed_in": 0, "made": 1}
+
+
+@dataclass(frozen=True)
+class MpiCounts:
+    """What a run over all ranks did; the same on each."""
+
+    seeds: int  #: of all ranks
+    largest_block: int  #: seeds of the largest block
+    given: int  #: seeds that blocks gave to others
+    needed: int  #: of these, neighbors of cells of the block that got them
+    tested: int  #: cells whose vertices were compared with where seeds of other blocks may be
+    questions: int  #: cells that blocks asked others about
+    rounds: int  #: exchanges of seeds between blocks
+    box_volume: float  #: of the domain, length unit cubed
+    volume_sum: float  #: of all cells; 0 when volumes were not wanted
+
+
+@dataclass(frozen=True)
+class MpiTessellation:
+    """The N cells that a rank holds. Arrays are read-only, lie in the library's memory, and are None if not wanted."""
+
+    ids: Int64Array  #: (N,) of the seeds
+    points: Optional[Float64Array]  #: (N, 3) seeds, with ``cells="made"``
+    status: UInt8Array  #: (N,) values of :class:`CellStatus`
+    duplicate_of: Optional[Int64Array]  #: (N,) the id that has the cell, or -1; None without duplicates
+    neighbors: Lists  #: N rows of int64 ids, walls below 0; a row ascends by id, then by shift
+    owners: Int32Array  #: one for each entry of the rows: the rank that handed the neighbor in; -1 for walls
+    shifts: Optional[Int8Array]  #: (entries, 3) periodic images
+    face_areas: Optional[Float64Array]  #: one for each entry, length unit squared
+    face_normals: Optional[Float64Array]  #: (entries, 3) unit vectors, outward
+    volumes: Optional[Float64Array]  #: (N,) length unit cubed
+    centroids: Optional[Float64Array]  #: (N, 3)
+    surface_areas: Optional[Float64Array]  #: (N,)
+    security_radii: Optional[Float64Array]  #: (N,)
+    face_counts: Optional[UInt32Array]  #: (N,)
+    edge_counts: Optional[UInt32Array]  #: (N,)
+    vertex_counts: Optional[UInt32Array]  #: (N,)
+    send: Lists  #: row r: ids of own seeds whose values rank r needs, ascending; with ``cells="handed_in"``
+    receive: Lists  #: row r: ids of rank r's seeds that are neighbors of own ones, in the order in which it sends them
+    counts: MpiCounts
+
+
+_OF_WORD: Dict[str, Tuple[str, ...]] = {
+    "volumes": ("volumes",),
+    "centroids": ("centroids",),
+    "counts": ("face_counts", "edge_counts", "vertex_counts"),
+    "areas": ("face_areas",),
+    "normals": ("face_normals",),
+    "surfaces": ("surface_areas",),
+    "radii": ("security_radii",),
+}
+
+
+def _read(result: Handle, want: int, made: bool) -> MpiTessellation:
+    arrays: Dict[str, Any] = {
+        name: array_of(result, name, dtype, columns, prefix="votess_mpi_", library=_lib)
+        for name, (dtype, columns) in ARRAYS.items()
+    }
+    for word, names in _OF_WORD.items():
+        if not want & _c_api.WANT_BITS[word]:
+            arrays.update(dict.fromkeys(names))
+    if not made:
+        arrays["points"] = None
+    rows = len(arrays["neighbors"])
+    for name, needed in (("duplicate_of", len(arrays["ids"])), ("shifts", rows)):
+        if len(arrays[name]) != needed or needed == 0:
+            arrays[name] = None
+    for name in ("neighbors", "send", "receive"):
+        indptr = arrays.pop("indptr" if name == "neighbors" else name + "_indptr")
+        arrays[name] = Lists(indptr if len(indptr) else np.zeros(1, np.int64), arrays[name])
+    c_counts = Counts(struct_size=ctypes.sizeof(Counts))
+    raise_on_failure(_lib.votess_mpi_read_counts(result.pointer, ctypes.byref(c_counts)))
+    counts = MpiCounts(**{name: getattr(c_counts, name) for name in MpiCounts.__dataclass_fields__})
+    return MpiTessellation(counts=counts, **arrays)
+
+
+def _as_ids(ids: Any, count: int) -> Int64Array:
+    array = np.asarray(ids)
+    if array.shape != (count,):
+        raise ValueError(f"ids has shape {array.shape} for {count} points: it must be ({count},)")
+    if count and (array.dtype.kind not in "iu" or (array.dtype.kind == "u" and int(array.max()) >= 2**63)):
+        raise ValueError(f"ids has dtype {array.dtype}, or an id of 2**63 or more: give int64")
+    return np.ascontiguousarray(array, np.int64)
+
+
+def tessellate(
+    points: npt.ArrayLike,
+    comm: Any,
+    ids: Optional[npt.ArrayLike] = None,
+    box: Optional[npt.ArrayLike] = None,
+    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
+    weights: Optional[npt.ArrayLike] = None,
+    radii: Optional[npt.ArrayLike] = None,
+    want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+    cell: Optional[npt.ArrayLike] = None,
+    walls: npt.ArrayLike = (),
+    list_walls: bool = False,
+    threads: int = 1,
+    duplicates: DuplicatesWord = "merge",
+    origin: Optional[npt.ArrayLike] = None,
+    outside: OutsideWord = "error",
+    cells: Literal["handed_in", "made"] = "handed_in",
+) -> MpiTessellation:
+    """Voronoi cells of the points of all ranks. Collective: every rank of ``comm`` calls it.
+
+    The lists do not depend on the number of ranks, nor on which rank hands in which point. Cells are found on the CPU.
+
+    Parameters
+    ----------
+    points : (N, 3) real numbers, those of this rank; N may be 0 and differs between ranks.
+    comm : a communicator of mpi4py.
+    ids : (N,) integers of 0 or more, each once over all ranks; or None on all ranks, then points are numbered rank
+        after rank. Of points at one place the lowest id has the cell.
+    weights, radii : (N,) numbers, of this rank's points.
+    threads : CPU threads of this rank, 0 = all that the machine has.
+    cells : "handed_in": those of this rank's points, in their order. "made": those that lie in the rank's region of
+        space, ascending by id; saves an exchange.
+
+    The others are those of :func:`pyvotess.tessellate`, the same on all ranks. Not "vertices", "faces", nor
+    ``duplicates="error"``: VotessError with code UNSUPPORTED.
+
+    Raises
+    ------
+    ValueError, MemoryError, VotessError : where one rank fails, all raise the same error, which names the rank.
+    """
+    communicator = _handle(comm)
+    failure = None
+    kept: List[Any] = []
+    try:
+        array = as_points(points).astype(np.float64, copy=False)
+        numbers = None if ids is None else _as_ids(ids, len(array))
+        options = new_options("cpu", threads)
+        options.want = as_want(want)
+        options.list_walls = bool(list_walls)
+        options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
+        which = as_word(cells, "cells", _CELLS)
+        kept += Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
+    except Exception as error:  # the other ranks must learn of it
+        failure = error
+    failures = comm.allgather(None if failure is None else str(failure))
+    for rank, text in enumerate(failures):
+        if text is not None:
+            raise ValueError(f"rank {rank}: {text}") from failure
+    result = Handle(_lib.votess_mpi_free)
+    raise_on_failure(
+        _lib.votess_mpi_tessellate(
+            communicator,
+            array.ctypes.data,
+            len(array),
+            numbers.ctypes.data if numbers is not None else None,
+            ctypes.byref(options),
+            which,
+            ctypes.byref(result.pointer),
+        )
+    )
+    del kept
+    return _read(result, options.want, cells == "made")

@@ -1,0 +1,125 @@
+"""Finds and loads libvotess_mpi, and tells ctypes its functions (votess/mpi.h)."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import os
+import sys
+from ctypes import POINTER, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from pathlib import Path
+from typing import Any, Dict, Tuple
+
+import numpy as np
+
+from .. import _library
+from .._c_api import Options
+
+if sys.platform == "darwin":
+    _FILE_NAMES: Tuple[str, ...] = ("libvotess_mpi.dylib",)
+else:
+    _FILE_NAMES = ("libvotess_mpi.so", "libvotess_mpi.so." + _library.VERSION.split(".")[0])
+
+
+class Counts(ctypes.Structure):
+    """``votess_mpi_counts``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("rounds", c_uint32),
+        ("seeds", c_uint64),
+        ("largest_block", c_uint64),
+        ("given", c_uint64),
+        ("needed", c_uint64),
+        ("tested", c_uint64),
+        ("questions", c_uint64),
+        ("box_volume", c_double),
+        ("volume_sum", c_double),
+    ]
+
+
+# Arrays of a result: type, columns (0: one number each).
+ARRAYS: Dict[str, Tuple[Any, int]] = {
+    "ids": (np.int64, 0),
+    "points": (np.float64, 3),
+    "status": (np.uint8, 0),
+    "duplicate_of": (np.int64, 0),
+    "indptr": (np.int64, 0),
+    "neighbors": (np.int64, 0),
+    "owners": (np.int32, 0),
+    "shifts": (np.int8, 3),
+    "face_areas": (np.float64, 0),
+    "face_normals": (np.float64, 3),
+    "volumes": (np.float64, 0),
+    "centroids": (np.float64, 3),
+    "surface_areas": (np.float64, 0),
+    "security_radii": (np.float64, 0),
+    "face_counts": (np.uint32, 0),
+    "edge_counts": (np.uint32, 0),
+    "vertex_counts": (np.uint32, 0),
+    "send_indptr": (np.int64, 0),
+    "send": (np.int64, 0),
+    "receive_indptr": (np.int64, 0),
+    "receive": (np.int64, 0),
+}
+
+
+def _find() -> str:
+    """Beside libvotess, or where the system finds it."""
+    folder = Path(_library.path).parent
+    for name in _FILE_NAMES:
+        if os.path.dirname(_library.path) and (folder / name).is_file():
+            return str(folder / name)
+    in_system = ctypes.util.find_library("votess_mpi")
+    if in_system:
+        return in_system
+    raise ImportError(
+        f"{_FILE_NAMES[0]} was not found beside {_library.path} nor in the system's library path. It is built with "
+        "votess where MPI is found, and is not in wheels: build votess, and set VOTESS_LIBRARY to its libvotess."
+    )
+
+
+def _load(size_of_comm: int) -> ctypes.CDLL:
+    name = _find()
+    try:
+        library = ctypes.CDLL(name)
+    except OSError as error:
+        raise ImportError(f"{name} cannot be loaded: {error}") from error
+    library.votess_mpi_sizeof_comm.restype = c_size_t
+    if library.votess_mpi_sizeof_comm() != size_of_comm:
+        raise ImportError(f"{name} was built with another MPI than mpi4py: build both with the same")
+    communicator = c_int if size_of_comm == ctypes.sizeof(c_int) else c_void_p
+    library.votess_mpi_tessellate.restype = c_int
+    library.votess_mpi_tessellate.argtypes = (
+        communicator,
+        c_void_p,
+        c_size_t,
+        c_void_p,
+        POINTER(Options),
+        c_int32,
+        POINTER(c_void_p),
+    )
+    library.votess_mpi_free.restype, library.votess_mpi_free.argtypes = None, (c_void_p,)
+    for array in ARRAYS:
+        function = getattr(library, "votess_mpi_" + array)
+        function.restype, function.argtypes = c_void_p, (c_void_p, POINTER(c_size_t))
+    library.votess_mpi_read_counts.restype = c_int
+    library.votess_mpi_read_counts.argtypes = (c_void_p, POINTER(Counts))
+    return library
+
+
+def load() -> Tuple[ctypes.CDLL, Any]:
+    """The library, and what turns a communicator of mpi4py into its argument. ImportError without either."""
+    try:
+        from mpi4py import MPI
+    except ImportError as error:
+        raise ImportError("pyvotess.mpi needs mpi4py") from error
+    size = MPI._sizeof(MPI.Comm)
+    read = c_int if size == ctypes.sizeof(c_int) else c_void_p
+
+    def handle(comm: Any) -> Any:
+        if not isinstance(comm, MPI.Comm) or comm == MPI.COMM_NULL:
+            raise TypeError(f"comm must be a communicator of mpi4py, not {comm!r}")
+        return read.from_address(MPI._addressof(comm))
+
+    return _load(size), handle

@@ -1,0 +1,65 @@
+// The C interface of votess/mpi.hpp, where the method and the arrays are told; in the library votess_mpi. Rules,
+// options and errors are those of votess/votess.h, and votess_last_error() tells why a call failed.
+#ifndef VOTESS_MPI_H
+#define VOTESS_MPI_H
+
+#include <mpi.h>
+#include <votess/votess.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define VOTESS_MPI_HANDED_IN 0  // cells of the seeds that the rank handed in, in their order
+#define VOTESS_MPI_MADE 1       // cells of those that lie in the rank's region, ascending by id
+
+// The fields of Counts in mpi.hpp.
+typedef struct votess_mpi_counts {
+    uint32_t struct_size;  // set it to sizeof(votess_mpi_counts) before votess_mpi_read_counts
+    uint32_t rounds;
+    uint64_t seeds, largest_block, given, needed, tested, questions;
+    double box_volume, volume_sum;
+} votess_mpi_counts;
+
+typedef struct votess_mpi_result votess_mpi_result;
+
+// Of the library, for callers that learn of MPI_Comm in another way than by its header.
+VOTESS_API size_t votess_mpi_sizeof_comm(void);
+
+// Collective. points: 3 * count coordinates of this rank; NULL only when count is 0. ids: count, or NULL on all ranks
+// that have seeds. options: NULL = defaults; weights and radii are of this rank's points; progress and log are not
+// called. cells: VOTESS_MPI_*. On success *out is a new result on every rank, else NULL, and the same error on every rank.
+VOTESS_API votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t count, const int64_t* ids,
+                                               const votess_options* options, int32_t cells, votess_mpi_result** out);
+VOTESS_API void votess_mpi_free(votess_mpi_result* result);
+
+// Arrays as those of votess_result: of Result and its BlockCells in mpi.hpp, by the same names. owners: BlockCells::tags.
+VOTESS_API const int64_t* votess_mpi_ids(const votess_mpi_result* result, size_t* length);
+VOTESS_API const double* votess_mpi_points(const votess_mpi_result* result, size_t* length);
+VOTESS_API const uint8_t* votess_mpi_status(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int64_t* votess_mpi_duplicate_of(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int64_t* votess_mpi_indptr(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int64_t* votess_mpi_neighbors(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int32_t* votess_mpi_owners(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int8_t* votess_mpi_shifts(const votess_mpi_result* result, size_t* length);
+VOTESS_API const double* votess_mpi_face_areas(const votess_mpi_result* result, size_t* length);
+VOTESS_API const double* votess_mpi_face_normals(const votess_mpi_result* result, size_t* length);
+VOTESS_API const double* votess_mpi_volumes(const votess_mpi_result* result, size_t* length);
+VOTESS_API const double* votess_mpi_centroids(const votess_mpi_result* result, size_t* length);
+VOTESS_API const double* votess_mpi_surface_areas(const votess_mpi_result* result, size_t* length);
+VOTESS_API const double* votess_mpi_security_radii(const votess_mpi_result* result, size_t* length);
+VOTESS_API const uint32_t* votess_mpi_face_counts(const votess_mpi_result* result, size_t* length);
+VOTESS_API const uint32_t* votess_mpi_edge_counts(const votess_mpi_result* result, size_t* length);
+VOTESS_API const uint32_t* votess_mpi_vertex_counts(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int64_t* votess_mpi_send_indptr(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int64_t* votess_mpi_send(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int64_t* votess_mpi_receive_indptr(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int64_t* votess_mpi_receive(const votess_mpi_result* result, size_t* length);
+VOTESS_API votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]);
+VOTESS_API votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi_counts* counts);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

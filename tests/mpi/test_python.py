@@ -1,0 +1,111 @@
+"""pyvotess.mpi against pyvotess on one rank. Run by mpirun; the first difference ends all ranks."""
+
+import sys
+import traceback
+
+import numpy as np
+import pyvotess
+import pyvotess.mpi
+from mpi4py import MPI
+
+WORLD = MPI.COMM_WORLD
+
+
+def check(good, what):
+    if not good:
+        raise AssertionError(what)
+
+
+def share(comm, count):
+    """Which of the seeds are this rank's: the first rank has none where there are more."""
+    owner = np.random.default_rng(7).integers(min(1, comm.size - 1), comm.size, count)
+    return np.flatnonzero(owner == comm.rank), owner
+
+
+def same_rows(t, alone, ids):
+    for row, seed in enumerate(ids):
+        check(np.array_equal(t.neighbors[row], alone.neighbors[seed]), f"row of {seed}")
+
+
+def with_one_machine(comm, points, want="volumes,centroids,areas,normals,counts,surfaces,radii", each=None, **options):
+    mine, owner = share(comm, len(points))
+    each = each or {}
+    alone = pyvotess.tessellate(points, want=want, device="cpu", **options, **each)
+    own = {name: values[mine] for name, values in each.items()}
+    t = pyvotess.mpi.tessellate(points[mine], comm, ids=mine, want=want, **options, **own)
+    check(np.array_equal(t.ids, mine) and t.points is None, "ids")
+    same_rows(t, alone, mine)
+    check(np.array_equal(t.status, alone.status[mine]), "status")
+    rows = t.neighbors.indices
+    check(np.array_equal(t.owners, np.where(rows < 0, -1, owner[np.maximum(rows, 0)])), "owners")
+    entries = np.concatenate([np.arange(*alone.neighbors.indptr[i : i + 2]) for i in mine] or [np.empty(0, int)])
+    if alone.shifts is not None and len(mine):
+        check(np.array_equal(t.shifts, alone.shifts[entries]), "shifts")
+    for name in ("volumes", "centroids", "surface_areas", "security_radii", "face_counts", "edge_counts"):
+        check(np.allclose(getattr(t, name), getattr(alone, name)[mine], rtol=1e-9, atol=1e-9), name)
+    check(np.allclose(t.face_areas, alone.face_areas[entries], rtol=1e-9, atol=1e-9), "face_areas")
+    check(np.allclose(t.face_normals, alone.face_normals[entries], atol=1e-6), "face_normals")
+    check(t.counts.seeds == len(points) and np.isclose(t.counts.volume_sum, t.counts.box_volume), "counts")
+
+    # What one sends the other receives.
+    for rank, sent in enumerate(comm.alltoall(list(t.send))):
+        check(np.array_equal(sent, t.receive[rank]), f"lists of rank {rank}")
+
+    made = pyvotess.mpi.tessellate(points[mine], comm, ids=mine, want="neighbors", cells="made", **options, **own)
+    same_rows(made, alone, made.ids)
+    check(made.volumes is None and np.array_equal(made.points, points[made.ids]), "points of made")
+    check(np.array_equal(np.sort(np.concatenate(comm.allgather(made.ids))), np.arange(len(points))), "all are made")
+
+
+def refused(comm, kind, text, *arguments, **options):
+    try:
+        pyvotess.mpi.tessellate(*arguments, **options)
+    except kind as error:
+        messages = comm.allgather(str(error))
+        check(len(set(messages)) == 1 and text in messages[0], f"{messages}")
+    else:
+        check(False, f"not refused: {text}")
+
+
+def main():
+    random = np.random.default_rng(1)
+    points = random.random((3000, 3))
+    with_one_machine(WORLD, points, box=(0, 0, 0, 1, 1, 1))
+    with_one_machine(WORLD, points, box=(0, 0, 0, 1, 1, 1), periodic="xz", each={"radii": 0.02 * random.random(3000)})
+    with_one_machine(WORLD, points[:3], cell=((1, 0, 0), (0.3, 1, 0), (0, 0.2, 1)))
+
+    part = WORLD.Split(WORLD.rank % 2)
+    with_one_machine(part, points[:500] + WORLD.rank % 2, list_walls=True)
+    part.Free()
+
+    last = WORLD.size - 1
+    own = points[WORLD.rank :: WORLD.size].copy()
+    # Numbered rank after rank; float32 is read as it is.
+    numbered = pyvotess.mpi.tessellate(own.astype(np.float32), WORLD, box=(0, 0, 0, 1, 1, 1))
+    check(numbered.ids[0] == sum(WORLD.allgather(len(own))[: WORLD.rank]), "ids that were not given")
+    bad = own.copy()
+    if WORLD.rank == last:
+        bad[5, 1] = np.nan
+    refused(WORLD, ValueError, f"rank {last}: point 5: y = nan", bad, WORLD)
+    shape = own if WORLD.rank != last else own[:, :2]
+    refused(WORLD, ValueError, f"rank {last}: points has shape", shape, WORLD)
+    refused(WORLD, ValueError, "ids has shape", own, WORLD, ids=np.arange(2))
+    refused(WORLD, ValueError, "id 4 is given twice", own, WORLD, ids=np.full(len(own), 4))
+    refused(WORLD, ValueError, "cells is 'mine'", own, WORLD, cells="mine")
+    refused(WORLD, pyvotess.VotessError, "", own, WORLD, want="vertices")
+    try:
+        pyvotess.mpi.tessellate(own, "world")
+    except TypeError as error:
+        check("comm must be" in str(error), str(error))
+    else:
+        check(False, "a comm of another type")
+
+
+try:
+    main()
+except BaseException:
+    traceback.print_exc()
+    sys.stderr.flush()
+    WORLD.Abort(1)
+if WORLD.rank == 0:
+    print("pyvotess.mpi: the same as on one rank")
