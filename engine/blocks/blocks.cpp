@@ -137,26 +137,32 @@ Block& Block::operator=(Block&&) noexcept = default;
 Block::~Block() = default;
 
 Message Block::outline() const {
-    return with_memory([&] { return blocks::to_message(state_->block.outline()); });
+    return with_memory([&] { return blocks::to_message(blocks::summary_of(state_->block.outline())); });
 }
 
 Message Block::layer_for(const Message& outline) const {
     return with_memory([&] {
         blocks::Outline other;
         blocks::from_message(outline, other);
-        return blocks::to_message(state_->block.layer_for(other));
+        return blocks::to_message(state_->block.layer_for(other), state_->block.outline());
     });
 }
 
 void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> layers) {
+    if (layers.size() != outlines.size() || own >= outlines.size())
+        throw Error(ErrorCode::invalid_argument, "clip() of a block takes an outline and a layer of each block, but got " +
+                                                     std::to_string(outlines.size()) + " and " +
+                                                     std::to_string(layers.size()) + ", for block " +
+                                                     std::to_string(own));
     with_memory([&] {
         std::vector<blocks::Outline> others(outlines.size());
-        for (std::size_t b = 0; b < outlines.size(); ++b) blocks::from_message(outlines[b], others[b]);
         blocks::Seeds given;
-        for (const Message& layer : layers) {
-            blocks::Seeds seeds;
-            blocks::from_message(layer, seeds);
-            given.add(seeds);
+        for (std::size_t b = 0; b < outlines.size(); ++b) {
+            if (b == own) continue;
+            blocks::from_message(outlines[b], others[b]);
+            blocks::Seeds layer;
+            blocks::from_message(layers[b], layer, others[b]);
+            given.add(layer);
         }
         state_->block.clip(std::move(others), own, std::move(given));
     });

@@ -119,6 +119,11 @@ Outline outline_of(std::vector<Tile> tiles) {
     return outline;
 }
 
+Outline summary_of(const Outline& outline) {
+    if (outline.tiles.empty()) return outline;
+    return outline_of({{outline.box, 0, outline.largest_weight}});
+}
+
 Nearness::Nearness(const Domain& domain) : domain_(domain) {
     double size = largest_coordinate(domain.box);
     for (std::size_t j = 0; j < 3; ++j)

@@ -1,8 +1,8 @@
 // Where the seeds of a block lie, for blocks that do not have them: boxes around some hundred seeds each.
 //
 // Each tile has a width, some spacings of its seeds. To another block it gives from the start those of its seeds that
-// lie within this width of the box of that block: its layer. Both know the boxes, so both know where seeds may be that
-// the other one was not given.
+// lie within this width of the box of that block: its layer, and its tiles with it. Both know the boxes, so both know
+// where seeds may be that the other one was not given. Blocks that are given no seed know of one box around all.
 #pragma once
 
 #include <functional>
@@ -26,6 +26,8 @@ struct Outline {
 };
 
 Outline outline_of(std::vector<Tile> tiles);
+// One tile without a width, for blocks that were given no layer: it claims no seed near them.
+Outline summary_of(const Outline& outline);
 
 // An outline, and the seeds in the order of its tiles: those of tile t are order[begin[t] .. begin[t + 1]).
 struct TiledSeeds {

@@ -67,7 +67,10 @@ void Ranks::together(const std::function<void()>& work) const {
 std::vector<Message> Ranks::exchange(const std::vector<Message>& to) const {
     const auto count = static_cast<std::size_t>(size_);
     std::vector<std::uint64_t> sent(count), coming(count);
-    for (std::size_t r = 0; r < count; ++r) sent[r] = to[r].size();
+    for (std::size_t r = 0; r < count; ++r) {
+        sent[r] = to[r].size();
+        if (r != static_cast<std::size_t>(rank_)) bytes_sent_ += sent[r];
+    }
     check(MPI_Alltoall(sent.data(), 1, MPI_UINT64_T, coming.data(), 1, MPI_UINT64_T, comm_), "MPI_Alltoall");
     std::vector<Message> from(count);
     // Each rank must have the room before any other sends.

@@ -31,12 +31,15 @@ public:
     [[nodiscard]] double sum(double value) const;
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t maximum(std::uint64_t value) const;
+    // What this rank has sent to others.
+    [[nodiscard]] std::uint64_t bytes_sent() const { return bytes_sent_; }
     // Of the ranks before this one.
     [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;
 
 private:
     MPI_Comm comm_ = MPI_COMM_NULL;
     int size_ = 1, rank_ = 0;
+    mutable std::uint64_t bytes_sent_ = 0;
 };
 
 }  // namespace votess::mpi

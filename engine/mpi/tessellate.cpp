@@ -49,6 +49,7 @@ public:
         clip();
         Result result = where == Cells::made ? keep() : send_back();
         result.options = domain_->options();
+        counts_.bytes = ranks_.sum(ranks_.bytes_sent());
         result.counts = counts_;
         return result;
     }

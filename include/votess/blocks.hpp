@@ -96,7 +96,8 @@ public:
 
     [[nodiscard]] Message outline() const;
     [[nodiscard]] Message layer_for(const Message& outline) const;
-    // outlines: of all blocks, in their order; own: which of them is this one's. layers: those that others made for it.
+    // outlines: of all blocks, in their order; own: which of them is this one's. layers: those that others made for it,
+    // in the same order, its own empty.
     void clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> layers);
     [[nodiscard]] Message question_for(std::size_t block) const;
     [[nodiscard]] Message answer(const Message& question);

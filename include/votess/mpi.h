@@ -17,7 +17,7 @@ extern "C" {
 typedef struct votess_mpi_counts {
     uint32_t struct_size;  // set it to sizeof(votess_mpi_counts) before votess_mpi_read_counts
     uint32_t rounds;
-    uint64_t seeds, largest_block, given, needed, tested, questions;
+    uint64_t seeds, largest_block, given, needed, tested, questions, bytes;
     double box_volume, volume_sum;
 } votess_mpi_counts;
 

@@ -21,6 +21,7 @@ struct Counts {
     std::uint64_t largest_block = 0;          // seeds of the largest
     std::uint64_t given = 0, needed = 0;      // sums of BlockCounts over all ranks
     std::uint64_t tested = 0, questions = 0;  // the same
+    std::uint64_t bytes = 0;                  // that ranks sent to others, of seeds, questions, answers and cells
     unsigned rounds = 2;                      // exchanges of seeds between blocks: layers, answers
     double box_volume = 0;                    // of the domain
     double volume_sum = 0;                    // of all cells; 0 when volumes were not wanted

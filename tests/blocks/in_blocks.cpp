@@ -58,9 +58,9 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
         outlines.push_back(all.back().outline());
     }
     for (std::size_t b = 0; b < count; ++b) {
-        std::vector<Message> layers;
+        std::vector<Message> layers(all.size());
         for (std::size_t from = 0; from < count; ++from)
-            if (from != b) layers.push_back(all[from].layer_for(outlines[b]));
+            if (from != b) layers[from] = all[from].layer_for(outlines[b]);
         all[b].clip(outlines, b, layers);
     }
     InBlocks result;

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Lists:
     """Rows of ids of any length, one after the other: row k is ``indices[indptr[k]:indptr[k+1]]``, or ``lists[k]``.
 
-    A slice gives a list of rows.
+    A slice gives a list of rows. Global ids, those of :mod:`pyvotess.mpi`, are int64.
     """
 
     def __init__(self, indptr: Int64Array, indices: Int32Array) -> None:

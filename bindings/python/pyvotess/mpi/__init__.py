@@ -46,6 +46,7 @@ class MpiCounts:
     needed: int  #: of these, neighbors of cells of the block that got them
     tested: int  #: cells whose vertices were compared with where seeds of other blocks may be
     questions: int  #: cells that blocks asked others about
+    bytes: int  #: that ranks sent to others: seeds, questions, answers and cells
     rounds: int  #: exchanges of seeds between blocks
     box_volume: float  #: of the domain, length unit cubed
     volume_sum: float  #: of all cells; 0 when volumes were not wanted

@@ -33,6 +33,7 @@ class Counts(ctypes.Structure):
         ("needed", c_uint64),
         ("tested", c_uint64),
         ("questions", c_uint64),
+        ("bytes", c_uint64),
         ("box_volume", c_double),
         ("volume_sum", c_double),
     ]
