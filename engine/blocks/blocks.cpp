@@ -150,10 +150,10 @@ Message Block::layer_for(const Message& outline) const {
 
 void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> layers) {
     if (layers.size() != outlines.size() || own >= outlines.size())
-        throw Error(ErrorCode::invalid_argument, "clip() of a block takes an outline and a layer of each block, but got " +
-                                                     std::to_string(outlines.size()) + " and " +
-                                                     std::to_string(layers.size()) + ", for block " +
-                                                     std::to_string(own));
+        throw Error(ErrorCode::invalid_argument,
+                    "clip() of a block takes an outline and a layer of each block, but got " +
+                        std::to_string(outlines.size()) + " and " + std::to_string(layers.size()) + ", for block " +
+                        std::to_string(own));
     with_memory([&] {
         std::vector<blocks::Outline> others(outlines.size());
         blocks::Seeds given;

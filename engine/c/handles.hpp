@@ -44,7 +44,8 @@ constexpr bool same(int c_value, Enum value) {
 
 // Copies what fits, never half a UTF-8 character.
 void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept;
-// libvotess shows what VOTESS_API marks here to libvotess_mpi of the same version, whose C interface shares the last error.
+// libvotess shows what VOTESS_API marks here to libvotess_mpi of the same version, whose C interface shares the last
+// error.
 VOTESS_API void set_last_error(std::string_view message) noexcept;
 VOTESS_API void set_internal_error(const char* message) noexcept;
 

@@ -174,9 +174,9 @@ votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi
         const std::uint32_t size = out->struct_size;
         require_struct_size(size, first_size, "counts.struct_size", "set it to sizeof(votess_mpi_counts)");
         const votess::mpi::Counts& counts = result->result.counts;
-        const votess_mpi_counts c_counts{size,         counts.rounds,    counts.seeds,      counts.largest_block,
-                                         counts.given, counts.needed,    counts.tested,     counts.questions, counts.bytes,
-                                         counts.box_volume, counts.volume_sum};
+        const votess_mpi_counts c_counts{size,         counts.rounds,     counts.seeds,     counts.largest_block,
+                                         counts.given, counts.needed,     counts.tested,    counts.questions,
+                                         counts.bytes, counts.box_volume, counts.volume_sum};
         std::memcpy(out, &c_counts, std::min<std::size_t>(size, sizeof c_counts));
     });
 }

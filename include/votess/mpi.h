@@ -28,12 +28,14 @@ VOTESS_API size_t votess_mpi_sizeof_comm(void);
 
 // Collective. points: 3 * count coordinates of this rank; NULL only when count is 0. ids: count, or NULL on all ranks
 // that have seeds. options: NULL = defaults; weights and radii are of this rank's points; progress and log are not
-// called. cells: VOTESS_MPI_*. On success *out is a new result on every rank, else NULL, and the same error on every rank.
+// called. cells: VOTESS_MPI_*. On success *out is a new result on every rank, else NULL, and the same error on every
+// rank.
 VOTESS_API votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t count, const int64_t* ids,
                                                const votess_options* options, int32_t cells, votess_mpi_result** out);
 VOTESS_API void votess_mpi_free(votess_mpi_result* result);
 
-// Arrays as those of votess_result: of Result and its BlockCells in mpi.hpp, by the same names. owners: BlockCells::tags.
+// Arrays as those of votess_result: of Result and its BlockCells in mpi.hpp, by the same names. owners:
+// BlockCells::tags.
 VOTESS_API const int64_t* votess_mpi_ids(const votess_mpi_result* result, size_t* length);
 VOTESS_API const double* votess_mpi_points(const votess_mpi_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_mpi_status(const votess_mpi_result* result, size_t* length);
