@@ -233,33 +233,40 @@ private:
         ranks_.together([&] {
             result.ids = ids_;
             result.cells = unpack(from, ids_, status_);
-            list_exchange(result);
         });
+        list_exchange(result);
         return result;
     }
 
-    // Rows are symmetric: a rank needs those of my seeds that have neighbors of its own.
+    // Rows are symmetric: a rank needs those of my seeds that have neighbors of its own. It tells me of its own ones.
     void list_exchange(Result& result) const {
-        std::vector<std::vector<std::int64_t>> send(ranks()), receive(ranks());
-        for (std::size_t i = 0; i + 1 < result.cells.indptr.size(); ++i)
-            for (auto e = static_cast<std::size_t>(result.cells.indptr[i]);
-                 e < static_cast<std::size_t>(result.cells.indptr[i + 1]); ++e) {
-                const std::int32_t owner = result.cells.tags[e];
-                if (owner < 0 || owner == ranks_.rank()) continue;
-                send[static_cast<std::size_t>(owner)].push_back(result.ids[i]);
-                receive[static_cast<std::size_t>(owner)].push_back(result.cells.neighbors[e]);
-            }
-        const auto put = [](auto& lists, auto& indptr, auto& all) {
-            indptr.assign(1, 0);
+        std::vector<std::vector<std::int64_t>> lists(ranks());
+        std::vector<Message> messages;
+        ranks_.together([&] {
+            for (std::size_t i = 0; i + 1 < result.cells.indptr.size(); ++i)
+                for (auto e = static_cast<std::size_t>(result.cells.indptr[i]);
+                     e < static_cast<std::size_t>(result.cells.indptr[i + 1]); ++e) {
+                    const std::int32_t owner = result.cells.tags[e];
+                    if (owner < 0 || owner == ranks_.rank()) continue;
+                    auto& list = lists[static_cast<std::size_t>(owner)];
+                    if (list.empty() || list.back() != result.ids[i]) list.push_back(result.ids[i]);
+                }
             for (auto& list : lists) {
-                std::ranges::sort(list);
-                const auto [end, last] = std::ranges::unique(list);
-                all.insert(all.end(), list.begin(), end);
-                indptr.push_back(static_cast<std::int64_t>(all.size()));
+                if (!std::ranges::is_sorted(list)) std::ranges::sort(list);
+                messages.push_back(to_bytes(list));
             }
-        };
-        put(send, result.send_indptr, result.send);
-        put(receive, result.receive_indptr, result.receive);
+        });
+        const std::vector<Message> from = ranks_.exchange(messages);
+        ranks_.together([&] {
+            result.send_indptr.assign(1, 0);
+            result.receive_indptr.assign(1, 0);
+            for (std::size_t r = 0; r < ranks(); ++r) {
+                result.send.insert(result.send.end(), lists[r].begin(), lists[r].end());
+                append_bytes(from[r], result.receive);
+                result.send_indptr.push_back(static_cast<std::int64_t>(result.send.size()));
+                result.receive_indptr.push_back(static_cast<std::int64_t>(result.receive.size()));
+            }
+        });
     }
 
     Ranks ranks_;
