@@ -23,7 +23,7 @@ typedef struct votess_mpi_counts {
 
 typedef struct votess_mpi_result votess_mpi_result;
 
-// Of the library, for callers that learn of MPI_Comm in another way than by its header.
+// sizeof(MPI_Comm) in the MPI that the library was built with, for callers that do not include its header.
 VOTESS_API size_t votess_mpi_sizeof_comm(void);
 
 // Collective. points: 3 * count coordinates of this rank; NULL only when count is 0. ids: count, or NULL on all ranks
@@ -34,8 +34,8 @@ VOTESS_API votess_status votess_mpi_tessellate(MPI_Comm comm, const double* poin
                                                const votess_options* options, int32_t cells, votess_mpi_result** out);
 VOTESS_API void votess_mpi_free(votess_mpi_result* result);
 
-// Arrays as those of votess_result: of Result and its BlockCells in mpi.hpp, by the same names. owners:
-// BlockCells::tags.
+// Arrays as those of votess_result; Result and BlockCells of mpi.hpp tell what they hold. owners are BlockCells::tags,
+// face_areas and face_normals its areas and normals.
 VOTESS_API const int64_t* votess_mpi_ids(const votess_mpi_result* result, size_t* length);
 VOTESS_API const double* votess_mpi_points(const votess_mpi_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_mpi_status(const votess_mpi_result* result, size_t* length);
@@ -57,6 +57,7 @@ VOTESS_API const int64_t* votess_mpi_send_indptr(const votess_mpi_result* result
 VOTESS_API const int64_t* votess_mpi_send(const votess_mpi_result* result, size_t* length);
 VOTESS_API const int64_t* votess_mpi_receive_indptr(const votess_mpi_result* result, size_t* length);
 VOTESS_API const int64_t* votess_mpi_receive(const votess_mpi_result* result, size_t* length);
+// The box that was given or assumed; fails for a triclinic one.
 VOTESS_API votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]);
 VOTESS_API votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi_counts* counts);
 

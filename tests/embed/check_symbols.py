@@ -1,9 +1,9 @@
 """The shared library shows its own interface and nothing else.
 
 Defined dynamic symbols must be exactly: the functions that votess.h declares, and members of what the C++ headers mark
-with VOTESS_API (with type information and vtables of those), which engine/c does for libvotess_mpi. So no function of Vulkan or volk, whatever its prefix, and
-no instantiation of a template of std or boost, not even a weak one: a second copy in the process, or a host with
-another compiler, would share those. Undefined ones must not be of Vulkan: the loader is opened at run time.
+with VOTESS_API (with type information and vtables of those), as ENGINE_HEADER does for libvotess_mpi. So no function of
+Vulkan or volk, whatever its prefix, and no instantiation of a template of std or boost, not even a weak one: a second
+copy in the process, or a host with another compiler, would share those. Undefined ones must not be of Vulkan: the loader is opened at run time.
 
 Usage: check_symbols.py NM LIBRARY INCLUDE_FOLDER ENGINE_HEADER
 """

@@ -42,10 +42,12 @@ def with_one_machine(comm, points, want="volumes,centroids,areas,normals,counts,
     if alone.shifts is not None and len(mine):
         check(np.array_equal(t.shifts, alone.shifts[entries]), "shifts")
     for name in ("volumes", "centroids", "surface_areas", "security_radii", "face_counts", "edge_counts"):
-        check(np.allclose(getattr(t, name), getattr(alone, name)[mine], rtol=1e-9, atol=1e-9), name)
-    check(np.allclose(t.face_areas, alone.face_areas[entries], rtol=1e-9, atol=1e-9), "face_areas")
+        check(np.allclose(getattr(t, name), getattr(alone, name)[mine], rtol=1e-9, atol=1e-12), name)
+    check(np.allclose(t.face_areas, alone.face_areas[entries], rtol=1e-9, atol=1e-12), "face_areas")
     check(np.allclose(t.face_normals, alone.face_normals[entries], atol=1e-6), "face_normals")
     check(t.counts.seeds == len(points) and np.isclose(t.counts.volume_sum, t.counts.box_volume), "counts")
+
+    check(np.array_equal(t.box, alone.box) if "cell" not in options else t.box is None, "box")
 
     # What one sends the other receives.
     for rank, sent in enumerate(comm.alltoall(list(t.send))):
@@ -92,7 +94,7 @@ def main():
     refused(WORLD, ValueError, "ids has shape", own, WORLD, ids=np.arange(2))
     refused(WORLD, ValueError, "id 4 is given twice", own, WORLD, ids=np.full(len(own), 4))
     refused(WORLD, ValueError, "cells is 'mine'", own, WORLD, cells="mine")
-    refused(WORLD, pyvotess.VotessError, "", own, WORLD, want="vertices")
+    refused(WORLD, pyvotess.VotessError, "vertices", own, WORLD, want="vertices")
     try:
         pyvotess.mpi.tessellate(own, "world")
     except TypeError as error:

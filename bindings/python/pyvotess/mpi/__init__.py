@@ -74,6 +74,7 @@ class MpiTessellation:
     vertex_counts: Optional[UInt32Array]  #: (N,)
     send: Lists  #: row r: ids of own seeds whose values rank r needs, ascending; with ``cells="handed_in"``
     receive: Lists  #: row r: ids of rank r's seeds that are neighbors of own ones, in the order in which it sends them
+    box: Optional[Float64Array]  #: (2, 3) lower and upper corner, given or assumed; None with a ``cell``
     counts: MpiCounts
 
 
@@ -88,7 +89,14 @@ _OF_WORD: Dict[str, Tuple[str, ...]] = {
 }
 
 
-def _read(result: Handle, want: int, made: bool) -> MpiTessellation:
+def _box(result: Handle) -> Float64Array:
+    corners = np.empty((2, 3))
+    raise_on_failure(_lib.votess_mpi_box(result.pointer, corners[0].ctypes.data, corners[1].ctypes.data))
+    corners.flags.writeable = False
+    return corners
+
+
+def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellation:
     arrays: Dict[str, Any] = {
         name: array_of(result, name, dtype, columns, prefix="votess_mpi_", library=_lib)
         for name, (dtype, columns) in ARRAYS.items()
@@ -108,7 +116,7 @@ def _read(result: Handle, want: int, made: bool) -> MpiTessellation:
     c_counts = Counts(struct_size=ctypes.sizeof(Counts))
     raise_on_failure(_lib.votess_mpi_read_counts(result.pointer, ctypes.byref(c_counts)))
     counts = MpiCounts(**{name: getattr(c_counts, name) for name in MpiCounts.__dataclass_fields__})
-    return MpiTessellation(counts=counts, **arrays)
+    return MpiTessellation(box=_box(result) if in_box else None, counts=counts, **arrays)
 
 
 def _as_ids(ids: Any, count: int) -> Int64Array:
@@ -191,4 +199,4 @@ def tessellate(
         )
     )
     del kept
-    return _read(result, options.want, cells == "made")
+    return _read(result, options.want, cells == "made", cell is None)

@@ -104,6 +104,8 @@ def _load(size_of_comm: int) -> ctypes.CDLL:
     for array in ARRAYS:
         function = getattr(library, "votess_mpi_" + array)
         function.restype, function.argtypes = c_void_p, (c_void_p, POINTER(c_size_t))
+    library.votess_mpi_box.restype = c_int
+    library.votess_mpi_box.argtypes = (c_void_p, c_void_p, c_void_p)
     library.votess_mpi_read_counts.restype = c_int
     library.votess_mpi_read_counts.argtypes = (c_void_p, POINTER(Counts))
     return library
