@@ -204,6 +204,31 @@ struct Baseline {
         }
     }
 
+    static void order_corners(const CellShape& shape, CornerOrder& out) {
+        constexpr int bits = 6, most = (1 << bits) - 1;
+        static_assert(most + 1 == CellShape::most_planes);
+        std::array<std::int32_t, CellShape::most_corners> keys;
+        for (int k = 0; k < shape.corners; ++k) {
+            const int p = shape.rank[shape.a[k]], q = shape.rank[shape.b[k]], r = shape.rank[shape.c[k]];
+            const int low = p < q ? p : q, high = p < q ? q : p;
+            const int least = low < r ? low : r, greatest = high > r ? high : r, other = p + q + r - least - greatest;
+            keys[k] = least << (2 * bits) | other << bits | greatest;
+        }
+        std::array<std::uint16_t, CellShape::most_corners> places;
+        rank(keys.data(), shape.corners, places.data());
+        for (int k = 0; k < shape.corners; ++k) {
+            out.rank[0][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] >> (2 * bits)));
+            out.rank[1][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] >> bits & most));
+            out.rank[2][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] & most));
+        }
+        fill_corners(shape.corners, out);
+    }
+    VOTESS_INLINE static void fill_corners(int corners, CornerOrder& out) {
+        for (int k = corners; k < corners + CellShape::fillers; ++k)
+            for (int p = 0; p < 3; ++p)
+                out.rank[p][k] = static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
+    }
+
 private:
     // Between two intervals that are so far apart, where one of the two is positive.
     VOTESS_INLINE static double gap_between(double below, double above) {
