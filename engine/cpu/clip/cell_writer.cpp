@@ -73,7 +73,7 @@ bool CellWriter::write(Star& star) {
     if (periodic_) find_shifts(faces);
     if (ranked_) rank_faces(faces);
     if (measured_) {
-        CellShape* shape = star.shape(ranks_);
+        CellShape* shape = star.shape(std::span(ranks_).first(faces.size()));
         if (shape == nullptr || !kernels_->measure(*shape, measures_)) return false;
         face_areas_ = std::span(measures_.areas).first(faces.size());
         write_measures();
@@ -85,7 +85,7 @@ bool CellWriter::write(Star& star) {
     if (want_.normals) star.normals(face_normals_);
     if (want_.neighbors) write_row();
     if (want_.vertices) {
-        star.polygons(ranks_, polygons_);
+        star.polygons(std::span(ranks_).first(faces.size()), polygons_);
         // Their cells lie elsewhere in the domain, each by a shift of its own.
         if (moved_) polygons_.shared.clear();
         write_polygons();
@@ -123,7 +123,7 @@ void CellWriter::write(Cell& cell) {
     if (measured_) measure(cell);
     if (want_.neighbors) write_row();
     if (want_.vertices) {
-        read_polygons(cell, faces_, ranks_, polygons_);
+        read_polygons(cell, faces_, std::span(ranks_).first(faces_ranked_), polygons_);
         write_polygons();
     }
     write_counts(planes.size(), faces_.edge_count, faces_.vertex_count);
@@ -131,11 +131,12 @@ void CellWriter::write(Cell& cell) {
 
 // As the walk's cells are measured, so that it does not matter how a cell was found; else from exact corners.
 void CellWriter::measure(const Cell& cell) {
+    const std::span ranks = std::span(ranks_).first(faces_ranked_);
     shape_.weighted = domain_->has_weights();
-    if (read_shape(cell, faces_, ranks_, shape_) && kernels_->measure(shape_, measures_)) {
+    if (read_shape(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
         face_areas_ = std::span(measures_.areas).first(faces_.size());
     } else {
-        measure_exactly(cell, faces_, ranks_, measures_, many_areas_);
+        measure_exactly(cell, faces_, ranks, measures_, many_areas_);
         face_areas_ = many_areas_;
     }
     write_measures();
@@ -228,12 +229,16 @@ void CellWriter::make_room(std::size_t faces) {
 
 void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
     const std::size_t count = ids.size();
-    names_.resize(count);
-    ranks_.resize(count);
+    if (names_.size() < std::max(count, most_ranked)) {
+        names_.resize(std::max(count, most_ranked));
+        ranks_.resize(names_.size());
+    }
+    faces_ranked_ = count;
     std::size_t walls = 0;
     for (std::size_t f = 0; f < count; ++f) {
-        names_[f] = ids[f] < 0 ? ids[f] : input_of(ids[f]);
-        walls += ids[f] < 0 ? 1 : 0;
+        const std::int32_t id = ids[f];
+        walls += id < 0 ? 1 : 0;
+        names_[f] = id < 0 ? id : face_shifts_.empty() ? seeds_.input[static_cast<std::size_t>(id)] : input_of(id);
     }
     hidden_ = walls_ ? 0 : walls;
     const std::int32_t* keys = names_.data();
@@ -244,13 +249,12 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
         keys = keys_.data();
     }
     if (count > most_ranked) return rank_labels();
-    kernels_->rank(keys, static_cast<int>(count), places_.data());
-    std::copy_n(places_.begin(), count, ranks_.begin());
-    // In a small periodic box a seed is a neighbor more than once.
+    kernels_->rank(keys, static_cast<int>(count), ranks_.data());
     if (face_shifts_.empty()) return;
+    // In a small periodic box a seed is a neighbor more than once.
     std::array<bool, most_ranked> taken{};
     for (std::size_t f = 0; f < count; ++f) {
-        if (std::exchange(taken[places_[f]], true)) return rank_labels();
+        if (std::exchange(taken[ranks_[f]], true)) return rank_labels();
     }
 }
 
@@ -259,36 +263,43 @@ void CellWriter::rank_labels() {
     const auto label = [&](std::uint32_t f) {
         return std::pair(keys[f], face_shifts_.empty() ? exact::Shift{} : face_shifts_[f]);
     };
-    order_.resize(keys.size());
+    order_.resize(faces_ranked_);
     std::iota(order_.begin(), order_.end(), 0u);
     std::ranges::sort(order_, {}, label);
     for (std::size_t r = 0; r < order_.size(); ++r) ranks_[order_[r]] = static_cast<std::uint32_t>(r);
 }
 
 void CellWriter::write_row() {
-    const std::size_t faces = names_.size(), count = faces - hidden_;
+    const std::size_t faces = faces_ranked_, count = faces - hidden_;
     make_room(faces);
-    for (std::size_t f = 0; f < faces; ++f)
-        if (ranks_[f] >= hidden_) rows_[rows_size_ + ranks_[f] - hidden_] = names_[f];
+    const std::size_t begin = rows_size_;
+    const auto for_listed = [&](auto visit) {  // a face and its entry
+        for (std::size_t f = 0; f < faces; ++f)
+            if (ranks_[f] >= hidden_) visit(f, begin + ranks_[f] - hidden_);
+    };
+    if (hidden_ == 0)
+        for (std::size_t f = 0; f < faces; ++f) rows_[begin + ranks_[f]] = names_[f];
+    else
+        for_listed([&](std::size_t f, std::size_t entry) { rows_[entry] = names_[f]; });
     if (want_.areas) {
         const double square = unscale_ * unscale_;
-        for (std::size_t k = 0; k < count; ++k) areas_[rows_size_ + k] = face_areas_[hidden_ + k] * square;
+        for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * square;
     }
-    for (std::size_t f = 0; f < faces && want_.normals; ++f)
-        if (ranks_[f] >= hidden_)
-            std::ranges::copy(face_normals_[f], &normals_[3 * (rows_size_ + ranks_[f] - hidden_)]);
-    if (periodic_ && face_shifts_.empty()) std::memset(&shifts_[3 * rows_size_], 0, 3 * count);
-    for (std::size_t f = 0; f < face_shifts_.size(); ++f)
-        if (ranks_[f] >= hidden_)
-            std::ranges::copy(narrow(face_shifts_[f]), &shifts_[3 * (rows_size_ + ranks_[f] - hidden_)]);
+    if (want_.normals)
+        for_listed([&](std::size_t f, std::size_t entry) { std::ranges::copy(face_normals_[f], &normals_[3 * entry]); });
+    if (periodic_ && face_shifts_.empty()) std::memset(&shifts_[3 * begin], 0, 3 * count);
+    if (!face_shifts_.empty())
+        for_listed([&](std::size_t f, std::size_t entry) {
+            std::ranges::copy(narrow(face_shifts_[f]), &shifts_[3 * entry]);
+        });
     rows_size_ += count;
     lengths_.push_back(static_cast<std::uint32_t>(count));
 }
 
 void CellWriter::write_polygons() {
-    labels_.resize(names_.size());
-    order_.resize(names_.size());
-    for (std::size_t f = 0; f < names_.size(); ++f) {
+    labels_.resize(faces_ranked_);
+    order_.resize(faces_ranked_);
+    for (std::size_t f = 0; f < faces_ranked_; ++f) {
         labels_[f] = {names_[f], face_shifts_.empty() ? std::array<std::int8_t, 3>{} : narrow(face_shifts_[f])};
         order_[ranks_[f]] = static_cast<std::uint32_t>(f);
     }

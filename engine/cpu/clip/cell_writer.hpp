@@ -114,8 +114,8 @@ private:
     // By face: the input index or wall, and the place among all faces of the cell, by index and shift.
     std::vector<std::int32_t> names_, keys_;
     std::vector<std::uint32_t> ranks_;
-    std::size_t hidden_ = 0;  // faces that rows do not list: walls, which come first
-    std::array<std::uint16_t, most_ranked> places_;
+    std::size_t faces_ranked_ = 0;  // so many of them are in use
+    std::size_t hidden_ = 0;        // faces that rows do not list: walls, which come first
     std::vector<FaceLabel> labels_;
     std::vector<std::uint32_t> order_;
 };

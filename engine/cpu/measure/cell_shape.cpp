@@ -21,9 +21,9 @@ namespace {
 
 CellShape::Plane plane_of(const CellPlane& plane) {
     const auto& [x, y, z] = plane.n;
-    if (plane.source.is_bisector()) return {{x, y, z}, plane.source.power.high};
-    const std::array<double, 3> mirrored = mirror_image(plane);
-    return {{mirrored[0], mirrored[1], mirrored[2]}, 0};
+    if (plane.source.is_bisector()) return {{0.5 * x, 0.5 * y, 0.5 * z}, 0.25 * plane.source.power.high};
+    const auto [u, v, w] = mirror_image(plane);
+    return {{0.5 * u, 0.5 * v, 0.5 * w}, 0};
 }
 
 // A face at a vertex, between the ends of its two edges there.

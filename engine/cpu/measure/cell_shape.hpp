@@ -20,8 +20,8 @@ struct CellShape {
     // Planes behind all others that fill up vectors of corners: they meet in the seed, which adds nothing.
     static constexpr int fillers = 3;
 
-    // n.x = (|n|^2 + power) / 2, with n the difference of the seeds rounded to doubles, or that of the seed's mirror
-    // image in a wall; power: by how much the seed's weight exceeds the neighbor's.
+    // n.x = |n|^2 + power, with n half of the difference of the seeds, rounded to doubles, or half of the way to the
+    // seed's mirror image in a wall; power: a quarter of what the seed's weight exceeds the neighbor's by.
     struct alignas(32) Plane {
         double n[3] = {};
         double power = 0;
@@ -53,7 +53,7 @@ struct CellMeasures {
     double volume = 0;
     double farthest_squared = 0;       // from the seed to a vertex
     std::array<double, 3> centroid{};  // relative to the seed
-    std::array<double, CellShape::most_planes> areas{};  // by rank
+    alignas(32) std::array<double, CellShape::most_planes> areas{};  // by rank
 };
 
 // Corners in their order: of each, the three ranks, ascending, times rank_step.

@@ -2,8 +2,8 @@
 //
 // Between the seed, its foot on a face A, the foot on the line of A and B, and a corner on that line lies an
 // orthoscheme, a tetrahedron with three right angles in a row; each corner has six of them, and with signs they fill
-// the cell. Planes are a.x = h_a here, with the foot f_a a, f_a = h_a / |a|^2; for bisectors without weights a is the
-// foot itself, half the way to the neighbor, so that f_a = 1 and h_a = |a|^2. With c the third plane of a corner x and
+// the cell. Planes are a.x = h_a here, a being half the way to the neighbor, and the foot is f_a a,
+// f_a = h_a / |a|^2: without weights h_a = |a|^2 and f_a = 1. With c the third plane of a corner x and
 //     w_ab = (x.ab) sign(det) / |ab|^2,  ab = a x b,  det = a.(b x c),     q_a = (h_b - f_a a.b) w_ab
 // the triangle on the face has the area |a| q_a / 2 and the orthoscheme the volume h_a q_a / 6. Its centroid is the
 // quarter of the sum of f_a a, the corner, and the foot on the line, which is x - (x.ab) ab / |ab|^2.
@@ -24,9 +24,10 @@ namespace votess::cpu {
 
 template <class Isa>
 class CellMeter {
-    using Lanes __attribute__((vector_size(32))) = double;
+    using Lanes = typename Isa::Lanes;  // four doubles
     using Pair __attribute__((vector_size(16), may_alias)) = double;
     using Bits __attribute__((vector_size(32))) = std::int64_t;
+    using Stored __attribute__((vector_size(32), aligned(32), may_alias)) = double;
     struct Vector {
         Lanes x, y, z;
     };
@@ -35,22 +36,30 @@ class CellMeter {
         Lanes h;
     };
     struct alignas(64) Sums {
-        std::array<double, CellShape::most_planes + CellShape::fillers> q, foot;  // by rank
+        static constexpr int count = CellShape::most_planes + 4;  // with the fillers; a multiple of 4
+        std::array<double, count> q, h, foot;                     // by rank
     };
 
     [[gnu::always_inline]] static void cross(const Vector& a, const Vector& b, Vector& out) {
-        out.x = a.y * b.z - a.z * b.y;
-        out.y = a.z * b.x - a.x * b.z;
-        out.z = a.x * b.y - a.y * b.x;
+        Isa::multiply_subtract(a.y, b.z, a.z * b.y, out.x);
+        Isa::multiply_subtract(a.z, b.x, a.x * b.z, out.y);
+        Isa::multiply_subtract(a.x, b.y, a.y * b.x, out.z);
     }
     [[gnu::always_inline]] static void dot(const Vector& a, const Vector& b, Lanes& out) {
-        out = a.x * b.x + a.y * b.y + a.z * b.z;
+        Isa::multiply_add(a.y, b.y, a.x * b.x, out);
+        Isa::multiply_add(a.z, b.z, out, out);
     }
-    [[gnu::always_inline]] static void load(const CellShape& shape, const std::uint16_t* rank, Planes& out) {
-        static_assert(sizeof(CellShape::Plane) == 8 * CornerOrder::rank_step);
+    // out += by * v
+    [[gnu::always_inline]] static void add(const Lanes& by, const Vector& v, Vector& out) {
+        Isa::multiply_add(by, v.x, out.x, out.x);
+        Isa::multiply_add(by, v.y, out.y, out.y);
+        Isa::multiply_add(by, v.z, out.z, out.z);
+    }
+    // plane(k) is the address of the plane of lane k.
+    template <class Plane>
+    [[gnu::always_inline]] static void load(Plane plane, Planes& out) {
         const auto half = [&](int lane, int which) -> const Pair& {
-            const auto* plane = reinterpret_cast<const std::byte*>(shape.plane.data()) + std::size_t{8} * rank[lane];
-            return reinterpret_cast<const Pair*>(plane)[which];
+            return reinterpret_cast<const Pair*>(plane(lane))[which];
         };
         const Lanes xy02 = __builtin_shufflevector(half(0, 0), half(2, 0), 0, 1, 2, 3);
         const Lanes xy13 = __builtin_shufflevector(half(1, 0), half(3, 0), 0, 1, 2, 3);
@@ -61,40 +70,47 @@ class CellMeter {
         out.n.z = __builtin_shufflevector(zh02, zh13, 0, 4, 2, 6);
         out.h = __builtin_shufflevector(zh02, zh13, 1, 5, 3, 7);
     }
-    [[gnu::always_inline]] static double& at(std::array<double, CellShape::most_planes + CellShape::fillers>& values,
-                                             std::uint16_t rank) {
-        return *reinterpret_cast<double*>(reinterpret_cast<std::byte*>(values.data()) + std::size_t{2} * rank);
+    [[gnu::always_inline]] static void load(const CellShape& shape, const std::uint16_t* rank, Planes& out) {
+        static_assert(sizeof(CellShape::Plane) == 8 * CornerOrder::rank_step);
+        const auto* planes = reinterpret_cast<const std::byte*>(shape.plane.data());
+        load([&](int lane) { return planes + std::size_t{8} * rank[lane]; }, out);
+    }
+    [[gnu::always_inline]] static double& at(double* values, std::uint16_t rank) {
+        static_assert(sizeof(double) == 2 * CornerOrder::rank_step);
+        return *reinterpret_cast<double*>(reinterpret_cast<std::byte*>(values) + std::size_t{2} * rank);
+    }
+    [[gnu::always_inline]] static Stored& lanes(double* at) { return *reinterpret_cast<Stored*>(at); }
+    [[gnu::always_inline]] static double sum(const Lanes& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+    [[gnu::always_inline]] static double smallest(const Lanes& v) {
+        return std::min(std::min(v[0], v[1]), std::min(v[2], v[3]));
+    }
+    [[gnu::always_inline]] static double largest(const Lanes& v) {
+        return std::max(std::max(v[0], v[1]), std::max(v[2], v[3]));
     }
     [[gnu::always_inline]] static void square_roots(const Lanes& v, Lanes& out) {
         out = Lanes{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])};
     }
-    [[gnu::always_inline]] static double sum(const Lanes& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
-    [[gnu::always_inline]] static double largest(const Lanes& v) {
-        return std::max(std::max(v[0], v[1]), std::max(v[2], v[3]));
-    }
 
-    // What two planes a, b add at corners x: to q_a and q_b, to the volume and to the part of the feet in the moment.
+    // What the line of two planes a, b adds at corners x: to q_a and q_b, to the volume (times 6), and what the foot on
+    // the line takes from the moment.
     template <bool Weighted>
     [[gnu::always_inline]] static void add_line(const Planes& a, const Planes& b, const Lanes& foot_a,
                                                 const Lanes& foot_b, const Vector& ab, const Vector& x,
-                                                const Bits& sign, Lanes& q_a, Lanes& q_b, Lanes& volume,
-                                                Vector& feet) {
-        Lanes square, along, ab_dot;
+                                                const Bits& sign, Lanes& q_a, Lanes& q_b, Lanes& volume, Vector& feet) {
+        Lanes square, along, product;
         dot(ab, ab, square);
         dot(x, ab, along);
-        dot(a.n, b.n, ab_dot);
+        dot(a.n, b.n, product);
         const Lanes share = along / square;
         const Lanes w = reinterpret_cast<Lanes>(reinterpret_cast<Bits>(share) ^ sign);
-        const Lanes in_a = (Weighted ? b.h - foot_a * ab_dot : b.h - ab_dot) * w;
-        const Lanes in_b = (Weighted ? a.h - foot_b * ab_dot : a.h - ab_dot) * w;
+        const Lanes in_a = (b.h - (Weighted ? foot_a * product : product)) * w;
+        const Lanes in_b = (a.h - (Weighted ? foot_b * product : product)) * w;
         q_a += in_a;
         q_b += in_b;
-        const Lanes part = a.h * in_a + b.h * in_b;
+        Lanes part;
+        Isa::multiply_add(a.h, in_a, b.h * in_b, part);
         volume += part;
-        const Lanes back = share * part;
-        feet.x += back * ab.x;
-        feet.y += back * ab.y;
-        feet.z += back * ab.z;
+        add(share * part, ab, feet);
     }
 
     template <bool Weighted>
@@ -105,50 +121,52 @@ class CellMeter {
         constexpr double smallest_volume = 1e-140, smallest_square = 1e-90;  // no product of six leaves the range
         constexpr double worst_condition2 = 1e16;
 
+        // Planes are handled four at a time: what fills the last four is wanted by no corner.
+        for (int p = shape.planes; p % 4 != 0; ++p) shape.plane[p] = shape.plane[0];
         Sums sums;
-        double least = std::numeric_limits<double>::infinity(), longest = 0;
-        for (int p = 0; p < shape.planes; ++p) {
-            auto& [n, power] = shape.plane[p];
-            const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-            least = std::min(least, square);
-            if constexpr (Weighted) {
-                longest = std::max(longest, square);
-                power = 0.5 * (square + power);
-                sums.foot[p] = power / square;
-            } else {
-                for (double& x : n) x *= 0.5;
-                power = 0.25 * square;
-            }
-            sums.q[p] = 0;
+        Lanes least = Lanes{} + std::numeric_limits<double>::infinity(), longest{};
+        for (int p = 0; p < shape.planes; p += 4) {
+            CellShape::Plane* plane = &shape.plane[p];
+            Planes four;
+            load([&](int lane) { return plane + lane; }, four);
+            Lanes square;
+            dot(four.n, four.n, square);
+            least = square < least ? square : least;
+            if constexpr (Weighted) longest = square > longest ? square : longest;
+            const Lanes h = Weighted ? square + four.h : square;
+            for (int k = 0; k < 4; ++k) plane[k].power = h[k];
+            lanes(&sums.h[p]) = h;
+            lanes(&sums.q[p]) = Lanes{};
+            if constexpr (Weighted) lanes(&sums.foot[p]) = h / square;
         }
-        for (int p = CellShape::most_planes; p < CellShape::most_planes + CellShape::fillers; ++p)
-            sums.q[p] = sums.foot[p] = 0;
-        if (!(least > smallest_square)) return false;
+        if (!(smallest(least) > smallest_square)) return false;
+        lanes(&sums.q[CellShape::most_planes]) = lanes(&sums.foot[CellShape::most_planes]) = Lanes{};
 
         CornerOrder order;
         Isa::order_corners(shape, order);
         Vector moments{};
         Lanes errors{}, farthest{}, conditions{};
-        const double further = Weighted ? 0.25 * std::sqrt(longest) : 0;
+        const double further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
         for (int i = 0; i < shape.corners; i += 4) {
             const std::uint16_t *rank_a = &order.rank[0][i], *rank_b = &order.rank[1][i], *rank_c = &order.rank[2][i];
             Planes a, b, c;
             load(shape, rank_a, a);
             load(shape, rank_b, b);
             load(shape, rank_c, c);
-            Vector ab, bc, ca, x;
+            Vector ab, bc, ca;
             cross(a.n, b.n, ab);
             cross(b.n, c.n, bc);
             cross(c.n, a.n, ca);
             Lanes determinant;
             dot(a.n, bc, determinant);
             const Lanes inverse = 1 / determinant;
-            x.x = (a.h * bc.x + b.h * ca.x + c.h * ab.x) * inverse;
-            x.y = (a.h * bc.y + b.h * ca.y + c.h * ab.y) * inverse;
-            x.z = (a.h * bc.z + b.h * ca.z + c.h * ab.z) * inverse;
+            Vector x{a.h * bc.x, a.h * bc.y, a.h * bc.z};
+            add(b.h, ca, x);
+            add(c.h, ab, x);
+            x.x *= inverse, x.y *= inverse, x.z *= inverse;
             const Bits sign = reinterpret_cast<Bits>(determinant) & std::numeric_limits<std::int64_t>::min();
 
-            Lanes x2, products;
+            Lanes x2, products, error;
             dot(x, x, x2);
             farthest = x2 > farthest ? x2 : farthest;
             if constexpr (Weighted) {
@@ -162,51 +180,54 @@ class CellMeter {
             }
             const Lanes condition2 = products * (inverse * inverse);
             conditions = condition2 > conditions ? condition2 : conditions;
+            Lanes length2 = x2;
             if constexpr (Weighted) {
-                Lanes length, condition;
+                Lanes length;
                 square_roots(x2, length);
-                square_roots(condition2, condition);
-                errors += condition * ((length + further) * (length + further));
-            } else {
-                Lanes error;
-                square_roots(condition2 * (x2 * x2), error);
-                errors += error;
+                length2 = (length + further) * (length + further);
             }
+            square_roots(condition2 * (length2 * length2), error);
+            errors += error;
 
             Lanes foot_a{}, foot_b{}, foot_c{};
             if constexpr (Weighted)
                 for (int k = 0; k < 4; ++k) {
-                    foot_a[k] = at(sums.foot, rank_a[k]);
-                    foot_b[k] = at(sums.foot, rank_b[k]);
-                    foot_c[k] = at(sums.foot, rank_c[k]);
+                    foot_a[k] = at(sums.foot.data(), rank_a[k]);
+                    foot_b[k] = at(sums.foot.data(), rank_b[k]);
+                    foot_c[k] = at(sums.foot.data(), rank_c[k]);
                 }
             Lanes q_a{}, q_b{}, q_c{}, volume{};
             Vector feet{};
             add_line<Weighted>(a, b, foot_a, foot_b, ab, x, sign, q_a, q_b, volume, feet);
             add_line<Weighted>(b, c, foot_b, foot_c, bc, x, sign, q_b, q_c, volume, feet);
             add_line<Weighted>(c, a, foot_c, foot_a, ca, x, sign, q_c, q_a, volume, feet);
-            const Lanes twice = volume + volume;
-            moments.x += twice * x.x - feet.x;
-            moments.y += twice * x.y - feet.y;
-            moments.z += twice * x.z - feet.z;
+            moments.x -= feet.x, moments.y -= feet.y, moments.z -= feet.z;
+            add(volume + volume, x, moments);
             for (int k = 0; k < 4; ++k) {
-                at(sums.q, rank_a[k]) += q_a[k];
-                at(sums.q, rank_b[k]) += q_b[k];
-                at(sums.q, rank_c[k]) += q_c[k];
+                at(sums.q.data(), rank_a[k]) += q_a[k];
+                at(sums.q.data(), rank_b[k]) += q_b[k];
+                at(sums.q.data(), rank_c[k]) += q_c[k];
             }
         }
 
-        double volume = 0, moment[3] = {sum(moments.x), sum(moments.y), sum(moments.z)};
-        for (int p = 0; p < shape.planes; ++p) {
-            const auto& [n, h] = shape.plane[p];
-            const double q = sums.q[p], part = h * q;
-            volume += part;
-            const double by = Weighted ? part * sums.foot[p] : part;
-            double square = h;
-            if constexpr (Weighted) square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-            for (int k = 0; k < 3; ++k) moment[k] += by * n[k];
-            out.areas[p] = std::max(0.5 * std::sqrt(square) * q, 0.0);
+        Lanes volumes{}, moment{};
+        for (int p = 0; p < shape.planes; p += 4) {
+            const Lanes h = lanes(&sums.h[p]), q = lanes(&sums.q[p]);
+            Lanes part = h * q, squares = h, length;
+            volumes += part;
+            if constexpr (Weighted) {
+                Planes four;
+                load([&](int lane) { return &shape.plane[p + lane]; }, four);
+                dot(four.n, four.n, squares);
+                part *= lanes(&sums.foot[p]);
+            }
+            square_roots(squares, length);
+            const Lanes area = 0.5 * length * q;
+            lanes(&out.areas[p]) = area > 0 ? area : 0 * area;
+            for (int k = 0; k < 4; ++k) moment += part[k] * lanes(shape.plane[p + k].n);
         }
+        moment += Lanes{sum(moments.x), sum(moments.y), sum(moments.z)};
+        const double volume = sum(volumes);
         out.farthest_squared = largest(farthest);
         out.volume = volume / 6;
         for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (4 * volume);

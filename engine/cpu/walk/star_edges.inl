@@ -214,6 +214,7 @@ bool StarWalk<Isa>::collect_faces() {
     const int planes = planes_;
     for (int p = 0; p < planes; ++p) {
         face_[faces] = cells_.id(local_[p]);
+        face_slot_[faces] = static_cast<std::uint8_t>(p);
         const int own = std::popcount(out_[p]);
         edges += own;
         faces += own != 0 ? 1 : 0;

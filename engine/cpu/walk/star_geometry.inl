@@ -5,6 +5,13 @@
 
 namespace votess::cpu {
 
+// Whether the vector to a seed is the difference of two doubles each.
+template <class Isa>
+bool StarWalk<Isa>::is_difference(std::int32_t id) const {
+    return seeds_.images == nullptr ||
+           (!moved_ && !seeds_.images->is_rough(id) && seeds_.images->low(id) == std::array<double, 3>{});
+}
+
 template <class Isa>
 CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
     CellShape& shape = shape_;
@@ -12,24 +19,25 @@ CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
     shape.slots = planes_;
     shape.corners = vertices_;
     shape.weighted = weighted_;
-    const SeedImages* images = seeds_.images;
-    const auto is_plain = [&](std::int32_t id) {  // the difference of two doubles is the difference of the seeds
-        return images == nullptr || (!moved_ && !images->is_rough(id) && images->low(id) == std::array<double, 3>{});
-    };
-    for (int p = 0, face = 0; p < planes_; ++p) {
-        if (out_[p] == 0) continue;
-        const std::uint32_t rank = ranks[static_cast<std::size_t>(face++)];
-        shape.rank[static_cast<std::size_t>(p)] = static_cast<std::uint8_t>(rank);
-        CellShape::Plane& plane = shape.plane[rank];
-        need_plane(p);
-        const std::int32_t id = id_[p];
-        if (id >= 0 && !is_plain(id)) {
-            const auto [x, y, z] = exact::differences(base_.point, exact_plane(id)).x;
-            plane.n[0] = x.high, plane.n[1] = y.high, plane.n[2] = z.high;
+    const Wide at{p_[0], p_[1], p_[2], 0};
+    for (int face = 0; face < faces_; ++face) {
+        const std::uint32_t rank = ranks[static_cast<std::size_t>(face)];
+        shape.rank[face_slot_[face]] = static_cast<std::uint8_t>(rank);
+        const std::int32_t id = face_[face];
+        Wide& plane = reinterpret_cast<Wide&>(shape.plane[rank]);
+        if (id < 0) {
+            Four n;
+            double h;
+            wall_plane(id, n, h);
+            plane = 0.5 * unscale_ * wide(n);
+        } else if (plain_ || is_difference(id)) {
+            const auto i = static_cast<std::size_t>(id);
+            plane = 0.5 * (Wide{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0} - at);
         } else {
-            for (std::size_t k = 0; k < 3; ++k) plane.n[k] = n_[p].x[k] * unscale_;
+            const auto [x, y, z] = exact::differences(base_.point, exact_plane(id)).x;
+            plane = 0.5 * Wide{x.high, y.high, z.high, 0};
         }
-        plane.power = weighted_ && id >= 0 ? weight_ - weight_of(id) : 0;
+        if (!plain_ && weighted_ && id >= 0) plane[3] = 0.25 * (weight_ - weight_of(id));
     }
     for (const Tie& tie : ties_) {
         if (!shape.add_polygon(std::span(tie_slots_.begin() + tie.begin, tie_slots_.begin() + tie.end))) return nullptr;

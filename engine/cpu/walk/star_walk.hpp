@@ -240,6 +240,9 @@ private:
         return walls_[static_cast<std::size_t>(wall_places_[static_cast<std::size_t>(-1 - id)])];
     }
 
+    // star_geometry.inl
+    [[nodiscard]] bool is_difference(std::int32_t id) const;
+
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
@@ -315,6 +318,7 @@ private:
 
     // For shape(): the corners of vertices on three planes, by vertex. Ties stand apart until the ranks are known.
     CellShape shape_;
+    std::array<std::uint8_t, most_planes> face_slot_;
     struct Tie {
         int vertex;
         std::vector<std::uint8_t>::difference_type begin, end;  // in tie_slots_

@@ -94,10 +94,10 @@ struct StarKernels {
     // the first `count`.
     int (*touching)(const CandidatePlanes&, int count, const float* v, const std::int32_t* three, int begin);
     // places[k] = how many of `count` different ids are smaller than ids[k]. There is room for 32 places or more.
-    void (*rank)(const std::int32_t* ids, int count, std::uint16_t* places);
+    void (*rank)(const std::int32_t* ids, int count, std::uint32_t* places);
     // Orders the corners, with three fillers behind them.
     void (*order_corners)(const CellShape&, CornerOrder&);
-    // False where rounding might spoil the digits promised. The numbers are the same with all instruction sets.
+    // False where rounding might spoil the digits promised. Last digits depend on the instruction set.
     bool (*measure)(CellShape&, CellMeasures&);
 };
 

@@ -92,7 +92,7 @@ VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, __m256i at) {
 }
 
 template <int Blocks>
-VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, std::uint16_t* places) {
+VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, std::uint32_t* places) {
     const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     __m256i of[Blocks], smaller[Blocks];
     for (int b = 0; b < Blocks; ++b) {
@@ -104,10 +104,7 @@ VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, s
         const __m256i id = _mm256_set1_epi32(ids[i]);
         for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi32(smaller[b], _mm256_cmpgt_epi32(of[b], id));
     }
-    for (int b = 0; b < Blocks; ++b) {
-        const __m128i low = _mm256_castsi256_si128(smaller[b]), high = _mm256_extracti128_si256(smaller[b], 1);
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(places + 8 * b), _mm_packus_epi32(low, high));
-    }
+    for (int b = 0; b < Blocks; ++b) _mm256_storeu_si256(reinterpret_cast<__m256i*>(places + 8 * b), smaller[b]);
 }
 
 // The keys of up to 32 corners, see Avx2::order_corners().
@@ -142,12 +139,14 @@ VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, s
         of[b] = _mm256_load_si256(reinterpret_cast<const __m256i*>(keys + 16 * b));
         smaller[b] = _mm256_setzero_si256();
     }
+#pragma GCC unroll 4
     for (int i = 0; i < count; ++i) {
         const __m256i key = _mm256_set1_epi16(static_cast<short>(keys[i]));
         for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi16(smaller[b], _mm256_cmpgt_epi16(of[b], key));
     }
     alignas(32) std::uint16_t places[16 * Blocks];
     for (int b = 0; b < Blocks; ++b) _mm256_store_si256(reinterpret_cast<__m256i*>(places + 16 * b), smaller[b]);
+#pragma GCC unroll 4
     for (int i = 0; i < count; ++i) sorted[places[i]] = keys[i];
 }
 
@@ -155,6 +154,15 @@ VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, s
 
 struct Avx2 {
     static constexpr const char* name = "avx2";
+
+    using Lanes __attribute__((vector_size(32), may_alias)) = double;
+    VOTESS_AVX2 VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
+        out = _mm256_fmadd_pd(a, b, c);
+    }
+    VOTESS_AVX2 VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c,
+                                                            Lanes& out) {
+        out = _mm256_fmsub_pd(a, b, c);
+    }
 
     VOTESS_AVX2 VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
         unsigned mask = 0;
@@ -283,7 +291,7 @@ struct Avx2 {
         return -1;
     }
 
-    VOTESS_AVX2 static void rank(const std::int32_t* ids, int count, std::uint16_t* places) {
+    VOTESS_AVX2 static void rank(const std::int32_t* ids, int count, std::uint32_t* places) {
         if (count <= 16) return rank_blocks<2>(ids, count, places);
         if (count <= 32) return rank_blocks<4>(ids, count, places);
         Baseline::rank(ids, count, places);
