@@ -235,10 +235,13 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
     }
     faces_ranked_ = count;
     std::size_t walls = 0;
+    const bool images = !face_shifts_.empty();
+    const std::int32_t* input = seeds_.input.begin();
+    std::int32_t* names = names_.data();
     for (std::size_t f = 0; f < count; ++f) {
         const std::int32_t id = ids[f];
         walls += id < 0 ? 1 : 0;
-        names_[f] = id < 0 ? id : face_shifts_.empty() ? seeds_.input[static_cast<std::size_t>(id)] : input_of(id);
+        names[f] = id < 0 ? id : images ? input_of(id) : input[id];
     }
     hidden_ = walls_ ? 0 : walls;
     const std::int32_t* keys = names_.data();
@@ -277,8 +280,10 @@ void CellWriter::write_row() {
         for (std::size_t f = 0; f < faces; ++f)
             if (ranks_[f] >= hidden_) visit(f, begin + ranks_[f] - hidden_);
     };
+    std::int32_t* row = rows_.data() + begin;
+    const std::uint32_t* rank = ranks_.data();
     if (hidden_ == 0)
-        for (std::size_t f = 0; f < faces; ++f) rows_[begin + ranks_[f]] = names_[f];
+        for (const std::int32_t name : std::span(names_).first(faces)) row[*rank++] = name;
     else
         for_listed([&](std::size_t f, std::size_t entry) { rows_[entry] = names_[f]; });
     if (want_.areas) {

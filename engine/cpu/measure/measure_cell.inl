@@ -91,26 +91,24 @@ class CellMeter {
         out = Lanes{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])};
     }
 
-    // What the line of two planes a, b adds at corners x: to q_a and q_b, to the volume (times 6), and what the foot on
-    // the line takes from the moment.
+    // What the line of two planes a, b adds at a corner: to q_a, q_b and the volume (times 6), and by how much of a x b
+    // the foot on the line differs from the corner.
+    struct Line {
+        Lanes q_a, q_b, volume, share;
+    };
+    // product: a.b
     template <bool Weighted>
-    [[gnu::always_inline]] static void add_line(const Planes& a, const Planes& b, const Lanes& foot_a,
-                                                const Lanes& foot_b, const Vector& ab, const Vector& x,
-                                                const Bits& sign, Lanes& q_a, Lanes& q_b, Lanes& volume, Vector& feet) {
-        Lanes square, along, product;
+    [[gnu::always_inline]] static void meet(const Vector& ab, const Lanes& product, const Vector& x, const Bits& sign,
+                                            const Lanes& a_h, const Lanes& b_h, const Lanes& foot_a,
+                                            const Lanes& foot_b, Line& out) {
+        Lanes square, along;
         dot(ab, ab, square);
         dot(x, ab, along);
-        dot(a.n, b.n, product);
-        const Lanes share = along / square;
-        const Lanes w = reinterpret_cast<Lanes>(reinterpret_cast<Bits>(share) ^ sign);
-        const Lanes in_a = (b.h - (Weighted ? foot_a * product : product)) * w;
-        const Lanes in_b = (a.h - (Weighted ? foot_b * product : product)) * w;
-        q_a += in_a;
-        q_b += in_b;
-        Lanes part;
-        Isa::multiply_add(a.h, in_a, b.h * in_b, part);
-        volume += part;
-        add(share * part, ab, feet);
+        out.share = along / square;
+        const Lanes w = reinterpret_cast<Lanes>(reinterpret_cast<Bits>(out.share) ^ sign);
+        out.q_a = (b_h - (Weighted ? foot_a * product : product)) * w;
+        out.q_b = (a_h - (Weighted ? foot_b * product : product)) * w;
+        Isa::multiply_add(a_h, out.q_a, b_h * out.q_b, out.volume);
     }
 
     template <bool Weighted>
@@ -144,7 +142,7 @@ class CellMeter {
 
         CornerOrder order;
         Isa::order_corners(shape, order);
-        Vector moments{};
+        Vector moments{}, feet{};
         Lanes errors{}, farthest{}, conditions{};
         const double further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
         for (int i = 0; i < shape.corners; i += 4) {
@@ -153,12 +151,22 @@ class CellMeter {
             load(shape, rank_a, a);
             load(shape, rank_b, b);
             load(shape, rank_c, c);
+            Lanes foot_a{}, foot_b{}, foot_c{};
+            if constexpr (Weighted)
+                for (int k = 0; k < 4; ++k) {
+                    foot_a[k] = at(sums.foot.data(), rank_a[k]);
+                    foot_b[k] = at(sums.foot.data(), rank_b[k]);
+                    foot_c[k] = at(sums.foot.data(), rank_c[k]);
+                }
+            Lanes a_b, b_c, c_a, determinant;
             Vector ab, bc, ca;
+            dot(a.n, b.n, a_b);
             cross(a.n, b.n, ab);
+            dot(b.n, c.n, b_c);
             cross(b.n, c.n, bc);
-            cross(c.n, a.n, ca);
-            Lanes determinant;
             dot(a.n, bc, determinant);
+            dot(c.n, a.n, c_a);
+            cross(c.n, a.n, ca);
             const Lanes inverse = 1 / determinant;
             Vector x{a.h * bc.x, a.h * bc.y, a.h * bc.z};
             add(b.h, ca, x);
@@ -189,20 +197,16 @@ class CellMeter {
             square_roots(condition2 * (length2 * length2), error);
             errors += error;
 
-            Lanes foot_a{}, foot_b{}, foot_c{};
-            if constexpr (Weighted)
-                for (int k = 0; k < 4; ++k) {
-                    foot_a[k] = at(sums.foot.data(), rank_a[k]);
-                    foot_b[k] = at(sums.foot.data(), rank_b[k]);
-                    foot_c[k] = at(sums.foot.data(), rank_c[k]);
-                }
-            Lanes q_a{}, q_b{}, q_c{}, volume{};
-            Vector feet{};
-            add_line<Weighted>(a, b, foot_a, foot_b, ab, x, sign, q_a, q_b, volume, feet);
-            add_line<Weighted>(b, c, foot_b, foot_c, bc, x, sign, q_b, q_c, volume, feet);
-            add_line<Weighted>(c, a, foot_c, foot_a, ca, x, sign, q_c, q_a, volume, feet);
-            moments.x -= feet.x, moments.y -= feet.y, moments.z -= feet.z;
+            Line on_ab, on_bc, on_ca;
+            meet<Weighted>(ab, a_b, x, sign, a.h, b.h, foot_a, foot_b, on_ab);
+            add(on_ab.share * on_ab.volume, ab, feet);
+            meet<Weighted>(bc, b_c, x, sign, b.h, c.h, foot_b, foot_c, on_bc);
+            add(on_bc.share * on_bc.volume, bc, feet);
+            meet<Weighted>(ca, c_a, x, sign, c.h, a.h, foot_c, foot_a, on_ca);
+            add(on_ca.share * on_ca.volume, ca, feet);
+            const Lanes volume = on_ab.volume + on_bc.volume + on_ca.volume;
             add(volume + volume, x, moments);
+            const Lanes q_a = on_ab.q_a + on_ca.q_b, q_b = on_ab.q_b + on_bc.q_a, q_c = on_bc.q_b + on_ca.q_a;
             for (int k = 0; k < 4; ++k) {
                 at(sums.q.data(), rank_a[k]) += q_a[k];
                 at(sums.q.data(), rank_b[k]) += q_b[k];
@@ -226,7 +230,7 @@ class CellMeter {
             lanes(&out.areas[p]) = area > 0 ? area : 0 * area;
             for (int k = 0; k < 4; ++k) moment += part[k] * lanes(shape.plane[p + k].n);
         }
-        moment += Lanes{sum(moments.x), sum(moments.y), sum(moments.z)};
+        moment += Lanes{sum(moments.x - feet.x), sum(moments.y - feet.y), sum(moments.z - feet.z)};
         const double volume = sum(volumes);
         out.farthest_squared = largest(farthest);
         out.volume = volume / 6;

@@ -20,6 +20,8 @@ CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
     shape.corners = vertices_;
     shape.weighted = weighted_;
     const Wide at{p_[0], p_[1], p_[2], 0};
+    const double *x = seeds_.x.begin(), *y = seeds_.y.begin(), *z = seeds_.z.begin();  // kept in registers
+    const bool plain = plain_;
     for (int face = 0; face < faces_; ++face) {
         const std::uint32_t rank = ranks[static_cast<std::size_t>(face)];
         shape.rank[face_slot_[face]] = static_cast<std::uint8_t>(rank);
@@ -30,14 +32,14 @@ CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
             double h;
             wall_plane(id, n, h);
             plane = 0.5 * unscale_ * wide(n);
-        } else if (plain_ || is_difference(id)) {
+        } else if (plain || is_difference(id)) {
             const auto i = static_cast<std::size_t>(id);
-            plane = 0.5 * (Wide{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0} - at);
+            plane = 0.5 * (Wide{x[i], y[i], z[i], 0} - at);
         } else {
-            const auto [x, y, z] = exact::differences(base_.point, exact_plane(id)).x;
-            plane = 0.5 * Wide{x.high, y.high, z.high, 0};
+            const auto difference = exact::differences(base_.point, exact_plane(id)).x;
+            plane = 0.5 * Wide{difference[0].high, difference[1].high, difference[2].high, 0};
         }
-        if (!plain_ && weighted_ && id >= 0) plane[3] = 0.25 * (weight_ - weight_of(id));
+        if (!plain && weighted_ && id >= 0) plane[3] = 0.25 * (weight_ - weight_of(id));
     }
     for (const Tie& tie : ties_) {
         if (!shape.add_polygon(std::span(tie_slots_.begin() + tie.begin, tie_slots_.begin() + tie.end))) return nullptr;

@@ -131,7 +131,8 @@ VOTESS_AVX2 VOTESS_INLINE void corner_keys(const CellShape& shape, int begin, st
     }
 }
 
-// Sorts keys, of which no two are equal; blocks of 16, with room behind the last.
+// Sorts keys, of which no two are equal but the fillers: those behind the last, up to a multiple of four, are larger than
+// all others. Keys stand in blocks of 16.
 template <int Blocks>
 VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, std::uint16_t* sorted) {
     __m256i of[Blocks], smaller[Blocks];
@@ -139,15 +140,15 @@ VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, s
         of[b] = _mm256_load_si256(reinterpret_cast<const __m256i*>(keys + 16 * b));
         smaller[b] = _mm256_setzero_si256();
     }
-#pragma GCC unroll 4
-    for (int i = 0; i < count; ++i) {
-        const __m256i key = _mm256_set1_epi16(static_cast<short>(keys[i]));
-        for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi16(smaller[b], _mm256_cmpgt_epi16(of[b], key));
-    }
+    for (int i = 0; i < count; i += 4)
+        for (int k = 0; k < 4; ++k) {
+            const __m256i key = _mm256_set1_epi16(static_cast<short>(keys[i + k]));
+            for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi16(smaller[b], _mm256_cmpgt_epi16(of[b], key));
+        }
     alignas(32) std::uint16_t places[16 * Blocks];
     for (int b = 0; b < Blocks; ++b) _mm256_store_si256(reinterpret_cast<__m256i*>(places + 16 * b), smaller[b]);
-#pragma GCC unroll 4
-    for (int i = 0; i < count; ++i) sorted[places[i]] = keys[i];
+    for (int i = 0; i < count; i += 4)
+        for (int k = 0; k < 4; ++k) sorted[places[i + k]] = keys[i + k];
 }
 
 }  // namespace
@@ -300,10 +301,12 @@ struct Avx2 {
     // By keys of 16 bits: three ranks of five bits, ascending.
     VOTESS_AVX2 static void order_corners(const CellShape& shape, CornerOrder& out) {
         constexpr int most_keys = 64;
+        constexpr std::uint64_t fillers = 0x7fff7fff7fff7fff;
         if (shape.slots > 32 || shape.corners > most_keys) return Baseline::order_corners(shape, out);
-        alignas(32) std::uint16_t keys[most_keys], sorted[most_keys + 16];
+        alignas(32) std::uint16_t keys[most_keys + 16], sorted[most_keys + 16];
         corner_keys(shape, 0, keys);
         if (shape.corners > 32) corner_keys(shape, 32, keys);
+        std::memcpy(keys + shape.corners, &fillers, sizeof fillers);
         if (shape.corners <= 32)
             sort_keys<2>(keys, shape.corners, sorted);
         else if (shape.corners <= 48)

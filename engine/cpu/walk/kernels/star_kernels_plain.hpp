@@ -213,7 +213,7 @@ struct Baseline {
         }
     }
 
-    static void order_corners(const CellShape& shape, CornerOrder& out) {
+    [[gnu::noinline]] static void order_corners(const CellShape& shape, CornerOrder& out) {
         constexpr int bits = 6, most = (1 << bits) - 1;
         static_assert(most + 1 == CellShape::most_planes);
         std::array<std::int32_t, CellShape::most_corners> keys;
@@ -233,9 +233,9 @@ struct Baseline {
         fill_corners(shape.corners, out);
     }
     VOTESS_INLINE static void fill_corners(int corners, CornerOrder& out) {
-        for (int k = corners; k < corners + CellShape::fillers; ++k)
-            for (int p = 0; p < 3; ++p)
-                out.rank[p][k] = static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
+        for (int p = 0; p < 3; ++p)
+            for (int k = 0; k < 4; ++k)
+                out.rank[p][corners + k] = static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
     }
 
 private:
