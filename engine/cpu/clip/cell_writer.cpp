@@ -47,6 +47,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     unscale_ = 1 / job.scale;
     counters_ = {};
     rows_size_ = 0;
+    rows_.clear();  // with arrays of other jobs
     lengths_.clear();
     polygon_writer_.clear();
 }
@@ -221,10 +222,10 @@ exact::Point CellWriter::place() const {
 }
 
 void CellWriter::make_room(std::size_t faces) {
-    if (rows_.size() < rows_size_ + 2 * faces) rows_.resize(std::max(usual_rows, 2 * rows_.size()) + 2 * faces);
-    if (want_.areas && areas_.size() < rows_.size()) areas_.resize(rows_.size());
-    if (want_.normals && normals_.size() < 3 * rows_.size()) normals_.resize(3 * rows_.size());
-    if (periodic_ && shifts_.size() < 3 * rows_.size()) shifts_.resize(3 * rows_.size());
+    rows_.resize(std::max(usual_rows, 2 * rows_.size()) + faces);
+    if (want_.areas) areas_.resize(rows_.size());
+    if (want_.normals) normals_.resize(3 * rows_.size());
+    if (periodic_) shifts_.resize(3 * rows_.size());
 }
 
 void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
@@ -274,7 +275,7 @@ void CellWriter::rank_labels() {
 
 void CellWriter::write_row() {
     const std::size_t faces = faces_ranked_, count = faces - hidden_;
-    make_room(faces);
+    if (rows_size_ + faces > rows_.size()) make_room(faces);
     const std::size_t begin = rows_size_;
     const auto for_listed = [&](auto visit) {  // a face and its entry
         for (std::size_t f = 0; f < faces; ++f)

@@ -205,7 +205,7 @@ class CellMeter {
             meet<Weighted>(ca, c_a, x, sign, c.h, a.h, foot_c, foot_a, on_ca);
             add(on_ca.share * on_ca.volume, ca, feet);
             const Lanes volume = on_ab.volume + on_bc.volume + on_ca.volume;
-            add(volume + volume, x, moments);
+            add(volume, x, moments);
             const Lanes q_a = on_ab.q_a + on_ca.q_b, q_b = on_ab.q_b + on_bc.q_a, q_c = on_bc.q_b + on_ca.q_a;
             for (int k = 0; k < 4; ++k) {
                 at(sums.q.data(), rank_a[k]) += q_a[k];
@@ -226,11 +226,11 @@ class CellMeter {
                 part *= lanes(&sums.foot[p]);
             }
             square_roots(squares, length);
-            const Lanes area = 0.5 * length * q;
-            lanes(&out.areas[p]) = area > 0 ? area : 0 * area;
-            for (int k = 0; k < 4; ++k) moment += part[k] * lanes(shape.plane[p + k].n);
+            const Lanes area = 0.5 * length * q, none{};
+            lanes(&out.areas[p]) = area > none ? area : none;
+            for (int k = 0; k < 4; ++k) Isa::multiply_add(none + part[k], lanes(shape.plane[p + k].n), moment, moment);
         }
-        moment += Lanes{sum(moments.x - feet.x), sum(moments.y - feet.y), sum(moments.z - feet.z)};
+        moment += Lanes{sum(2 * moments.x - feet.x), sum(2 * moments.y - feet.y), sum(2 * moments.z - feet.z)};
         const double volume = sum(volumes);
         out.farthest_squared = largest(farthest);
         out.volume = volume / 6;

@@ -12,16 +12,13 @@ bool StarWalk<Isa>::is_difference(std::int32_t id) const {
            (!moved_ && !seeds_.images->is_rough(id) && seeds_.images->low(id) == std::array<double, 3>{});
 }
 
+// Plain: neither weights nor images.
 template <class Isa>
-CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
+template <bool Plain>
+void StarWalk<Isa>::shape_planes(std::span<const std::uint32_t> ranks) {
     CellShape& shape = shape_;
-    shape.planes = faces_;
-    shape.slots = planes_;
-    shape.corners = vertices_;
-    shape.weighted = weighted_;
     const Wide at{p_[0], p_[1], p_[2], 0};
     const double *x = seeds_.x.begin(), *y = seeds_.y.begin(), *z = seeds_.z.begin();  // kept in registers
-    const bool plain = plain_;
     for (int face = 0; face < faces_; ++face) {
         const std::uint32_t rank = ranks[static_cast<std::size_t>(face)];
         shape.rank[face_slot_[face]] = static_cast<std::uint8_t>(rank);
@@ -32,15 +29,29 @@ CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
             double h;
             wall_plane(id, n, h);
             plane = 0.5 * unscale_ * wide(n);
-        } else if (plain || is_difference(id)) {
-            const auto i = static_cast<std::size_t>(id);
-            plane = 0.5 * (Wide{x[i], y[i], z[i], 0} - at);
+            continue;
+        }
+        if (Plain || is_difference(id)) {
+            plane = 0.5 * (Wide{x[id], y[id], z[id], 0} - at);
         } else {
             const auto difference = exact::differences(base_.point, exact_plane(id)).x;
             plane = 0.5 * Wide{difference[0].high, difference[1].high, difference[2].high, 0};
         }
-        if (!plain && weighted_ && id >= 0) plane[3] = 0.25 * (weight_ - weight_of(id));
+        if (!Plain && weighted_) plane[3] = 0.25 * (weight_ - weight_of(id));
     }
+}
+
+template <class Isa>
+CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
+    CellShape& shape = shape_;
+    shape.planes = faces_;
+    shape.slots = planes_;
+    shape.corners = vertices_;
+    shape.weighted = weighted_;
+    if (plain_)
+        shape_planes<true>(ranks);
+    else
+        shape_planes<false>(ranks);
     for (const Tie& tie : ties_) {
         if (!shape.add_polygon(std::span(tie_slots_.begin() + tie.begin, tie_slots_.begin() + tie.end))) return nullptr;
         // The last corner takes the place of the vertex.

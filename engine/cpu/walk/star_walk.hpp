@@ -242,6 +242,8 @@ private:
 
     // star_geometry.inl
     [[nodiscard]] bool is_difference(std::int32_t id) const;
+    template <bool Plain>
+    void shape_planes(std::span<const std::uint32_t> ranks);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
