@@ -47,7 +47,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     unscale_ = 1 / job.scale;
     counters_ = {};
     rows_size_ = 0;
-    rows_.clear();  // with arrays of other jobs
+    resize_beside_rows();  // an earlier job may have wanted none of them
     lengths_.clear();
     polygon_writer_.clear();
 }
@@ -134,7 +134,7 @@ void CellWriter::write(Cell& cell) {
 void CellWriter::measure(const Cell& cell) {
     const std::span ranks = std::span(ranks_).first(faces_ranked_);
     shape_.weighted = domain_->has_weights();
-    if (read_shape(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
+    if (shape_reader_.read(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
         face_areas_ = std::span(measures_.areas).first(faces_.size());
     } else {
         measure_exactly(cell, faces_, ranks, measures_, many_areas_);
@@ -221,11 +221,15 @@ exact::Point CellWriter::place() const {
     return {seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
 }
 
-void CellWriter::make_room(std::size_t faces) {
-    rows_.resize(std::max(usual_rows, 2 * rows_.size()) + faces);
+void CellWriter::resize_beside_rows() {
     if (want_.areas) areas_.resize(rows_.size());
     if (want_.normals) normals_.resize(3 * rows_.size());
     if (periodic_) shifts_.resize(3 * rows_.size());
+}
+
+void CellWriter::make_room(std::size_t faces) {
+    rows_.resize(std::max({usual_rows, 2 * rows_.size(), rows_size_ + faces}));
+    resize_beside_rows();
 }
 
 void CellWriter::rank_faces(std::span<const std::int32_t> ids) {

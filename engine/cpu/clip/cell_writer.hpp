@@ -79,6 +79,7 @@ private:
     // After rank_faces(), in their order; face_normals_ in that of the faces.
     void write_row();
     void make_room(std::size_t faces);
+    void resize_beside_rows();
     void write_polygons();
 
     const SortedSeeds& seeds_;
@@ -102,6 +103,7 @@ private:
     // The cell at hand: where it goes, and whose it is.
     std::size_t output_ = 0, seed_ = 0;
     const Probe* probe_ = nullptr;  // instead of seed_
+    ShapeReader shape_reader_;
     CellShape shape_;  // of a clipped cell
     CellMeasures measures_;
     std::vector<double> many_areas_;

@@ -1,7 +1,6 @@
 #include "cpu/measure/cell_shape.hpp"
 
 #include <algorithm>
-#include <vector>
 
 #include "cpu/clip/cell.hpp"
 
@@ -26,20 +25,14 @@ CellShape::Plane plane_of(const CellPlane& plane) {
     return {{0.5 * u, 0.5 * v, 0.5 * w}, 0};
 }
 
-// A face at a vertex, between the ends of its two edges there.
-struct FaceAtVertex {
-    std::int32_t vertex, from, to;
-    std::uint8_t face;
-};
-
 }  // namespace
 
-bool read_shape(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellShape& out) {
+bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks,
+                       CellShape& out) {
     if (faces.size() > CellShape::most_planes) return false;
     out.planes = out.slots = static_cast<int>(faces.size());
     out.corners = 0;
-    std::vector<FaceAtVertex> all;
-    all.reserve(faces.corners.size());
+    all_.clear();
     for (std::size_t f = 0; f < faces.size(); ++f) {
         out.rank[f] = static_cast<std::uint8_t>(ranks[f]);
         out.plane[ranks[f]] = plane_of(cell.planes()[static_cast<std::size_t>(faces.planes[f])]);
@@ -47,21 +40,20 @@ bool read_shape(const Cell& cell, const CellFaces& faces, std::span<const std::u
                                       .subspan(static_cast<std::size_t>(faces.offsets[f]),
                                                static_cast<std::size_t>(faces.offsets[f + 1] - faces.offsets[f]));
         for (std::size_t k = 0; k < corners.size(); ++k)
-            all.push_back({corners[k], corners[k == 0 ? corners.size() - 1 : k - 1],
+            all_.push_back({corners[k], corners[k == 0 ? corners.size() - 1 : k - 1],
                            corners[k + 1 == corners.size() ? 0 : k + 1], static_cast<std::uint8_t>(f)});
     }
-    std::ranges::sort(all, {}, &FaceAtVertex::vertex);
-    std::vector<std::uint8_t> around;
-    for (auto begin = all.begin(), end = begin; begin != all.end(); begin = end) {
-        end = std::find_if(begin, all.end(), [&](const FaceAtVertex& f) { return f.vertex != begin->vertex; });
-        around.clear();
+    std::ranges::sort(all_, {}, &FaceAtVertex::vertex);
+    for (auto begin = all_.begin(), end = begin; begin != all_.end(); begin = end) {
+        end = std::find_if(begin, all_.end(), [&](const FaceAtVertex& f) { return f.vertex != begin->vertex; });
+        around_.clear();
         // The next face is the one across the edge.
-        for (auto f = begin; around.size() < static_cast<std::size_t>(end - begin);) {
-            around.push_back(f->face);
+        for (auto f = begin; around_.size() < static_cast<std::size_t>(end - begin);) {
+            around_.push_back(f->face);
             f = std::find_if(begin, end, [&](const FaceAtVertex& g) { return g.from == f->to; });
             if (f == end) return false;
         }
-        if (!out.add_polygon(around)) return false;
+        if (!out.add_polygon(around_)) return false;
     }
     return true;
 }

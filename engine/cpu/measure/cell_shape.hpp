@@ -62,9 +62,22 @@ struct CornerOrder {
     alignas(32) std::array<std::array<std::uint16_t, CellShape::most_corners + 16>, 3> rank;
 };
 
-// ranks: by face. False for cells that are too large.
-[[nodiscard]] bool read_shape(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks,
-                              CellShape& out);
+// The shapes of clipped cells. One per thread.
+class ShapeReader {
+public:
+    // ranks: by face. False for cells that are too large.
+    [[nodiscard]] bool read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks,
+                            CellShape& out);
+
+private:
+    // A face at a vertex, between the ends of its two edges there.
+    struct FaceAtVertex {
+        std::int32_t vertex, from, to;
+        std::uint8_t face;
+    };
+    std::vector<FaceAtVertex> all_;
+    std::vector<std::uint8_t> around_;
+};
 
 // For cells whose shape does not tell: from corners that are solved exactly. areas: by rank, to an absolute error of
 // 1e-10 of their sum.
