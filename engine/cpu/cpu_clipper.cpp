@@ -14,8 +14,7 @@ namespace votess::cpu {
 namespace {
 
 // Blocks are tasks and stretches: neighbors in space, which share what they find. The longer they are the less is found
-// twice; later ones are shorter, so that threads end together. They depend on the number of seeds alone, unless there
-// are many threads to feed, and so do the last bits of volumes.
+// twice; later ones are shorter, so that threads end together.
 constexpr std::size_t longest_block = 16384, shortest_block = 2048, fewest_blocks = 4;
 constexpr std::size_t many_threads = 32, blocks_of_many = 2;  // for each of them
 constexpr std::size_t least_block_seeds = 16;                 // of few cells, so that all threads get some

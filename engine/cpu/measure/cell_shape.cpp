@@ -27,21 +27,23 @@ CellShape::Plane plane_of(const CellPlane& plane) {
 
 }  // namespace
 
-bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks,
-                       CellShape& out) {
+bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellShape& out) {
     if (faces.size() > CellShape::most_planes) return false;
     out.planes = out.slots = static_cast<int>(faces.size());
     out.corners = 0;
+    out.exact = this;
+    cell_ = &cell;
     all_.clear();
     for (std::size_t f = 0; f < faces.size(); ++f) {
         out.rank[f] = static_cast<std::uint8_t>(ranks[f]);
+        plane_[ranks[f]] = faces.planes[f];
         out.plane[ranks[f]] = plane_of(cell.planes()[static_cast<std::size_t>(faces.planes[f])]);
         const std::span corners = std::span(faces.corners)
                                       .subspan(static_cast<std::size_t>(faces.offsets[f]),
                                                static_cast<std::size_t>(faces.offsets[f + 1] - faces.offsets[f]));
         for (std::size_t k = 0; k < corners.size(); ++k)
             all_.push_back({corners[k], corners[k == 0 ? corners.size() - 1 : k - 1],
-                           corners[k + 1 == corners.size() ? 0 : k + 1], static_cast<std::uint8_t>(f)});
+                            corners[k + 1 == corners.size() ? 0 : k + 1], static_cast<std::uint8_t>(f)});
     }
     std::ranges::sort(all_, {}, &FaceAtVertex::vertex);
     for (auto begin = all_.begin(), end = begin; begin != all_.end(); begin = end) {
@@ -56,6 +58,13 @@ bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const
         if (!out.add_polygon(around_)) return false;
     }
     return true;
+}
+
+std::array<double, 3> ShapeReader::corner(const std::array<unsigned, 3>& ranks) const {
+    const auto source = [&](std::size_t k) -> const exact::Plane& {
+        return cell_->planes()[static_cast<std::size_t>(plane_[ranks[k]])].source;
+    };
+    return exact::vertex_position<double>(cell_->seed(), source(0), source(1), source(2));
 }
 
 }  // namespace votess::cpu

@@ -14,6 +14,16 @@ namespace votess::cpu {
 class Cell;
 struct CellFaces;
 
+// Solves corners exactly.
+class ExactCorners {
+public:
+    // The corner of three planes, by their ranks, rounded.
+    [[nodiscard]] virtual std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const = 0;
+
+protected:
+    ~ExactCorners() = default;
+};
+
 struct CellShape {
     static constexpr int most_planes = 64;
     static constexpr int most_corners = 2 * most_planes;
@@ -35,6 +45,7 @@ struct CellShape {
     alignas(32) std::array<std::uint8_t, most_corners> a{}, b{}, c{};
     alignas(32) std::array<std::uint8_t, most_planes> rank{};  // by slot: the place in the row, walls first
     std::array<Plane, most_planes + fillers> plane{};          // by rank; measuring changes them
+    const ExactCorners* exact = nullptr;                       // of the same cell
 
     CellShape() {
         for (std::size_t k = 0; k < fillers; ++k) plane[most_planes + k].n[k] = 1;
@@ -51,8 +62,8 @@ struct CellShape {
 
 struct CellMeasures {
     double volume = 0;
-    double farthest_squared = 0;       // from the seed to a vertex
-    std::array<double, 3> centroid{};  // relative to the seed
+    double farthest_squared = 0;                                     // from the seed to a vertex
+    std::array<double, 3> centroid{};                                // relative to the seed
     alignas(32) std::array<double, CellShape::most_planes> areas{};  // by rank
 };
 
@@ -63,7 +74,7 @@ struct CornerOrder {
 };
 
 // The shapes of clipped cells. One per thread.
-class ShapeReader {
+class ShapeReader final : private ExactCorners {
 public:
     // ranks: by face. False for cells that are too large.
     [[nodiscard]] bool read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks,
@@ -75,6 +86,10 @@ private:
         std::int32_t vertex, from, to;
         std::uint8_t face;
     };
+    [[nodiscard]] std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const override;
+
+    const Cell* cell_ = nullptr;
+    std::array<std::int32_t, CellShape::most_planes> plane_{};  // of the cell, by rank
     std::vector<FaceAtVertex> all_;
     std::vector<std::uint8_t> around_;
 };

@@ -11,7 +11,8 @@
 // Error. Let u = 2^-53 and cond = |a||b||c| / |det|. No foot is farther away than x, so each orthoscheme has at most
 // |x|^3 / 6. The corner is wrong by 62 u cond |x| (cell.hpp), ab by 6 u |a||b|, h_b - f_a a.b by 14 u |b||x|, and
 // |ab| |c| >= |det|: that sums to 106 u cond |x|^3 / 6 for each of six. `corner_error` has room for what rounds the
-// sums. With weights the rounding of a plane counts like that of a point farther away, by |n| / 4 (star.hpp).
+// sums. Corners whose cond is large are solved exactly: their error is that of their lines, whose cond |a||b| / |ab| is
+// less. With weights the rounding of a plane counts like that of a point farther away, by |n| / 4 (star.hpp).
 #pragma once
 
 #include <algorithm>
@@ -24,6 +25,8 @@ namespace votess::cpu {
 
 template <class Isa>
 class CellMeter {
+    static constexpr double worst_condition2 = 4e6;  // of a corner that is not solved exactly
+
     using Lanes = typename Isa::Lanes;  // four doubles
     using Pair __attribute__((vector_size(16), may_alias)) = double;
     using Bits __attribute__((vector_size(32))) = std::int64_t;
@@ -111,14 +114,127 @@ class CellMeter {
         Isa::multiply_add(a_h, out.q_a, b_h * out.q_b, out.volume);
     }
 
+    // What corners have added up to.
+    struct Totals {
+        Vector moments{}, feet{};
+        Lanes errors{}, farthest{};
+    };
+
+    // Solves those of four corners exactly whose planes are nearly parallel to a line, which spoils the corner, but not
+    // the lines of two: condition2 then is that of the worst of these.
+    [[gnu::noinline]] static void solve_doubtful(const ExactCorners& exact, const Planes& a, const Planes& b,
+                                                 const Planes& c, const std::uint16_t* const (&ranks)[3], Vector& x,
+                                                 Lanes& condition2) {
+        constexpr double known_sign = 1e26;  // of the determinant, up to there
+        const auto line2 = [](const Vector& u, const Vector& v, int k) {
+            const double across[3] = {u.y[k] * v.z[k] - u.z[k] * v.y[k], u.z[k] * v.x[k] - u.x[k] * v.z[k],
+                                      u.x[k] * v.y[k] - u.y[k] * v.x[k]};
+            return (u.x[k] * u.x[k] + u.y[k] * u.y[k] + u.z[k] * u.z[k]) *
+                   (v.x[k] * v.x[k] + v.y[k] * v.y[k] + v.z[k] * v.z[k]) /
+                   (across[0] * across[0] + across[1] * across[1] + across[2] * across[2]);
+        };
+        for (int k = 0; k < 4; ++k) {
+            if (condition2[k] <= worst_condition2) continue;
+            if (!(condition2[k] <= known_sign)) {
+                condition2[k] = std::numeric_limits<double>::infinity();
+                continue;
+            }
+            std::array<unsigned, 3> three;
+            for (std::size_t p = 0; p < 3; ++p) three[p] = unsigned{ranks[p][k]} / CornerOrder::rank_step;
+            const std::array<double, 3> at = exact.corner(three);
+            x.x[k] = at[0], x.y[k] = at[1], x.z[k] = at[2];
+            condition2[k] = std::max({line2(a.n, b.n, k), line2(b.n, c.n, k), line2(c.n, a.n, k)});
+        }
+    }
+
+    // Four corners from the i-th on. Doubtful: some of them are; else returns false where some are.
+    template <bool Weighted, bool Doubtful>
+    [[gnu::always_inline]] static bool add_corners(const CellShape& shape, const CornerOrder& order, int i,
+                                                   double further, Sums& sums, Totals& totals) {
+        const std::uint16_t *rank_a = &order.rank[0][i], *rank_b = &order.rank[1][i], *rank_c = &order.rank[2][i];
+        Planes a, b, c;
+        load(shape, rank_a, a);
+        load(shape, rank_b, b);
+        load(shape, rank_c, c);
+        Lanes foot_a{}, foot_b{}, foot_c{};
+        if constexpr (Weighted)
+            for (int k = 0; k < 4; ++k) {
+                foot_a[k] = at(sums.foot.data(), rank_a[k]);
+                foot_b[k] = at(sums.foot.data(), rank_b[k]);
+                foot_c[k] = at(sums.foot.data(), rank_c[k]);
+            }
+        Lanes a_b, b_c, c_a, determinant;
+        Vector ab, bc, ca;
+        dot(a.n, b.n, a_b);
+        cross(a.n, b.n, ab);
+        dot(b.n, c.n, b_c);
+        cross(b.n, c.n, bc);
+        dot(a.n, bc, determinant);
+        dot(c.n, a.n, c_a);
+        cross(c.n, a.n, ca);
+        const Lanes inverse = 1 / determinant;
+        Vector x{a.h * bc.x, a.h * bc.y, a.h * bc.z};
+        add(b.h, ca, x);
+        add(c.h, ab, x);
+        x.x *= inverse, x.y *= inverse, x.z *= inverse;
+        const Bits sign = reinterpret_cast<Bits>(determinant) & std::numeric_limits<std::int64_t>::min();
+
+        Lanes products;
+        if constexpr (Weighted) {
+            Lanes a2, b2, c2;
+            dot(a.n, a.n, a2);
+            dot(b.n, b.n, b2);
+            dot(c.n, c.n, c2);
+            products = a2 * b2 * c2;
+        } else {
+            products = a.h * b.h * c.h;
+        }
+        Lanes condition2 = products * (inverse * inverse);
+        if constexpr (Doubtful)
+            solve_doubtful(*shape.exact, a, b, c, {rank_a, rank_b, rank_c}, x, condition2);
+        else if (Isa::any_above(condition2, worst_condition2))
+            return false;
+        Lanes x2, error;
+        dot(x, x, x2);
+        totals.farthest = x2 > totals.farthest ? x2 : totals.farthest;
+        Lanes length2 = x2;
+        if constexpr (Weighted) {
+            Lanes length;
+            square_roots(x2, length);
+            length2 = (length + further) * (length + further);
+        }
+        square_roots(condition2 * (length2 * length2), error);
+        totals.errors += error;
+
+        Line on_ab, on_bc, on_ca;
+        meet<Weighted>(ab, a_b, x, sign, a.h, b.h, foot_a, foot_b, on_ab);
+        add(on_ab.share * on_ab.volume, ab, totals.feet);
+        meet<Weighted>(bc, b_c, x, sign, b.h, c.h, foot_b, foot_c, on_bc);
+        add(on_bc.share * on_bc.volume, bc, totals.feet);
+        meet<Weighted>(ca, c_a, x, sign, c.h, a.h, foot_c, foot_a, on_ca);
+        add(on_ca.share * on_ca.volume, ca, totals.feet);
+        const Lanes volume = on_ab.volume + on_bc.volume + on_ca.volume;
+        add(volume, x, totals.moments);
+        const Lanes q_a = on_ab.q_a + on_ca.q_b, q_b = on_ab.q_b + on_bc.q_a, q_c = on_bc.q_b + on_ca.q_a;
+        for (int k = 0; k < 4; ++k) {
+            at(sums.q.data(), rank_a[k]) += q_a[k];
+            at(sums.q.data(), rank_b[k]) += q_b[k];
+            at(sums.q.data(), rank_c[k]) += q_c[k];
+        }
+        return true;
+    }
+    template <bool Weighted>
+    [[gnu::noinline]] static void add_doubtful(const CellShape& shape, const CornerOrder& order, int i, double further,
+                                               Sums& sums, Totals& totals) {
+        add_corners<Weighted, true>(shape, order, i, further, sums, totals);
+    }
+
     template <bool Weighted>
     static bool measure(CellShape& shape, CellMeasures& out) {
         constexpr double accepted_error = 5e-11;  // of the volume; the promise is 1e-10
         constexpr double unit = 0x1p-53;
         constexpr double corner_error = Weighted ? 240 * unit : 160 * unit;
         constexpr double smallest_volume = 1e-140, smallest_square = 1e-90;  // no product of six leaves the range
-        constexpr double worst_condition2 = 1e16;
-
         // Planes are handled four at a time: what fills the last four is wanted by no corner.
         for (int p = shape.planes; p % 4 != 0; ++p) shape.plane[p] = shape.plane[0];
         Sums sums;
@@ -142,77 +258,15 @@ class CellMeter {
 
         CornerOrder order;
         Isa::order_corners(shape, order);
-        Vector moments{}, feet{};
-        Lanes errors{}, farthest{}, conditions{};
         const double further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
-        for (int i = 0; i < shape.corners; i += 4) {
-            const std::uint16_t *rank_a = &order.rank[0][i], *rank_b = &order.rank[1][i], *rank_c = &order.rank[2][i];
-            Planes a, b, c;
-            load(shape, rank_a, a);
-            load(shape, rank_b, b);
-            load(shape, rank_c, c);
-            Lanes foot_a{}, foot_b{}, foot_c{};
-            if constexpr (Weighted)
-                for (int k = 0; k < 4; ++k) {
-                    foot_a[k] = at(sums.foot.data(), rank_a[k]);
-                    foot_b[k] = at(sums.foot.data(), rank_b[k]);
-                    foot_c[k] = at(sums.foot.data(), rank_c[k]);
-                }
-            Lanes a_b, b_c, c_a, determinant;
-            Vector ab, bc, ca;
-            dot(a.n, b.n, a_b);
-            cross(a.n, b.n, ab);
-            dot(b.n, c.n, b_c);
-            cross(b.n, c.n, bc);
-            dot(a.n, bc, determinant);
-            dot(c.n, a.n, c_a);
-            cross(c.n, a.n, ca);
-            const Lanes inverse = 1 / determinant;
-            Vector x{a.h * bc.x, a.h * bc.y, a.h * bc.z};
-            add(b.h, ca, x);
-            add(c.h, ab, x);
-            x.x *= inverse, x.y *= inverse, x.z *= inverse;
-            const Bits sign = reinterpret_cast<Bits>(determinant) & std::numeric_limits<std::int64_t>::min();
-
-            Lanes x2, products, error;
-            dot(x, x, x2);
-            farthest = x2 > farthest ? x2 : farthest;
-            if constexpr (Weighted) {
-                Lanes a2, b2, c2;
-                dot(a.n, a.n, a2);
-                dot(b.n, b.n, b2);
-                dot(c.n, c.n, c2);
-                products = a2 * b2 * c2;
-            } else {
-                products = a.h * b.h * c.h;
-            }
-            const Lanes condition2 = products * (inverse * inverse);
-            conditions = condition2 > conditions ? condition2 : conditions;
-            Lanes length2 = x2;
-            if constexpr (Weighted) {
-                Lanes length;
-                square_roots(x2, length);
-                length2 = (length + further) * (length + further);
-            }
-            square_roots(condition2 * (length2 * length2), error);
-            errors += error;
-
-            Line on_ab, on_bc, on_ca;
-            meet<Weighted>(ab, a_b, x, sign, a.h, b.h, foot_a, foot_b, on_ab);
-            add(on_ab.share * on_ab.volume, ab, feet);
-            meet<Weighted>(bc, b_c, x, sign, b.h, c.h, foot_b, foot_c, on_bc);
-            add(on_bc.share * on_bc.volume, bc, feet);
-            meet<Weighted>(ca, c_a, x, sign, c.h, a.h, foot_c, foot_a, on_ca);
-            add(on_ca.share * on_ca.volume, ca, feet);
-            const Lanes volume = on_ab.volume + on_bc.volume + on_ca.volume;
-            add(volume, x, moments);
-            const Lanes q_a = on_ab.q_a + on_ca.q_b, q_b = on_ab.q_b + on_bc.q_a, q_c = on_bc.q_b + on_ca.q_a;
-            for (int k = 0; k < 4; ++k) {
-                at(sums.q.data(), rank_a[k]) += q_a[k];
-                at(sums.q.data(), rank_b[k]) += q_b[k];
-                at(sums.q.data(), rank_c[k]) += q_c[k];
-            }
-        }
+        Totals sure;
+        std::array<std::uint8_t, CellShape::most_corners / 4> doubtful;  // groups of four
+        int doubts = 0;
+        for (int i = 0; i < shape.corners; i += 4)
+            if (!add_corners<Weighted, false>(shape, order, i, further, sums, sure))
+                doubtful[doubts++] = static_cast<std::uint8_t>(i / 4);
+        Totals totals = sure;
+        for (int k = 0; k < doubts; ++k) add_doubtful<Weighted>(shape, order, 4 * doubtful[k], further, sums, totals);
 
         Lanes volumes{}, moment{};
         for (int p = 0; p < shape.planes; p += 4) {
@@ -230,14 +284,14 @@ class CellMeter {
             lanes(&out.areas[p]) = area > none ? area : none;
             for (int k = 0; k < 4; ++k) Isa::multiply_add(none + part[k], lanes(shape.plane[p + k].n), moment, moment);
         }
-        moment += Lanes{sum(2 * moments.x - feet.x), sum(2 * moments.y - feet.y), sum(2 * moments.z - feet.z)};
+        moment += Lanes{sum(2 * totals.moments.x - totals.feet.x), sum(2 * totals.moments.y - totals.feet.y),
+                        sum(2 * totals.moments.z - totals.feet.z)};
         const double volume = sum(volumes);
-        out.farthest_squared = largest(farthest);
+        out.farthest_squared = largest(totals.farthest);
         out.volume = volume / 6;
         for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (4 * volume);
         const double reach = std::sqrt(out.farthest_squared) + further;
-        return out.volume > smallest_volume && largest(conditions) <= worst_condition2 &&
-               corner_error * sum(errors) * reach <= accepted_error * out.volume;
+        return out.volume > smallest_volume && corner_error * sum(totals.errors) * reach <= accepted_error * out.volume;
     }
 
 public:

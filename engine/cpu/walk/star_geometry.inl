@@ -42,12 +42,23 @@ void StarWalk<Isa>::shape_planes(std::span<const std::uint32_t> ranks) {
 }
 
 template <class Isa>
+std::array<double, 3> StarWalk<Isa>::corner(const std::array<unsigned, 3>& ranks) const {
+    const auto plane = [&](unsigned rank) {
+        int face = 0;
+        while (shape_.rank[face_slot_[face]] != rank) ++face;
+        return exact_plane(face_[face]);
+    };
+    return exact::vertex_position<double>(base_.point, plane(ranks[0]), plane(ranks[1]), plane(ranks[2]));
+}
+
+template <class Isa>
 CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
     CellShape& shape = shape_;
     shape.planes = faces_;
     shape.slots = planes_;
     shape.corners = vertices_;
     shape.weighted = weighted_;
+    shape.exact = this;
     if (plain_)
         shape_planes<true>(ranks);
     else

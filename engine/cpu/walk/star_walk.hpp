@@ -8,7 +8,7 @@ namespace votess::cpu {
 // Isa has the functions of StarKernels in one instruction set; the file that includes this one compiles all else for
 // it, too.
 template <class Isa>
-class StarWalk final : public Star {
+class StarWalk final : public Star, private ExactCorners {
 public:
     StarWalk(const SortedSeeds& seeds, const Hierarchy& hierarchy)
         : seeds_(seeds), hierarchy_(hierarchy), window_(seeds, hierarchy, kernels_of<Isa>) {
@@ -242,6 +242,7 @@ private:
 
     // star_geometry.inl
     [[nodiscard]] bool is_difference(std::int32_t id) const;
+    [[nodiscard]] std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const override;
     template <bool Plain>
     void shape_planes(std::span<const std::uint32_t> ranks);
 

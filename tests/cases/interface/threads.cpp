@@ -50,6 +50,25 @@ TEST_SUITE("threads") {
         }
     }
 
+    TEST_CASE("measures do not depend on where stretches begin, to the last digit") {
+        const std::size_t n = test::by_size(20000, 5000);
+        for (const test::PointSet& set :
+             {test::uniform(n, 68), test::clustered(n, 69), test::fcc(8), test::bcc(9),
+              test::jittered(test::by_size(20, 14), 1e-5, 70), test::on_sphere(test::by_size(5000, 2000), 71)}) {
+            CAPTURE(set.name);
+            auto options = with_threads(1);
+            options.box = set.box;
+            options.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = true};
+            options.want.surfaces = options.want.radii = true;
+            const auto few = votess::tessellate(set.points, options);
+            options.threads = 64;  // shorter ones
+            CHECK(test::check_identical(few, votess::tessellate(set.points, options)) == "");
+            options.threads = 2;
+            options.grid_resolution = 7;  // another order of the seeds
+            CHECK(test::check_identical(few, votess::tessellate(set.points, options)) == "");
+        }
+    }
+
     TEST_CASE("one Tessellator, changing numbers of threads") {
         const test::PointSet set = test::uniform(test::by_size(5000, 800), 65);
         const auto expected = test::run(set);

@@ -131,8 +131,8 @@ VOTESS_AVX2 VOTESS_INLINE void corner_keys(const CellShape& shape, int begin, st
     }
 }
 
-// Sorts keys, of which no two are equal but the fillers: those behind the last, up to a multiple of four, are larger than
-// all others. Keys stand in blocks of 16.
+// Sorts keys, of which no two are equal but the fillers: those behind the last, up to a multiple of four, are larger
+// than all others. Keys stand in blocks of 16.
 template <int Blocks>
 VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, std::uint16_t* sorted) {
     __m256i of[Blocks], smaller[Blocks];
@@ -159,6 +159,10 @@ struct Avx2 {
     using Lanes __attribute__((vector_size(32), may_alias)) = double;
     VOTESS_AVX2 VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
         out = _mm256_fmadd_pd(a, b, c);
+    }
+    // Or not a number.
+    VOTESS_AVX2 VOTESS_INLINE static bool any_above(const Lanes& a, double limit) {
+        return _mm256_movemask_pd(_mm256_cmp_pd(a, _mm256_set1_pd(limit), _CMP_NLE_UQ)) != 0;
     }
     VOTESS_AVX2 VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c,
                                                             Lanes& out) {

@@ -83,6 +83,10 @@ struct Baseline {
     VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
         out = a * b + c;
     }
+    // Or not a number.
+    VOTESS_INLINE static bool any_above(const Lanes& a, double limit) {
+        return !(a[0] <= limit && a[1] <= limit && a[2] <= limit && a[3] <= limit);
+    }
     VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
         out = a * b - c;
     }
@@ -235,7 +239,8 @@ struct Baseline {
     VOTESS_INLINE static void fill_corners(int corners, CornerOrder& out) {
         for (int p = 0; p < 3; ++p)
             for (int k = 0; k < 4; ++k)
-                out.rank[p][corners + k] = static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
+                out.rank[p][corners + k] =
+                    static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
     }
 
 private:
