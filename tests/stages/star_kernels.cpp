@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <set>
 #include <vector>
 
 #include "support/check.hpp"
@@ -394,5 +395,41 @@ TEST_SUITE("stages") {
                     REQUIRE(std::equal(order.begin(), order.end(), places.begin()));
                 });
             }
+    }
+
+    TEST_CASE("star_kernels: corners are ordered by their ranks, ascending, with fillers behind") {
+        test::Random random(31);
+        for (std::size_t round = 0; round < test::by_size(400, 100); ++round) {
+            CellShape shape;
+            shape.slots = static_cast<int>(random.integer(4, CellShape::most_planes));
+            const int most = 2 * shape.slots - 4;
+            std::vector<std::uint8_t> ranks(static_cast<std::size_t>(shape.slots));
+            const auto order = test::permutation(ranks.size(), random);
+            for (std::size_t k = 0; k < ranks.size(); ++k) shape.rank[k] = static_cast<std::uint8_t>(order[k]);
+            std::set<std::array<int, 3>> expected;
+            while (shape.corners < static_cast<int>(random.integer(1, most))) {
+                std::array<int, 3> slots;
+                for (int& slot : slots) slot = static_cast<int>(random.integer(0, shape.slots - 1));
+                std::array<int, 3> three{shape.rank[slots[0]], shape.rank[slots[1]], shape.rank[slots[2]]};
+                std::ranges::sort(three);
+                if (three[0] == three[1] || three[1] == three[2] || !expected.insert(three).second) continue;
+                shape.add_corner(static_cast<unsigned>(slots[0]), static_cast<unsigned>(slots[1]),
+                                 static_cast<unsigned>(slots[2]));
+            }
+            for_each_set([&](const StarKernels& kernels) {
+                CornerOrder found;
+                kernels.order_corners(shape, found);
+                std::size_t at = 0;
+                for (const auto& three : expected) {
+                    for (std::size_t p = 0; p < 3; ++p)
+                        REQUIRE(found.rank[p][at] == CornerOrder::rank_step * three[p]);
+                    ++at;
+                }
+                for (std::size_t k = 0; k < CellShape::fillers; ++k)
+                    for (std::size_t p = 0; p < 3; ++p)
+                        REQUIRE(found.rank[p][at + k] ==
+                                CornerOrder::rank_step * (CellShape::most_planes + static_cast<int>(p)));
+            });
+        }
     }
 }
