@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/ceil.hpp"
+#include "core/power_of_two.hpp"
 #include "gpu/passes/kernel_choice.hpp"
 #include "input/implied_wants.hpp"
 
@@ -309,7 +310,7 @@ void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> c
             const int exponent =
                 static_cast<int>(chunk.info()[i] >> INFO_EXPONENT_SHIFT) - seeds_.on_device().units().shift;
             for (std::uint32_t k = 0; k < lengths[i - begin]; ++k)
-                areas.push_back(std::ldexp(chunk.area(first_entry + areas.size()), 2 * exponent));
+                areas.push_back(times_power_of_two(chunk.area(first_entry + areas.size()), 2 * exponent));
         }
     }
     std::vector<std::int8_t> shifts;
@@ -348,12 +349,12 @@ void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_
     const auto i = static_cast<std::size_t>(input);
     const Want& want = job_.options.want;
     const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - seeds_.on_device().units().shift;
-    if (want.volumes) result_.volumes()[i] = std::ldexp(chunk.geometry(cell, 0), 3 * exponent);
+    if (want.volumes) result_.volumes()[i] = times_power_of_two(chunk.geometry(cell, 0), 3 * exponent);
     if (want.centroids)
         for (std::uint32_t k = 0; k < 3; ++k)
             result_.centroids()[3 * i + k] = job_.points[3 * i + k] +
                                              (periodic_ && !periodic_->wraps.empty() ? periodic_->wraps[i][k] : 0) +
-                                             std::ldexp(chunk.geometry(cell, 1 + k), exponent);
+                                             times_power_of_two(chunk.geometry(cell, 1 + k), exponent);
     if (want.counts) {
         const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff;
         result_.face_counts()[i] = (info >> INFO_FACES_SHIFT) & 0xff;

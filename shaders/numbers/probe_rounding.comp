@@ -1,4 +1,4 @@
-// Takes sums, products, conversions, quotients and roots of given numbers, for the host to see how the device rounds.
+// Takes sums, products, conversions, quotients, roots and sums of products of given numbers, for the host to see how the device rounds.
 // Variant: FLOAT64.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -20,10 +20,11 @@ void main() {
     if (i >= push.count) return;
     const real a = operands[2u * i], b = operands[2u * i + 1u];
     precise const real sum = a + b, product = a * b;
-    precise const real quotient = a / b, side = sqrt(abs(a));
-    results[5u * i] = sum;
-    results[5u * i + 1u] = product;
-    results[5u * i + 2u] = real(0x01000001u + 2u * i);
-    results[5u * i + 3u] = quotient;
-    results[5u * i + 4u] = side;
+    precise const real quotient = a / b, side = sqrt(abs(a)), both = fma(a, b, b);
+    results[6u * i] = sum;
+    results[6u * i + 1u] = product;
+    results[6u * i + 2u] = real(0x01000001u + 2u * i);
+    results[6u * i + 3u] = quotient;
+    results[6u * i + 4u] = side;
+    results[6u * i + 5u] = both;
 }

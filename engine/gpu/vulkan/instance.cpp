@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -53,6 +54,13 @@ bool has_layer(const LoaderCalls& calls, std::string_view name) {
     return std::any_of(list.begin(), list.end(), [&](const auto& l) { return l.layerName == name; });
 }
 
+// On Apple's systems the loader, or the driver itself.
+#ifdef __APPLE__
+constexpr const char* loader_names[] = {"libvulkan.1.dylib", "libvulkan.dylib", "libMoltenVK.dylib"};
+#else
+constexpr const char* loader_names[] = {"libvulkan.so.1"};
+#endif
+
 }  // namespace
 
 bool validation_wanted() {
@@ -65,12 +73,19 @@ bool synchronization_validation_wanted() {
 
 Loader::Loader() {
     // NODELETE: drivers leave threads and thread-local destructors behind, so that unmapping their code is not safe.
-    library_ = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-    if (!library_) throw Error(ErrorCode::unsupported, "no Vulkan loader (libvulkan.so.1) on this machine");
+    const char* name = nullptr;
+    for (const char* candidate : loader_names) {
+        name = candidate;
+        library_ = dlopen(name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+        if (library_) break;
+    }
+    if (!library_)
+        throw Error(ErrorCode::unsupported, "no Vulkan loader (" + std::string(loader_names[0]) + ") on this machine");
     const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library_, "vkGetInstanceProcAddr"));
     if (!get) {
         dlclose(library_);
-        throw Error(ErrorCode::unsupported, "libvulkan.so.1 is not a Vulkan loader: it lacks vkGetInstanceProcAddr");
+        throw Error(ErrorCode::unsupported,
+                    std::string(name) + " is not a Vulkan loader: it lacks vkGetInstanceProcAddr");
     }
     calls_.vkGetInstanceProcAddr = get;
     load(calls_.vkEnumerateInstanceVersion, get, nullptr, "vkEnumerateInstanceVersion");
@@ -102,7 +117,7 @@ Instance::Instance(const HostInstance& host)
 Instance::Instance(const InstanceOptions& options) : validation_(options.validation) {
     loader_.emplace();
     if (!loader_->calls().vkEnumerateInstanceVersion) {
-        throw Error(ErrorCode::unsupported, "votess needs Vulkan 1.1, the loader (libvulkan.so.1) has 1.0");
+        throw Error(ErrorCode::unsupported, "votess needs Vulkan 1.1, the loader has 1.0");
     }
     check(loader_->calls().vkEnumerateInstanceVersion(&version_), "vkEnumerateInstanceVersion");
     version_ = std::min(version_, newest_version);

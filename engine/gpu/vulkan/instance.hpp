@@ -16,7 +16,7 @@ namespace votess::gpu::vulkan {
 [[nodiscard]] bool validation_wanted();
 [[nodiscard]] bool synchronization_validation_wanted();
 
-// libvulkan.so.1, opened at run time so that votess works on machines without it. Throws `unsupported` if absent.
+// The Vulkan loader, opened at run time so that votess works on machines without it. Throws `unsupported` if absent.
 class Loader {
 public:
     Loader();

@@ -34,7 +34,7 @@ bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
     const Pass pass(device,
                     {.name = "probe_rounding", .spirv = spirv, .push_bytes = sizeof(ScanPush), .local_size = 32});
     const Buffer operands = memory.buffer(2 * count * sizeof(Real), MemoryKind::upload, "operands");
-    const Buffer results = memory.buffer(5 * count * sizeof(Real), MemoryKind::download, "results");
+    const Buffer results = memory.buffer(6 * count * sizeof(Real), MemoryKind::download, "results");
     const auto pairs = operand_pairs<Real>(count);
     std::memcpy(operands.mapped().data(), pairs.data(), 2 * count * sizeof(Real));
     operands.flush();
@@ -50,9 +50,12 @@ bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
     const auto found = results.as<Real>();
     for (std::uint32_t i = 0; i < count; ++i) {
         const Real a = pairs[2 * i], b = pairs[2 * i + 1];
-        const auto* const result = &found[5 * i];
+        const auto* const result = &found[6 * i];
         if (result[0] != a + b || result[1] != a * b || result[2] != static_cast<Real>(0x01000001u + 2 * i))
             return false;
+        // Fused, or rounded twice: the bounds hold for both.
+        const Real product = a * b;
+        if (result[5] != std::fma(a, b, b) && result[5] != product + b) return false;
         // The filter's bounds allow for so much; Vulkan promises no more than that of float32, for float64 too.
         constexpr Real ulp = std::numeric_limits<Real>::epsilon();
         const Real quotient = a / b, root = std::sqrt(std::abs(a));
