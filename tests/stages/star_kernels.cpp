@@ -421,8 +421,7 @@ TEST_SUITE("stages") {
                 kernels.order_corners(shape, found);
                 std::size_t at = 0;
                 for (const auto& three : expected) {
-                    for (std::size_t p = 0; p < 3; ++p)
-                        REQUIRE(found.rank[p][at] == CornerOrder::rank_step * three[p]);
+                    for (std::size_t p = 0; p < 3; ++p) REQUIRE(found.rank[p][at] == CornerOrder::rank_step * three[p]);
                     ++at;
                 }
                 for (std::size_t k = 0; k < CellShape::fillers; ++k)

@@ -9,15 +9,17 @@
 // quarter of the sum of f_a a, the corner, and the foot on the line, which is x - (x.ab) ab / |ab|^2.
 //
 // Error. Let u = 2^-53 and cond = |a||b||c| / |det|. No foot is farther away than x, so each orthoscheme has at most
-// |x|^3 / 6. The corner is wrong by 62 u cond |x| (cell.hpp), ab by 6 u |a||b|, h_b - f_a a.b by 14 u |b||x|, and
-// |ab| |c| >= |det|: that sums to 106 u cond |x|^3 / 6 for each of six. `corner_error` has room for what rounds the
-// sums. Corners whose cond is large are solved exactly: their error is that of their lines, whose cond |a||b| / |ab| is
-// less. With weights the rounding of a plane counts like that of a point farther away, by |n| / 4 (star.hpp).
+// |x|^3 / 6, and |f_a a| |x|^2 / 6. The corner is wrong by 62 u cond |x| (cell.hpp), ab by 6 u |a||b|, h_b - f_a a.b by
+// 14 u |b||x|, and |ab| |c| >= |det|: that sums to 106 u cond |x|^3 / 6 for each of six. `corner_error` has room for
+// what rounds the sums. Corners whose cond is large are solved exactly: their error is that of their lines, whose cond
+// |a||b| / |ab| is less. With weights the rounding of a plane counts like that of a point farther away, by |n| / 4
+// (star.hpp).
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "cpu/measure/cell_shape.hpp"
 
@@ -25,6 +27,10 @@ namespace votess::cpu {
 
 template <class Isa>
 class CellMeter {
+    static constexpr double accepted_error = 5e-11;  // of the volume; the promise is 1e-10
+    static constexpr double unit = 0x1p-53;
+    template <bool Weighted>
+    static constexpr double corner_error = Weighted ? 240 * unit : 160 * unit;
     static constexpr double worst_condition2 = 4e6;  // of a corner that is not solved exactly
 
     using Lanes = typename Isa::Lanes;  // four doubles
@@ -126,13 +132,6 @@ class CellMeter {
                                                  const Planes& c, const std::uint16_t* const (&ranks)[3], Vector& x,
                                                  Lanes& condition2) {
         constexpr double known_sign = 1e26;  // of the determinant, up to there
-        const auto line2 = [](const Vector& u, const Vector& v, int k) {
-            const double across[3] = {u.y[k] * v.z[k] - u.z[k] * v.y[k], u.z[k] * v.x[k] - u.x[k] * v.z[k],
-                                      u.x[k] * v.y[k] - u.y[k] * v.x[k]};
-            return (u.x[k] * u.x[k] + u.y[k] * u.y[k] + u.z[k] * u.z[k]) *
-                   (v.x[k] * v.x[k] + v.y[k] * v.y[k] + v.z[k] * v.z[k]) /
-                   (across[0] * across[0] + across[1] * across[1] + across[2] * across[2]);
-        };
         for (int k = 0; k < 4; ++k) {
             if (condition2[k] <= worst_condition2) continue;
             if (!(condition2[k] <= known_sign)) {
@@ -143,8 +142,19 @@ class CellMeter {
             for (std::size_t p = 0; p < 3; ++p) three[p] = unsigned{ranks[p][k]} / CornerOrder::rank_step;
             const std::array<double, 3> at = exact.corner(three);
             x.x[k] = at[0], x.y[k] = at[1], x.z[k] = at[2];
-            condition2[k] = std::max({line2(a.n, b.n, k), line2(b.n, c.n, k), line2(c.n, a.n, k)});
+            condition2[k] = worst_line(a, b, c, k);
         }
+    }
+    // The squared condition of the worst line of two of three planes.
+    static double worst_line(const Planes& a, const Planes& b, const Planes& c, int k) {
+        const auto line = [k](const Vector& u, const Vector& v) {
+            const double across[3] = {u.y[k] * v.z[k] - u.z[k] * v.y[k], u.z[k] * v.x[k] - u.x[k] * v.z[k],
+                                      u.x[k] * v.y[k] - u.y[k] * v.x[k]};
+            return (u.x[k] * u.x[k] + u.y[k] * u.y[k] + u.z[k] * u.z[k]) *
+                   (v.x[k] * v.x[k] + v.y[k] * v.y[k] + v.z[k] * v.z[k]) /
+                   (across[0] * across[0] + across[1] * across[1] + across[2] * across[2]);
+        };
+        return std::max({line(a.n, b.n), line(b.n, c.n), line(c.n, a.n)});
     }
 
     // Four corners from the i-th on. Doubtful: some of them are; else returns false where some are.
@@ -229,11 +239,51 @@ class CellMeter {
         add_corners<Weighted, true>(shape, order, i, further, sums, totals);
     }
 
+    // Bounds the errors of volume and areas more sharply, for cells that are long or flat.
+    template <bool Weighted>
+    [[gnu::noinline]] static bool is_exact_enough(const CellShape& shape, const CornerOrder& order,
+                                                  const CellMeasures& found) {
+        double volume_error = 0, area_error = 0;
+        for (int i = 0; i < shape.corners; i += 4) {
+            Planes a, b, c;
+            load(shape, &order.rank[0][i], a);
+            load(shape, &order.rank[1][i], b);
+            load(shape, &order.rank[2][i], c);
+            Vector ab, bc, ca;
+            cross(a.n, b.n, ab);
+            cross(b.n, c.n, bc);
+            cross(c.n, a.n, ca);
+            Lanes determinant, a2, b2, c2;
+            dot(a.n, bc, determinant);
+            dot(a.n, a.n, a2);
+            dot(b.n, b.n, b2);
+            dot(c.n, c.n, c2);
+            for (int k = 0; k < std::min(4, shape.corners - i); ++k) {
+                const auto coordinate = [&](const Lanes& u, const Lanes& v, const Lanes& w) {
+                    return (a.h[k] * u[k] + b.h[k] * v[k] + c.h[k] * w[k]) / determinant[k];
+                };
+                const double x = coordinate(bc.x, ca.x, ab.x), y = coordinate(bc.y, ca.y, ab.y),
+                             z = coordinate(bc.z, ca.z, ab.z);
+                double condition2 = a2[k] * b2[k] * c2[k] / (determinant[k] * determinant[k]);
+                if (!(condition2 <= worst_condition2)) condition2 = worst_line(a, b, c, k);
+                const double longest = Weighted ? std::sqrt(std::max({a2[k], b2[k], c2[k]})) : 0;
+                const double length = std::sqrt(x * x + y * y + z * z) + 0.5 * longest;
+                const double error = std::sqrt(condition2) * length * length;
+                const auto foot = [k](const Planes& p, const Lanes& square) {
+                    const double norm = std::sqrt(square[k]);
+                    return std::abs(p.h[k]) / norm + (Weighted ? norm : 0);
+                };
+                volume_error += error * (foot(a, a2) + foot(b, b2) + foot(c, c2)) / 3;
+                area_error += 2 * error;
+            }
+        }
+        const double surface = std::accumulate(found.areas.begin(), found.areas.begin() + shape.planes, 0.0);
+        return corner_error<Weighted> * volume_error <= accepted_error * found.volume &&
+               corner_error<Weighted> * area_error <= 2 * accepted_error * surface;
+    }
+
     template <bool Weighted>
     static bool measure(CellShape& shape, CellMeasures& out) {
-        constexpr double accepted_error = 5e-11;  // of the volume; the promise is 1e-10
-        constexpr double unit = 0x1p-53;
-        constexpr double corner_error = Weighted ? 240 * unit : 160 * unit;
         constexpr double smallest_volume = 1e-140, smallest_square = 1e-90;  // no product of six leaves the range
         // Planes are handled four at a time: what fills the last four is wanted by no corner.
         for (int p = shape.planes; p % 4 != 0; ++p) shape.plane[p] = shape.plane[0];
@@ -291,7 +341,9 @@ class CellMeter {
         out.volume = volume / 6;
         for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (4 * volume);
         const double reach = std::sqrt(out.farthest_squared) + further;
-        return out.volume > smallest_volume && corner_error * sum(totals.errors) * reach <= accepted_error * out.volume;
+        return out.volume > smallest_volume &&
+               (corner_error<Weighted> * sum(totals.errors) * reach <= accepted_error * out.volume ||
+                is_exact_enough<Weighted>(shape, order, out));
     }
 
 public:

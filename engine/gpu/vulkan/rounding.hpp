@@ -7,8 +7,8 @@ namespace votess::gpu::vulkan {
 class Device;
 
 struct Rounding {
-    // float32 sums, products and conversions are rounded to nearest even, fma() once or twice, and quotients and roots are
-    // right to a few units in the last place.
+    // float32 sums, products and conversions are rounded to nearest even, fma() once or twice, and quotients and roots
+    // are right to a few units in the last place.
     bool nearest32 = false;
     bool nearest64 = false;  // the same in float64
 };
