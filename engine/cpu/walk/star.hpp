@@ -38,7 +38,6 @@ namespace votess::cpu {
 
 class Star {
 public:
-    static constexpr std::size_t most_seeds = 16384;  // of a stretch
     static constexpr int most_planes = 64;
     static constexpr int most_vertices = 2 * most_planes;
 
