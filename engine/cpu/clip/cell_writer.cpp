@@ -13,18 +13,29 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t usual_rows = std::size_t{1} << 16;  // ids of a block; memory that is not needed is not touched
+constexpr std::size_t usual_rows = std::size_t{1} << 20;  // ids of a block; memory that is not needed is not touched
 
-std::array<std::int8_t, 3> narrow(const exact::Shift& shift) {
-    std::array<std::int8_t, 3> result{};
+// Keeps the first `kept` values.
+template <class T>
+void grow_to(Buffer<T>& values, std::size_t kept, std::size_t size) {
+    Buffer<T> larger;
+    larger.resize_uninitialized(size);
+    std::copy_n(values.data(), kept, larger.data());
+    values = std::move(larger);
+}
+
+[[noreturn]] void too_skewed() {
+    throw Error(
+        ErrorCode::unsupported,
+        "the cell is so skewed that neighbors lie more than 127 box vectors away: give shorter vectors that span "
+        "the same lattice");
+}
+
+inline void narrow(const exact::Shift& shift, std::int8_t* out) {
     for (std::size_t j = 0; j < 3; ++j) {
-        result[j] = static_cast<std::int8_t>(shift[j]);
-        if (result[j] != shift[j])
-            throw Error(ErrorCode::unsupported,
-                        "the cell is so skewed that neighbors lie more than 127 box vectors away: give shorter vectors "
-                        "that span the same lattice");
+        out[j] = static_cast<std::int8_t>(shift[j]);
+        if (out[j] != shift[j]) too_skewed();
     }
-    return result;
 }
 
 }  // namespace
@@ -73,7 +84,7 @@ bool CellWriter::write(Star& star) {
     if (want_.normals) star.normals(face_normals_);
     if (want_.neighbors) {
         face_shifts_.clear();
-        if (periodic_) find_shifts(faces);
+        if (moved_) find_shifts(faces);
         write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
     }
     if (want_.vertices) {
@@ -168,7 +179,8 @@ void CellWriter::find_shifts(std::span<const std::int32_t> ids) {
     const SeedImages& images = *seeds_.images;
     const bool any_image = std::ranges::any_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); });
     if (!moved_ && !any_image) return;
-    for (const std::int32_t id : ids) face_shifts_.push_back(id < 0 ? exact::Shift{} : images.shift(id));
+    face_shifts_.resize(ids.size());
+    for (std::size_t f = 0; f < ids.size(); ++f) face_shifts_[f] = ids[f] < 0 ? exact::Shift{} : images.shift(ids[f]);
     if (moved_) count_from_domain(ids);
     if (!any_image && std::ranges::all_of(face_shifts_, [](const auto& shift) { return shift == exact::Shift{}; }))
         face_shifts_.clear();
@@ -208,47 +220,68 @@ exact::Point CellWriter::place() const {
     return {seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
 }
 
-void CellWriter::make_room(std::size_t faces) {
-    if (rows_.size() < rows_size_ + 2 * faces) rows_.resize(std::max(usual_rows, 2 * rows_.size()) + 2 * faces);
-    if (want_.areas && areas_.size() < rows_.size()) areas_.resize(rows_.size());
-    if (want_.normals && normals_.size() < 3 * rows_.size()) normals_.resize(3 * rows_.size());
-    if (periodic_ && shifts_.size() < 3 * rows_.size()) shifts_.resize(3 * rows_.size());
+void CellWriter::grow(std::size_t ids) {
+    const std::size_t size = std::max(usual_rows, 2 * ids);
+    grow_to(rows_, rows_size_, size);
+    if (want_.areas) grow_to(areas_, rows_size_, size);
+    if (want_.normals) grow_to(normals_, 3 * rows_size_, 3 * size);
+    if (periodic_) grow_to(shifts_, 3 * rows_size_, 3 * size);
 }
 
-void CellWriter::write_row(const Faces& faces) {
+void CellWriter::write_row(Faces faces) {
     make_room(faces.ids.size());
-    std::size_t count = 0;
-    if (plain_rows_ && faces.shifts.empty() && faces.ids.size() <= most_ranked) {
-        count = write_plain_row(faces);
-        if (periodic_) std::memset(&shifts_[3 * rows_size_], 0, 3 * count);
-    } else {
+    std::optional<std::size_t> count;
+    if (plain_rows_ && faces.ids.size() <= (periodic_ ? most_marked : most_ranked)) count = write_plain_row(faces);
+    if (!count) {
+        count = 0;
+        if (periodic_ && faces.shifts.empty()) {
+            find_shifts(faces.ids);
+            faces.shifts = face_shifts_;
+        }
         find_order(faces);
         for (const std::uint32_t face : order_) {
             if (labels_[face].id < 0 && !walls_) continue;
-            const std::size_t entry = rows_size_ + count++;
+            const std::size_t entry = rows_size_ + (*count)++;
             rows_[entry] = labels_[face].id;
             if (want_.areas) areas_[entry] = faces.areas[face] * unscale_ * unscale_;
             for (std::size_t k = 0; k < 3 && want_.normals; ++k) normals_[3 * entry + k] = faces.normals[face][k];
             for (std::size_t k = 0; k < 3 && periodic_; ++k) shifts_[3 * entry + k] = labels_[face].shift[k];
         }
     }
-    rows_size_ += count;
-    lengths_.push_back(static_cast<std::uint32_t>(count));
+    rows_size_ += *count;
+    lengths_.push_back(static_cast<std::uint32_t>(*count));
 }
 
-// Ids, and areas if wanted.
-std::size_t CellWriter::write_plain_row(const Faces& faces) {
+// Ids, and areas if wanted. Nothing where two ids may be the same: in a small periodic box a seed is a neighbor more
+// than once.
+std::optional<std::size_t> CellWriter::write_plain_row(const Faces& faces) {
     // First behind its place, in the order of the faces, then sorted into it.
     std::int32_t* row = rows_.data() + rows_size_;
     std::int32_t* unsorted = row + faces.ids.size();
+    const SeedImages* images = seeds_.images;
+    bool shifted = !faces.shifts.empty();
     int count = 0;
-    for (std::size_t k = 0; k < faces.ids.size(); ++k) {
-        const std::int32_t id = faces.ids[k];
-        unsorted[count] = id < 0 ? id : seeds_.input[static_cast<std::size_t>(id)];
-        if (want_.areas) kept_areas_[static_cast<std::size_t>(count)] = faces.areas[k];
-        count += (id >= 0 || walls_) ? 1 : 0;
-    }
+    const auto gather = [&, areas = want_.areas, walls = walls_](const auto& input) {
+        for (std::size_t k = 0; k < faces.ids.size(); ++k) {
+            const std::int32_t id = faces.ids[k];
+            unsorted[count] = id < 0 ? id : input(id);
+            if (areas) kept_areas_[static_cast<std::size_t>(count)] = faces.areas[k];
+            count += (id >= 0 || walls) ? 1 : 0;
+        }
+    };
+    const std::int32_t* input = seeds_.input.data();
+    if (shifted)
+        gather([this](std::int32_t id) { return input_of(id); });
+    else if (images == nullptr)
+        gather([=](std::int32_t id) { return input[id]; });
+    else
+        gather([&, input](std::int32_t id) {
+            if (!images->is_image(id)) return input[id];
+            shifted = true;
+            return input[images->home(id)];
+        });
     kernels_->rank(unsorted, count, places_.data());
+    if (shifted && !places_differ(count)) return {};
     for (int k = 0; k < count; ++k) row[places_[static_cast<std::size_t>(k)]] = unsorted[k];
     if (want_.areas) {
         const double square = unscale_ * unscale_;
@@ -256,7 +289,24 @@ std::size_t CellWriter::write_plain_row(const Faces& faces) {
         for (int k = 0; k < count; ++k)
             areas[places_[static_cast<std::size_t>(k)]] = kept_areas_[static_cast<std::size_t>(k)] * square;
     }
+    if (periodic_) {
+        std::int8_t* shifts = shifts_.data() + 3 * rows_size_;
+        if (!shifted) std::memset(shifts, 0, 3 * static_cast<std::size_t>(count));
+        const std::uint16_t* place = places_.data();
+        for (std::size_t k = 0; shifted && k < faces.ids.size(); ++k) {
+            const std::int32_t id = faces.ids[k];
+            if (id < 0 && !walls_) continue;
+            const auto shift = !faces.shifts.empty() ? faces.shifts[k] : id < 0 ? exact::Shift{} : images->shift(id);
+            narrow(shift, shifts + 3 * std::size_t{*place++});
+        }
+    }
     return static_cast<std::size_t>(count);
+}
+
+bool CellWriter::places_differ(int count) const {
+    std::uint64_t marked = 0;
+    for (int k = 0; k < count; ++k) marked |= 1ull << places_[static_cast<std::size_t>(k)];
+    return std::popcount(marked) == count;
 }
 
 // Fills labels_ and order_.
@@ -270,19 +320,13 @@ void CellWriter::find_order(const Faces& faces) {
         const std::int32_t id = faces.ids[f];
         ids[f] = id < 0 ? id : input_of(id);
         labels_[f] = {ids[f], {}};
-        if (!faces.shifts.empty()) labels_[f].shift = narrow(faces.shifts[f]);
+        if (!faces.shifts.empty()) narrow(faces.shifts[f], labels_[f].shift.data());
     }
-    constexpr std::size_t most_marked = 64;
     if (count <= most_marked) {
         kernels_->rank(ids, static_cast<int>(count), places_.data());
-        std::uint64_t marked = 0;
-        for (std::size_t f = 0; f < count; ++f) {
-            order_[places_[f]] = static_cast<std::uint32_t>(f);
-            marked |= 1ull << places_[f];
-        }
-        if (static_cast<std::size_t>(std::popcount(marked)) == count) return;
+        for (std::size_t f = 0; f < count; ++f) order_[places_[f]] = static_cast<std::uint32_t>(f);
+        if (places_differ(static_cast<int>(count))) return;
     }
-    // In a small periodic box a seed is a neighbor more than once.
     std::iota(order_.begin(), order_.end(), 0u);
     std::ranges::sort(order_, {}, [this](std::uint32_t f) { return labels_[f]; });
 }
@@ -300,9 +344,9 @@ void CellWriter::write_polygons() {
 
 void CellWriter::end_block(std::span<const std::int32_t> cells) {
     const auto of = [this](const auto& values, bool wanted, std::size_t each) {
-        return std::span(values).first(wanted ? each * rows_size_ : 0);
+        return std::span(values.data(), wanted ? each * rows_size_ : 0);
     };
-    out_->add_rows(cells, lengths_, std::span(rows_).first(rows_size_),
+    out_->add_rows(cells, lengths_, std::span(rows_.data(), rows_size_),
                    {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), of(shifts_, periodic_, 3)});
     if (want_.vertices) out_->mesh().add(cells, polygon_writer_.block());
     rows_size_ = 0;

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/buffer.hpp"
 #include "cpu/clip/cell.hpp"
 #include "cpu/clip/polygon_writer.hpp"
 #include "cpu/sort/sorted_seeds.hpp"
@@ -52,12 +54,13 @@ public:
     [[nodiscard]] const CellCounters& counters() const { return counters_; }
 
 private:
+    static constexpr std::size_t most_marked = 64;   // ids of a row in which some may be the same
     static constexpr std::size_t most_ranked = 256;  // ids of a row; ranking takes the square of their number
 
     // The faces of a cell in any order: sorted seeds or walls, and what is wanted beside them.
     struct Faces {
         std::span<const std::int32_t> ids;
-        std::span<const exact::Shift> shifts;  // as Tessellation::shifts(); empty when all are zero
+        std::span<const exact::Shift> shifts;  // as Tessellation::shifts(); empty when they are those of the ids
         const double* areas = nullptr;
         const std::array<double, 3>* normals = nullptr;
     };
@@ -81,9 +84,15 @@ private:
     void write_geometry(double volume, const double* centroid);
     void write_sizes(std::span<const double> areas, double farthest_squared);
     void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
-    void write_row(const Faces& faces);
-    std::size_t write_plain_row(const Faces& faces);
-    void make_room(std::size_t faces);
+    void write_row(Faces faces);
+    // Returns the number of its ids.
+    std::optional<std::size_t> write_plain_row(const Faces& faces);
+    void make_room(std::size_t faces) {
+        if (rows_.size() < rows_size_ + 2 * faces) grow(rows_size_ + 2 * faces);
+    }
+    void grow(std::size_t ids);
+    // Whether the first places_ are those of ids of which no two are the same.
+    [[nodiscard]] bool places_differ(int count) const;
     void find_order(const Faces& faces);
     void rank_faces();
     void write_polygons();
@@ -99,9 +108,9 @@ private:
     double unscale_ = 1;
     CellCounters counters_;
     std::size_t rows_size_ = 0;
-    std::vector<std::int32_t> rows_;  // filled up to rows_size_
-    std::vector<double> areas_, normals_;
-    std::vector<std::int8_t> shifts_;
+    Buffer<std::int32_t> rows_;  // filled up to rows_size_
+    Buffer<double> areas_, normals_;
+    Buffer<std::int8_t> shifts_;
     std::vector<std::uint32_t> lengths_;
     PolygonWriter polygon_writer_;
 

@@ -12,7 +12,7 @@ namespace votess::cpu {
 namespace {
 
 // Margin around the box in units of the mean spacing: most cells of uniform seeds need less.
-constexpr double margin_spacings = 3;
+constexpr double margin_spacings = 2.5;
 constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Images beyond the margin are searched for by each cell that needs them; in thin or long boxes there would be too
@@ -52,7 +52,7 @@ exact::Point SeedImages::place_in_domain(std::size_t seed) const {
 }
 
 SeedImages::Base SeedImages::base(std::size_t seed) const {
-    if (is_exact(seed)) return {{seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]}, {}};
+    if (!any_moved() || is_exact(seed)) return {{seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]}, {}};
     const auto input = static_cast<std::size_t>(seeds_->input[seed]);
     return {point_of(points_, input, scale_), wraps_[input]};
 }
@@ -65,7 +65,15 @@ exact::Plane SeedImages::bisector(const Base& seed, std::int32_t home, const exa
 }
 
 exact::Differences SeedImages::position(std::size_t input, const exact::Shift& shift) const {
-    return exact::differences({}, exact::Plane::bisector(point_of(points_, input, scale_), shift, domain_->lattice));
+    const exact::Point x = point_of(points_, input, scale_);
+    exact::Differences at;
+    bool all = straight_;
+    for (std::size_t k = 0; k < 3 && all; ++k) {
+        const auto by = exact::two_product(domain_->lattice.vector[k][k].high, static_cast<double>(shift[k]));
+        at.x[k] = exact::two_sum(x[k], by.high);
+        all = by.low == 0;
+    }
+    return all ? at : exact::differences({}, exact::Plane::bisector(x, shift, domain_->lattice));
 }
 
 bool SeedImages::surely_inside(const exact::Point& x) const {
@@ -98,7 +106,9 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
         for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
             if (!outside.empty() && outside[i] == CellStatus::outside) continue;
             const exact::Point x = point_of(points_, i, scale_);
-            const auto shift = surely_inside(x) ? exact::Shift{} : wrap(*domain_, x);
+            const bool inside = surely_inside(x);
+            if (inside && !domain_->skewed) continue;
+            const auto shift = inside ? exact::Shift{} : wrap(*domain_, x);
             if (!shift) too_far[task] = std::min(too_far[task], i);
             wraps_[i] = shift.value_or(exact::Shift{});
             if (shift && domain_->skewed) {
@@ -262,6 +272,12 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     scale_ = job.scale;
     seeds_ = &out;
     basis_ = domain_->skewed ? &domain_->reduced : &domain_->edges;
+    straight_ = true;
+    for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) {
+            const exact::DoubleDouble& v = domain_->lattice.vector[j][k];
+            straight_ = straight_ && v.low == 0 && (j == k || v.high == 0);
+        }
     wrap_points(job.outside, pool);
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
     sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
@@ -279,39 +295,40 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
 void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
     const std::size_t seeds = out.size();
     const auto at = [&](std::size_t s) { return exact::Point{out.x[s], out.y[s], out.z[s]}; };
-    std::vector<std::size_t> begin(ceil_div(seeds, task_points) + 1, 0);
-    pool.run(ceil_div(seeds, task_points), [&](std::size_t task, unsigned) {
+    struct Image {
+        std::int32_t home;
+        exact::Shift shift;
+    };
+    std::vector<std::vector<Image>> found(ceil_div(seeds, task_points));
+    pool.run(found.size(), [&](std::size_t task, unsigned) {
         for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s)
-            for_images(at(s), [&](const exact::Shift&) { ++begin[task + 1]; });
+            for_images(at(s), [&](const exact::Shift& shift) {
+                found[task].push_back({static_cast<std::int32_t>(s), shift});
+            });
     });
-    for (std::size_t t = 1; t < begin.size(); ++t) begin[t] += begin[t - 1];
+    std::vector<std::size_t> begin(found.size() + 1, 0);
+    for (std::size_t t = 0; t < found.size(); ++t) begin[t + 1] = begin[t] + found[t].size();
     const std::size_t images = begin.back();
     const std::size_t padded = round_up(seeds, group_size);
     if (padded + images > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) - group_size)
         throw Error(ErrorCode::unsupported, "seeds and their periodic images are too many: at most 2147483647");
 
-    std::vector<std::int32_t> homes(images);
-    std::vector<exact::Shift> shifts(images);
+    std::vector<Image> unsorted(images);
     std::vector<double> coordinates(3 * images);
     std::vector<std::array<double, 3>> lows(images);
     std::vector<char> rough(images);
-    pool.run(ceil_div(seeds, task_points), [&](std::size_t task, unsigned) {
-        std::size_t i = begin[task];
-        for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s) {
-            const auto input = static_cast<std::size_t>(out.input[s]);
-            for_images(at(s), [&](const exact::Shift& shift) {
-                homes[i] = static_cast<std::int32_t>(s);
-                shifts[i] = shift;
-                exact::Shift total = shift;
-                for (int j = 0; j < 3 && !wraps_.empty(); ++j) total[j] += wraps_[input][j];
-                const auto position = this->position(input, total);
-                rough[i] = position.exact ? 0 : 1;
-                for (int k = 0; k < 3; ++k) {
-                    coordinates[3 * i + k] = position.x[k].high;
-                    lows[i][k] = position.x[k].low;
-                }
-                ++i;
-            });
+    pool.run(found.size(), [&](std::size_t task, unsigned) {
+        std::ranges::copy(found[task], unsorted.begin() + static_cast<std::ptrdiff_t>(begin[task]));
+        for (std::size_t i = begin[task]; i < begin[task + 1]; ++i) {
+            const auto input = static_cast<std::size_t>(out.input[static_cast<std::size_t>(unsorted[i].home)]);
+            exact::Shift total = unsorted[i].shift;
+            for (int j = 0; j < 3 && !wraps_.empty(); ++j) total[j] += wraps_[input][j];
+            const auto position = this->position(input, total);
+            rough[i] = position.exact ? 0 : 1;
+            for (int k = 0; k < 3; ++k) {
+                coordinates[3 * i + k] = position.x[k].high;
+                lows[i][k] = position.x[k].low;
+            }
         }
     });
     sorter.sort(coordinates, 1, 0, pool, sorted_images_);
@@ -347,11 +364,10 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     }
     for (std::size_t i = 0; i < images; ++i) {
         const auto from = static_cast<std::size_t>(order[i]);
-        home_[i] = homes[from];
-        shift_[i] = shifts[from];
+        home_[i] = unsorted[from].home;
+        shift_[i] = unsorted[from].shift;
         low_[first_ + i] = lows[from];
-        rough_[first_ + i] = rough[from] != 0;
-        any_rough_ = any_rough_ || rough[from] != 0;
+        if (rough[from] != 0) rough_[first_ + i] = any_rough_ = true;
     }
     rounding_of_seeds_ = {};
     for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s) {

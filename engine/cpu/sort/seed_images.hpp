@@ -87,6 +87,7 @@ private:
     Points points_;
     double scale_ = 1;
     const Basis* basis_ = nullptr;     // that seeds are wrapped by
+    bool straight_ = false;            // box vectors are doubles along x, y and z
     std::array<double, 3> margin_{};   // of the box, in fractions
     std::array<double, 3> error_{};    // of fractions
     std::vector<exact::Shift> wraps_;  // by input; empty when all seeds lie inside
