@@ -69,6 +69,8 @@ exact::Differences SeedImages::position(std::size_t input, const exact::Shift& s
     exact::Differences at;
     bool all = straight_;
     for (std::size_t k = 0; k < 3 && all; ++k) {
+        at.x[k] = {x[k], 0};
+        if (shift[k] == 0) continue;
         const auto by = exact::two_product(domain_->lattice.vector[k][k].high, static_cast<double>(shift[k]));
         at.x[k] = exact::two_sum(x[k], by.high);
         all = by.low == 0;
@@ -78,6 +80,14 @@ exact::Differences SeedImages::position(std::size_t input, const exact::Shift& s
 
 bool SeedImages::surely_inside(const exact::Point& x) const {
     std::array<double, 3> d;
+    if (straight_) {  // the same fractions, without products with 0; a place that is too far is outside
+        bool inside = true;
+        for (int j = 0; j < 3; ++j) {
+            const double f = (x[j] - domain_->origin[j]) * domain_->edges.dual[j][j];
+            inside &= !domain_->periodic[j] || (f > edge_error_[j] && f < 1 - edge_error_[j]);
+        }
+        return inside;
+    }
     for (int k = 0; k < 3; ++k) {
         if (!(std::abs(x[k]) <= domain_size_)) return false;
         d[k] = x[k] - domain_->origin[k];
@@ -276,7 +286,7 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k) {
             const exact::DoubleDouble& v = domain_->lattice.vector[j][k];
-            straight_ = straight_ && v.low == 0 && (j == k || v.high == 0);
+            straight_ = straight_ && v.low == 0 && (j == k || (v.high == 0 && domain_->edges.dual[j][k] == 0));
         }
     wrap_points(job.outside, pool);
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
@@ -313,12 +323,16 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     if (padded + images > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) - group_size)
         throw Error(ErrorCode::unsupported, "seeds and their periodic images are too many: at most 2147483647");
 
-    std::vector<Image> unsorted(images);
-    std::vector<double> coordinates(3 * images);
-    std::vector<std::array<double, 3>> lows(images);
-    std::vector<char> rough(images);
+    Buffer<Image> unsorted;
+    Buffer<double> coordinates;
+    Buffer<std::array<double, 3>> lows;
+    Buffer<char> rough;
+    unsorted.resize_uninitialized(images);
+    coordinates.resize_uninitialized(3 * images);
+    lows.resize_uninitialized(images);
+    rough.resize_uninitialized(images);
     pool.run(found.size(), [&](std::size_t task, unsigned) {
-        std::ranges::copy(found[task], unsorted.begin() + static_cast<std::ptrdiff_t>(begin[task]));
+        std::ranges::copy(found[task], unsorted.begin() + begin[task]);
         for (std::size_t i = begin[task]; i < begin[task + 1]; ++i) {
             const auto input = static_cast<std::size_t>(out.input[static_cast<std::size_t>(unsorted[i].home)]);
             exact::Shift total = unsorted[i].shift;
@@ -331,7 +345,7 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
             }
         }
     });
-    sorter.sort(coordinates, 1, 0, pool, sorted_images_);
+    sorter.sort(std::span<const double>(coordinates), 1, 0, pool, sorted_images_);
     // Images that are rounded to the same coordinates stay apart: behind the others, in no order.
     std::vector<std::int32_t> order(sorted_images_.input.begin(), sorted_images_.input.end());
     for (std::size_t i = 0; i < sorted_images_.duplicate_of.size(); ++i)
@@ -340,8 +354,8 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     first_ = padded;
     out.images_end = first_ + images;
     const std::size_t places = padded + round_up(images, group_size);
-    home_.resize(images);
-    shift_.resize(images);
+    home_.resize_uninitialized(images);
+    shift_.resize_uninitialized(images);
     low_.assign(places, {});
     rough_.assign(places, false);
     any_rough_ = false;

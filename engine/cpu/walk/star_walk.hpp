@@ -178,9 +178,11 @@ private:
         open_edges_[static_cast<std::size_t>(open_end_)] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
         open_end_ += static_cast<int>(~(in_[a] >> b) & 1);
     }
-    void make_room(std::int32_t locals) {
-        if (slot_.size() < static_cast<std::size_t>(locals) + most_planes)
-            slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
+    [[gnu::always_inline]] void make_room(std::int32_t locals) {
+        if (slot_.size() < static_cast<std::size_t>(locals) + most_planes) grow_slots(locals);
+    }
+    [[gnu::noinline]] void grow_slots(std::int32_t locals) {
+        slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
     }
     [[gnu::always_inline]] int new_slot(std::int32_t id) {
         const std::int32_t local = cells_.local(id);
