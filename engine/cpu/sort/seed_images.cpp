@@ -25,6 +25,14 @@ exact::Point point_of(const Points& points, std::size_t i, double scale) {
 
 }  // namespace
 
+inline std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
+    const exact::Point& o = domain_->origin;
+    const exact::Point d{x[0] - o[0], x[1] - o[1], x[2] - o[2]};
+    const auto& dual = basis_->dual;
+    if (straight_) return {d[0] * dual[0][0], d[1] * dual[1][1], d[2] * dual[2][2]};  // other products are 0
+    return basis_->fraction(d);
+}
+
 double SeedImages::reach(const exact::Point& seed) const {
     double least = std::numeric_limits<double>::infinity();
     const auto f = fraction(seed);
@@ -78,21 +86,11 @@ exact::Differences SeedImages::position(std::size_t input, const exact::Shift& s
     return all ? at : exact::differences({}, exact::Plane::bisector(x, shift, domain_->lattice));
 }
 
+// In a straight box no place is too far to tell.
 bool SeedImages::surely_inside(const exact::Point& x) const {
-    std::array<double, 3> d;
-    if (straight_) {  // the same fractions, without products with 0; a place that is too far is outside
-        bool inside = true;
-        for (int j = 0; j < 3; ++j) {
-            const double f = (x[j] - domain_->origin[j]) * domain_->edges.dual[j][j];
-            inside &= !domain_->periodic[j] || (f > edge_error_[j] && f < 1 - edge_error_[j]);
-        }
-        return inside;
-    }
-    for (int k = 0; k < 3; ++k) {
-        if (!(std::abs(x[k]) <= domain_size_)) return false;
-        d[k] = x[k] - domain_->origin[k];
-    }
-    const auto f = domain_->edges.fraction(d);
+    for (int k = 0; k < 3; ++k)
+        if (!straight_ && !(std::abs(x[k]) <= domain_size_)) return false;
+    const auto f = straight_ ? fraction(x) : domain_->fraction(x);
     for (int j = 0; j < 3; ++j)
         if (domain_->periodic[j] && !(f[j] > edge_error_[j] && f[j] < 1 - edge_error_[j])) return false;
     return true;
@@ -222,11 +220,6 @@ void SeedImages::keep_false_duplicates(SortedSeeds& out) const {
     out.input = std::move(input);
 }
 
-std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
-    const auto& o = domain_->origin;
-    return basis_->fraction({x[0] - o[0], x[1] - o[1], x[2] - o[2]});
-}
-
 void SeedImages::choose_margin(std::size_t seeds) {
     const auto count = static_cast<double>(std::max<std::size_t>(seeds, 1));
     const double most = most_images_per_seed * count + most_images_of_few;
@@ -282,7 +275,7 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     scale_ = job.scale;
     seeds_ = &out;
     basis_ = domain_->skewed ? &domain_->reduced : &domain_->edges;
-    straight_ = true;
+    straight_ = !domain_->skewed;
     for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k) {
             const exact::DoubleDouble& v = domain_->lattice.vector[j][k];
