@@ -56,6 +56,10 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     unscale_ = 1 / job.scale;
     counters_ = {};
     rows_size_ = 0;
+    // As long as the rows of an earlier job.
+    if (want_.areas) areas_.resize_uninitialized(rows_.size());
+    if (want_.normals) normals_.resize_uninitialized(3 * rows_.size());
+    if (periodic_) shifts_.resize_uninitialized(3 * rows_.size());
     lengths_.clear();
     polygon_writer_.clear();
 }
