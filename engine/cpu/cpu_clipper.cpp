@@ -14,10 +14,13 @@ namespace votess::cpu {
 namespace {
 
 // Blocks are tasks and stretches: neighbors in space, which share what they find. The longer they are the less is found
-// twice; later ones are shorter, so that threads end together.
-constexpr std::size_t longest_block = 16384, shortest_block = 2048, fewest_blocks = 4;
-constexpr std::size_t many_threads = 32, blocks_of_many = 2;  // for each of them
-constexpr std::size_t least_block_seeds = 16;                 // of few cells, so that all threads get some
+// twice; later ones are shorter, so that threads end together. Lists and measures do not depend on them. Places of
+// vertices do, in their last bits, so blocks of a mesh depend on the number of seeds alone, unless there are many
+// threads to feed; and they keep those places, for which longer ones gain nothing.
+constexpr std::size_t longest_block = 65536, longest_placed = 16384, shortest_block = 2048, fewest_placed = 4;
+constexpr std::size_t many_threads = 32, parts_per_thread = 2;
+constexpr std::size_t sparse_stretch = 16384;  // seeds, where few of them have cells
+constexpr std::size_t least_block_seeds = 16;  // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
 constexpr std::size_t index_task = 65536;  // entries of the inverse order per parallel task
 
@@ -159,12 +162,14 @@ void CpuClipper::clip_first(std::size_t count, std::span<double> powers, ResultB
 
 void CpuClipper::cut_into_blocks(std::size_t count) {
     const std::size_t threads = pool_->size();
-    const std::size_t parts =
-        std::max({fewest_blocks, count / longest_block, threads > many_threads ? blocks_of_many * threads : 0});
+    const bool placed = job_.options.want.vertices;
+    const std::size_t longest = placed ? longest_placed : longest_block;
+    std::size_t parts = threads == 1 ? 1 : parts_per_thread * threads;
+    if (placed && threads <= many_threads) parts = std::max(fewest_placed, count / longest);
     blocks_.assign(1, 0);
     while (blocks_.back() < count) {
         const std::size_t left = count - blocks_.back();
-        const std::size_t size = round_up(std::clamp(left / parts, shortest_block, longest_block), Star::alignment);
+        const std::size_t size = round_up(std::clamp(left / parts, shortest_block, longest), Star::alignment);
         blocks_.push_back(blocks_.back() + std::min(left, size));
     }
 }
@@ -252,7 +257,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
             const std::size_t seed = seed_at(k);
             if (seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
-                stretch_end = std::min(last, first + Star::most_seeds);
+                stretch_end = std::min(last, first + std::max(sparse_stretch, end - begin));
                 worker.star->begin(first, stretch_end, keep);
                 worker.writer.begin_stretch();
             }

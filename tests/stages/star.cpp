@@ -17,6 +17,8 @@ using namespace votess::cpu;
 
 namespace {
 
+constexpr std::size_t most_seeds = 16384;  // of a stretch
+
 struct ExpectedCell {
     std::vector<std::pair<std::int32_t, double>> faces;  // ids ascending, areas
     int edges = 0, vertices = 0;
@@ -129,7 +131,7 @@ Rates check(const Sorted& sorted, const std::vector<ExpectedCell>& cells, std::s
     for (std::size_t k = 0, last = 0; k < chosen.size(); ++k) {
         if (k % length == 0 || chosen[k] >= last) {
             const std::size_t first = chosen[k] / Star::alignment * Star::alignment;
-            last = std::min(chosen[std::min(chosen.size(), k + length) - 1] + 1, first + Star::most_seeds);
+            last = std::min(chosen[std::min(chosen.size(), k + length) - 1] + 1, first + most_seeds);
             star->begin(first, last, keep);
         }
         if (!star->build(chosen[k])) continue;
@@ -246,9 +248,8 @@ TEST_SUITE("stages") {
                 check(sorted, cells, some, some.size(), *kernels);
             }
         }
-        const test::PointSet more =
-            test::uniform(test::by_size(2 * Star::most_seeds + 1000, Star::most_seeds + 500), 20);
-        for (const std::size_t length : {Star::most_seeds, Star::most_seeds - 1, std::size_t{1000}})
+        const test::PointSet more = test::uniform(test::by_size(2 * most_seeds + 1000, most_seeds + 500), 20);
+        for (const std::size_t length : {most_seeds, most_seeds - 1, std::size_t{1000}})
             CHECK(check_all(more, length).built >= 0.999);
     }
 
@@ -263,7 +264,7 @@ TEST_SUITE("stages") {
             REQUIRE(cells[center].faces.size() == n);
             for (const Kernels* kernels : supported_kernels()) {
                 INFO(std::string(kernels->name));
-                check(sorted, cells, all_of(sorted), Star::most_seeds, *kernels);
+                check(sorted, cells, all_of(sorted), most_seeds, *kernels);
                 // Alone, and with others in front that hand it vertices.
                 for (const std::size_t begin : {center, center / 2, std::size_t{0}}) {
                     const auto star = make_star(kernels->name, sorted.seeds, sorted.hierarchy);

@@ -14,18 +14,28 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t usual_rows = std::size_t{1} << 16;  // ids of a block; memory that is not needed is not touched
+constexpr std::size_t usual_rows = std::size_t{1} << 20;  // ids of a block; memory that is not needed is not touched
 
-std::array<std::int8_t, 3> narrow(const exact::Shift& shift) {
-    std::array<std::int8_t, 3> result{};
+// Keeps the first `kept` values.
+template <class T>
+void grow_to(Buffer<T>& values, std::size_t kept, std::size_t size) {
+    Buffer<T> larger;
+    larger.resize_uninitialized(size);
+    std::copy_n(values.data(), kept, larger.data());
+    values = std::move(larger);
+}
+
+[[noreturn]] void too_skewed() {
+    throw Error(ErrorCode::unsupported,
+                "the cell is so skewed that neighbors lie more than 127 box vectors away: give shorter vectors that "
+                "span the same lattice");
+}
+
+inline void narrow(const exact::Shift& shift, std::int8_t* out) {
     for (std::size_t j = 0; j < 3; ++j) {
-        result[j] = static_cast<std::int8_t>(shift[j]);
-        if (result[j] != shift[j])
-            throw Error(ErrorCode::unsupported,
-                        "the cell is so skewed that neighbors lie more than 127 box vectors away: give shorter vectors "
-                        "that span the same lattice");
+        out[j] = static_cast<std::int8_t>(shift[j]);
+        if (out[j] != shift[j]) too_skewed();
     }
-    return result;
 }
 
 }  // namespace
@@ -47,7 +57,10 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     unscale_ = 1 / job.scale;
     counters_ = {};
     rows_size_ = 0;
-    resize_beside_rows();  // an earlier job may have wanted none of them
+    // As long as the rows of an earlier job.
+    if (want_.areas) areas_.resize_uninitialized(rows_.size());
+    if (want_.normals) normals_.resize_uninitialized(3 * rows_.size());
+    if (periodic_) shifts_.resize_uninitialized(3 * rows_.size());
     lengths_.clear();
     polygon_writer_.clear();
 }
@@ -71,7 +84,7 @@ bool CellWriter::write(Star& star) {
     }
     const auto faces = star.faces();
     face_shifts_.clear();
-    if (periodic_) find_shifts(faces);
+    if (moved_) find_shifts(faces);
     if (ranked_) rank_faces(faces);
     if (measured_) {
         CellShape* shape = star.shape(std::span(ranks_).first(faces.size()));
@@ -124,7 +137,7 @@ void CellWriter::write(Cell& cell) {
     if (measured_) measure(cell);
     if (want_.neighbors) write_row();
     if (want_.vertices) {
-        read_polygons(cell, faces_, std::span(ranks_).first(faces_ranked_), polygons_);
+        read_polygons(cell, faces_, std::span(ranks_).first(ranked_ids_.size()), polygons_);
         write_polygons();
     }
     write_counts(planes.size(), faces_.edge_count, faces_.vertex_count);
@@ -132,7 +145,7 @@ void CellWriter::write(Cell& cell) {
 
 // As the walk's cells are measured, so that it does not matter how a cell was found; else from exact corners.
 void CellWriter::measure(const Cell& cell) {
-    const std::span ranks = std::span(ranks_).first(faces_ranked_);
+    const std::span ranks = std::span(ranks_).first(ranked_ids_.size());
     shape_.weighted = domain_->has_weights();
     if (shape_reader_.read(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
         face_areas_ = std::span(measures_.areas).first(faces_.size());
@@ -180,9 +193,9 @@ std::int32_t CellWriter::input_of(std::int32_t id) const {
 void CellWriter::find_shifts(std::span<const std::int32_t> ids) {
     const SeedImages& images = *seeds_.images;
     const bool any_image = std::ranges::any_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); });
-    if (!moved_ && !any_image) return;
-    for (const std::int32_t id : ids) face_shifts_.push_back(id < 0 ? exact::Shift{} : images.shift(id));
-    if (moved_) count_from_domain(ids);
+    face_shifts_.resize(ids.size());
+    for (std::size_t f = 0; f < ids.size(); ++f) face_shifts_[f] = ids[f] < 0 ? exact::Shift{} : images.shift(ids[f]);
+    count_from_domain(ids);
     if (!any_image && std::ranges::all_of(face_shifts_, [](const auto& shift) { return shift == exact::Shift{}; }))
         face_shifts_.clear();
 }
@@ -221,15 +234,18 @@ exact::Point CellWriter::place() const {
     return {seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
 }
 
-void CellWriter::resize_beside_rows() {
-    if (want_.areas) areas_.resize(rows_.size());
-    if (want_.normals) normals_.resize(3 * rows_.size());
-    if (periodic_) shifts_.resize(3 * rows_.size());
+void CellWriter::grow(std::size_t ids) {
+    const std::size_t size = std::max(usual_rows, 2 * ids);
+    grow_to(rows_, rows_size_, size);
+    if (want_.areas) grow_to(areas_, rows_size_, size);
+    if (want_.normals) grow_to(normals_, 3 * rows_size_, 3 * size);
+    if (periodic_) grow_to(shifts_, 3 * rows_size_, 3 * size);
 }
 
-void CellWriter::make_room(std::size_t faces) {
-    rows_.resize(std::max({usual_rows, 2 * rows_.size(), rows_size_ + faces}));
-    resize_beside_rows();
+exact::Shift CellWriter::shift_of(std::size_t face) const {
+    if (!face_shifts_.empty()) return face_shifts_[face];
+    const std::int32_t id = ranked_ids_[face];
+    return id < 0 || seeds_.images == nullptr ? exact::Shift{} : seeds_.images->shift(id);
 }
 
 void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
@@ -238,16 +254,29 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
         names_.resize(std::max(count, most_ranked));
         ranks_.resize(names_.size());
     }
-    faces_ranked_ = count;
+    ranked_ids_ = ids;
+    bool shifted = !face_shifts_.empty();
     std::size_t walls = 0;
-    const bool images = !face_shifts_.empty();
-    const std::int32_t* input = seeds_.input.begin();
-    std::int32_t* names = names_.data();
-    for (std::size_t f = 0; f < count; ++f) {
-        const std::int32_t id = ids[f];
-        walls += id < 0 ? 1 : 0;
-        names[f] = id < 0 ? id : images ? input_of(id) : input[id];
-    }
+    const auto gather = [&, names = names_.data()](const auto& name_of) {
+        for (std::size_t f = 0; f < count; ++f) {
+            const std::int32_t id = ids[f];
+            walls += id < 0 ? 1 : 0;
+            names[f] = id < 0 ? id : name_of(id);
+        }
+    };
+    const std::int32_t* input = seeds_.input.data();
+    const SeedImages* images = seeds_.images;
+    if (shifted)
+        gather([this](std::int32_t id) { return input_of(id); });
+    else if (images == nullptr)
+        gather([input](std::int32_t id) { return input[id]; });
+    else
+        gather([&, input](std::int32_t id) {
+            if (!images->is_image(id)) return input[id];
+            shifted = true;
+            return input[images->home(id)];
+        });
+    shifted_ = shifted;
     hidden_ = walls_ ? 0 : walls;
     const std::int32_t* keys = names_.data();
     if (!row_order_.empty()) {
@@ -258,28 +287,29 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
     }
     if (count > most_ranked) return rank_labels();
     kernels_->rank(keys, static_cast<int>(count), ranks_.data());
-    if (face_shifts_.empty()) return;
     // In a small periodic box a seed is a neighbor more than once.
-    std::array<bool, most_ranked> taken{};
-    for (std::size_t f = 0; f < count; ++f) {
-        if (std::exchange(taken[ranks_[f]], true)) return rank_labels();
-    }
+    if (shifted && !ranks_differ()) rank_labels();
+}
+
+bool CellWriter::ranks_differ() const {
+    const std::size_t count = ranked_ids_.size();
+    if (count > most_marked) return false;
+    std::uint64_t marked = 0;
+    for (std::size_t f = 0; f < count; ++f) marked |= 1ull << ranks_[f];
+    return static_cast<std::size_t>(std::popcount(marked)) == count;
 }
 
 void CellWriter::rank_labels() {
     const std::vector<std::int32_t>& keys = row_order_.empty() ? names_ : keys_;
-    const auto label = [&](std::uint32_t f) {
-        return std::pair(keys[f], face_shifts_.empty() ? exact::Shift{} : face_shifts_[f]);
-    };
-    order_.resize(faces_ranked_);
+    order_.resize(ranked_ids_.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    std::ranges::sort(order_, {}, label);
+    std::ranges::sort(order_, {}, [&](std::uint32_t f) { return std::pair(keys[f], shift_of(f)); });
     for (std::size_t r = 0; r < order_.size(); ++r) ranks_[order_[r]] = static_cast<std::uint32_t>(r);
 }
 
 void CellWriter::write_row() {
-    const std::size_t faces = faces_ranked_, count = faces - hidden_;
-    if (rows_size_ + faces > rows_.size()) make_room(faces);
+    const std::size_t faces = ranked_ids_.size(), count = faces - hidden_;
+    if (rows_size_ + faces > rows_.size()) grow(rows_size_ + faces);
     const std::size_t begin = rows_size_;
     const auto for_listed = [&](auto visit) {  // a face and its entry
         for (std::size_t f = 0; f < faces; ++f)
@@ -296,21 +326,27 @@ void CellWriter::write_row() {
         for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * square;
     }
     if (want_.normals)
-        for_listed(
-            [&](std::size_t f, std::size_t entry) { std::ranges::copy(face_normals_[f], &normals_[3 * entry]); });
-    if (periodic_ && face_shifts_.empty()) std::memset(&shifts_[3 * begin], 0, 3 * count);
-    if (!face_shifts_.empty())
-        for_listed(
-            [&](std::size_t f, std::size_t entry) { std::ranges::copy(narrow(face_shifts_[f]), &shifts_[3 * entry]); });
+        for_listed([&](std::size_t f, std::size_t entry) {
+            std::ranges::copy(face_normals_[f], normals_.data() + 3 * entry);
+        });
+    if (periodic_) {
+        std::int8_t* shifts = shifts_.data();
+        if (shifted_)
+            for_listed([&](std::size_t f, std::size_t entry) { narrow(shift_of(f), shifts + 3 * entry); });
+        else
+            std::memset(shifts + 3 * begin, 0, 3 * count);
+    }
     rows_size_ += count;
     lengths_.push_back(static_cast<std::uint32_t>(count));
 }
 
 void CellWriter::write_polygons() {
-    labels_.resize(faces_ranked_);
-    order_.resize(faces_ranked_);
-    for (std::size_t f = 0; f < faces_ranked_; ++f) {
-        labels_[f] = {names_[f], face_shifts_.empty() ? std::array<std::int8_t, 3>{} : narrow(face_shifts_[f])};
+    const std::size_t faces = ranked_ids_.size();
+    labels_.resize(faces);
+    order_.resize(faces);
+    for (std::size_t f = 0; f < faces; ++f) {
+        labels_[f] = {names_[f], {}};
+        narrow(shift_of(f), labels_[f].shift.data());
         order_[ranks_[f]] = static_cast<std::uint32_t>(f);
     }
     polygon_writer_.append(polygons_, labels_, order_, hidden_, place());
@@ -318,9 +354,9 @@ void CellWriter::write_polygons() {
 
 void CellWriter::end_block(std::span<const std::int32_t> cells) {
     const auto of = [this](const auto& values, bool wanted, std::size_t each) {
-        return std::span(values).first(wanted ? each * rows_size_ : 0);
+        return std::span(values.data(), wanted ? each * rows_size_ : 0);
     };
-    out_->add_rows(cells, lengths_, std::span(rows_).first(rows_size_),
+    out_->add_rows(cells, lengths_, std::span(rows_.data(), rows_size_),
                    {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), of(shifts_, periodic_, 3)});
     if (want_.vertices) out_->mesh().add(cells, polygon_writer_.block());
     rows_size_ = 0;

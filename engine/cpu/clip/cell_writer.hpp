@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/buffer.hpp"
 #include "cpu/clip/cell.hpp"
 #include "cpu/clip/polygon_writer.hpp"
 #include "cpu/sort/sorted_seeds.hpp"
@@ -52,6 +53,7 @@ public:
     [[nodiscard]] const CellCounters& counters() const { return counters_; }
 
 private:
+    static constexpr std::size_t most_marked = 64;   // ids of a row in which some may be the same
     static constexpr std::size_t most_ranked = 256;  // ids of a row; ranking takes the square of their number
 
     void aim(std::size_t seed) {
@@ -64,7 +66,7 @@ private:
     void write(Cell& cell);
     void write_empty() { write_none(output_, CellStatus::empty); }
     [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
-    // Fills face_shifts_, which stays empty where all are zero.
+    // Fills face_shifts_ where seeds have been moved.
     void find_shifts(std::span<const std::int32_t> ids);
     // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
     void count_from_domain(std::span<const std::int32_t> ids);
@@ -73,13 +75,16 @@ private:
     void measure(const Cell& cell);
     void write_measures();
     void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
-    // Fills names_ and ranks_ of faces: sorted seeds or walls.
+    // Fills names_ and ranks_ of faces: sorted seeds or walls. Their shifts are face_shifts_, or, when these are empty,
+    // those of the ids.
     void rank_faces(std::span<const std::int32_t> ids);
     void rank_labels();
+    // Whether no two ranks of faces are the same.
+    [[nodiscard]] bool ranks_differ() const;
+    [[nodiscard]] exact::Shift shift_of(std::size_t face) const;
     // After rank_faces(), in their order; face_normals_ in that of the faces.
     void write_row();
-    void make_room(std::size_t faces);
-    void resize_beside_rows();
+    void grow(std::size_t ids);
     void write_polygons();
 
     const SortedSeeds& seeds_;
@@ -94,9 +99,9 @@ private:
     double unscale_ = 1;
     CellCounters counters_;
     std::size_t rows_size_ = 0;
-    std::vector<std::int32_t> rows_;  // filled up to rows_size_
-    std::vector<double> areas_, normals_;
-    std::vector<std::int8_t> shifts_;
+    Buffer<std::int32_t> rows_;  // filled up to rows_size_
+    Buffer<double> areas_, normals_;
+    Buffer<std::int8_t> shifts_;
     std::vector<std::uint32_t> lengths_;
     PolygonWriter polygon_writer_;
 
@@ -112,12 +117,13 @@ private:
     CellPolygons polygons_;
     std::vector<std::int32_t> ids_, planes_;
     std::vector<std::array<double, 3>> face_normals_;
-    std::vector<exact::Shift> face_shifts_;  // as Tessellation::shifts()
+    std::vector<exact::Shift> face_shifts_;     // as Tessellation::shifts()
+    std::span<const std::int32_t> ranked_ids_;  // of the faces that are ranked
+    bool shifted_ = false;                      // some of their shifts may not be 0
     // By face: the input index or wall, and the place among all faces of the cell, by index and shift.
     std::vector<std::int32_t> names_, keys_;
     std::vector<std::uint32_t> ranks_;
-    std::size_t faces_ranked_ = 0;  // so many of them are in use
-    std::size_t hidden_ = 0;        // faces that rows do not list: walls, which come first
+    std::size_t hidden_ = 0;  // faces that rows do not list: walls, which come first
     std::vector<FaceLabel> labels_;
     std::vector<std::uint32_t> order_;
 };

@@ -12,7 +12,7 @@ namespace votess::cpu {
 namespace {
 
 // Margin around the box in units of the mean spacing: most cells of uniform seeds need less.
-constexpr double margin_spacings = 3;
+constexpr double margin_spacings = 2.5;
 constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Images beyond the margin are searched for by each cell that needs them; in thin or long boxes there would be too
@@ -24,6 +24,14 @@ exact::Point point_of(const Points& points, std::size_t i, double scale) {
 }
 
 }  // namespace
+
+inline std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
+    const exact::Point& o = domain_->origin;
+    const exact::Point d{x[0] - o[0], x[1] - o[1], x[2] - o[2]};
+    const auto& dual = basis_->dual;
+    if (straight_) return {d[0] * dual[0][0], d[1] * dual[1][1], d[2] * dual[2][2]};  // other products are 0
+    return basis_->fraction(d);
+}
 
 double SeedImages::reach(const exact::Point& seed) const {
     double least = std::numeric_limits<double>::infinity();
@@ -52,7 +60,7 @@ exact::Point SeedImages::place_in_domain(std::size_t seed) const {
 }
 
 SeedImages::Base SeedImages::base(std::size_t seed) const {
-    if (is_exact(seed)) return {{seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]}, {}};
+    if (!any_moved() || is_exact(seed)) return {{seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]}, {}};
     const auto input = static_cast<std::size_t>(seeds_->input[seed]);
     return {point_of(points_, input, scale_), wraps_[input]};
 }
@@ -65,16 +73,24 @@ exact::Plane SeedImages::bisector(const Base& seed, std::int32_t home, const exa
 }
 
 exact::Differences SeedImages::position(std::size_t input, const exact::Shift& shift) const {
-    return exact::differences({}, exact::Plane::bisector(point_of(points_, input, scale_), shift, domain_->lattice));
+    const exact::Point x = point_of(points_, input, scale_);
+    exact::Differences at;
+    bool all = straight_;
+    for (std::size_t k = 0; k < 3 && all; ++k) {
+        at.x[k] = {x[k], 0};
+        if (shift[k] == 0) continue;
+        const auto by = exact::two_product(domain_->lattice.vector[k][k].high, static_cast<double>(shift[k]));
+        at.x[k] = exact::two_sum(x[k], by.high);
+        all = by.low == 0;
+    }
+    return all ? at : exact::differences({}, exact::Plane::bisector(x, shift, domain_->lattice));
 }
 
+// In a straight box no place is too far to tell.
 bool SeedImages::surely_inside(const exact::Point& x) const {
-    std::array<double, 3> d;
-    for (int k = 0; k < 3; ++k) {
-        if (!(std::abs(x[k]) <= domain_size_)) return false;
-        d[k] = x[k] - domain_->origin[k];
-    }
-    const auto f = domain_->edges.fraction(d);
+    for (int k = 0; k < 3; ++k)
+        if (!straight_ && !(std::abs(x[k]) <= domain_size_)) return false;
+    const auto f = straight_ ? fraction(x) : domain_->fraction(x);
     for (int j = 0; j < 3; ++j)
         if (domain_->periodic[j] && !(f[j] > edge_error_[j] && f[j] < 1 - edge_error_[j])) return false;
     return true;
@@ -98,7 +114,9 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
         for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
             if (!outside.empty() && outside[i] == CellStatus::outside) continue;
             const exact::Point x = point_of(points_, i, scale_);
-            const auto shift = surely_inside(x) ? exact::Shift{} : wrap(*domain_, x);
+            const bool inside = surely_inside(x);
+            if (inside && !domain_->skewed) continue;
+            const auto shift = inside ? exact::Shift{} : wrap(*domain_, x);
             if (!shift) too_far[task] = std::min(too_far[task], i);
             wraps_[i] = shift.value_or(exact::Shift{});
             if (shift && domain_->skewed) {
@@ -202,11 +220,6 @@ void SeedImages::keep_false_duplicates(SortedSeeds& out) const {
     out.input = std::move(input);
 }
 
-std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
-    const auto& o = domain_->origin;
-    return basis_->fraction({x[0] - o[0], x[1] - o[1], x[2] - o[2]});
-}
-
 void SeedImages::choose_margin(std::size_t seeds) {
     const auto count = static_cast<double>(std::max<std::size_t>(seeds, 1));
     const double most = most_images_per_seed * count + most_images_of_few;
@@ -262,6 +275,12 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     scale_ = job.scale;
     seeds_ = &out;
     basis_ = domain_->skewed ? &domain_->reduced : &domain_->edges;
+    straight_ = !domain_->skewed;
+    for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) {
+            const exact::DoubleDouble& v = domain_->lattice.vector[j][k];
+            straight_ = straight_ && v.low == 0 && (j == k || (v.high == 0 && domain_->edges.dual[j][k] == 0));
+        }
     wrap_points(job.outside, pool);
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
     sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
@@ -279,42 +298,47 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
 void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
     const std::size_t seeds = out.size();
     const auto at = [&](std::size_t s) { return exact::Point{out.x[s], out.y[s], out.z[s]}; };
-    std::vector<std::size_t> begin(ceil_div(seeds, task_points) + 1, 0);
-    pool.run(ceil_div(seeds, task_points), [&](std::size_t task, unsigned) {
+    struct Image {
+        std::int32_t home;
+        exact::Shift shift;
+    };
+    std::vector<std::vector<Image>> found(ceil_div(seeds, task_points));
+    pool.run(found.size(), [&](std::size_t task, unsigned) {
         for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s)
-            for_images(at(s), [&](const exact::Shift&) { ++begin[task + 1]; });
+            for_images(at(s), [&](const exact::Shift& shift) {
+                found[task].push_back({static_cast<std::int32_t>(s), shift});
+            });
     });
-    for (std::size_t t = 1; t < begin.size(); ++t) begin[t] += begin[t - 1];
+    std::vector<std::size_t> begin(found.size() + 1, 0);
+    for (std::size_t t = 0; t < found.size(); ++t) begin[t + 1] = begin[t] + found[t].size();
     const std::size_t images = begin.back();
     const std::size_t padded = round_up(seeds, group_size);
     if (padded + images > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) - group_size)
         throw Error(ErrorCode::unsupported, "seeds and their periodic images are too many: at most 2147483647");
 
-    std::vector<std::int32_t> homes(images);
-    std::vector<exact::Shift> shifts(images);
-    std::vector<double> coordinates(3 * images);
-    std::vector<std::array<double, 3>> lows(images);
-    std::vector<char> rough(images);
-    pool.run(ceil_div(seeds, task_points), [&](std::size_t task, unsigned) {
-        std::size_t i = begin[task];
-        for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s) {
-            const auto input = static_cast<std::size_t>(out.input[s]);
-            for_images(at(s), [&](const exact::Shift& shift) {
-                homes[i] = static_cast<std::int32_t>(s);
-                shifts[i] = shift;
-                exact::Shift total = shift;
-                for (int j = 0; j < 3 && !wraps_.empty(); ++j) total[j] += wraps_[input][j];
-                const auto position = this->position(input, total);
-                rough[i] = position.exact ? 0 : 1;
-                for (int k = 0; k < 3; ++k) {
-                    coordinates[3 * i + k] = position.x[k].high;
-                    lows[i][k] = position.x[k].low;
-                }
-                ++i;
-            });
+    Buffer<Image> unsorted;
+    Buffer<double> coordinates;
+    Buffer<std::array<double, 3>> lows;
+    Buffer<char> rough;
+    unsorted.resize_uninitialized(images);
+    coordinates.resize_uninitialized(3 * images);
+    lows.resize_uninitialized(images);
+    rough.resize_uninitialized(images);
+    pool.run(found.size(), [&](std::size_t task, unsigned) {
+        std::ranges::copy(found[task], unsorted.begin() + begin[task]);
+        for (std::size_t i = begin[task]; i < begin[task + 1]; ++i) {
+            const auto input = static_cast<std::size_t>(out.input[static_cast<std::size_t>(unsorted[i].home)]);
+            exact::Shift total = unsorted[i].shift;
+            for (int j = 0; j < 3 && !wraps_.empty(); ++j) total[j] += wraps_[input][j];
+            const auto position = this->position(input, total);
+            rough[i] = position.exact ? 0 : 1;
+            for (int k = 0; k < 3; ++k) {
+                coordinates[3 * i + k] = position.x[k].high;
+                lows[i][k] = position.x[k].low;
+            }
         }
     });
-    sorter.sort(coordinates, 1, 0, pool, sorted_images_);
+    sorter.sort(std::span<const double>(coordinates), 1, 0, pool, sorted_images_);
     // Images that are rounded to the same coordinates stay apart: behind the others, in no order.
     std::vector<std::int32_t> order(sorted_images_.input.begin(), sorted_images_.input.end());
     for (std::size_t i = 0; i < sorted_images_.duplicate_of.size(); ++i)
@@ -323,8 +347,8 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     first_ = padded;
     out.images_end = first_ + images;
     const std::size_t places = padded + round_up(images, group_size);
-    home_.resize(images);
-    shift_.resize(images);
+    home_.resize_uninitialized(images);
+    shift_.resize_uninitialized(images);
     low_.assign(places, {});
     rough_.assign(places, false);
     any_rough_ = false;
@@ -347,11 +371,10 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     }
     for (std::size_t i = 0; i < images; ++i) {
         const auto from = static_cast<std::size_t>(order[i]);
-        home_[i] = homes[from];
-        shift_[i] = shifts[from];
+        home_[i] = unsorted[from].home;
+        shift_[i] = unsorted[from].shift;
         low_[first_ + i] = lows[from];
-        rough_[first_ + i] = rough[from] != 0;
-        any_rough_ = any_rough_ || rough[from] != 0;
+        if (rough[from] != 0) rough_[first_ + i] = any_rough_ = true;
     }
     rounding_of_seeds_ = {};
     for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s) {

@@ -87,6 +87,7 @@ private:
     Points points_;
     double scale_ = 1;
     const Basis* basis_ = nullptr;     // that seeds are wrapped by
+    bool straight_ = false;            // box vectors are doubles, along x, y and z
     std::array<double, 3> margin_{};   // of the box, in fractions
     std::array<double, 3> error_{};    // of fractions
     std::vector<exact::Shift> wraps_;  // by input; empty when all seeds lie inside
@@ -98,8 +99,8 @@ private:
     std::array<double, 3> edge_error_{};         // of fractions of the domain's edges, within domain_size_
     double least_reach_ = 0;
     std::size_t first_ = 0;  // id of the first image
-    std::vector<std::int32_t> home_;
-    std::vector<exact::Shift> shift_;
+    Buffer<std::int32_t> home_;
+    Buffer<exact::Shift> shift_;
     std::vector<std::array<double, 3>> low_;  // by id
     std::vector<bool> rough_;                 // by id
     bool any_rough_ = false;

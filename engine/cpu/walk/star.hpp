@@ -40,7 +40,6 @@ namespace votess::cpu {
 
 class Star {
 public:
-    static constexpr std::size_t most_seeds = 16384;  // of a stretch
     static constexpr int most_planes = CellShape::most_planes;
     static constexpr int most_vertices = CellShape::most_corners;
 

@@ -28,6 +28,9 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, Keep keep) {
     probing_ = false;
     own_images_ = std::numeric_limits<double>::infinity();
     any_moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
+    any_rough_ = seeds_.images != nullptr && seeds_.images->any_rough();
+    low_ = {};
+    moved_ = false;
     window_home_ = ~std::size_t{0};
     guess_reach(first / group_size);
 }

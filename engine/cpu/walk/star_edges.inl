@@ -51,12 +51,11 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     base_ = {p_, {}};
     if (weighted_) weight_ = seeds_.weights[seed];
-    if (seeds_.images != nullptr) {
-        const auto& low = seeds_.images->low(static_cast<std::int32_t>(seed));
+    if (any_moved_) {
+        const auto& low = seeds_.images->low(own_id_);
         low_ = {{low[0], low[1], low[2], 0}};
         base_ = seeds_.images->base(seed);
         moved_ = !seeds_.images->is_exact(seed);
-        any_rough_ = seeds_.images->any_rough();
     }
     const bool done = build_cell<false>();
     if (done) cells_.set_done(seed);
@@ -339,7 +338,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         }
         if (!plain_) {
             if (seeds_.images != nullptr && !(reach2 < images_within2_ && x2 > images_beyond2_) &&
-                !images_known(x2, reach2))
+                !images_known(x, x2, reach2))
                 return false;
             if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
         }
@@ -352,9 +351,21 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
 
 // Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
 template <class Isa>
-bool StarWalk<Isa>::images_known(double x2, double reach2) {
+bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2) {
     set_image_reach(seeds_.images->reach(p_));
-    return reach2 < images_within2_ && x2 > images_beyond2_;
+    if (!(x2 > images_beyond2_)) return false;
+    if (reach2 < images_within2_) return true;
+    // The sphere around the vertex has half of that radius.
+    exact::Point vertex;
+    double size = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double offset = x.x[k] * unscale_;
+        vertex[k] = p_[k] + offset;
+        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
+    }
+    const double radius = std::sqrt(x2 + more_) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
+    return reach2 * unscale_ * unscale_ < own_images_ * own_images_ * (1 - 4 * margin) &&
+           radius < seeds_.images->reach(vertex);
 }
 
 // Looks through the candidates that come too near to a vertex, from `lane` on. Returns one that cuts it off, or -1;

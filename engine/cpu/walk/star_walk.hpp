@@ -170,16 +170,18 @@ private:
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
         images_beyond2_ = window_open_ ? least_image_vertex2 : -1;
     }
-    [[nodiscard, gnu::noinline]] bool images_known(double x2, double reach2);
+    [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2);
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
     // Stacks an edge a -> b, which a vertex has brought, unless its other end is known.
     [[gnu::always_inline]] void stack(int a, int b) {
         open_edges_[static_cast<std::size_t>(open_end_)] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
         open_end_ += static_cast<int>(~(in_[a] >> b) & 1);
     }
-    void make_room(std::int32_t locals) {
-        if (slot_.size() < static_cast<std::size_t>(locals) + most_planes)
-            slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
+    [[gnu::always_inline]] void make_room(std::int32_t locals) {
+        if (slot_.size() < static_cast<std::size_t>(locals) + most_planes) grow_slots(locals);
+    }
+    [[gnu::noinline]] void grow_slots(std::int32_t locals) {
+        slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
     }
     [[gnu::always_inline]] int new_slot(std::int32_t id) {
         const std::int32_t local = cells_.local(id);

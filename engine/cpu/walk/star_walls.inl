@@ -10,7 +10,7 @@ template <class Isa>
 void StarWalk<Isa>::begin_job(const Domain& domain) {
     domain_ = &domain;
     weighted_ = domain.has_weights();
-    weight_ = 0;
+    weight_ = more_ = 0;
     plain_ = !weighted_ && seeds_.images == nullptr;
     walls_.clear();
     wall_places_.assign(6 + domain.walls.size(), -1);
