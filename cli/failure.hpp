@@ -1,9 +1,11 @@
 // How clvotess fails: one exception type that carries the exit code, one line of text for the user.
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <votess/votess.hpp>
 
 namespace clvotess {
 
@@ -23,6 +25,17 @@ public:
 private:
     int code_;
 };
+
+[[nodiscard]] inline int exit_code_of(votess::ErrorCode code) {
+    const bool users = code == votess::ErrorCode::invalid_argument || code == votess::ErrorCode::unsupported;
+    return users ? exit_code::bad_input : exit_code::runtime_failure;
+}
+
+[[nodiscard]] inline std::string one_line(std::string message) {
+    std::ranges::replace_if(
+        message, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    return message;
+}
 
 [[nodiscard]] inline Failure bad_input(const std::string& message) {
     return {exit_code::bad_input, message};

@@ -46,9 +46,10 @@ public:
     // The volume of the domain; with walls 0 unless some seed is given, inside of them.
     [[nodiscard]] double volume(std::span<const double> seed = {}) const;
     // N bytes for the points (N, 3): `outside` for seeds that are to be left out, else `certified`. Throws
-    // invalid_argument that names the first bad point by its index. weights, radii: N, or none.
+    // invalid_argument that names the first bad point by its index, counted from `first` on. weights, radii: N, or
+    // none.
     [[nodiscard]] std::vector<CellStatus> check(std::span<const double> points, std::span<const double> weights = {},
-                                                std::span<const double> radii = {}) const;
+                                                std::span<const double> radii = {}, std::uint64_t first = 0) const;
     // (N, 3): where seeds lie after wrapping, in a unit of its own.
     [[nodiscard]] std::vector<double> places(std::span<const double> points) const;
     // Splits space into so many blocks of about equal numbers of seeds, by a sample (M, 3) of places that must be the
@@ -77,10 +78,11 @@ struct BlockCells {
 };
 
 struct BlockCounts {
-    std::uint64_t given = 0;      // seeds that other blocks gave: layers and answers
-    std::uint64_t needed = 0;     // of these, neighbors of cells of the block
-    std::uint64_t tested = 0;     // cells whose vertices were compared with where other seeds may be
-    std::uint64_t questions = 0;  // cells asked about, once for each block asked
+    std::uint64_t given = 0;        // seeds that other blocks gave: layers and answers
+    std::uint64_t needed = 0;       // of these, neighbors of cells of the block
+    std::uint64_t tested = 0;       // cells whose vertices were compared with where other seeds may be
+    std::uint64_t questions = 0;    // cells asked about, once for each block asked
+    std::uint64_t exact_cells = 0;  // cells where exact arithmetic decided a sign, twice if also after an answer
 };
 
 // One block. Not for several threads at once; options.threads work inside of a call.

@@ -23,6 +23,7 @@ struct Counts {
     std::uint64_t tested = 0, questions = 0;  // the same
     std::uint64_t bytes = 0;                  // that ranks sent to others, of seeds, questions, answers and cells
     unsigned rounds = 2;                      // exchanges of seeds between blocks: layers, answers
+    std::uint64_t exact_cells = 0;            // the same
     double box_volume = 0;                    // of the domain
     double volume_sum = 0;                    // of all cells; 0 when volumes were not wanted
 };
@@ -44,7 +45,7 @@ struct Result {
 // ranks; or none on any rank: seeds are numbered rank after rank. Of seeds at one place the lowest id has the cell.
 // options: the same on all ranks, but weights and radii, which are N of this rank's own, and threads, which are those
 // of each rank. Errors as of BlockDomain and Block; where one rank fails all throw the same error, which names the
-// rank, and indices of its own points.
+// rank, and indices of its own points, or where there are no ids the numbers that these get.
 [[nodiscard]] VOTESS_API Result tessellate(MPI_Comm comm, std::span<const double> points,
                                            std::span<const std::int64_t> ids = {}, const Options& options = {},
                                            Cells cells = Cells::handed_in);
