@@ -35,6 +35,12 @@ void print(const std::string& text) {
         throw runtime_failure("cannot write to stdout");
 }
 
+// Tells the domain as that of a run in one memory, and what memory the process has taken so far.
+votess::Tessellation without_seeds(votess::Options options) {
+    options.want = {};
+    return votess::tessellate(std::span<const double>(), options);
+}
+
 // Blocks have no such option: the seeds are not all at hand when it is asked.
 void refuse_duplicates(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells) {
     ranks.together([&] {
@@ -95,12 +101,9 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     const double seconds_clip = seconds_since(clip_began);
     if (refuses_duplicates) refuse_duplicates(ranks, share, result.cells);
 
-    // The domain as clvotess tells it, by a run of no seeds.
     votess::Tessellation domain;
     ranks.together([&] {
-        votess::Options settled = result.options;
-        settled.device = "cpu";
-        domain = votess::tessellate(std::span<const double>(), settled);
+        domain = without_seeds(result.options);
         if (arguments.has_density) fill_density(arguments, input, result.cells.volumes, carried);
     });
     summary.domain = domain_text(domain, domain_from);
@@ -113,12 +116,11 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     summary.ranks = RanksSummary{ranks.size(), counts.rounds, counts.given, counts.needed};
 
     const auto write_began = Clock::now();
-    write_ranks(ranks, arguments.outputs, share, result.cells,
-                {input, domain, arguments.wanted, arguments.format, options.radii, domain_from, carried,
-                 arguments.coloring});
+    write_ranks(
+        ranks, arguments.outputs, share, result.cells,
+        {input, domain, arguments.wanted, arguments.format, options.radii, domain_from, carried, arguments.coloring});
     summary.seconds_write = seconds_since(write_began);
-    summary.stats.peak_memory_bytes =
-        ranks.maximum(votess::tessellate(std::span<const double>(), options).stats().peak_memory_bytes);
+    summary.stats.peak_memory_bytes = ranks.maximum(without_seeds(result.options).stats().peak_memory_bytes);
     summary.seconds_total = seconds_since(run_began);
     ranks.first_alone([&] {
         if (arguments.json)

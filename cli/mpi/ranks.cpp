@@ -34,7 +34,8 @@ void Ranks::together(const std::function<void()>& work) const {
 }
 
 void Ranks::first_alone(const std::function<void()>& work) const {
-    share_failure(rank_ == 0 ? work : [] {}, false);
+    share_failure(
+        rank_ == 0 ? work : [] {}, false);
 }
 
 void Ranks::share_failure(const std::function<void()>& work, bool named) const {

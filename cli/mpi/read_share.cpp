@@ -1,5 +1,5 @@
-// .npy and .h5 files are read by all ranks, each its rows. Others cannot be entered in the middle: rank 0 reads them and
-// deals the rows out.
+// .npy and .h5 files are read by all ranks, each its rows. Others cannot be entered in the middle: rank 0 reads them
+// and deals the rows out.
 #include "mpi/read_share.hpp"
 
 #include <cstring>
@@ -28,7 +28,8 @@ public:
 
 private:
     void append(const void* from, std::size_t count) {
-        if (count > 0) bytes_.insert(bytes_.end(), static_cast<const char*>(from), static_cast<const char*>(from) + count);
+        if (count > 0)
+            bytes_.insert(bytes_.end(), static_cast<const char*>(from), static_cast<const char*>(from) + count);
     }
     std::vector<char> bytes_;
 };

@@ -10,7 +10,7 @@
 namespace clvotess {
 
 struct InputShare {
-    Input input;  // the rows of this rank; what belongs to the whole file all ranks have
+    Input input;              // the rows of this rank; what belongs to the whole file all ranks have
     std::uint64_t first = 0;  // row of the file that they begin with
     std::uint64_t rows = 0;   // of the file
     bool has_ids = false;     // on some rank: those without rows have none

@@ -15,7 +15,7 @@
 namespace clvotess {
 
 struct SharedArray {
-    ResultArray own;         // this share
+    ResultArray own;          // this share
     std::uint64_t first = 0;  // row of the whole that it begins with
     std::uint64_t rows = 0;   // of the whole
 };
