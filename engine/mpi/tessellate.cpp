@@ -217,6 +217,7 @@ private:
         Result result;
         result.ids = std::move(made_.ids);
         result.points = std::move(made_.points);
+        result.weights = std::move(made_.weights);
         result.cells = std::move(cells_);
         return result;
     }
@@ -234,6 +235,7 @@ private:
         Result result;
         ranks_.together([&] {
             result.ids = ids_;
+            result.weights = weights_;
             result.cells = unpack(from, ids_, status_);
         });
         list_exchange(result);

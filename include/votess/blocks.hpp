@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "votess/votess.hpp"
@@ -33,6 +34,7 @@ using Message = std::vector<std::byte>;
 namespace detail {
 struct BlockDomainState;
 struct BlockState;
+struct BlockVerifierState;
 }  // namespace detail
 
 class VOTESS_API BlockDomain {
@@ -108,6 +110,45 @@ public:
 
 private:
     std::unique_ptr<detail::BlockState> state_;
+};
+
+// Checks cells as verify() does, those of each block against the seeds of all. Texts are one line on the first thing
+// that is wrong, "" where nothing is. In the order of use:
+//
+//   1. check_rows(), check_euler(); volumes of all sum to that of the domain
+//   2. pairs() go to their blocks; check_pairs() of each that comes
+//   3. seeds() of some cells go to all blocks; from each faces_of() them come back; check_cells()
+//
+// Not for several threads at once. Errors as of tessellate().
+class VOTESS_API BlockVerifier {
+public:
+    // The arrays must outlive it. ids: N, each unlike those of other blocks. points: (N, 3). weights: N in a power
+    // diagram, else none. cells: of these seeds. holders: entries, which block has the cell of each neighbor; any
+    // number for walls.
+    BlockVerifier(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
+                  std::span<const double> weights, const BlockCells& cells, std::span<const std::int32_t> holders);
+    BlockVerifier(BlockVerifier&&) noexcept;
+    BlockVerifier& operator=(BlockVerifier&&) noexcept;
+    ~BlockVerifier();
+
+    [[nodiscard]] std::string check_rows() const;   // ascend, without which pairs are not found
+    [[nodiscard]] std::string check_euler() const;  // where there are counts
+    // By block: what rows first to last, in the order of ids, say of its cells.
+    [[nodiscard]] std::vector<Message> pairs(std::size_t blocks, std::size_t first, std::size_t last) const;
+    [[nodiscard]] std::string check_pairs(const Message& pairs) const;
+
+    // Cells that may be tried by brute force: of seeds that are neither duplicates nor outside.
+    [[nodiscard]] std::size_t candidates() const noexcept;
+    [[nodiscard]] Message seeds(std::span<const std::size_t> candidates) const;
+    // Clips the cells of these seeds by every seed of the block, without any search structure.
+    [[nodiscard]] Message faces_of(const Message& seeds);
+    // faces: from each block, of the seeds() of these candidates.
+    [[nodiscard]] std::string check_cells(std::span<const std::size_t> candidates, std::span<const Message> faces);
+    // Whether faces_of() has taken about a second, counted in what it did.
+    [[nodiscard]] bool has_worked_enough() const noexcept;
+
+private:
+    std::unique_ptr<detail::BlockVerifierState> state_;
 };
 
 }  // namespace votess

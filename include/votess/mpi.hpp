@@ -32,6 +32,7 @@ struct Counts {
 struct Result {
     std::vector<std::int64_t> ids;  // N
     std::vector<double> points;     // (N, 3), of Cells::made
+    std::vector<double> weights;    // N in a power diagram, if need be squares of radii; else none
     BlockCells cells;
     // What fields must travel: rank r needs the values of ids send[send_indptr[r] .. send_indptr[r + 1]), and sends
     // those of receive[receive_indptr[r] ..); each ascends. Of Cells::handed_in alone.
@@ -49,5 +50,12 @@ struct Result {
 [[nodiscard]] VOTESS_API Result tessellate(MPI_Comm comm, std::span<const double> points,
                                            std::span<const std::int64_t> ids = {}, const Options& options = {},
                                            Cells cells = Cells::handed_in);
+
+// Collective: checks what tessellate() returned, as verify() does; the report is the same on all ranks. Volumes sum to
+// the domain's (relative 1e-9), rows ascend, each pair is in both rows, over borders of ranks too, Euler's formula
+// holds, and a sample of all cells equals cells clipped anew by every seed of every rank. points: those that were
+// handed in; none for Cells::made. Errors as of tessellate().
+[[nodiscard]] VOTESS_API VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double> points,
+                                             const VerifyOptions& options = {});
 
 }  // namespace votess::mpi
