@@ -115,10 +115,20 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     const votess::mpi::Counts& counts = result.counts;
     summary.ranks = RanksSummary{ranks.size(), counts.rounds, counts.given, counts.needed};
 
+    std::string failure;
+    if (arguments.verify) {
+        votess::VerifyReport report = votess::mpi::verify(MPI_COMM_WORLD, result, input.points);
+        summary.verified = report.passed;
+        summary.checks_skipped = std::move(report.skipped);
+        summary.cells_verified = report.sampled;
+        if (!report.passed) failure = "verification failed, no file was written: " + report.failure;
+    }
+
     const auto write_began = Clock::now();
-    write_ranks(
-        ranks, arguments.outputs, share, result.cells,
-        {input, domain, arguments.wanted, arguments.format, options.radii, domain_from, carried, arguments.coloring});
+    if (failure.empty())
+        write_ranks(ranks, arguments.outputs, share, result.cells,
+                    {input, domain, arguments.wanted, arguments.format, options.radii, domain_from, carried,
+                     arguments.coloring});
     summary.seconds_write = seconds_since(write_began);
     summary.stats.peak_memory_bytes = ranks.maximum(without_seeds(result.options).stats().peak_memory_bytes);
     summary.seconds_total = seconds_since(run_began);
@@ -128,6 +138,7 @@ int run(const Ranks& ranks, const Arguments& arguments) {
         else if (!arguments.quiet)
             print(plain_summary(summary));
     });
+    if (!failure.empty()) throw CommonFailure(exit_code::verification_failed, failure);
     return exit_code::done;
 }
 

@@ -140,7 +140,8 @@ private:
         for (const double volume : result_.cells.volumes) own += volume;
         for (const CellStatus status : result_.cells.status) cells += status == CellStatus::certified ? 1 : 0;
         const double sum = ranks_.sum(own), domain = result_.counts.box_volume;
-        // With no seed inside, no cell fills the domain. Subnormal volumes are rounded to a multiple of the least double.
+        // With no seed inside, no cell fills the domain. Subnormal volumes are rounded to a multiple of the least
+        // double.
         const double expected = ranks_.sum(cells) == 0 ? 0 : domain;
         const double rounding =
             static_cast<double>(result_.counts.seeds + 1) * std::numeric_limits<double>::denorm_min();

@@ -34,7 +34,7 @@ public:
     [[nodiscard]] double work() const noexcept { return work_; }
 
 private:
-    struct Place {  // of a seed in the domain
+    struct Place {             // of a seed in the domain
         exact::Shift shift{};  // that wrapped it
         exact::Point at;       // where to, rounded
     };

@@ -60,8 +60,13 @@ struct BlockVerifierState {
         return low < end(row) && !(wanted < face(low));
     }
     [[nodiscard]] ToldCell told(std::size_t row) const {
-        ToldCell told{ids[row], cells.status[row] == CellStatus::empty, {}, options.list_walls, !cells.areas.empty(),
-                      {},       0,
+        ToldCell told{ids[row],
+                      cells.status[row] == CellStatus::empty,
+                      {},
+                      options.list_walls,
+                      !cells.areas.empty(),
+                      {},
+                      0,
                       double_tolerance.cell};
         if (!cells.volumes.empty()) told.volume = cells.volumes[row];
         told.row.emplace();
@@ -126,8 +131,8 @@ BlockVerifier::BlockVerifier(const BlockDomain& domain, std::span<const std::int
         throw Error(ErrorCode::invalid_argument,
                     "ids, points, weights, cells and holders do not fit: give those of the " + std::to_string(count) +
                         " seeds, and a holder for each entry of their rows");
-    state_ = std::make_unique<detail::BlockVerifierState>(
-        detail::BlockVerifierState{domain.options(), ids, points, weights, cells, holders, {}, {}, {}, {}, cpu::Cell(), {}});
+    state_ = std::make_unique<detail::BlockVerifierState>(detail::BlockVerifierState{
+        domain.options(), ids, points, weights, cells, holders, {}, {}, {}, {}, cpu::Cell(), {}});
     if (!std::ranges::is_sorted(ids)) {
         state_->order.resize(count);
         std::iota(state_->order.begin(), state_->order.end(), std::size_t{0});

@@ -41,15 +41,16 @@ class RanksTest(CliTest):
 
 
 class SameFile(RanksTest):
-    def assert_same(self, *arguments, ranks=(3,), stdin="", says=None):
+    def assert_same(self, *arguments, ranks=(3,), stdin=""):
         """Returns the file of clvotess as a dict."""
-        self.run_cli(*arguments, "-x", "cpu", "-q", "-o", "one.h5", stdin=stdin)
+        self.run_cli(*[word for word in arguments if word != "--verify"], "-x", "cpu", "-q", "-o", "one.h5", stdin=stdin)
         with h5py.File(self.folder / "one.h5") as one:
             arrays = {name: one[name][()] for name in one}
             attributes = dict(one.attrs)
         for count in ranks:
             done = self.on_ranks(count, *arguments, "--json", "-o", "ranks.h5", stdin=stdin)
             summary = json.loads(done.stdout)
+            self.assertEqual(summary["verified"], True if "--verify" in arguments else None)
             self.assertEqual(summary["ranks"], count)
             self.assertEqual(summary["points"], len(arrays["status"]))
             with h5py.File(self.folder / "ranks.h5") as file:
@@ -98,7 +99,7 @@ class SameFile(RanksTest):
         rows = "".join(f"{7 * i + 3} " + line + f" {0.02 * (i % 5)}\n"
                        for i, line in enumerate(text_of(points).splitlines()))
         self.put("a.txt", rows)
-        arrays = self.assert_same("a.txt", "--radii", 5, "--density", 5, "--copy", 5)
+        arrays = self.assert_same("a.txt", "--radii", 5, "--density", 5, "--copy", 5, "--verify")
         self.assertEqual(arrays["ids"][2], 17)
         self.assert_same("-", "--weights", 5, "--box", "0,0,0,1,1,1", "--periodic", stdin=rows)
         self.put("a.xyz", '2\nLattice="1 0 0 0.3 1 0 0 0.2 1" Properties=species:S:1:pos:R:3\nH 0 0 0\nH 0.5 0.5 0.4\n')
@@ -139,7 +140,7 @@ class SameFile(RanksTest):
         self.assertEqual(int(np.sum(arrays["duplicate_of"] >= 0)), 100)
         walls = [word for sign in np.ndindex(2, 2, 2) for word in
                  ("--wall", ",".join(str(2 * s - 1) for s in sign) + f",{sum(sign) - 0.9}")]
-        arrays = self.assert_same("a.npy", *walls, "--outside", "drop", "--list-walls", "--want", ALL)
+        arrays = self.assert_same("a.npy", *walls, "--outside", "drop", "--list-walls", "--want", ALL, "--verify")
         self.assertGreater(int(np.sum(arrays["status"] == 7)), 100)
 
     def test_several_threads(self):

@@ -115,24 +115,50 @@ void finds_damage(World& world) {
         damage(part.result);
         fails(world, name, part, words);
     };
-    damaged([&](Result& r) { if (last) r.cells.volumes[5] *= 1.01; }, "a volume", "volumes sum to ");
-    damaged([&](Result& r) {
-        // The sum stays.
-        if (world.rank == 0) r.cells.volumes[2] += 1e-6;
-        if (last) r.cells.volumes[3] -= 1e-6;
-    }, "two volumes", " has volume ");
-    damaged([&](Result& r) { if (last) std::swap(r.cells.neighbors[0], r.cells.neighbors[1]); }, "the order",
-            "does not ascend");
-    damaged([&](Result& r) { if (last) erase_entry(r.cells, 1, static_cast<std::size_t>(r.cells.indptr[1])); },
-            "an entry", "which does not list it");
+    damaged(
+        [&](Result& r) {
+            if (last) r.cells.volumes[5] *= 1.01;
+        },
+        "a volume", "volumes sum to ");
+    damaged(
+        [&](Result& r) {
+            // The sum stays.
+            if (world.rank == 0) r.cells.volumes[2] += 1e-6;
+            if (last) r.cells.volumes[3] -= 1e-6;
+        },
+        "two volumes", " has volume ");
+    damaged(
+        [&](Result& r) {
+            if (last) std::swap(r.cells.neighbors[0], r.cells.neighbors[1]);
+        },
+        "the order", "does not ascend");
+    damaged(
+        [&](Result& r) {
+            if (last) erase_entry(r.cells, 1, static_cast<std::size_t>(r.cells.indptr[1]));
+        },
+        "an entry", "which does not list it");
     damaged([&](Result& r) { erase_pair(world, r); }, "a pair", ", which is one of the ");
-    damaged([&](Result& r) { if (last) r.cells.shifts[2] ^= 1; }, "a shift", "list");
-    damaged([&](Result& r) { if (last) ++r.cells.edge_counts[7]; }, "a number of edges", "against Euler's formula");
-    damaged([&](Result& r) { if (world.rank == 0) r.cells.areas[entry_to_last(world, r)] *= 1.001; }, "an area",
-            " has area ");
+    damaged(
+        [&](Result& r) {
+            if (last) r.cells.shifts[2] ^= 1;
+        },
+        "a shift", "list");
+    damaged(
+        [&](Result& r) {
+            if (last) ++r.cells.edge_counts[7];
+        },
+        "a number of edges", "against Euler's formula");
+    damaged(
+        [&](Result& r) {
+            if (world.rank == 0) r.cells.areas[entry_to_last(world, r)] *= 1.001;
+        },
+        "an area", " has area ");
     if (world.size > 1)
-        damaged([&](Result& r) { if (last) r.cells.tags[3] = (r.cells.tags[3] + 1) % world.size; }, "an owner",
-                "which is not among the seeds");
+        damaged(
+            [&](Result& r) {
+                if (last) r.cells.tags[3] = (r.cells.tags[3] + 1) % world.size;
+            },
+            "an owner", "which is not among the seeds");
     // A seed that another one buries has no cell, whichever rank has which.
     Input buried = input_of({"buried", {0.5, 0.5, 0.5, 0.51, 0.5, 0.5, 0.1, 0.1, 0.1, 0.9, 0.9, 0.8}, unit_box()});
     buried.radii = {0.01, 0.3, 0.05, 0.05};
