@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <string>
@@ -52,8 +53,7 @@ void refuse_duplicates(const Ranks& ranks, const InputShare& share, const votess
 }
 
 // What all ranks found, as of one run.
-votess::Stats common_stats(const Ranks& ranks, const votess::mpi::Result& result, const votess::Tessellation& domain,
-                           unsigned threads) {
+votess::Stats common_stats(const Ranks& ranks, const votess::mpi::Result& result, const votess::Tessellation& domain) {
     votess::Stats stats = domain.stats();
     std::uint64_t faces = 0, duplicates = 0, empty = 0;
     for (const std::uint32_t count : result.cells.face_counts) faces += count;
@@ -70,7 +70,6 @@ votess::Stats common_stats(const Ranks& ranks, const votess::mpi::Result& result
     stats.exact_cells = result.counts.exact_cells;
     stats.volume_sum = result.counts.volume_sum;
     stats.box_volume = result.counts.box_volume;
-    stats.threads = threads;
     return stats;
 }
 
@@ -109,7 +108,7 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     summary.domain = domain_text(domain, domain_from);
     summary.domain_json = domain_json(domain, domain_from);
     summary.has_volumes = arguments.wanted.volumes;
-    summary.stats = common_stats(ranks, result, domain, options.threads);
+    summary.stats = common_stats(ranks, result, domain);
     summary.stats.seconds = {};
     summary.stats.seconds.clip = seconds_clip;
     const votess::mpi::Counts& counts = result.counts;
@@ -161,18 +160,27 @@ void complain(const std::string& message) {
     std::fprintf(stderr, "clvotess-mpi: %s\n", one_line(message).c_str());
 }
 
-// Where one rank alone fails, the others would wait for it.
-[[noreturn]] void abort_all(int rank, const std::string& message) {
-    complain("rank " + std::to_string(rank) + ": " + message);
-    std::fflush(stderr);
-    MPI_Abort(MPI_COMM_WORLD, exit_code::runtime_failure);
+[[noreturn]] void abort_all(int code) {
+    std::fflush(nullptr);
+    MPI_Abort(MPI_COMM_WORLD, code);
     std::abort();
+}
+
+// Where one rank alone fails, the others would wait for it.
+[[noreturn]] void fail_alone(int rank, const std::string& message) {
+    complain("rank " + std::to_string(rank) + ": " + message);
+    abort_all(exit_code::runtime_failure);
 }
 
 int main_inside(int count, const char* const* values) {
     const Ranks ranks;
     const auto fail = [&](int code, const std::string& message) {
         if (ranks.rank() == 0) complain(message);
+        // MPI_Finalize lets HDF5 close its files, which it may not survive when that of the output could not be closed.
+        if (code == exit_code::runtime_failure) {
+            MPI_Barrier(MPI_COMM_WORLD);  // so that all have removed what they wrote, and rank 0 has told why
+            abort_all(code);
+        }
         return code;
     };
     try {
@@ -182,9 +190,9 @@ int main_inside(int count, const char* const* values) {
     } catch (const votess::Error& error) {  // which votess_mpi throws on all ranks
         return fail(exit_code_of(error.code()), error.what());
     } catch (const std::bad_alloc&) {
-        abort_all(ranks.rank(), "out of memory: take more ranks, or fewer on a machine");
+        fail_alone(ranks.rank(), "out of memory: take more ranks, or fewer on a machine");
     } catch (const std::exception& error) {
-        abort_all(ranks.rank(), error.what());
+        fail_alone(ranks.rank(), error.what());
     }
 }
 

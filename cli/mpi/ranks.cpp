@@ -43,8 +43,6 @@ void Ranks::share_failure(const std::function<void()>& work, bool named) const {
     std::string text;
     try {
         work();
-    } catch (const CommonFailure&) {
-        throw;
     } catch (const Failure& failure) {
         code = failure.code();
         text = failure.what();

@@ -112,7 +112,12 @@ void write_ranks(const Ranks& ranks, const std::vector<std::string>& paths, cons
                          arrays.all(),
                          data.tessellation,
                          attributes,
-                         [&](const std::function<void()>& work) { ranks.together(work); },
+                         [&](const std::function<void()>& work) {
+                             ranks.together([&] {
+                                 errno = 0;  // HDF5 leaves what others left
+                                 work();
+                             });
+                         },
                          [&](int error) { return file.write_failure(error); }};
         write_hdf5_share(output);
         H5Pclose(output.access);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "failure.hpp"
@@ -61,8 +62,10 @@ public:
     void add(const ResultArray& array) {
         Hdf5Handle set = create(array, array.rows());
         write(set, array, 0);
-        require(set.close());
+        close(set);
     }
+
+    void close(Hdf5Handle& set) { require(set.close()); }
 
     [[nodiscard]] Hdf5Handle create(const ResultArray& array, hsize_t rows) {
         const std::array<hsize_t, 2> extent{rows, array.columns};
@@ -171,17 +174,21 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
 
 void write_hdf5_share(const Hdf5Share& share) {
     begin_hdf5();
-    Hdf5Writer writer(share.path, share.access, share.failure);
+    std::optional<Hdf5Writer> writer;
+    share.together([&] { writer.emplace(share.path, share.access, share.failure); });
     for (const SharedArray& array : share.arrays) {
-        Hdf5Handle set = writer.create(array.own, array.rows);
-        share.together([&] { writer.write(set, array.own, array.first); });
-        if (!set.close()) throw share.failure(errno);
+        Hdf5Handle set;
+        share.together([&] { set = writer->create(array.own, array.rows); });
+        share.together([&] { writer->write(set, array.own, array.first); });
+        share.together([&] { writer->close(set); });
     }
-    writer.add_domain(share.domain);
-    for (const auto& [name, value] : share.attributes) {
-        std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
-    }
-    writer.finish();
+    share.together([&] {
+        writer->add_domain(share.domain);
+        for (const auto& [name, value] : share.attributes) {
+            std::visit([&](const auto& v) { writer->add_attribute(name, v); }, value);
+        }
+        writer->finish();
+    });
 }
 
 // A dataset `grid`; the domain, the method and the names of the columns are attributes of the root.

@@ -32,8 +32,8 @@ ALL = "neighbors,volumes,centroids,counts,areas,normals,surfaces,radii"
 
 
 class RanksTest(CliTest):
-    def on_ranks(self, ranks, *arguments, code=0, stdin="", **options):
-        command = [*MPIEXEC, str(ranks), CLI_MPI, *map(str, arguments)]
+    def on_ranks(self, ranks, *arguments, code=0, stdin="", program=(CLI_MPI,), **options):
+        command = [*MPIEXEC, str(ranks), *program, *map(str, arguments)]
         done = subprocess.run(command, cwd=self.folder, input=stdin, text=True, capture_output=True, timeout=120,
                               check=False, **options)
         self.assertEqual(done.returncode, code, f"{command}\nstdout: {done.stdout}\nstderr: {done.stderr}")
@@ -187,6 +187,16 @@ class Refusals(RanksTest):
             with self.subTest(option):
                 self.refuse_on(2, "--random", 10, *option, says=says)
         self.refuse_on(2, "--random", 10, "-o", "no/folder.h5", says="there is no folder")
+
+    def test_disk_full(self):
+        # Only of the ranks, for mpirun has large files too, as would have ranks that share memory.
+        limited = ["sh", "-c", "trap '' XFSZ; ulimit -f 2000; exec \"$0\" \"$@\"", CLI_MPI]
+        done = self.on_ranks(2, "--random", 20000, "-o", "out.h5", code=1, program=limited,
+                             env={**os.environ, "OMPI_MCA_btl": "self,tcp"})
+        own = [line for line in done.stderr.splitlines() if line.startswith("clvotess-mpi: ")]
+        self.assertEqual(len(own), 1, done.stderr)
+        self.assertIn("cannot write 'out.h5'", own[0])
+        self.assertEqual(self.files(), [])
 
     def test_answers(self):
         done = self.on_ranks(2, "--help")
