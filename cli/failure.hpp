@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <votess/votess.hpp>
 
 namespace clvotess {
 
@@ -25,11 +24,6 @@ public:
 private:
     int code_;
 };
-
-[[nodiscard]] inline int exit_code_of(votess::ErrorCode code) {
-    const bool users = code == votess::ErrorCode::invalid_argument || code == votess::ErrorCode::unsupported;
-    return users ? exit_code::bad_input : exit_code::runtime_failure;
-}
 
 [[nodiscard]] inline std::string one_line(std::string message) {
     std::ranges::replace_if(

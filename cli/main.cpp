@@ -16,8 +16,9 @@
 #include <votess/votess.hpp>
 
 #include "arguments/arguments.hpp"
-#include "carried.hpp"
+#include "arguments/carried.hpp"
 #include "domain.hpp"
+#include "errors.hpp"
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
 #include "interrupt.hpp"

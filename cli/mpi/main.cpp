@@ -12,8 +12,9 @@
 #include <votess/mpi.hpp>
 
 #include "arguments/arguments.hpp"
-#include "carried.hpp"
+#include "arguments/carried.hpp"
 #include "domain.hpp"
+#include "errors.hpp"
 #include "failure.hpp"
 #include "mpi/help.hpp"
 #include "mpi/ranks.hpp"

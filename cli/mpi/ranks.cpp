@@ -4,6 +4,8 @@
 #include <new>
 #include <votess/votess.hpp>
 
+#include "errors.hpp"
+
 namespace clvotess {
 namespace {
 
