@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "cpu/query/locator.hpp"
 #include "input/options.hpp"
@@ -18,6 +19,17 @@ Options options_for(const Seeds& seeds, Options options) {
     options.min_face = options.min_area = 0;
     options.progress = {};
     return options;
+}
+
+// The place of each id among all; they ascend up to `middle`, and from there on.
+std::vector<std::int32_t> places_by_id(std::span<const std::int64_t> ids, std::size_t middle) {
+    std::vector<std::int32_t> order(ids.size()), places(ids.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::inplace_merge(order, order.begin() + static_cast<std::ptrdiff_t>(middle), {},
+                               [ids](std::int32_t i) { return ids[static_cast<std::size_t>(i)]; });
+    for (std::size_t k = 0; k < order.size(); ++k)
+        places[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
+    return places;
 }
 
 }  // namespace
@@ -57,6 +69,8 @@ Seeds LocalBlock::layer_for(const Outline& other) const {
 void LocalBlock::run(Run& run, Seeds seeds, std::size_t first) {
     run.seeds = std::move(seeds);
     run.job = validate({run.seeds.points, {}}, options_for(run.seeds, options_));
+    run.row_order = places_by_id(run.seeds.ids, first);
+    run.job.row_order = run.row_order;
     run.clipper.begin(run.job);
     run.clipper.sort();
     run.clipper.build_search();

@@ -64,6 +64,7 @@ private:
     // Seeds at hand, and what votess made of them; the first ones have cells.
     struct Run {
         Seeds seeds;
+        std::vector<std::int32_t> row_order;
         Job job;
         cpu::CpuClipper clipper;
         std::vector<double> powers;  // see CpuClipper::clip_first()

@@ -24,42 +24,19 @@ public:
         append(out_.face_counts, from.face_counts, i, 1, cells_);
         append(out_.edge_counts, from.edge_counts, i, 1, cells_);
         append(out_.vertex_counts, from.vertex_counts, i, 1, cells_);
-        read_row(from, i, seeds);
-        for (const Entry& entry : row_) {
-            out_.neighbors.push_back(entry.id);
-            out_.tags.push_back(entry.tag);
-            append(out_.shifts, from.shifts, entry.at, 3, entries_);
-            append(out_.areas, from.face_areas, entry.at, 1, entries_);
-            append(out_.normals, from.face_normals, entry.at, 3, entries_);
+        for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]); ++e) {
+            const std::int32_t index = from.indices[e];
+            const auto seed = static_cast<std::size_t>(index);
+            out_.neighbors.push_back(index < 0 ? index : seeds.ids[seed]);
+            out_.tags.push_back(index < 0 ? -1 : seeds.tags[seed]);
+            append(out_.shifts, from.shifts, e, 3, entries_);
+            append(out_.areas, from.face_areas, e, 1, entries_);
+            append(out_.normals, from.face_normals, e, 3, entries_);
         }
         out_.indptr.push_back(static_cast<std::int64_t>(out_.neighbors.size()));
     }
 
 private:
-    struct Entry {
-        std::int64_t id;
-        std::int32_t tag;
-        std::array<std::int8_t, 3> shift;
-        std::size_t at;
-        friend bool operator<(const Entry& a, const Entry& b) { return a.id != b.id ? a.id < b.id : a.shift < b.shift; }
-    };
-    void read_row(const detail::Result& from, std::size_t i, const Seeds& seeds) {
-        const bool periodic = from.shifts.size() > 0;
-        row_.clear();
-        bool ascending = true;
-        for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]); ++e) {
-            const std::int32_t index = from.indices[e];
-            Entry entry{index, -1, {}, e};
-            if (index >= 0) {
-                entry.id = seeds.ids[static_cast<std::size_t>(index)];
-                entry.tag = seeds.tags[static_cast<std::size_t>(index)];
-            }
-            if (periodic) std::copy_n(from.shifts.data() + 3 * e, 3, entry.shift.begin());
-            ascending = ascending && (row_.empty() || row_.back().id <= entry.id);
-            row_.push_back(entry);
-        }
-        if (!ascending) std::ranges::sort(row_, std::less<>());
-    }
     template <class T>
     static void append(std::vector<T>& to, const Buffer<T>& from, std::size_t i, std::size_t each, std::size_t count) {
         if (from.size() == 0) return;
@@ -69,7 +46,6 @@ private:
 
     BlockCells& out_;
     std::size_t cells_, entries_;
-    std::vector<Entry> row_;
 };
 
 }  // namespace

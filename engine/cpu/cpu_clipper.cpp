@@ -240,7 +240,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                              const Share& share) {
     begin_workers(out);
     const std::size_t blocks = blocks_.size() - 1;
-    const bool measure = needs_geometry(job_.options.want);
+    const Star::Keep keep = kept_for(job_.options.want);
     ThreadPool::Watch watch;
     if (progress_) watch = [&](std::size_t done) { return progress_.going_on(share.at(done, blocks)); };
     const auto task = [&](std::size_t block, unsigned index) {
@@ -254,7 +254,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
             if (seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
                 stretch_end = std::min(last, first + Star::most_seeds);
-                worker.star->begin(first, stretch_end, measure);
+                worker.star->begin(first, stretch_end, keep);
                 worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
@@ -285,8 +285,8 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
             powers_[seeds_.input[seed]] =
                 cell->empty() ? Star::least_power
                               : cell->radius_squared() - (seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
-        const bool measure = needs_geometry(job_.options.want);
-        worker.writer.write(seed, measure ? worker.builder.again(worker.faces) : *cell);
+        const bool placed = job_.options.want.vertices;
+        worker.writer.write(seed, placed ? worker.builder.again(worker.faces) : *cell);
     } else {
         worker.hard.push_back(static_cast<std::int32_t>(seed));
         worker.writer.leave_out();

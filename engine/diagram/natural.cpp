@@ -48,7 +48,7 @@ void run(DiagramState& state, const Queries& queries, const NaturalOptions& opti
     const bool with_graph = need_graph(state, queries, options);
     make_searchers(state);
     for (DiagramState::Searcher& searcher : state.searchers) {
-        searcher.prober.begin_job(*state.job.domain, true);
+        searcher.prober.begin_job(*state.job.domain, cpu::Star::Keep::places);
         searcher.natural.begin_job(state.job, options);
     }
     for_queries(state, queries, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {

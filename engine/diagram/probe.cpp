@@ -25,7 +25,7 @@ Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOp
     const cpu::StarKernels& kernels = cpu::star_kernels(cpu::find_kernels(job.options.instructions)->name);
     make_searchers(state);
     for (DiagramState::Searcher& searcher : state.searchers) {
-        searcher.prober.begin_job(*job.domain, needs_geometry(job.options.want));
+        searcher.prober.begin_job(*job.domain, cpu::kept_for(job.options.want));
         searcher.rows.begin_job(job, kernels, duplicate_of, state.result);
     }
     clock.enter(&StageSeconds::clip);

@@ -33,6 +33,9 @@ struct Job {
     double scale = 1;
     std::shared_ptr<const Domain> domain;  // times scale
     std::vector<CellStatus> outside;       // N when some seeds lie outside of a wall: `outside` for them
+    // N, when rows are to follow another order of the seeds than that of their indices: the place of each. The last
+    // digits of what is measured depend on that order, and on no other.
+    std::span<const std::int32_t> row_order;
     // The points are queries among so many seeds: their cells do not fit together.
     std::optional<std::int32_t> probes_of;
     // Arrays of an earlier run, whose memory ResultBuilder::begin() takes; may be null.

@@ -19,7 +19,7 @@ votess::Options options_of(const PointSet& set) {
     options.threads = 1;
     options.box = set.box;
     options.list_walls = true;
-    options.want.counts = options.want.centroids = true;
+    options.want.counts = options.want.centroids = options.want.areas = true;
     return options;
 }
 

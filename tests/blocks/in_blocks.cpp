@@ -137,11 +137,15 @@ std::string difference(const InBlocks& found, const Tessellation& t) {
     if (found.seeds == 0) return "";
     if (!std::ranges::equal(cells.face_counts, t.face_counts())) return "counts of faces differ";
     if (!std::ranges::equal(cells.edge_counts, t.edge_counts())) return "counts of edges differ";
+    if (!cells.areas.empty() && !std::ranges::equal(cells.areas, t.face_areas())) return "areas differ in last digits";
+    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    if (!cells.centroids.empty() && !std::ranges::equal(cells.centroids, t.centroids(), same))
+        return "centroids differ in last digits";
     for (std::size_t i = 0; i < t.size(); ++i) {
         const std::int64_t of = t.duplicate_of().empty() ? -1 : t.duplicate_of()[i];
         if (cells.duplicate_of[i] != of) return "duplicates differ";
-        if (!cells.volumes.empty() && std::abs(cells.volumes[i] - t.volumes()[i]) > 2e-10 * t.volumes()[i])
-            return "cell " + std::to_string(i) + ": the volume differs";
+        if (!cells.volumes.empty() && cells.volumes[i] != t.volumes()[i])
+            return "cell " + std::to_string(i) + ": the volume differs in its last digits";
     }
     return "";
 }

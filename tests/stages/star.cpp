@@ -72,21 +72,38 @@ std::string compare(const Star& star, const ExpectedCell& expected) {
     return "";
 }
 
+// The places of ids among all of them, as in a row.
+std::vector<std::uint32_t> ranks_of(std::span<const std::int32_t> ids) {
+    std::vector<std::uint32_t> ranks;
+    for (const std::int32_t id : ids)
+        ranks.push_back(static_cast<std::uint32_t>(std::ranges::count_if(ids, [id](auto other) { return other < id; })));
+    return ranks;
+}
+
 // Both sides keep 1e-10.
-std::string compare(const Star& star, const Star::Geometry& found, const ExpectedCell& expected) {
+std::string compare(const CellMeasures& found, const ExpectedCell& expected) {
     const double volume = expected.geometry.volume, size = std::cbrt(volume);
     if (!(std::abs(found.volume - volume) <= 2e-10 * volume)) return "volume " + std::to_string(found.volume / volume);
+    const double farthest = expected.geometry.farthest_squared;
+    if (!(std::abs(found.farthest_squared - farthest) <= 1e-7 * farthest)) return "farthest vertex";
     double surface = 0, longest = size;
     for (const auto& [id, area] : expected.faces) surface += area;
-    for (std::size_t f = 0; f < star.faces().size(); ++f) {
-        const auto face =
-            std::ranges::lower_bound(expected.faces, star.faces()[f], {}, [](auto& p) { return p.first; });
-        if (!(std::abs(found.areas[f] - face->second) <= 2e-10 * surface))
-            return "area of " + std::to_string(face->first);
-    }
+    for (std::size_t f = 0; f < expected.faces.size(); ++f)
+        if (!(std::abs(found.areas[f] - expected.faces[f].second) <= 2e-10 * surface))
+            return "area of " + std::to_string(expected.faces[f].first);
     longest = std::max(longest, surface / size);
     for (int k = 0; k < 3; ++k)
         if (!(std::abs(found.centroid[k] - expected.geometry.centroid[k]) <= 4e-10 * longest)) return "centroid";
+    return "";
+}
+
+// The walk's cell and the same one clipped have the same digits.
+std::string compare(const CellMeasures& found, const CellMeasures& clipped, std::size_t faces) {
+    if (found.volume != clipped.volume) return "volume in its last digits";
+    if (found.centroid != clipped.centroid) return "centroid in its last digits";
+    if (found.farthest_squared != clipped.farthest_squared) return "farthest vertex in its last digits";
+    if (!std::equal(found.areas.begin(), found.areas.begin() + static_cast<std::ptrdiff_t>(faces), clipped.areas.begin()))
+        return "area in its last digits";
     return "";
 }
 
@@ -96,24 +113,41 @@ struct Rates {
 
 // Builds the chosen cells in stretches of so many of them, which begin in front of the first as in CpuClipper.
 Rates check(const Sorted& sorted, const std::vector<ExpectedCell>& cells, std::span<const std::size_t> chosen,
-            std::size_t length, const Kernels& kernels, bool measure = true) {
+            std::size_t length, const Kernels& kernels, Star::Keep keep = Star::Keep::corners) {
     const auto star = make_star(kernels.name, sorted.seeds, sorted.hierarchy);
     star->begin_job(sorted.domain);
     std::size_t built = 0, measured = 0;
-    Star::Geometry geometry;
+    CellMeasures found, again;
+    CellShape clipped_shape;
+    ShapeReader reader;
+    CellBuilder builder(sorted.seeds, sorted.hierarchy, kernels);
+    builder.begin_job(sorted.domain);
+    CellFaces faces;
+    std::vector<std::int32_t> ids;
     for (std::size_t k = 0, last = 0; k < chosen.size(); ++k) {
         if (k % length == 0 || chosen[k] >= last) {
             const std::size_t first = chosen[k] / Star::alignment * Star::alignment;
             last = std::min(chosen[std::min(chosen.size(), k + length) - 1] + 1, first + Star::most_seeds);
-            star->begin(first, last, measure);
+            star->begin(first, last, keep);
         }
         if (!star->build(chosen[k])) continue;
         ++built;
         INFO("sorted seed " << chosen[k]);
         REQUIRE(compare(*star, cells[chosen[k]]) == "");
-        if (!measure || !star->measure(geometry)) continue;
+        if (keep == Star::Keep::nothing) continue;
+        CellShape* shape = star->shape(ranks_of(star->faces()));
+        REQUIRE(shape != nullptr);
+        if (!star_kernels(kernels.name).measure(*shape, found)) continue;
         ++measured;
-        REQUIRE(compare(*star, geometry, cells[chosen[k]]) == "");
+        REQUIRE(compare(found, cells[chosen[k]]) == "");
+        if (chosen[k] % 8 != 0) continue;
+        Cell& cell = builder.build(chosen[k]);
+        cell.canonical_faces(faces);
+        ids.clear();
+        for (const std::int32_t plane : faces.planes) ids.push_back(cell.planes()[static_cast<std::size_t>(plane)].id);
+        REQUIRE(reader.read(cell, faces, ranks_of(ids), clipped_shape));
+        REQUIRE(star_kernels(kernels.name).measure(clipped_shape, again));
+        REQUIRE(compare(found, again, ids.size()) == "");
     }
     const auto count = static_cast<double>(chosen.size());
     return {static_cast<double>(built) / count, static_cast<double>(measured) / count};
@@ -202,8 +236,10 @@ TEST_SUITE("stages") {
                 INFO(std::string(kernels->name));
                 for (std::size_t length = 1; length <= 50; length += test::by_size(1, 7)) {
                     CAPTURE(length);
-                    check(sorted, cells, all, length, *kernels, length % 2 == 0);
-                    check(sorted, cells, some, length, *kernels, length % 3 == 0);
+                    check(sorted, cells, all, length, *kernels,
+                          length % 2 == 0 ? Star::Keep::corners : Star::Keep::nothing);
+                    check(sorted, cells, some, length, *kernels,
+                          length % 3 == 0 ? Star::Keep::places : Star::Keep::nothing);
                 }
                 check(sorted, cells, some, some.size(), *kernels);
             }
@@ -230,7 +266,7 @@ TEST_SUITE("stages") {
                 for (const std::size_t begin : {center, center / 2, std::size_t{0}}) {
                     const auto star = make_star(kernels->name, sorted.seeds, sorted.hierarchy);
                     star->begin_job(sorted.domain);
-                    star->begin(begin / Star::alignment * Star::alignment, sorted.seeds.size(), false);
+                    star->begin(begin / Star::alignment * Star::alignment, sorted.seeds.size(), Star::Keep::nothing);
                     for (std::size_t s = begin; s < center; ++s) (void)star->build(s);
                     const bool built = star->build(center);
                     if (n > Star::most_planes) CHECK_FALSE(built);
@@ -261,7 +297,7 @@ TEST_SUITE("stages") {
                 const Sorted unscaled(base, factor);
                 for (const Kernels* kernels : supported_kernels()) {
                     INFO(std::string(kernels->name));
-                    const Rates rates = check(unscaled, cells, all_of(unscaled), 2048, *kernels, false);
+                    const Rates rates = check(unscaled, cells, all_of(unscaled), 2048, *kernels, Star::Keep::nothing);
                     if (std::abs(exponent) <= 60) CHECK(rates.built >= 0.99 * usual);
                 }
             }

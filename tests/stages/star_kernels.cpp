@@ -389,7 +389,7 @@ TEST_SUITE("stages") {
                 std::vector<std::int32_t> ids;
                 for (const std::size_t place : order) ids.push_back(sorted[place]);
                 for_each_set([&](const StarKernels& kernels) {
-                    std::vector<std::uint16_t> places(std::max<std::size_t>(order.size(), 32), 9999);
+                    std::vector<std::uint32_t> places(std::max<std::size_t>(order.size(), 32), 9999);
                     kernels.rank(ids.data(), count, places.data());
                     REQUIRE(std::equal(order.begin(), order.end(), places.begin()));
                 });

@@ -132,6 +132,14 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
     return plane;
 }
 
+std::array<double, 3> mirror_image(const CellPlane& wall) {
+    const auto& [x, y, z] = wall.n;
+    if (!wall.source.is_oblique()) return {2 * wall.h * x, 2 * wall.h * y, 2 * wall.h * z};
+    if (!wall.reliable || !(wall.h > 0)) return {};
+    const double times = 2 * wall.h / (wall.norm * wall.norm);
+    return {times * x, times * y, times * z};
+}
+
 void Cell::start(const exact::Point& seed, const Box& box) {
     Domain domain;
     domain.box = box;

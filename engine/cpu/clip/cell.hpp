@@ -41,9 +41,13 @@ struct CellPlane {
 CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source,
                      const exact::Shift& shift = {});
 
+// The vector from the seed to its mirror image in a wall; 0 where the seed lies on it, or that is not known well.
+std::array<double, 3> mirror_image(const CellPlane& wall);
+
 struct CellGeometry {
     double volume = 0;
     std::array<double, 3> centroid{};  // relative to the seed
+    double farthest_squared = 0;       // from the seed to a vertex
 };
 
 // Faces of the canonical cell. Face f is the polygon of vertex slots corners[offsets[f]..offsets[f+1]), ordered
@@ -107,8 +111,6 @@ public:
     // Planes that have a face; the canonical cell's only when no tie was met.
     void face_planes(std::vector<std::int32_t>& out);
     void canonical_faces(CellFaces& out);
-    // Returns the squared distance from the seed to the farthest vertex.
-    [[nodiscard]] double farthest_squared(const CellFaces& faces) const;
     // areas: if given, the areas of the faces, each to an absolute error of 1e-10 of their sum.
     [[nodiscard]] CellGeometry measure(const CellFaces& faces, std::vector<double>* areas = nullptr) const;
 

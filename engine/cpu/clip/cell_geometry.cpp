@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "cpu/clip/cell.hpp"
+#include "cpu/clip/cell_polygons.hpp"
+#include "cpu/measure/cell_shape.hpp"
 #include "exact/wide_float.hpp"
 
 namespace votess::cpu {
@@ -29,6 +31,10 @@ Real dot(const Vector<Real>& a, const Vector<Real>& b) {
 template <class Real>
 Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+template <class Real>
+double square(const Vector<Real>& a) {
+    return static_cast<double>(dot(a, a));
 }
 template <class Real>
 double length_bound(const Vector<Real>& a) {
@@ -130,7 +136,7 @@ template <class Real, class Corners>
 std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& faces, Corners&& corner,
                                          std::vector<double>* areas) {
     Sums<Real> sums;
-    double error = 0, surface = 0, area_error = 0;
+    double error = 0, surface = 0, area_error = 0, farthest = 0;
     if (areas != nullptr) areas->clear();
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const CellPlane& plane = cell.planes()[faces.planes[f]];
@@ -140,6 +146,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
         const int count = faces.offsets[f + 1] - faces.offsets[f];
         const auto [apex, apex_error] = corner(slots[0]);
         auto [last, last_error] = corner(slots[1]);
+        farthest = std::max({farthest, square(apex), square(last)});
         Vector<Real> previous = last - apex;
         double spread = length_bound(previous);
         double worst = std::max(apex_error, last_error);
@@ -147,6 +154,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
         Vector<Real> doubled{};  // area vector of the face
         for (int c = 2; c < count; ++c) {
             const auto [position, position_error] = corner(slots[c]);
+            farthest = std::max(farthest, square(position));
             const auto current = position - apex;
             const double size = length_bound(current);
             worst = std::max(worst, position_error);
@@ -173,38 +181,50 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
         if (!(volume > smallest_volume && error <= accepted_error * volume)) return std::nullopt;
         if (!(area_error <= accepted_error * surface)) return std::nullopt;
     }
-    return sums.geometry();
+    CellGeometry geometry = sums.geometry();
+    geometry.farthest_squared = farthest;
+    return geometry;
 }
 
-// Vertices solved exactly and rounded to Real, each once.
+// Vertices solved exactly and rounded to Real, each once. Any three of a vertex's planes give it; those of the first
+// three faces are taken.
 template <class Real>
 std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces, std::vector<double>* areas) {
     struct Solved {
-        Vector<Real> position;
-        double error;
+        int planes = 0;
+        std::array<const exact::Plane*, 3> on{};
+        std::optional<Vector<Real>> position;
+        double error = 0;
     };
-    std::vector<std::optional<Solved>> known(cell.slots());
-    const auto corner = [&](int slot) {
-        auto& vertex = known[slot];
-        if (!vertex) {
-            const auto [a, b, c] = cell.corner_planes(slot);
-            vertex.emplace();
-            vertex->position = exact::vertex_position<Real>(cell.seed(), a->source, b->source, c->source);
-            vertex->error = 8 * roundoff<Real> * length_bound(vertex->position);
+    std::vector<Solved> known(static_cast<std::size_t>(cell.slots()));
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (std::int32_t c = faces.offsets[f]; c < faces.offsets[f + 1]; ++c) {
+            Solved& vertex = known[faces.corners[c]];
+            if (vertex.planes < 3) vertex.on[vertex.planes++] = &cell.planes()[faces.planes[f]].source;
         }
-        return *vertex;
+    const auto corner = [&](int slot) {
+        struct Corner {
+            Vector<Real> position;
+            double error;
+        };
+        Solved& vertex = known[slot];
+        if (!vertex.position) {
+            const auto& [a, b, c] = vertex.on;
+            vertex.position = exact::vertex_position<Real>(cell.seed(), *a, *b, *c);
+            vertex.error = 8 * roundoff<Real> * length_bound(*vertex.position);
+        }
+        return Corner{*vertex.position, vertex.error};
     };
     return sum_pyramids<Real>(cell, faces, corner, areas);
 }
 
-}  // namespace
-
-double Cell::farthest_squared(const CellFaces& faces) const {
-    double farthest = 0;
-    for (const std::int32_t slot : faces.corners)
-        farthest = std::max(farthest, x_[slot] * x_[slot] + y_[slot] * y_[slot] + z_[slot] * z_[slot]);
-    return farthest;
+CellGeometry solve(const Cell& cell, const CellFaces& faces, std::vector<double>* areas) {
+    if (const auto g = sum_solved<double>(cell, faces, areas)) return *g;
+    if (const auto g = sum_solved<exact::Quad>(cell, faces, areas)) return *g;
+    return *sum_solved<exact::WideFloat>(cell, faces, areas);
 }
+
+}  // namespace
 
 CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) const {
     struct Corner {
@@ -213,9 +233,28 @@ CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) c
     };
     const auto corner = [this](int slot) { return Corner{{x_[slot], y_[slot], z_[slot]}, tolerance_[slot]}; };
     if (const auto g = sum_pyramids<double>(*this, faces, corner, areas)) return *g;
-    if (const auto g = sum_solved<double>(*this, faces, areas)) return *g;
-    if (const auto g = sum_solved<exact::Quad>(*this, faces, areas)) return *g;
-    return *sum_solved<exact::WideFloat>(*this, faces, areas);
+    return solve(*this, faces, areas);
+}
+
+// The faces by rank, and of each the corners from the edge to the face of least rank on, so that the sums do not depend
+// on how the cell was found.
+void measure_exactly(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellMeasures& out,
+                     std::vector<double>& areas) {
+    CellPolygons polygons;
+    read_polygons(cell, faces, ranks, polygons);
+    std::vector<std::size_t> order(ranks.size());
+    for (std::size_t f = 0; f < ranks.size(); ++f) order[ranks[f]] = f;
+    CellFaces sorted;
+    sorted.offsets.push_back(0);
+    for (const std::size_t f : order) {
+        sorted.planes.push_back(faces.planes[f]);
+        sorted.corners.insert(sorted.corners.end(), polygons.face(f).begin(), polygons.face(f).end());
+        sorted.offsets.push_back(static_cast<std::int32_t>(sorted.corners.size()));
+    }
+    const CellGeometry geometry = solve(cell, sorted, &areas);
+    out.volume = geometry.volume;
+    out.centroid = geometry.centroid;
+    out.farthest_squared = geometry.farthest_squared;
 }
 
 }  // namespace votess::cpu

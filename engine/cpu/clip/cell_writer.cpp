@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "cpu/sort/seed_images.hpp"
 #include "input/implied_wants.hpp"
@@ -41,10 +42,12 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     periodic_ = job.domain->is_periodic();
     placed_ = needs_geometry(want_);
     measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
-    plain_rows_ = !want_.normals && !want_.vertices;
+    ranked_ = measured_ || want_.neighbors;
+    row_order_ = job.row_order;
     unscale_ = 1 / job.scale;
     counters_ = {};
     rows_size_ = 0;
+    resize_beside_rows();  // an earlier job may have wanted none of them
     lengths_.clear();
     polygon_writer_.clear();
 }
@@ -66,26 +69,28 @@ bool CellWriter::write(Star& star) {
         write_empty();
         return true;
     }
-    if (measured_ ? !star.measure(geometry_) : placed_ && !star.knows_vertices()) return false;
     const auto faces = star.faces();
+    face_shifts_.clear();
+    if (periodic_) find_shifts(faces);
+    if (ranked_) rank_faces(faces);
+    if (measured_) {
+        CellShape* shape = star.shape(std::span(ranks_).first(faces.size()));
+        if (shape == nullptr || !kernels_->measure(*shape, measures_)) return false;
+        face_areas_ = std::span(measures_.areas).first(faces.size());
+        write_measures();
+    } else if (want_.vertices && !star.knows_vertices()) {
+        return false;
+    }
     counters_.faces += faces.size();
     counters_.exact_cells += star.used_exact() ? 1 : 0;
     if (want_.normals) star.normals(face_normals_);
-    if (want_.neighbors) {
-        face_shifts_.clear();
-        if (periodic_) find_shifts(faces);
-        write_row({faces, face_shifts_, geometry_.areas.data(), face_normals_.data()});
-    }
+    if (want_.neighbors) write_row();
     if (want_.vertices) {
-        rank_faces();
-        star.polygons(ranks_, polygons_);
+        star.polygons(std::span(ranks_).first(faces.size()), polygons_);
         // Their cells lie elsewhere in the domain, each by a shift of its own.
         if (moved_) polygons_.shared.clear();
         write_polygons();
     }
-    write_geometry(geometry_.volume, geometry_.centroid.data());
-    if (want_.surfaces || want_.radii)
-        write_sizes(std::span(geometry_.areas).first(faces.size()), star.farthest_squared());
     write_counts(faces.size(), static_cast<std::uint32_t>(star.edge_count()),
                  static_cast<std::uint32_t>(star.vertex_count()));
     return true;
@@ -105,29 +110,37 @@ void CellWriter::write(Cell& cell) {
     constexpr std::size_t least_faces = 4;
     if (planes.size() < least_faces) return write_empty();  // flat
     counters_.faces += planes.size();
-    if (measured_) {
-        const CellGeometry geometry = cell.measure(faces_, want_.areas || want_.surfaces ? &face_areas_ : nullptr);
-        write_geometry(geometry.volume, geometry.centroid.data());
+    ids_.clear();
+    face_normals_.clear();
+    face_shifts_.clear();
+    for (const std::int32_t p : planes) {
+        const CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
+        ids_.push_back(plane.id);
+        if (periodic_) face_shifts_.push_back(plane.shift);
+        if (want_.normals) face_normals_.push_back(unit_vector(plane.n));
     }
-    if (want_.neighbors) {
-        ids_.clear();
-        face_normals_.clear();
-        face_shifts_.clear();
-        for (const std::int32_t p : planes) {
-            ids_.push_back(cell.planes()[p].id);
-            if (periodic_) face_shifts_.push_back(cell.planes()[p].shift);
-            if (want_.normals) face_normals_.push_back(unit_vector(cell.planes()[p].n));
-        }
-        if (moved_) count_from_domain(ids_);
-        write_row({ids_, face_shifts_, face_areas_.data(), face_normals_.data()});
-    }
+    if (moved_) count_from_domain(ids_);
+    if (ranked_) rank_faces(ids_);
+    if (measured_) measure(cell);
+    if (want_.neighbors) write_row();
     if (want_.vertices) {
-        rank_faces();
-        read_polygons(cell, faces_, ranks_, polygons_);
+        read_polygons(cell, faces_, std::span(ranks_).first(faces_ranked_), polygons_);
         write_polygons();
     }
-    if (want_.surfaces || want_.radii) write_sizes(face_areas_, cell.farthest_squared(faces_));
     write_counts(planes.size(), faces_.edge_count, faces_.vertex_count);
+}
+
+// As the walk's cells are measured, so that it does not matter how a cell was found; else from exact corners.
+void CellWriter::measure(const Cell& cell) {
+    const std::span ranks = std::span(ranks_).first(faces_ranked_);
+    shape_.weighted = domain_->has_weights();
+    if (shape_reader_.read(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
+        face_areas_ = std::span(measures_.areas).first(faces_.size());
+    } else {
+        measure_exactly(cell, faces_, ranks, measures_, many_areas_);
+        face_areas_ = many_areas_;
+    }
+    write_measures();
 }
 
 void CellWriter::write_none(std::size_t output, CellStatus status) {
@@ -136,17 +149,17 @@ void CellWriter::write_none(std::size_t output, CellStatus status) {
     leave_out();
 }
 
-void CellWriter::write_geometry(double volume, const double* centroid) {
-    if (want_.volumes) out_->volumes()[output_] = volume * unscale_ * unscale_ * unscale_;
-    if (!want_.centroids) return;
-    const exact::Point p = place();
-    for (int k = 0; k < 3; ++k) out_->centroids()[3 * output_ + k] = (centroid[k] + p[k]) * unscale_;
-}
-
-void CellWriter::write_sizes(std::span<const double> areas, double farthest_squared) {
+void CellWriter::write_measures() {
+    const CellMeasures& m = measures_;
+    if (want_.volumes) out_->volumes()[output_] = m.volume * unscale_ * unscale_ * unscale_;
+    if (want_.centroids) {
+        const exact::Point p = place();
+        for (std::size_t k = 0; k < 3; ++k) out_->centroids()[3 * output_ + k] = (m.centroid[k] + p[k]) * unscale_;
+    }
     if (want_.surfaces)
-        out_->surface_areas()[output_] = std::accumulate(areas.begin(), areas.end(), 0.0) * unscale_ * unscale_;
-    if (want_.radii) out_->security_radii()[output_] = 2 * std::sqrt(farthest_squared) * unscale_;
+        out_->surface_areas()[output_] =
+            std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0) * unscale_ * unscale_;
+    if (want_.radii) out_->security_radii()[output_] = 2 * std::sqrt(m.farthest_squared) * unscale_;
 }
 
 void CellWriter::write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
@@ -162,7 +175,7 @@ std::int32_t CellWriter::input_of(std::int32_t id) const {
     return seeds_.input[static_cast<std::size_t>(home)];
 }
 
-// Leaves face_shifts_ empty where all are seeds themselves by no shift, as they are away from the faces of the domain.
+// Nothing is found where all are seeds themselves by no shift, as they are away from the faces of the domain.
 // An image may have no shift either: one that was moved into the reduced cell, and lies beside it.
 void CellWriter::find_shifts(std::span<const std::int32_t> ids) {
     const SeedImages& images = *seeds_.images;
@@ -208,94 +221,99 @@ exact::Point CellWriter::place() const {
     return {seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
 }
 
-void CellWriter::make_room(std::size_t faces) {
-    if (rows_.size() < rows_size_ + 2 * faces) rows_.resize(std::max(usual_rows, 2 * rows_.size()) + 2 * faces);
-    if (want_.areas && areas_.size() < rows_.size()) areas_.resize(rows_.size());
-    if (want_.normals && normals_.size() < 3 * rows_.size()) normals_.resize(3 * rows_.size());
-    if (periodic_ && shifts_.size() < 3 * rows_.size()) shifts_.resize(3 * rows_.size());
+void CellWriter::resize_beside_rows() {
+    if (want_.areas) areas_.resize(rows_.size());
+    if (want_.normals) normals_.resize(3 * rows_.size());
+    if (periodic_) shifts_.resize(3 * rows_.size());
 }
 
-void CellWriter::write_row(const Faces& faces) {
-    make_room(faces.ids.size());
-    std::size_t count = 0;
-    if (plain_rows_ && faces.shifts.empty() && faces.ids.size() <= most_ranked) {
-        count = write_plain_row(faces);
-        if (periodic_) std::memset(&shifts_[3 * rows_size_], 0, 3 * count);
-    } else {
-        find_order(faces);
-        for (const std::uint32_t face : order_) {
-            if (labels_[face].id < 0 && !walls_) continue;
-            const std::size_t entry = rows_size_ + count++;
-            rows_[entry] = labels_[face].id;
-            if (want_.areas) areas_[entry] = faces.areas[face] * unscale_ * unscale_;
-            for (std::size_t k = 0; k < 3 && want_.normals; ++k) normals_[3 * entry + k] = faces.normals[face][k];
-            for (std::size_t k = 0; k < 3 && periodic_; ++k) shifts_[3 * entry + k] = labels_[face].shift[k];
-        }
+void CellWriter::make_room(std::size_t faces) {
+    rows_.resize(std::max({usual_rows, 2 * rows_.size(), rows_size_ + faces}));
+    resize_beside_rows();
+}
+
+void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
+    const std::size_t count = ids.size();
+    if (names_.size() < std::max(count, most_ranked)) {
+        names_.resize(std::max(count, most_ranked));
+        ranks_.resize(names_.size());
     }
+    faces_ranked_ = count;
+    std::size_t walls = 0;
+    const bool images = !face_shifts_.empty();
+    const std::int32_t* input = seeds_.input.begin();
+    std::int32_t* names = names_.data();
+    for (std::size_t f = 0; f < count; ++f) {
+        const std::int32_t id = ids[f];
+        walls += id < 0 ? 1 : 0;
+        names[f] = id < 0 ? id : images ? input_of(id) : input[id];
+    }
+    hidden_ = walls_ ? 0 : walls;
+    const std::int32_t* keys = names_.data();
+    if (!row_order_.empty()) {
+        keys_.resize(count);
+        for (std::size_t f = 0; f < count; ++f)
+            keys_[f] = names_[f] < 0 ? names_[f] : row_order_[static_cast<std::size_t>(names_[f])];
+        keys = keys_.data();
+    }
+    if (count > most_ranked) return rank_labels();
+    kernels_->rank(keys, static_cast<int>(count), ranks_.data());
+    if (face_shifts_.empty()) return;
+    // In a small periodic box a seed is a neighbor more than once.
+    std::array<bool, most_ranked> taken{};
+    for (std::size_t f = 0; f < count; ++f) {
+        if (std::exchange(taken[ranks_[f]], true)) return rank_labels();
+    }
+}
+
+void CellWriter::rank_labels() {
+    const std::vector<std::int32_t>& keys = row_order_.empty() ? names_ : keys_;
+    const auto label = [&](std::uint32_t f) {
+        return std::pair(keys[f], face_shifts_.empty() ? exact::Shift{} : face_shifts_[f]);
+    };
+    order_.resize(faces_ranked_);
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::ranges::sort(order_, {}, label);
+    for (std::size_t r = 0; r < order_.size(); ++r) ranks_[order_[r]] = static_cast<std::uint32_t>(r);
+}
+
+void CellWriter::write_row() {
+    const std::size_t faces = faces_ranked_, count = faces - hidden_;
+    if (rows_size_ + faces > rows_.size()) make_room(faces);
+    const std::size_t begin = rows_size_;
+    const auto for_listed = [&](auto visit) {  // a face and its entry
+        for (std::size_t f = 0; f < faces; ++f)
+            if (ranks_[f] >= hidden_) visit(f, begin + ranks_[f] - hidden_);
+    };
+    std::int32_t* row = rows_.data() + begin;
+    const std::uint32_t* rank = ranks_.data();
+    if (hidden_ == 0)
+        for (const std::int32_t name : std::span(names_).first(faces)) row[*rank++] = name;
+    else
+        for_listed([&](std::size_t f, std::size_t entry) { rows_[entry] = names_[f]; });
+    if (want_.areas) {
+        const double square = unscale_ * unscale_;
+        for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * square;
+    }
+    if (want_.normals)
+        for_listed([&](std::size_t f, std::size_t entry) { std::ranges::copy(face_normals_[f], &normals_[3 * entry]); });
+    if (periodic_ && face_shifts_.empty()) std::memset(&shifts_[3 * begin], 0, 3 * count);
+    if (!face_shifts_.empty())
+        for_listed([&](std::size_t f, std::size_t entry) {
+            std::ranges::copy(narrow(face_shifts_[f]), &shifts_[3 * entry]);
+        });
     rows_size_ += count;
     lengths_.push_back(static_cast<std::uint32_t>(count));
 }
 
-// Ids, and areas if wanted.
-std::size_t CellWriter::write_plain_row(const Faces& faces) {
-    // First behind its place, in the order of the faces, then sorted into it.
-    std::int32_t* row = rows_.data() + rows_size_;
-    std::int32_t* unsorted = row + faces.ids.size();
-    int count = 0;
-    for (std::size_t k = 0; k < faces.ids.size(); ++k) {
-        const std::int32_t id = faces.ids[k];
-        unsorted[count] = id < 0 ? id : seeds_.input[static_cast<std::size_t>(id)];
-        if (want_.areas) kept_areas_[static_cast<std::size_t>(count)] = faces.areas[k];
-        count += (id >= 0 || walls_) ? 1 : 0;
-    }
-    kernels_->rank(unsorted, count, places_.data());
-    for (int k = 0; k < count; ++k) row[places_[static_cast<std::size_t>(k)]] = unsorted[k];
-    if (want_.areas) {
-        const double square = unscale_ * unscale_;
-        double* areas = areas_.data() + rows_size_;
-        for (int k = 0; k < count; ++k)
-            areas[places_[static_cast<std::size_t>(k)]] = kept_areas_[static_cast<std::size_t>(k)] * square;
-    }
-    return static_cast<std::size_t>(count);
-}
-
-// Fills labels_ and order_.
-void CellWriter::find_order(const Faces& faces) {
-    const std::size_t count = faces.ids.size();
-    labels_.resize(count);
-    order_.resize(count);
-    make_room(count);
-    std::int32_t* ids = rows_.data() + rows_size_;  // for a moment
-    for (std::size_t f = 0; f < count; ++f) {
-        const std::int32_t id = faces.ids[f];
-        ids[f] = id < 0 ? id : input_of(id);
-        labels_[f] = {ids[f], {}};
-        if (!faces.shifts.empty()) labels_[f].shift = narrow(faces.shifts[f]);
-    }
-    constexpr std::size_t most_marked = 64;
-    if (count <= most_marked) {
-        kernels_->rank(ids, static_cast<int>(count), places_.data());
-        std::uint64_t marked = 0;
-        for (std::size_t f = 0; f < count; ++f) {
-            order_[places_[f]] = static_cast<std::uint32_t>(f);
-            marked |= 1ull << places_[f];
-        }
-        if (static_cast<std::size_t>(std::popcount(marked)) == count) return;
-    }
-    // In a small periodic box a seed is a neighbor more than once.
-    std::iota(order_.begin(), order_.end(), 0u);
-    std::ranges::sort(order_, {}, [this](std::uint32_t f) { return labels_[f]; });
-}
-
-// After write_row() of the same cell.
-void CellWriter::rank_faces() {
-    ranks_.resize(order_.size());
-    for (std::size_t r = 0; r < order_.size(); ++r) ranks_[order_[r]] = static_cast<std::uint32_t>(r);
-}
-
 void CellWriter::write_polygons() {
-    const std::size_t hidden = order_.size() - lengths_.back();
-    polygon_writer_.append(polygons_, labels_, order_, hidden, place());
+    labels_.resize(faces_ranked_);
+    order_.resize(faces_ranked_);
+    for (std::size_t f = 0; f < faces_ranked_; ++f) {
+        labels_[f] = {names_[f], face_shifts_.empty() ? std::array<std::int8_t, 3>{} : narrow(face_shifts_[f])};
+        order_[ranks_[f]] = static_cast<std::uint32_t>(f);
+    }
+    polygon_writer_.append(polygons_, labels_, order_, hidden_, place());
 }
 
 void CellWriter::end_block(std::span<const std::int32_t> cells) {

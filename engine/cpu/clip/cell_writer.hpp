@@ -54,14 +54,6 @@ public:
 private:
     static constexpr std::size_t most_ranked = 256;  // ids of a row; ranking takes the square of their number
 
-    // The faces of a cell in any order: sorted seeds or walls, and what is wanted beside them.
-    struct Faces {
-        std::span<const std::int32_t> ids;
-        std::span<const exact::Shift> shifts;  // as Tessellation::shifts(); empty when all are zero
-        const double* areas = nullptr;
-        const std::array<double, 3>* normals = nullptr;
-    };
-
     void aim(std::size_t seed) {
         output_ = static_cast<std::size_t>(seeds_.input[seed]);
         seed_ = seed;
@@ -72,20 +64,22 @@ private:
     void write(Cell& cell);
     void write_empty() { write_none(output_, CellStatus::empty); }
     [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
-    // Fills face_shifts_.
+    // Fills face_shifts_, which stays empty where all are zero.
     void find_shifts(std::span<const std::int32_t> ids);
     // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
     void count_from_domain(std::span<const std::int32_t> ids);
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t id) const;
     [[nodiscard]] exact::Point place() const;
-    void write_geometry(double volume, const double* centroid);
-    void write_sizes(std::span<const double> areas, double farthest_squared);
+    void measure(const Cell& cell);
+    void write_measures();
     void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
-    void write_row(const Faces& faces);
-    std::size_t write_plain_row(const Faces& faces);
+    // Fills names_ and ranks_ of faces: sorted seeds or walls.
+    void rank_faces(std::span<const std::int32_t> ids);
+    void rank_labels();
+    // After rank_faces(), in their order; face_normals_ in that of the faces.
+    void write_row();
     void make_room(std::size_t faces);
-    void find_order(const Faces& faces);
-    void rank_faces();
+    void resize_beside_rows();
     void write_polygons();
 
     const SortedSeeds& seeds_;
@@ -95,7 +89,8 @@ private:
     std::int32_t probe_id_ = 0, probe_number_ = 0;  // of images of a probe: in its cell, in its row
     bool moved_ = false;                            // shifts count from the domain, not from its reduced cell
     Want want_;
-    bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, plain_rows_ = false;
+    bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, ranked_ = false;
+    std::span<const std::int32_t> row_order_;  // see Job
     double unscale_ = 1;
     CellCounters counters_;
     std::size_t rows_size_ = 0;
@@ -108,18 +103,23 @@ private:
     // The cell at hand: where it goes, and whose it is.
     std::size_t output_ = 0, seed_ = 0;
     const Probe* probe_ = nullptr;  // instead of seed_
-    Star::Geometry geometry_;
+    ShapeReader shape_reader_;
+    CellShape shape_;  // of a clipped cell
+    CellMeasures measures_;
+    std::vector<double> many_areas_;
+    std::span<const double> face_areas_;  // by rank, of measures_ or many_areas_
     CellFaces faces_;
     CellPolygons polygons_;
     std::vector<std::int32_t> ids_, planes_;
-    std::vector<double> face_areas_;
     std::vector<std::array<double, 3>> face_normals_;
-    std::vector<exact::Shift> face_shifts_;
-    std::array<double, most_ranked> kept_areas_;
-    std::array<std::uint16_t, most_ranked> places_;
-    std::vector<FaceLabel> labels_;     // by face
-    std::vector<std::uint32_t> order_;  // faces by label
-    std::vector<std::uint32_t> ranks_;  // places in order_, by face
+    std::vector<exact::Shift> face_shifts_;  // as Tessellation::shifts()
+    // By face: the input index or wall, and the place among all faces of the cell, by index and shift.
+    std::vector<std::int32_t> names_, keys_;
+    std::vector<std::uint32_t> ranks_;
+    std::size_t faces_ranked_ = 0;  // so many of them are in use
+    std::size_t hidden_ = 0;        // faces that rows do not list: walls, which come first
+    std::vector<FaceLabel> labels_;
+    std::vector<std::uint32_t> order_;
 };
 
 }  // namespace votess::cpu

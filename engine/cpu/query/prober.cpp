@@ -12,10 +12,10 @@ constexpr std::size_t most_together = 64;  // probes that share a window
 Prober::Prober(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
     : seeds_(seeds), builder_(seeds, hierarchy, kernels), star_(make_star(kernels.name, seeds, hierarchy)) {}
 
-void Prober::begin_job(const Domain& domain, bool measure) {
+void Prober::begin_job(const Domain& domain, Star::Keep keep) {
     builder_.begin_job(domain);
     star_->begin_job(domain);
-    measure_ = measure;
+    keep_ = keep;
 }
 
 // Returns how many of the probes lie near enough to the first to look around together: in a box no longer than what a
@@ -43,7 +43,7 @@ std::size_t Prober::look_around(std::span<const Probe> probes) {
 
 void Prober::run(std::span<const Probe> probes, std::size_t near, ProbeSink& sink) {
     const bool walk = seeds_.size() > 0;
-    if (walk) star_->begin_probes(near, measure_);
+    if (walk) star_->begin_probes(near, keep_);
     for (std::size_t begin = 0, end = 0; begin < probes.size(); begin = end) {
         end = walk ? begin + look_around(probes.subspan(begin)) : probes.size();
         for (std::size_t k = begin; k < end; ++k)
@@ -58,7 +58,7 @@ void Prober::clip(const Probe& probe, std::size_t k, ProbeSink& sink) {
     if (there >= 0 && (seeds_.weights.empty() || seeds_.weights[seed] >= probe.weight))
         sink.taken(k, seed);
     else
-        sink.take(k, measure_ ? builder_.again(faces_) : cell);
+        sink.take(k, keep_ == Star::Keep::places ? builder_.again(faces_) : cell);
 }
 
 }  // namespace votess::cpu

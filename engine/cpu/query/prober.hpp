@@ -27,8 +27,7 @@ class Prober {
 public:
     Prober(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels);
 
-    // measure: whether cells will be measured.
-    void begin_job(const Domain& domain, bool measure);
+    void begin_job(const Domain& domain, Star::Keep keep);
     // probes: along a curve through space; near: a group of seeds near the first.
     void run(std::span<const Probe> probes, std::size_t near, ProbeSink& sink);
 
@@ -40,7 +39,7 @@ private:
     CellBuilder builder_;
     std::unique_ptr<Star> star_;
     CellFaces faces_;
-    bool measure_ = false;
+    Star::Keep keep_ = Star::Keep::nothing;
 };
 
 }  // namespace votess::cpu

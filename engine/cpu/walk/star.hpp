@@ -28,10 +28,12 @@
 #include <vector>
 
 #include "cpu/clip/cell_polygons.hpp"
+#include "cpu/measure/cell_shape.hpp"
 #include "cpu/probe.hpp"
 #include "cpu/sort/hierarchy.hpp"
 #include "cpu/sort/sort.hpp"
 #include "domain/domain.hpp"
+#include "input/implied_wants.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::cpu {
@@ -39,23 +41,27 @@ namespace votess::cpu {
 class Star {
 public:
     static constexpr std::size_t most_seeds = 16384;  // of a stretch
-    static constexpr int most_planes = 64;
-    static constexpr int most_vertices = 2 * most_planes;
+    static constexpr int most_planes = CellShape::most_planes;
+    static constexpr int most_vertices = CellShape::most_corners;
 
     virtual ~Star() = default;
 
     static constexpr std::size_t alignment = 16;  // of the first seed of a stretch
 
+    // What is known of a cell's vertices beside that they are there: which planes meet in each, for shape(); or their
+    // places, too, for polygons().
+    enum class Keep { nothing, corners, places };
+
     // Once a job and before begin(). The domain stays with the caller.
     virtual void begin_job(const Domain& domain) = 0;
     // Begins a stretch of seeds, aligned but for the end; build() is then called for its seeds in order.
-    virtual void begin(std::size_t first, std::size_t last, bool measure) = 0;
+    virtual void begin(std::size_t first, std::size_t last, Keep keep) = 0;
     // False when the cell is beyond what this class handles: the caller clips it.
     virtual bool build(std::size_t seed) = 0;
 
     // Begins a run of probes instead: each cell is built for itself, and a look around serves those near each other.
     // group: of sorted seeds, near the first.
-    virtual void begin_probes(std::size_t group, bool measure) = 0;
+    virtual void begin_probes(std::size_t group, Keep keep) = 0;
     // The probes that follow lie in this box, and weigh no less.
     virtual void look_around(const Box& box, double lightest) = 0;
     // False also where a seed may lie at the same place, or leave no cell.
@@ -77,21 +83,14 @@ public:
     [[nodiscard]] double power_found() const { return power_found_; }
     static constexpr double least_power = -1e300;
 
-    struct Geometry {
-        double volume = 0;
-        std::array<double, 3> centroid{};         // relative to the seed
-        std::array<double, most_planes> areas{};  // in the order of faces()
-    };
     // Outward unit vectors in the order of faces().
     virtual void normals(std::vector<std::array<double, 3>>& out) = 0;
-    // What follows needs begin(.., measure = true). False when rounding might spoil the digits promised.
-    virtual bool measure(Geometry& out) = 0;
-    // Whether all vertices are known to 1e-9 of the distance of the farthest.
+    // Needs Keep::corners or more. ranks: of faces(), 0, 1, ... in the order of the row. Null where there is no room.
+    [[nodiscard]] virtual CellShape* shape(std::span<const std::uint32_t> ranks) = 0;
+    // What follows needs Keep::places. Whether all vertices are known to 1e-9 of the distance of the farthest.
     [[nodiscard]] virtual bool knows_vertices() const = 0;
     // In the order of faces(), as the ranks; with the numbers that vertices have in the stretch.
     virtual void polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const = 0;
-    // Returns the squared distance from the seed to the farthest vertex.
-    [[nodiscard]] virtual double farthest_squared() const = 0;
 
 protected:
     int faces_ = 0, vertices_ = 0, edges_ = 0;
@@ -99,6 +98,12 @@ protected:
     bool used_exact_ = false;
     double power_found_ = least_power;
 };
+
+// What a run that wants this needs to know of vertices.
+[[nodiscard]] inline Star::Keep kept_for(const Want& want) {
+    if (want.vertices) return Star::Keep::places;
+    return needs_geometry(want) ? Star::Keep::corners : Star::Keep::nothing;
+}
 
 // For the instruction set of that name, see supported_kernels().
 std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy);

@@ -10,6 +10,7 @@
 #pragma GCC push_options
 #pragma GCC target("avx2,bmi,bmi2,fma,lzcnt,popcnt")
 #endif
+#include "cpu/measure/measure_cell.inl"
 #include "cpu/walk/star_walk.hpp"
 
 namespace votess::cpu {

@@ -20,11 +20,12 @@ void StarWalk<Isa>::guess_reach(std::size_t group) {
 }
 
 template <class Isa>
-void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
+void StarWalk<Isa>::begin(std::size_t first, std::size_t last, Keep keep) {
     forget_planes();
-    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()), measure);
+    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()),
+                 keep == Keep::places);
     make_room(cells_.locals());
-    measure_ = measure;
+    keep_ = keep;
     probing_ = false;
     own_images_ = std::numeric_limits<double>::infinity();
     any_moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
@@ -33,8 +34,8 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, bool measure) {
 }
 
 template <class Isa>
-void StarWalk<Isa>::begin_probes(std::size_t group, bool measure) {
-    begin(0, 0, measure);
+void StarWalk<Isa>::begin_probes(std::size_t group, Keep keep) {
+    begin(0, 0, keep);
     probing_ = true;
     if (seeds_.images != nullptr) own_images_ = nearest_translation(*domain_);
     guess_reach(group);

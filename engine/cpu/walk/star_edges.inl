@@ -15,10 +15,9 @@ int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
     return planes++;
 }
 
-// The edges a -> b, b -> c, c -> a of a vertex. Keep: whether vertices are placed, for
-// measure() and polygons().
+// The edges a -> b, b -> c, c -> a of a vertex.
 template <class Isa>
-template <bool Keep>
+template <Star::Keep Kept>
 void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
     const std::uint64_t bit_a = 1ull << a, bit_b = 1ull << b, bit_c = 1ull << c;
     out_[a] |= bit_b;
@@ -27,7 +26,12 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
     in_[b] |= bit_a;
     out_[c] |= bit_a;
     in_[c] |= bit_b;
-    if constexpr (Keep)
+    if constexpr (Kept != Keep::nothing) {
+        shape_.a[vertex] = static_cast<std::uint8_t>(a);
+        shape_.b[vertex] = static_cast<std::uint8_t>(b);
+        shape_.c[vertex] = static_cast<std::uint8_t>(c);
+    }
+    if constexpr (Kept == Keep::places)
         from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
 }
 
@@ -88,18 +92,21 @@ bool StarWalk<Isa>::build_cell() {
     scale_ = unscale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
     power_found_ = least_power;
-    return measure_ ? complete<true, Alone>() : complete<false, Alone>();
+    ties_.clear();
+    tie_slots_.clear();
+    if (keep_ == Keep::nothing) return complete<Keep::nothing, Alone>();
+    return keep_ == Keep::corners ? complete<Keep::corners, Alone>() : complete<Keep::places, Alone>();
 }
 
 // Alone: no other cell has handed over vertices.
 template <class Isa>
-template <bool Keep, bool Alone>
+template <Star::Keep Kept, bool Alone>
 bool StarWalk<Isa>::complete() {
     if constexpr (!Alone)
-        if (!take_known<Keep>()) return false;
+        if (!take_known<Kept>()) return false;
     empty_ = false;
     reached_ = 0;
-    if (vertices_ == 0 && !find_first<Keep>()) {
+    if (vertices_ == 0 && !find_first<Kept>()) {
         if (empty_) faces_ = edges_ = 0;
         return empty_;
     }
@@ -119,7 +126,7 @@ bool StarWalk<Isa>::complete() {
         int hits[2];
         Isa::first_hits(candidates_, candidates_.near, rays, hits);
         for (int k = 0; k < 2; ++k)
-            if (is_open(edges[k]) && !close<Keep>(edges[k], rays[k], hits[k])) return false;
+            if (is_open(edges[k]) && !close<Kept>(edges[k], rays[k], hits[k])) return false;
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) {
@@ -132,7 +139,7 @@ bool StarWalk<Isa>::complete() {
 // The first vertex of a cell that knows none. The edge to begin with is none if not all seeds near it are candidates;
 // those that were found since may help.
 template <class Isa>
-template <bool Keep>
+template <Star::Keep Kept>
 bool StarWalk<Isa>::find_first() {
     int candidates = 0;
     for (int tries = 0; tries < most_beginnings; ++tries) {
@@ -143,7 +150,7 @@ bool StarWalk<Isa>::find_first() {
         const OpenEdge edge = open_edges_[open_begin_++];
         Ray ray;
         aim(edge, ray);
-        if (close<Keep>(edge, ray, -1)) return true;
+        if (close<Kept>(edge, ray, -1)) return true;
         if (!begun_badly_) return false;
     }
     return false;
@@ -159,7 +166,7 @@ void StarWalk<Isa>::take_position(const KnownVertex& known, int vertex) {
 }
 
 template <class Isa>
-template <bool Keep>
+template <Star::Keep Kept>
 bool StarWalk<Isa>::take_known() {
     make_room(cells_.locals());
     const auto handed = cells_.known(seed_);
@@ -177,10 +184,10 @@ bool StarWalk<Isa>::take_known() {
             ++ties;
             continue;
         }
-        if constexpr (Keep) take_position(known, vertices);
+        if constexpr (Kept == Keep::places) take_position(known, vertices);
         const int a = slot_of(known.cells[0], planes), b = slot_of(known.cells[1], planes),
                   c = slot_of(known.cells[2], planes);
-        link_corner<Keep>(a, b, c, vertices++);
+        link_corner<Kept>(a, b, c, vertices++);
     }
     planes_ = planes, vertices_ = vertices, ends_ += 3 * (vertices - ties);
     for (int p = 0; p < planes; ++p)
@@ -192,7 +199,7 @@ bool StarWalk<Isa>::take_known() {
 
 template <class Isa>
 bool StarWalk<Isa>::take_tie(const KnownVertex& known, int vertex) {
-    if (measure_) take_position(known, vertex);
+    if (keep_ == Keep::places) take_position(known, vertex);
     power_found_ = std::max(power_found_, cells_.power_of_tie(known));
     tied_cells_.clear();
     for (const std::int32_t cell : cells_.tie(known))
@@ -207,6 +214,7 @@ bool StarWalk<Isa>::collect_faces() {
     const int planes = planes_;
     for (int p = 0; p < planes; ++p) {
         face_[faces] = cells_.id(local_[p]);
+        face_slot_[faces] = static_cast<std::uint8_t>(p);
         const int own = std::popcount(out_[p]);
         edges += own;
         faces += own != 0 ? 1 : 0;
@@ -273,7 +281,7 @@ bool StarWalk<Isa>::solve(const Line& line, Third& c, Four& x) const {
 }
 
 template <class Isa>
-template <bool Keep>
+template <Star::Keep Kept>
 bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     Line line;
     if (!draw_line(edge, line)) return false;
@@ -336,7 +344,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
         }
         reached_ = std::max(reached_, 4 * x2);
-        if (tied_.empty()) return add_vertex<Keep>(edge, id, third, x);
+        if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
         return add_tie(edge, id, third, x) && !is_open(edge);
     }
     return false;
@@ -399,7 +407,7 @@ void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
 }
 
 template <class Isa>
-template <bool Keep>
+template <Star::Keep Kept>
 bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
     const int c = new_slot(id);
@@ -412,9 +420,9 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
         square_[c] = third.square;
         face(c);
     }
-    if constexpr (Keep) keep_position(third, x);
-    cells_.give({own_local_, local_[edge.b], local_[edge.a], local_[c]}, Keep ? numbers_[vertices_] : 0);
-    link_corner<Keep>(edge.b, edge.a, c, vertices_++);
+    if constexpr (Kept == Keep::places) keep_position(third, x);
+    cells_.give({own_local_, local_[edge.b], local_[edge.a], local_[c]}, Kept == Keep::places ? numbers_[vertices_] : 0);
+    link_corner<Kept>(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
     stack(edge.a, c);
     stack(c, edge.b);
@@ -425,7 +433,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
 template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > most_vertices - 4) return false;
-    if (measure_) keep_position(third, x);
+    if (keep_ == Keep::places) keep_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
     const double power = (1 + 4 * margin) * dot(wide(x), wide(x)) * unscale_ * unscale_ - weight_;
@@ -461,6 +469,11 @@ bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex
         out_[a] |= 1ull << b;
         in_[b] |= 1ull << a;
         from_vertex_[a][b] = static_cast<std::uint8_t>(vertex);
+    }
+    if (keep_ != Keep::nothing) {
+        const auto begin = std::ssize(tie_slots_);
+        tie_slots_.insert(tie_slots_.end(), slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(count));
+        ties_.push_back({vertex, begin, std::ssize(tie_slots_)});
     }
     ends_ += static_cast<int>(count);
     for (std::size_t k = 0; k < count && stack_them; ++k) stack(slots[k], slots[k + 1 == count ? 0 : k + 1]);

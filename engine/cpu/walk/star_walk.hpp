@@ -16,16 +16,15 @@ public:
     }
 
     void begin_job(const Domain& domain) override;
-    void begin(std::size_t first, std::size_t last, bool measure) override;
+    void begin(std::size_t first, std::size_t last, Keep keep) override;
     bool build(std::size_t seed) override;
-    void begin_probes(std::size_t group, bool measure) override;
+    void begin_probes(std::size_t group, Keep keep) override;
     void look_around(const Box& box, double lightest) override;
     bool build(const Probe& probe) override;
     [[nodiscard]] double usual_reach() const override { return std::sqrt(typical_reach_); }
-    bool measure(Geometry& out) override;
+    CellShape* shape(std::span<const std::uint32_t> ranks) override;
     [[nodiscard]] bool knows_vertices() const override;
     void polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const override;
-    double farthest_squared() const override;
     void normals(std::vector<std::array<double, 3>>& out) override;
 
 private:
@@ -117,11 +116,11 @@ private:
     // star_edges.inl
     template <bool Alone>
     bool build_cell();
-    template <bool Keep, bool Alone>
+    template <Star::Keep Kept, bool Alone>
     bool complete();
-    template <bool Keep>
+    template <Star::Keep Kept>
     [[gnu::noinline]] bool find_first();
-    template <bool Keep>
+    template <Star::Keep Kept>
     [[gnu::always_inline]] inline bool take_known();
     [[gnu::always_inline]] inline void take_position(const KnownVertex& known, int vertex);
     bool take_tie(const KnownVertex& known, int vertex);
@@ -149,21 +148,21 @@ private:
     [[nodiscard]] static double size_of_h(double h, double square) { return 0.5 * (square + std::abs(2 * h - square)); }
     [[nodiscard]] bool solve(const Line& line, Third& third, Four& x) const;
     // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
-    template <bool Keep>
+    template <Star::Keep Kept>
     [[gnu::always_inline]] inline bool close(const OpenEdge& edge, const Ray& ray, int lane);
     [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
                                   int lane, int count);
     [[nodiscard]] double relative_error(const Third& third) const;
     [[nodiscard]] int sure_side(std::int32_t id, const Third& third, double relative, const Four& x);
     [[gnu::always_inline]] inline void keep_position(const Third& third, const Four& x);
-    template <bool Keep>
+    template <Star::Keep Kept>
     [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
                                                   const Four& x);
     [[gnu::noinline]] bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
     void forget_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
-    template <bool Keep>
+    template <Star::Keep Kept>
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
     void set_longest(double length);
     void set_image_reach(double reach) {
@@ -242,7 +241,9 @@ private:
     }
 
     // star_geometry.inl
-    [[nodiscard]] double measure_error() const;
+    [[nodiscard]] bool is_difference(std::int32_t id) const;
+    template <bool Plain>
+    void shape_planes(std::span<const std::uint32_t> ranks);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
@@ -261,7 +262,8 @@ private:
     Neighborhood cells_;
     Window window_;
     std::size_t window_home_ = ~std::size_t{0};
-    bool window_open_ = false, measure_ = false;
+    bool window_open_ = false;
+    Keep keep_ = Keep::nothing;
     double typical_reach_ = 0;  // squared security radius that vertices of late needed
 
     bool probing_ = false;
@@ -316,7 +318,17 @@ private:
     Cell probe_;                                               // of a seed outside of its cell
     std::array<float, CandidatePlanes::capacity> distance_{};  // of the candidates of a power diagram from the seed
 
-    // For measure() and polygons().
+    // For shape(): the corners of vertices on three planes, by vertex. Ties stand apart until the ranks are known.
+    CellShape shape_;
+    std::array<std::uint8_t, most_planes> face_slot_;
+    struct Tie {
+        int vertex;
+        std::vector<std::uint8_t>::difference_type begin, end;  // in tie_slots_
+    };
+    std::vector<Tie> ties_;
+    std::vector<std::uint8_t> tie_slots_;
+
+    // For polygons().
     alignas(64) std::array<Four, most_vertices> position_{};
     std::array<std::uint32_t, most_vertices> numbers_{};                            // in the stretch
     std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // vertex that has the edge a -> b

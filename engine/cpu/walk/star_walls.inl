@@ -115,11 +115,8 @@ void StarWalk<Isa>::wall_plane(std::int32_t id, Four& n, double& h) {
             wall.h = 2 * distance * distance;
         } else {  // moves are along walls
             const CellPlane plane = make_plane(base_.point, id, wall.plane);
-            const double times = 2 * plane.h / (plane.norm * plane.norm);
-            if (plane.reliable && plane.h > 0) {
-                for (std::size_t k = 0; k < 3; ++k) wall.n.x[k] = times * plane.n[k];
-                wall.h = times * plane.h;
-            }
+            std::ranges::copy(mirror_image(plane), wall.n.x);
+            if (plane.reliable && plane.h > 0) wall.h = 2 * plane.h / (plane.norm * plane.norm) * plane.h;
         }
     }
     wide(n) = wide(wall.n) * scale_;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "cpu/clip/cell_kernels.hpp"
+#include "cpu/measure/cell_shape.hpp"
 
 namespace votess::cpu {
 
@@ -93,13 +94,21 @@ struct StarKernels {
     // the first `count`.
     int (*touching)(const CandidatePlanes&, int count, const float* v, const std::int32_t* three, int begin);
     // places[k] = how many of `count` different ids are smaller than ids[k]. There is room for 32 places or more.
-    void (*rank)(const std::int32_t* ids, int count, std::uint16_t* places);
+    void (*rank)(const std::int32_t* ids, int count, std::uint32_t* places);
+    // Orders the corners, with three fillers behind them.
+    void (*order_corners)(const CellShape&, CornerOrder&);
+    // False where rounding might spoil the digits promised. Last digits depend on the instruction set.
+    bool (*measure)(CellShape&, CellMeasures&);
 };
+
+template <class Isa>
+class CellMeter;
 
 // Those of one instruction set, whose functions the walk calls by their names, so that they can be inlined.
 template <class Isa>
-inline constexpr StarKernels kernels_of{Isa::name,   Isa::near_boxes, Isa::inside_ball, Isa::to_window,
-                                        Isa::select, Isa::first_hits, Isa::touching,    Isa::rank};
+inline constexpr StarKernels kernels_of{Isa::name,     Isa::near_boxes, Isa::inside_ball,   Isa::to_window,
+                                        Isa::select,   Isa::first_hits, Isa::touching,      Isa::rank,
+                                        Isa::order_corners, CellMeter<Isa>::measure};
 extern const StarKernels star_kernels_avx2;
 
 // The ones for a set of supported_kernels(). With avx512 they are those of AVX2: loops over vectors of 512 bits took

@@ -92,7 +92,7 @@ VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, __m256i at) {
 }
 
 template <int Blocks>
-VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, std::uint16_t* places) {
+VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, std::uint32_t* places) {
     const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     __m256i of[Blocks], smaller[Blocks];
     for (int b = 0; b < Blocks; ++b) {
@@ -104,16 +104,66 @@ VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, s
         const __m256i id = _mm256_set1_epi32(ids[i]);
         for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi32(smaller[b], _mm256_cmpgt_epi32(of[b], id));
     }
-    for (int b = 0; b < Blocks; ++b) {
-        const __m128i low = _mm256_castsi256_si128(smaller[b]), high = _mm256_extracti128_si256(smaller[b], 1);
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(places + 8 * b), _mm_packus_epi32(low, high));
+    for (int b = 0; b < Blocks; ++b) _mm256_storeu_si256(reinterpret_cast<__m256i*>(places + 8 * b), smaller[b]);
+}
+
+// The keys of up to 32 corners, see Avx2::order_corners().
+VOTESS_AVX2 VOTESS_INLINE void corner_keys(const CellShape& shape, int begin, std::uint16_t* keys) {
+    const __m256i table = _mm256_load_si256(reinterpret_cast<const __m256i*>(shape.rank.data()));
+    const __m256i low = _mm256_permute2x128_si256(table, table, 0x00),
+                  high = _mm256_permute2x128_si256(table, table, 0x11);
+    const auto ranks = [&](const std::uint8_t* slots) VOTESS_AVX2 {
+        const __m256i slot = _mm256_load_si256(reinterpret_cast<const __m256i*>(slots + begin));
+        return _mm256_blendv_epi8(_mm256_shuffle_epi8(low, slot), _mm256_shuffle_epi8(high, slot),
+                                  _mm256_slli_epi16(slot, 3));
+    };
+    const __m256i p = ranks(shape.a.data()), q = ranks(shape.b.data()), r = ranks(shape.c.data());
+    const __m256i lower = _mm256_min_epu8(p, q), upper = _mm256_max_epu8(p, q);
+    const __m256i least = _mm256_min_epu8(lower, r), rest = _mm256_max_epu8(lower, r);
+    const __m256i other = _mm256_min_epu8(upper, rest), greatest = _mm256_max_epu8(upper, rest);
+    for (int half = 0; half < 2; ++half) {
+        const auto wide = [half](__m256i v) VOTESS_AVX2 {
+            return _mm256_cvtepu8_epi16(half == 0 ? _mm256_castsi256_si128(v) : _mm256_extracti128_si256(v, 1));
+        };
+        const __m256i key = _mm256_or_si256(_mm256_slli_epi16(wide(least), 10),
+                                            _mm256_or_si256(_mm256_slli_epi16(wide(other), 5), wide(greatest)));
+        _mm256_store_si256(reinterpret_cast<__m256i*>(keys + begin + 16 * half), key);
     }
+}
+
+// Sorts keys, of which no two are equal but the fillers: those behind the last, up to a multiple of four, are larger than
+// all others. Keys stand in blocks of 16.
+template <int Blocks>
+VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, std::uint16_t* sorted) {
+    __m256i of[Blocks], smaller[Blocks];
+    for (int b = 0; b < Blocks; ++b) {
+        of[b] = _mm256_load_si256(reinterpret_cast<const __m256i*>(keys + 16 * b));
+        smaller[b] = _mm256_setzero_si256();
+    }
+    for (int i = 0; i < count; i += 4)
+        for (int k = 0; k < 4; ++k) {
+            const __m256i key = _mm256_set1_epi16(static_cast<short>(keys[i + k]));
+            for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi16(smaller[b], _mm256_cmpgt_epi16(of[b], key));
+        }
+    alignas(32) std::uint16_t places[16 * Blocks];
+    for (int b = 0; b < Blocks; ++b) _mm256_store_si256(reinterpret_cast<__m256i*>(places + 16 * b), smaller[b]);
+    for (int i = 0; i < count; i += 4)
+        for (int k = 0; k < 4; ++k) sorted[places[i + k]] = keys[i + k];
 }
 
 }  // namespace
 
 struct Avx2 {
     static constexpr const char* name = "avx2";
+
+    using Lanes __attribute__((vector_size(32), may_alias)) = double;
+    VOTESS_AVX2 VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
+        out = _mm256_fmadd_pd(a, b, c);
+    }
+    VOTESS_AVX2 VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c,
+                                                            Lanes& out) {
+        out = _mm256_fmsub_pd(a, b, c);
+    }
 
     VOTESS_AVX2 VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
         unsigned mask = 0;
@@ -242,10 +292,38 @@ struct Avx2 {
         return -1;
     }
 
-    VOTESS_AVX2 static void rank(const std::int32_t* ids, int count, std::uint16_t* places) {
+    VOTESS_AVX2 static void rank(const std::int32_t* ids, int count, std::uint32_t* places) {
         if (count <= 16) return rank_blocks<2>(ids, count, places);
         if (count <= 32) return rank_blocks<4>(ids, count, places);
         Baseline::rank(ids, count, places);
+    }
+
+    // By keys of 16 bits: three ranks of five bits, ascending.
+    VOTESS_AVX2 static void order_corners(const CellShape& shape, CornerOrder& out) {
+        constexpr int most_keys = 64;
+        constexpr std::uint64_t fillers = 0x7fff7fff7fff7fff;
+        if (shape.slots > 32 || shape.corners > most_keys) return Baseline::order_corners(shape, out);
+        alignas(32) std::uint16_t keys[most_keys + 16], sorted[most_keys + 16];
+        corner_keys(shape, 0, keys);
+        if (shape.corners > 32) corner_keys(shape, 32, keys);
+        std::memcpy(keys + shape.corners, &fillers, sizeof fillers);
+        if (shape.corners <= 32)
+            sort_keys<2>(keys, shape.corners, sorted);
+        else if (shape.corners <= 48)
+            sort_keys<3>(keys, shape.corners, sorted);
+        else
+            sort_keys<4>(keys, shape.corners, sorted);
+        const __m256i mask = _mm256_set1_epi16(31 * CornerOrder::rank_step);
+        for (int i = 0; i < shape.corners; i += 16) {
+            const __m256i key = _mm256_load_si256(reinterpret_cast<const __m256i*>(sorted + i));
+            const auto store = [&](std::uint16_t* to, __m256i ranks) VOTESS_AVX2 {
+                _mm256_store_si256(reinterpret_cast<__m256i*>(to + i), _mm256_and_si256(ranks, mask));
+            };
+            store(out.rank[0].data(), _mm256_srli_epi16(key, 8));
+            store(out.rank[1].data(), _mm256_srli_epi16(key, 3));
+            store(out.rank[2].data(), _mm256_slli_epi16(key, 2));
+        }
+        Baseline::fill_corners(shape.corners, out);
     }
 };
 

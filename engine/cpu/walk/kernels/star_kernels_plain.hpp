@@ -78,6 +78,15 @@ VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
 struct Baseline {
     static constexpr const char* name = "baseline";
 
+    // For numbers that are rounded: a * b may be rounded, too, before c is added.
+    using Lanes __attribute__((vector_size(32), may_alias)) = double;
+    VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
+        out = a * b + c;
+    }
+    VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
+        out = a * b - c;
+    }
+
     VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
         double sum[box_fan] = {};
         for (int k = 0; k < 3; ++k)
@@ -196,12 +205,37 @@ struct Baseline {
         return -1;
     }
 
-    static void rank(const std::int32_t* ids, int count, std::uint16_t* places) {
+    static void rank(const std::int32_t* ids, int count, std::uint32_t* places) {
         for (int i = 0; i < count; ++i) {
             int smaller = 0;
             for (int k = 0; k < count; ++k) smaller += ids[k] < ids[i] ? 1 : 0;
-            places[i] = static_cast<std::uint16_t>(smaller);
+            places[i] = static_cast<std::uint32_t>(smaller);
         }
+    }
+
+    [[gnu::noinline]] static void order_corners(const CellShape& shape, CornerOrder& out) {
+        constexpr int bits = 6, most = (1 << bits) - 1;
+        static_assert(most + 1 == CellShape::most_planes);
+        std::array<std::int32_t, CellShape::most_corners> keys;
+        for (int k = 0; k < shape.corners; ++k) {
+            const int p = shape.rank[shape.a[k]], q = shape.rank[shape.b[k]], r = shape.rank[shape.c[k]];
+            const int low = p < q ? p : q, high = p < q ? q : p;
+            const int least = low < r ? low : r, greatest = high > r ? high : r, other = p + q + r - least - greatest;
+            keys[k] = least << (2 * bits) | other << bits | greatest;
+        }
+        std::array<std::uint32_t, CellShape::most_corners> places;
+        rank(keys.data(), shape.corners, places.data());
+        for (int k = 0; k < shape.corners; ++k) {
+            out.rank[0][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] >> (2 * bits)));
+            out.rank[1][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] >> bits & most));
+            out.rank[2][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] & most));
+        }
+        fill_corners(shape.corners, out);
+    }
+    VOTESS_INLINE static void fill_corners(int corners, CornerOrder& out) {
+        for (int p = 0; p < 3; ++p)
+            for (int k = 0; k < 4; ++k)
+                out.rank[p][corners + k] = static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
     }
 
 private:
