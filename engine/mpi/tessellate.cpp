@@ -227,16 +227,22 @@ private:
         for (std::size_t i = 0; i < made_.owners.size(); ++i)
             of_owner[static_cast<std::size_t>(made_.owners[i])].push_back(i);
         std::vector<Message> to;
+        OwnCells own;
         ranks_.together([&] {
+            std::swap(own.places, of_owner[static_cast<std::size_t>(ranks_.rank())]);
             for (const auto& cells : of_owner) to.push_back(pack(made_.ids, cells_, cells));
+            own.ids = std::move(made_.ids);
+            own.cells = std::move(cells_);
+            if (own.places.empty()) own.cells = {};
         });
-        cells_ = {};
+        made_ = {};
         const std::vector<Message> from = ranks_.exchange(to);
+        to = {};
         Result result;
         ranks_.together([&] {
             result.ids = ids_;
             result.weights = weights_;
-            result.cells = unpack(from, ids_, status_);
+            result.cells = unpack(from, ids_, status_, std::move(own));
         });
         list_exchange(result);
         return result;

@@ -76,7 +76,8 @@ std::string compare(const Star& star, const ExpectedCell& expected) {
 std::vector<std::uint32_t> ranks_of(std::span<const std::int32_t> ids) {
     std::vector<std::uint32_t> ranks;
     for (const std::int32_t id : ids)
-        ranks.push_back(static_cast<std::uint32_t>(std::ranges::count_if(ids, [id](auto other) { return other < id; })));
+        ranks.push_back(
+            static_cast<std::uint32_t>(std::ranges::count_if(ids, [id](auto other) { return other < id; })));
     return ranks;
 }
 
@@ -102,7 +103,8 @@ std::string compare(const CellMeasures& found, const CellMeasures& clipped, std:
     if (found.volume != clipped.volume) return "volume in its last digits";
     if (found.centroid != clipped.centroid) return "centroid in its last digits";
     if (found.farthest_squared != clipped.farthest_squared) return "farthest vertex in its last digits";
-    if (!std::equal(found.areas.begin(), found.areas.begin() + static_cast<std::ptrdiff_t>(faces), clipped.areas.begin()))
+    if (!std::equal(found.areas.begin(), found.areas.begin() + static_cast<std::ptrdiff_t>(faces),
+                    clipped.areas.begin()))
         return "area in its last digits";
     return "";
 }

@@ -296,12 +296,12 @@ void CellWriter::write_row() {
         for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * square;
     }
     if (want_.normals)
-        for_listed([&](std::size_t f, std::size_t entry) { std::ranges::copy(face_normals_[f], &normals_[3 * entry]); });
+        for_listed(
+            [&](std::size_t f, std::size_t entry) { std::ranges::copy(face_normals_[f], &normals_[3 * entry]); });
     if (periodic_ && face_shifts_.empty()) std::memset(&shifts_[3 * begin], 0, 3 * count);
     if (!face_shifts_.empty())
-        for_listed([&](std::size_t f, std::size_t entry) {
-            std::ranges::copy(narrow(face_shifts_[f]), &shifts_[3 * entry]);
-        });
+        for_listed(
+            [&](std::size_t f, std::size_t entry) { std::ranges::copy(narrow(face_shifts_[f]), &shifts_[3 * entry]); });
     rows_size_ += count;
     lengths_.push_back(static_cast<std::uint32_t>(count));
 }

@@ -27,8 +27,7 @@ CellShape::Plane plane_of(const CellPlane& plane) {
 
 }  // namespace
 
-bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks,
-                       CellShape& out) {
+bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellShape& out) {
     if (faces.size() > CellShape::most_planes) return false;
     out.planes = out.slots = static_cast<int>(faces.size());
     out.corners = 0;
@@ -41,7 +40,7 @@ bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const
                                                static_cast<std::size_t>(faces.offsets[f + 1] - faces.offsets[f]));
         for (std::size_t k = 0; k < corners.size(); ++k)
             all_.push_back({corners[k], corners[k == 0 ? corners.size() - 1 : k - 1],
-                           corners[k + 1 == corners.size() ? 0 : k + 1], static_cast<std::uint8_t>(f)});
+                            corners[k + 1 == corners.size() ? 0 : k + 1], static_cast<std::uint8_t>(f)});
     }
     std::ranges::sort(all_, {}, &FaceAtVertex::vertex);
     for (auto begin = all_.begin(), end = begin; begin != all_.end(); begin = end) {

@@ -51,8 +51,8 @@ struct CellShape {
 
 struct CellMeasures {
     double volume = 0;
-    double farthest_squared = 0;       // from the seed to a vertex
-    std::array<double, 3> centroid{};  // relative to the seed
+    double farthest_squared = 0;                                     // from the seed to a vertex
+    std::array<double, 3> centroid{};                                // relative to the seed
     alignas(32) std::array<double, CellShape::most_planes> areas{};  // by rank
 };
 

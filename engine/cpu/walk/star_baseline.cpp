@@ -1,6 +1,6 @@
 // The walk compiled for any processor.
-#include "cpu/walk/kernels/star_kernels_plain.hpp"
 #include "cpu/measure/measure_cell.inl"
+#include "cpu/walk/kernels/star_kernels_plain.hpp"
 #include "cpu/walk/star_walk.hpp"
 
 namespace votess::cpu {

@@ -22,8 +22,7 @@ void StarWalk<Isa>::guess_reach(std::size_t group) {
 template <class Isa>
 void StarWalk<Isa>::begin(std::size_t first, std::size_t last, Keep keep) {
     forget_planes();
-    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()),
-                 keep == Keep::places);
+    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()), keep == Keep::places);
     make_room(cells_.locals());
     keep_ = keep;
     probing_ = false;

@@ -421,7 +421,8 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
         face(c);
     }
     if constexpr (Kept == Keep::places) keep_position(third, x);
-    cells_.give({own_local_, local_[edge.b], local_[edge.a], local_[c]}, Kept == Keep::places ? numbers_[vertices_] : 0);
+    cells_.give({own_local_, local_[edge.b], local_[edge.a], local_[c]},
+                Kept == Keep::places ? numbers_[vertices_] : 0);
     link_corner<Kept>(edge.b, edge.a, c, vertices_++);
     ends_ += 3;
     stack(edge.a, c);

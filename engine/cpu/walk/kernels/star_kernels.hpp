@@ -106,8 +106,8 @@ class CellMeter;
 
 // Those of one instruction set, whose functions the walk calls by their names, so that they can be inlined.
 template <class Isa>
-inline constexpr StarKernels kernels_of{Isa::name,     Isa::near_boxes, Isa::inside_ball,   Isa::to_window,
-                                        Isa::select,   Isa::first_hits, Isa::touching,      Isa::rank,
+inline constexpr StarKernels kernels_of{Isa::name,          Isa::near_boxes,        Isa::inside_ball, Isa::to_window,
+                                        Isa::select,        Isa::first_hits,        Isa::touching,    Isa::rank,
                                         Isa::order_corners, CellMeter<Isa>::measure};
 extern const StarKernels star_kernels_avx2;
 

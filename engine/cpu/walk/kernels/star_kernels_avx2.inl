@@ -131,8 +131,8 @@ VOTESS_AVX2 VOTESS_INLINE void corner_keys(const CellShape& shape, int begin, st
     }
 }
 
-// Sorts keys, of which no two are equal but the fillers: those behind the last, up to a multiple of four, are larger than
-// all others. Keys stand in blocks of 16.
+// Sorts keys, of which no two are equal but the fillers: those behind the last, up to a multiple of four, are larger
+// than all others. Keys stand in blocks of 16.
 template <int Blocks>
 VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, std::uint16_t* sorted) {
     __m256i of[Blocks], smaller[Blocks];

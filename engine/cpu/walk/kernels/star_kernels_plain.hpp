@@ -235,7 +235,8 @@ struct Baseline {
     VOTESS_INLINE static void fill_corners(int corners, CornerOrder& out) {
         for (int p = 0; p < 3; ++p)
             for (int k = 0; k < 4; ++k)
-                out.rank[p][corners + k] = static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
+                out.rank[p][corners + k] =
+                    static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
     }
 
 private:
