@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <votess/mpi.hpp>
 
@@ -178,8 +179,11 @@ std::vector<std::string> check_verify(MPI_Comm comm) {
     World world{comm, 0, 1, {}};
     MPI_Comm_rank(comm, &world.rank);
     MPI_Comm_size(comm, &world.size);
-    for (const Input& input : all_inputs())
-        if (input.size() > 0) passes(world, input);
+    // Under sanitizers some.
+    const std::size_t step = std::getenv("VOTESS_TEST_REDUCED") != nullptr ? 4 : 1;
+    const std::vector<Input> inputs = all_inputs();
+    for (std::size_t k = 0; k < inputs.size(); k += step)
+        if (inputs[k].size() > 0) passes(world, inputs[k]);
     finds_damage(world);
     return world.wrong;
 }
