@@ -1,6 +1,7 @@
 // How clvotess fails: one exception type that carries the exit code, one line of text for the user.
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -23,6 +24,12 @@ public:
 private:
     int code_;
 };
+
+[[nodiscard]] inline std::string one_line(std::string message) {
+    std::ranges::replace_if(
+        message, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    return message;
+}
 
 [[nodiscard]] inline Failure bad_input(const std::string& message) {
     return {exit_code::bad_input, message};

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <limits>
 #include <new>
 #include <optional>
 #include <span>
@@ -17,7 +16,9 @@
 #include <votess/votess.hpp>
 
 #include "arguments/arguments.hpp"
+#include "arguments/carried.hpp"
 #include "domain.hpp"
+#include "errors.hpp"
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
 #include "interrupt.hpp"
@@ -81,29 +82,6 @@ votess::Tessellation tessellate(const Input& input, votess::Options options, boo
     }
 }
 
-// The columns that go into the output, the last one still empty if it is to be the density.
-std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) {
-    const std::size_t named = (arguments.has_weights ? 1 : 0) + (arguments.has_density ? 1 : 0);
-    std::vector<InputColumn> carried;
-    for (std::size_t c = arguments.read.all_columns ? 0 : named; c < input.columns.size(); ++c) {
-        if (c < named) {
-            carried.push_back(input.columns[c]);
-        } else {
-            carried.push_back(std::move(input.columns[c]));
-        }
-    }
-    if (arguments.has_density) carried.push_back({"density", 1, {}});
-    return carried_columns(arguments.outputs, std::move(carried));
-}
-
-// A cell without a volume has no density.
-void fill_density(std::span<const double> of, std::span<const double> volumes, std::vector<double>& density) {
-    density.resize(of.size());
-    for (std::size_t i = 0; i < of.size(); ++i) {
-        density[i] = volumes[i] > 0 ? of[i] / volumes[i] : std::numeric_limits<double>::quiet_NaN();
-    }
-}
-
 void tell(const Summary& summary, const Arguments& arguments) {
     if (arguments.json) {
         print(json_summary(summary));
@@ -126,14 +104,7 @@ int run(const Arguments& arguments) {
     summary.seconds_read = seconds_since(run_began);
 
     votess::Options options = arguments.options;
-    // A file of no points has no columns.
-    for (std::size_t c = input.columns.size(); c < arguments.read.columns.size(); ++c)
-        input.columns.push_back({arguments.read.columns[c], 1, {}});
-    std::span<const double> radii;
-    if (arguments.has_weights) {
-        (arguments.has_radii ? options.radii : options.weights) = one_each(input.columns.at(0));
-        if (arguments.has_radii) radii = options.radii;
-    }
+    take_weights(arguments, input, options);
     std::vector<InputColumn> carried = take_carried(arguments, input);
     arguments.coloring.check(carried);
     summary.input_note = input.note;
@@ -147,10 +118,7 @@ int run(const Arguments& arguments) {
     }
     const votess::Tessellation tessellation =
         tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
-    if (arguments.has_density) {
-        const InputColumn& of = input.columns.at(arguments.has_weights ? 1 : 0);
-        fill_density(one_each(of), tessellation.volumes(), carried.back().values);
-    }
+    if (arguments.has_density) fill_density(arguments, input, tessellation.volumes(), carried);
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);
@@ -179,8 +147,8 @@ int run(const Arguments& arguments) {
             image.emplace(arguments.picture->file).write(png);
             image->finish();
         }
-        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, domain_from,
-                                          carried, arguments.coloring});
+        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, options.radii,
+                                          domain_from, carried, arguments.coloring});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }
@@ -190,16 +158,8 @@ int run(const Arguments& arguments) {
     return exit_code::done;
 }
 
-int exit_code_of(votess::ErrorCode code) {
-    const bool users = code == votess::ErrorCode::invalid_argument || code == votess::ErrorCode::unsupported;
-    return users ? exit_code::bad_input : exit_code::runtime_failure;
-}
-
-int complain(int code, std::string message) {
-    for (char& c : message) {
-        if (c == '\n' || c == '\r') c = ' ';
-    }
-    std::fprintf(stderr, "clvotess: %s\n", message.c_str());
+int complain(int code, const std::string& message) {
+    std::fprintf(stderr, "clvotess: %s\n", one_line(message).c_str());
     return code;
 }
 

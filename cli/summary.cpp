@@ -81,8 +81,14 @@ std::string plain_summary(const Summary& summary) {
                   " cells tried against every point";
         line("verified", result);
     }
-    line("device",
-         stats.device + (stats.threads == 1 ? ", 1 thread" : ", " + std::to_string(stats.threads) + " threads"));
+    line("device", stats.device +
+                       (stats.threads == 1 ? ", 1 thread" : ", " + std::to_string(stats.threads) + " threads") +
+                       (summary.ranks ? " a rank" : ""));
+    if (const auto& ranks = summary.ranks) {
+        line("ranks", std::to_string(ranks->ranks) + ", which gave each other " +
+                          std::to_string(ranks->ghosts_received) + " seeds in " + std::to_string(ranks->rounds) +
+                          " rounds; " + std::to_string(ranks->ghosts_needed) + " are neighbors");
+    }
     std::string times;
     for (const auto& [name, seconds] : stages_of(summary)) {
         if (seconds > 0) times += (times.empty() ? "" : "  ") + std::string(name) + " " + rounded("%.3f", seconds);
@@ -118,6 +124,12 @@ std::string json_summary(const Summary& summary) {
     member("peak_memory_bytes", std::to_string(stats.peak_memory_bytes));
     member("verified", !summary.verified ? "null" : *summary.verified ? "true" : "false");
     member("verified_cells", summary.verified ? std::to_string(summary.cells_verified) : "null");
+    if (const auto& ranks = summary.ranks) {
+        member("ranks", std::to_string(ranks->ranks));
+        member("rounds", std::to_string(ranks->rounds));
+        member("ghosts_received", std::to_string(ranks->ghosts_received));
+        member("ghosts_needed", std::to_string(ranks->ghosts_needed));
+    }
     return text + "}\n";
 }
 

@@ -8,6 +8,13 @@
 
 namespace clvotess {
 
+// Of a run over ranks.
+struct RanksSummary {
+    int ranks = 1;
+    unsigned rounds = 0;                                   // exchanges of seeds
+    std::uint64_t ghosts_received = 0, ghosts_needed = 0;  // seeds that ranks were given by others; of these, neighbors
+};
+
 struct Summary {
     votess::Stats stats;
     std::string domain, domain_json;
@@ -17,6 +24,7 @@ struct Summary {
     std::optional<bool> verified;                                   // nothing when not asked
     std::vector<std::string> checks_skipped;
     std::size_t cells_verified = 0;  // by brute force
+    std::optional<RanksSummary> ranks;
 };
 
 [[nodiscard]] std::string plain_summary(const Summary& summary);

@@ -48,6 +48,7 @@ for part in "$@"; do
             need spirv-tools
             need libglfw3-dev
             need libopenmpi-dev
+            need libhdf5-openmpi-dev
             need openmpi-bin
             tools/python.sh -c 'import mpi4py' 2>/dev/null || need python3-mpi4py
             need_command pkg-config pkg-config

@@ -452,6 +452,7 @@ Arguments read_arguments(int count, const char* const* values) {
     votess::Options& options = arguments.options;
     if (typed.device) options.device = *typed.device;
     read_count("--threads", typed.threads, options.threads);
+    arguments.threads_given = typed.threads.has_value();
     read_count("--grid-resolution", typed.grid_resolution, options.grid_resolution);
     read_count("--k-init", typed.k_init, options.k_init);
     read_count("--chunk-size", typed.chunk_size, options.chunk_size);

@@ -38,6 +38,7 @@ struct Arguments {
     votess::Options options;
     std::optional<std::array<bool, 3>> periodic;  // axes of the box, or edges of the cell, that the user names
 
+    bool threads_given = false;  // --threads
     bool verify = false;
     bool json = false;
     bool quiet = false;

@@ -50,7 +50,17 @@ bool is_snapshot_base(const std::string& path) {
     return std::filesystem::exists(path + ".0.hdf5", problem) || std::filesystem::exists(path + ".0.h5", problem);
 }
 
+bool is_hdf5(const std::string& path, const ReadRequest& request) {
+    if (request.text || path == "-") return false;
+    const std::string extension = extension_of(path);
+    return extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
+}
+
 }  // namespace
+
+bool reads_shares(const std::string& path, const ReadRequest& request) {
+    return is_hdf5(path, request) || (!request.text && path != "-" && extension_of(path) == ".npy");
+}
 
 std::string extension_of(const std::string& path) {
     return lower_case(std::filesystem::path(path).extension().string());
@@ -77,7 +87,7 @@ FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 
 Input read_input(const std::string& path, const ReadRequest& request) {
     const bool packed = !request.text && path != "-" && extension_of(path) == ".gz";
     const std::string extension = request.text ? ".txt" : kind_of(packed ? path.substr(0, path.size() - 3) : path);
-    const bool hdf5 = extension == ".h5" || extension == ".hdf5" || (!request.text && is_snapshot_base(path));
+    const bool hdf5 = is_hdf5(path, request);
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
     if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
     constexpr std::array<std::string_view, 7> binary{".h5", ".hdf5", ".npy", ".npz", ".ply", ".vtp", ".vtu"};
@@ -88,7 +98,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         if (!request.columns.empty() && !request.columns_may_lack) {
             throw bad_input(path + ": one array has no column " + in_quotes(request.columns[0]));
         }
-        return read_npy(path);
+        return read_npy(path, request.share);
     }
     using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
     const auto parse = [&](Parser parser) {

@@ -1,6 +1,7 @@
 // The seeds: from a file, from stdin, or made up. One source file per family of formats.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -55,6 +56,16 @@ struct Input {
                                        const std::vector<double>& cell, const std::vector<double>& origin,
                                        const std::vector<double>& walls);
 
+// Consecutive rows: one of so many parts of about equal length.
+struct Share {
+    std::uint64_t part = 0, parts = 1;
+
+    [[nodiscard]] std::uint64_t begin(std::uint64_t rows) const noexcept {
+        return rows / parts * part + std::min(part, rows % parts);
+    }
+    [[nodiscard]] std::uint64_t end(std::uint64_t rows) const noexcept { return Share{part + 1, parts}.begin(rows); }
+};
+
 // What to take out of a file.
 struct ReadRequest {
     bool text = false;    // rows, whatever the name of the file says
@@ -63,7 +74,11 @@ struct ReadRequest {
     bool columns_may_lack = false;       // leaves out those of `columns` that the file has not
     bool all_columns = false;            // the others too
     std::optional<std::uint64_t> frame;  // LAMMPS dump, .xyz: which one, from 0; default the first
+    Share share;                         // of the points, where reads_shares() says so; others read all
 };
+
+// Whether a share of the file can be read without the rest.
+[[nodiscard]] bool reads_shares(const std::string& path, const ReadRequest& request);
 
 // path: a file with a known extension, or "-" for text on stdin. Throws Failure.
 [[nodiscard]] Input read_input(const std::string& path, const ReadRequest& request = {});
@@ -84,10 +99,10 @@ enum class TextKind {
 [[nodiscard]] Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_vtk(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request);
-[[nodiscard]] Input read_npy(const std::string& path);
+[[nodiscard]] Input read_npy(const std::string& path, const Share& share = {});
 
 // `count` seeds in the unit box, the same on every machine for the same `rng_seed`.
-[[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed);
+[[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed, const Share& share = {});
 
 // Extension in lower case with its dot; "" when there is none.
 [[nodiscard]] std::string extension_of(const std::string& path);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -56,29 +57,35 @@ public:
     [[nodiscard]] bool is_whole() const { return type_class_ == H5T_INTEGER && type_size_ <= sizeof(std::int64_t); }
     [[nodiscard]] std::uint64_t rows() const { return extent_.empty() ? 0 : extent_[0]; }
 
-    // Behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a small buffer.
+    // Rows first to last, behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a small
+    // buffer.
     template <typename Number>
-    void append_to(std::vector<Number>& to) const {
+    void append_to(std::vector<Number>& to, std::uint64_t first, std::uint64_t last) const {
         check_storage();
         const hid_t memory_type = std::is_same_v<Number, double> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
         const std::uint64_t columns = extent_.size() == 2 ? extent_[1] : 1;
         const std::size_t begin = to.size();
-        to.resize(begin + rows() * columns);
+        to.resize(begin + (last - first) * columns);
         const Hdf5Handle file_space(H5Dget_space(set_.id()), H5Sclose);
         constexpr hsize_t piece = hsize_t{1} << 20;
-        for (hsize_t row = 0; row < rows(); row += piece) {
+        for (hsize_t row = first; row < last; row += piece) {
             throw_if_interrupted();
             const std::array<hsize_t, 2> start{row, 0};
-            const std::array<hsize_t, 2> count{std::min(piece, rows() - row), columns};
+            const std::array<hsize_t, 2> count{std::min<hsize_t>(piece, last - row), columns};
             const auto rank = static_cast<int>(extent_.size());
             const Hdf5Handle memory_space(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
             if (H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
                     0 ||
                 H5Dread(set_.id(), memory_type, memory_space.id(), file_space.id(), H5P_DEFAULT,
-                        to.data() + begin + row * columns) < 0) {
+                        to.data() + begin + (row - first) * columns) < 0) {
                 throw error("cannot be read: the file is damaged, or packed by a filter that is not there");
             }
         }
+    }
+
+    template <typename Number>
+    void append_to(std::vector<Number>& to) const {
+        append_to(to, 0, rows());
     }
 
     [[nodiscard]] std::string description() const {
@@ -219,6 +226,7 @@ public:
         const std::vector<double> announced = first.header("NumFilesPerSnapshot");
         const double files = announced.empty() ? 1 : announced[0];
         if (!(files > 1)) {
+            take_share(rows_of(first));
             append(first, false);
             return std::move(input_);
         }
@@ -232,9 +240,16 @@ public:
             throw bad_input(first.path() + ": one of " + to_text(files) + " files of a snapshot: give the first, " +
                             in_quotes(name->file(0)) + ", and all are read");
         }
+        const auto others = [&](const auto& visit) {
+            for (std::uint64_t part = 1; static_cast<double>(part) < files; ++part) visit(Hdf5File(name->file(part)));
+        };
+        if (request_.share.parts > 1) {
+            std::uint64_t rows = rows_of(first);
+            others([&](const Hdf5File& file) { rows += rows_of(file); });
+            take_share(rows);
+        }
         append(first, true);
-        for (std::uint64_t part = 1; static_cast<double>(part) < files; ++part)
-            append(Hdf5File(name->file(part)), true);
+        others([&](const Hdf5File& file) { append(file, true); });
         if (!found_) throw no_dataset(first);
         check_total(first);
         input_.note = to_text(files) + " files of a snapshot";
@@ -297,6 +312,16 @@ private:
                          (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list));
     }
 
+    // What is wrong with the points append() will say.
+    [[nodiscard]] std::uint64_t rows_of(const Hdf5File& file) const {
+        return file.has(name_) ? file.open(name_).rows() : 0;
+    }
+
+    void take_share(std::uint64_t rows) {
+        begin_ = request_.share.begin(rows);
+        end_ = request_.share.end(rows);
+    }
+
     // A file of a snapshot may lack particles of the type that is asked for.
     void append(const Hdf5File& file, bool may_lack) {
         if (!file.has(name_)) {
@@ -306,8 +331,11 @@ private:
         found_ = true;
         const Hdf5Dataset points = file.open(name_);
         if (!points.is_points()) throw points.error("has " + points.description() + ", expected (N, 3) of floats");
-        points.append_to(input_.points);
-        append_ids(file, points.rows());
+        const std::uint64_t first = std::clamp(begin_, seen_, seen_ + points.rows()) - seen_,
+                            last = std::clamp(end_, seen_, seen_ + points.rows()) - seen_;
+        seen_ += points.rows();
+        points.append_to(input_.points, first, last);
+        append_ids(file, points.rows(), first, last);
         if (input_.columns.empty()) input_.columns = wanted(file, points.rows());
         for (InputColumn& column : input_.columns) {
             const Hdf5Dataset values = file.open(path_of(column.name, file));
@@ -315,7 +343,7 @@ private:
                 throw values.error("has " + values.description() + ", expected numbers for each of the " +
                                    std::to_string(points.rows()) + " points");
             }
-            values.append_to(column.values);
+            values.append_to(column.values, first, last);
         }
     }
 
@@ -354,13 +382,13 @@ private:
     }
 
     // ParticleIDs beside the points of a snapshot, ids beside those of others.
-    void append_ids(const Hdf5File& file, std::uint64_t rows) {
+    void append_ids(const Hdf5File& file, std::uint64_t rows, std::uint64_t first, std::uint64_t last) {
         for (const char* const name : {"ParticleIDs", "ids"}) {
             const std::string path = group_of(name_) + name;
             if (path == name_ || !file.has(path)) continue;
             const Hdf5Dataset ids = file.open(path);
             if (!ids.is_column() || !ids.is_whole() || ids.rows() != rows) continue;
-            ids.append_to(input_.ids);
+            ids.append_to(input_.ids, first, last);
             break;
         }
         if (!input_.ids.empty() && input_.ids.size() != input_.size()) {
@@ -388,14 +416,16 @@ private:
         const std::vector<double> low = first.header("NumPart_Total"), high = first.header("NumPart_Total_HighWord");
         if (!type || *type >= low.size()) return;
         const double total = low[*type] + (*type < high.size() ? std::ldexp(high[*type], 32) : 0);
-        if (total == static_cast<double>(input_.size())) return;
-        throw bad_input(first.path() + ": the files of the snapshot hold " + std::to_string(input_.size()) +
+        if (total == static_cast<double>(seen_)) return;
+        throw bad_input(first.path() + ": the files of the snapshot hold " + std::to_string(seen_) +
                         " points, but its header announces " + to_text(total));
     }
 
     const ReadRequest& request_;
     std::string name_;
-    bool found_ = false;  // in any file
+    bool found_ = false;                                                         // in any file
+    std::uint64_t begin_ = 0, end_ = std::numeric_limits<std::uint64_t>::max();  // of the rows of all files: to read
+    std::uint64_t seen_ = 0;                                                     // rows of the files so far
     Input input_;
 };
 

@@ -9,7 +9,7 @@
 
 namespace clvotess {
 
-Input read_npy(const std::string& path) {
+Input read_npy(const std::string& path, const Share& share) {
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw bad_input("cannot open " + in_quotes(path) + ": " + std::strerror(errno));
     std::error_code problem;
@@ -19,10 +19,15 @@ Input read_npy(const std::string& path) {
         stream.read(static_cast<char*>(to), static_cast<std::streamsize>(count));
         if (!stream) throw bad_input(path + ": the file ends too early");
     };
-    NpyArray array({size, read}, path);
+    const auto skip = [&](std::uint64_t count) { stream.seekg(static_cast<std::streamoff>(count), std::ios::cur); };
+    NpyArray array({size, read, skip}, path);
     array.check_points();
     Input input;
-    array.read_floats(input.points);
+    const std::uint64_t rows = array.shape()[0];
+    if (share.parts == 1)
+        array.read_floats(input.points);
+    else
+        array.read_rows(input.points, share.begin(rows), share.end(rows));
     return input;
 }
 

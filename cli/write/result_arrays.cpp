@@ -4,25 +4,6 @@
 #include <array>
 
 namespace clvotess {
-namespace {
-
-template <typename Number>
-constexpr NumberType type_of() {
-    if constexpr (std::is_same_v<Number, double>) return NumberType::float64;
-    if constexpr (std::is_same_v<Number, std::int64_t>) return NumberType::int64;
-    if constexpr (std::is_same_v<Number, std::int32_t>) return NumberType::int32;
-    if constexpr (std::is_same_v<Number, std::uint32_t>) return NumberType::uint32;
-    if constexpr (std::is_same_v<Number, std::int8_t>) return NumberType::int8;
-    return NumberType::uint8;
-}
-
-template <typename Number>
-ResultArray as_array(std::string_view name, std::span<const Number> values, std::size_t columns = 1) {
-    const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-    return {name, type_of<Number>(), columns, bytes};
-}
-
-}  // namespace
 
 bool is_result_array(std::string_view name) {
     constexpr std::array<std::string_view, 27> names{"ids",

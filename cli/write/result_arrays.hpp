@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 #include <votess/votess.hpp>
 
@@ -22,6 +23,22 @@ struct ResultArray {
 
     [[nodiscard]] std::size_t rows() const noexcept { return bytes.size() / size_of(type) / columns; }
 };
+
+template <typename Number>
+[[nodiscard]] constexpr NumberType type_of() {
+    if constexpr (std::is_same_v<Number, double>) return NumberType::float64;
+    if constexpr (std::is_same_v<Number, std::int64_t>) return NumberType::int64;
+    if constexpr (std::is_same_v<Number, std::int32_t>) return NumberType::int32;
+    if constexpr (std::is_same_v<Number, std::uint32_t>) return NumberType::uint32;
+    if constexpr (std::is_same_v<Number, std::int8_t>) return NumberType::int8;
+    return NumberType::uint8;
+}
+
+template <typename Number>
+[[nodiscard]] ResultArray as_array(std::string_view name, std::span<const Number> values, std::size_t columns = 1) {
+    const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+    return {name, type_of<Number>(), columns, bytes};
+}
 
 // Returns the arrays that `wanted` names, status, duplicate_of when there are duplicates, ids when there are any, and
 // the columns that are carried. They are valid as long as what `data` refers to.

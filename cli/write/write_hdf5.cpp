@@ -2,12 +2,16 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <functional>
+#include <optional>
+#include <utility>
 
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
 #include "files/formats/hdf5_handles.hpp"
 #include "interrupt.hpp"
 #include "queries/grid_files.hpp"
+#include "write/hdf5_share.hpp"
 #include "write/output.hpp"
 #include "write/result_arrays.hpp"
 
@@ -41,17 +45,31 @@ hid_t hdf5_type(NumberType type) {
 
 class Hdf5Writer {
 public:
-    explicit Hdf5Writer(OutputFile& output) : output_(output) {
+    explicit Hdf5Writer(OutputFile& output)
+        : Hdf5Writer(output.path_for_library(), H5P_DEFAULT,
+                     [&output](int error) { return output.write_failure(error); }) {}
+
+    // access: how the library opens the file. failure: what to throw, of errno.
+    Hdf5Writer(const std::string& path, hid_t access, std::function<Failure(int)> failure)
+        : failure_(std::move(failure)) {
         // Equal results give equal files: no times of creation.
         const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
         require(H5Pset_obj_track_times(creation.id(), false) >= 0);
-        file_ = {H5Fcreate(output.path_for_library().c_str(), H5F_ACC_TRUNC, creation.id(), H5P_DEFAULT), H5Fclose};
+        file_ = {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access), H5Fclose};
         require(file_.valid());
     }
 
     void add(const ResultArray& array) {
+        Hdf5Handle set = create(array, array.rows());
+        write(set, array, 0);
+        close(set);
+    }
+
+    void close(Hdf5Handle& set) { require(set.close()); }
+
+    [[nodiscard]] Hdf5Handle create(const ResultArray& array, hsize_t rows) {
+        const std::array<hsize_t, 2> extent{rows, array.columns};
         const int rank = array.columns == 1 ? 1 : 2;
-        const std::array<hsize_t, 2> extent{array.rows(), array.columns};
         const Hdf5Handle space(H5Screate_simple(rank, extent.data(), nullptr), H5Sclose);
         const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
         require(H5Pset_obj_track_times(creation.id(), false) >= 0);
@@ -59,19 +77,25 @@ public:
                                   H5P_DEFAULT, creation.id(), H5P_DEFAULT),
                        H5Dclose);
         require(set.valid());
+        return set;
+    }
+
+    // The rows of the array, which are those of the dataset from `first` on.
+    void write(const Hdf5Handle& set, const ResultArray& array, hsize_t first) {
+        const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
+        const int rank = array.columns == 1 ? 1 : 2;
         constexpr std::size_t piece_bytes = std::size_t{64} << 20;  // Ctrl-C is heard between pieces
         const std::size_t row_bytes = size_of(array.type) * array.columns;
         const hsize_t piece = piece_bytes / row_bytes;
         for (hsize_t row = 0; row < array.rows(); row += piece) {
             throw_if_interrupted();
-            const std::array<hsize_t, 2> start{row, 0};
+            const std::array<hsize_t, 2> start{first + row, 0};
             const std::array<hsize_t, 2> count{std::min(piece, array.rows() - row), array.columns};
             const Hdf5Handle memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
             require(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0);
             require(H5Dwrite(set.id(), hdf5_type(array.type), memory.id(), space.id(), H5P_DEFAULT,
                              array.bytes.data() + row * row_bytes) >= 0);
         }
-        require(set.close());
     }
 
     void add_grid(const GridOutput& grid) {
@@ -128,10 +152,10 @@ private:
     }
 
     void require(bool done) {
-        if (!done) throw output_.write_failure(errno);
+        if (!done) throw failure_(errno);
     }
 
-    OutputFile& output_;
+    std::function<Failure(int)> failure_;
     Hdf5Handle file_;
 };
 
@@ -146,6 +170,25 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
         std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
     }
     writer.finish();
+}
+
+void write_hdf5_share(const Hdf5Share& share) {
+    begin_hdf5();
+    std::optional<Hdf5Writer> writer;
+    share.together([&] { writer.emplace(share.path, share.access, share.failure); });
+    for (const SharedArray& array : share.arrays) {
+        Hdf5Handle set;
+        share.together([&] { set = writer->create(array.own, array.rows); });
+        share.together([&] { writer->write(set, array.own, array.first); });
+        share.together([&] { writer->close(set); });
+    }
+    share.together([&] {
+        writer->add_domain(share.domain);
+        for (const auto& [name, value] : share.attributes) {
+            std::visit([&](const auto& v) { writer->add_attribute(name, v); }, value);
+        }
+        writer->finish();
+    });
 }
 
 // A dataset `grid`; the domain, the method and the names of the columns are attributes of the root.

@@ -75,11 +75,11 @@ double BlockDomain::volume(std::span<const double> seed) const {
 }
 
 std::vector<CellStatus> BlockDomain::check(std::span<const double> points, std::span<const double> weights,
-                                           std::span<const double> radii) const {
+                                           std::span<const double> radii, std::uint64_t first) const {
     Options options = state_->options;
     options.weights = weights;
     options.radii = radii;
-    Job job = with_memory([&] { return validate({points, {}}, options); });
+    Job job = with_memory([&] { return validate({points, {}, first}, options); });
     job.outside.resize(points.size() / 3, CellStatus::certified);
     return std::move(job.outside);
 }

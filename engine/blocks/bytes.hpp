@@ -23,6 +23,12 @@ public:
         put(static_cast<std::uint64_t>(values.size()));
         put_all(std::span(values));
     }
+    void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
+    // More of an array whose length has been put.
+    template <class T>
+    void append(std::span<const T> values) {
+        put_all(values);
+    }
     [[nodiscard]] Message take() { return std::move(bytes_); }
 
 private:

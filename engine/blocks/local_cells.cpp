@@ -61,6 +61,7 @@ BlockCells LocalBlock::finish(const Seeds& answers) {
     for (std::size_t i = 0; i < others.size(); ++i)
         if (!std::ranges::binary_search(first, others.ids[i])) seeds.add(others, i);
     if (!asked_.empty()) run(asked_run_, std::move(seeds), asked_.size());
+    counts_.exact_cells = all_.result.stats.exact_cells + asked_run_.result.stats.exact_cells;
 
     BlockCells cells;
     const std::size_t entries = all_.result.indices.size() + asked_run_.result.indices.size();

@@ -121,28 +121,37 @@ const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay,
     return expose(delaunay, length, &votess::Delaunay::polytope_centers);
 }
 
+namespace votess::c {
+
+void begin_report(const ReportOut& out) {
+    require(out.passed, "passed");
+    *out.passed = 0;
+    if (out.skipped != nullptr) *out.skipped = 0;
+    if (out.sampled != nullptr) *out.sampled = 0;
+    require_text_buffer(out.failure, out.failure_size, "failure");
+    copy_text("", out.failure, out.failure_size);
+}
+
+void write_report(const VerifyReport& report, const ReportOut& out) {
+    if (out.skipped != nullptr) {
+        for (const std::string& check : report.skipped) *out.skipped |= check_bit(check);
+    }
+    if (out.sampled != nullptr) *out.sampled = report.sampled;
+    copy_text(report.failure, out.failure, out.failure_size);
+    *out.passed = report.passed ? 1 : 0;
+}
+
+}  // namespace votess::c
+
 votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
                             uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled, char* failure,
                             size_t failure_size) {
     return guarded([&] {
-        require(passed, "passed");
-        *passed = 0;
-        if (skipped != nullptr) *skipped = 0;
-        if (sampled != nullptr) *sampled = 0;
-        require_text_buffer(failure, failure_size, "failure");
-        copy_text("", failure, failure_size);
+        const ReportOut out{passed, skipped, sampled, failure, failure_size};
+        begin_report(out);
         require(result, "result");
-
-        votess::VerifyOptions options;
-        if (sample != VOTESS_SAMPLE_AUTOMATIC) options.sample = sample;
-        options.rng_seed = rng_seed;
-        const votess::VerifyReport report = votess::verify(result->tessellation, coordinates(points, count), options);
-        if (skipped != nullptr) {
-            for (const std::string& check : report.skipped) *skipped |= check_bit(check);
-        }
-        if (sampled != nullptr) *sampled = report.sampled;
-        copy_text(report.failure, failure, failure_size);
-        *passed = report.passed ? 1 : 0;
+        write_report(votess::verify(result->tessellation, coordinates(points, count), verify_options(sample, rng_seed)),
+                     out);
     });
 }
 

@@ -52,6 +52,25 @@ VOTESS_API void set_internal_error(const char* message) noexcept;
 [[noreturn]] VOTESS_API void refuse(const std::string& message);
 VOTESS_API void require(const void* pointer, const char* name);
 void require_text_buffer(const char* buffer, std::size_t size, const char* name);
+
+// Where a function of the C interface writes what verify() reports; see votess_verify.
+struct ReportOut {
+    int* passed;
+    std::uint32_t* skipped;
+    std::size_t* sampled;
+    char* failure;
+    std::size_t failure_size;
+};
+// Refuses what is NULL and must not be, and writes that nothing has passed.
+VOTESS_API void begin_report(const ReportOut& out);
+VOTESS_API void write_report(const VerifyReport& report, const ReportOut& out);
+[[nodiscard]] inline VerifyOptions verify_options(std::size_t sample, std::uint64_t rng_seed) {
+    VerifyOptions options;
+    if (sample != VOTESS_SAMPLE_AUTOMATIC) options.sample = sample;
+    options.rng_seed = rng_seed;
+    return options;
+}
+
 VOTESS_API void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy);
 
 // bits: VOTESS_WANT_*. name: for the message that refuses others.

@@ -174,9 +174,24 @@ votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi
         const std::uint32_t size = out->struct_size;
         require_struct_size(size, first_size, "counts.struct_size", "set it to sizeof(votess_mpi_counts)");
         const votess::mpi::Counts& counts = result->result.counts;
-        const votess_mpi_counts c_counts{size,         counts.rounds,     counts.seeds,     counts.largest_block,
-                                         counts.given, counts.needed,     counts.tested,    counts.questions,
-                                         counts.bytes, counts.box_volume, counts.volume_sum};
+        const votess_mpi_counts c_counts{size,         counts.rounds,     counts.seeds,      counts.largest_block,
+                                         counts.given, counts.needed,     counts.tested,     counts.questions,
+                                         counts.bytes, counts.box_volume, counts.volume_sum, counts.exact_cells};
         std::memcpy(out, &c_counts, std::min<std::size_t>(size, sizeof c_counts));
+    });
+}
+
+votess_status votess_mpi_verify(MPI_Comm comm, const votess_mpi_result* result, const double* points, size_t count,
+                                size_t sample, uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled,
+                                char* failure, size_t failure_size) {
+    return guarded([&] {
+        const ReportOut out{passed, skipped, sampled, failure, failure_size};
+        std::span<const double> input;
+        votess::mpi::Ranks(comm).together([&] {
+            begin_report(out);
+            require(result, "result");
+            input = coordinates(points, count);
+        });
+        write_report(votess::mpi::verify(comm, result->result, input, verify_options(sample, rng_seed)), out);
     });
 }

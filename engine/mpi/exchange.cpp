@@ -55,13 +55,25 @@ void Ranks::together(const std::function<void()>& work) const {
         code = static_cast<int>(ErrorCode::internal);
         text = error.what();
     }
-    const int first = reduced(comm_, code == 0 ? size_ : rank_, MPI_INT, MPI_MIN);
-    if (first == size_) return;
+    const int first = share_first(code != 0, code, text);
+    if (first < size_) throw Error(static_cast<ErrorCode>(code), "rank " + std::to_string(first) + ": " + text);
+}
+
+std::string Ranks::first_of(std::string text) const {
+    int code = 0;
+    return share_first(!text.empty(), code, text) < size_ ? text : std::string();
+}
+
+// What the lowest rank has to say all get. Returns that rank, or their number.
+int Ranks::share_first(bool mine, int& code, std::string& text) const {
+    const int first = reduced(comm_, mine ? rank_ : size_, MPI_INT, MPI_MIN);
+    if (first == size_) return first;
     int head[2]{code, static_cast<int>(text.size())};
     check(MPI_Bcast(head, 2, MPI_INT, first, comm_), "MPI_Bcast");
+    code = head[0];
     text.resize(static_cast<std::size_t>(head[1]));
     check(MPI_Bcast(text.data(), head[1], MPI_CHAR, first, comm_), "MPI_Bcast");
-    throw Error(static_cast<ErrorCode>(head[0]), "rank " + std::to_string(first) + ": " + text);
+    return first;
 }
 
 std::vector<Message> Ranks::exchange(const std::vector<Message>& to) const {

@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "votess/blocks.hpp"
@@ -23,6 +24,8 @@ public:
 
     // Collective, as all that follows. Does the work on each rank; where some fail, all throw the error of the lowest.
     void together(const std::function<void()>& work) const;
+    // The text of the lowest rank that has one, else "".
+    [[nodiscard]] std::string first_of(std::string text) const;
     // to: by rank. Returns what came, by rank. An empty message is none.
     [[nodiscard]] std::vector<Message> exchange(const std::vector<Message>& to) const;
     [[nodiscard]] std::vector<Message> gather_all(const Message& own) const;
@@ -37,6 +40,8 @@ public:
     [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;
 
 private:
+    int share_first(bool mine, int& code, std::string& text) const;
+
     MPI_Comm comm_ = MPI_COMM_NULL;
     int size_ = 1, rank_ = 0;
     mutable std::uint64_t bytes_sent_ = 0;

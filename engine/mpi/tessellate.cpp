@@ -41,6 +41,7 @@ public:
     }
 
     Result operator()(Cells where) {
+        first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0 ? 0 : ranks_.sum_before(std::uint64_t{count()});
         ranks_.together([&] { check_input(); });
         compare_options();
         number();
@@ -67,7 +68,8 @@ private:
             if (!std::isfinite(points_[i])) {
                 char number[32];
                 std::snprintf(number, sizeof number, "%.17g", points_[i]);
-                refuse("point " + std::to_string(i / 3) + ": " + "xyz"[i % 3] + " = " + number + " is not finite");
+                refuse("point " + std::to_string(first_ + i / 3) + ": " + "xyz"[i % 3] + " = " + number +
+                       " is not finite");
             }
         if (!ids_.empty() && ids_.size() != count())
             refuse(std::to_string(ids_.size()) + " ids for " + std::to_string(count()) + " points");
@@ -101,9 +103,8 @@ private:
                                                              std::to_string(count()) +
                                                              " points, but another rank has weights: give all");
         });
-        const auto first = static_cast<std::int64_t>(ranks_.sum_before(std::uint64_t{count()}));
         if (!given) {
-            for (std::size_t i = 0; i < count(); ++i) ids_.push_back(first + static_cast<std::int64_t>(i));
+            for (std::size_t i = 0; i < count(); ++i) ids_.push_back(static_cast<std::int64_t>(first_ + i));
             return;
         }
         // Each id is looked at by one rank.
@@ -135,7 +136,7 @@ private:
         std::vector<double> sample;
         ranks_.together([&] {
             domain_.emplace(options_, bounds, counts_.seeds);
-            status_ = domain_->check(points_, options_.weights, options_.radii);
+            status_ = domain_->check(points_, options_.weights, options_.radii, first_);
             std::vector<double> inside;
             for (std::size_t i = 0; i < count(); ++i) {
                 if (status_[i] == CellStatus::outside) continue;
@@ -201,6 +202,7 @@ private:
         counts_.needed = ranks_.sum(block->counts().needed);
         counts_.tested = ranks_.sum(block->counts().tested);
         counts_.questions = ranks_.sum(block->counts().questions);
+        counts_.exact_cells = ranks_.sum(block->counts().exact_cells);
         double volume = 0;
         for (const double v : cells_.volumes) volume += v;
         counts_.volume_sum = ranks_.sum(volume);
@@ -215,6 +217,7 @@ private:
         Result result;
         result.ids = std::move(made_.ids);
         result.points = std::move(made_.points);
+        result.weights = std::move(made_.weights);
         result.cells = std::move(cells_);
         return result;
     }
@@ -224,15 +227,22 @@ private:
         for (std::size_t i = 0; i < made_.owners.size(); ++i)
             of_owner[static_cast<std::size_t>(made_.owners[i])].push_back(i);
         std::vector<Message> to;
+        OwnCells own;
         ranks_.together([&] {
+            std::swap(own.places, of_owner[static_cast<std::size_t>(ranks_.rank())]);
             for (const auto& cells : of_owner) to.push_back(pack(made_.ids, cells_, cells));
+            own.ids = std::move(made_.ids);
+            own.cells = std::move(cells_);
+            if (own.places.empty()) own.cells = {};
         });
-        cells_ = {};
+        made_ = {};
         const std::vector<Message> from = ranks_.exchange(to);
+        to = {};
         Result result;
         ranks_.together([&] {
             result.ids = ids_;
-            result.cells = unpack(from, ids_, status_);
+            result.weights = weights_;
+            result.cells = unpack(from, ids_, status_, std::move(own));
         });
         list_exchange(result);
         return result;
@@ -274,6 +284,7 @@ private:
     const Options& options_;
     std::vector<double> weights_;
     std::vector<std::int64_t> ids_;
+    std::uint64_t first_ = 0;  // number of the first point, in messages
     std::optional<BlockDomain> domain_;
     std::vector<CellStatus> status_;
     std::vector<std::size_t> inside_;

@@ -1,7 +1,6 @@
 #include "mpi/travel.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -38,9 +37,11 @@ void append(std::vector<T>& to, const std::vector<T>& from, std::size_t begin, s
               from.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
+// Cells of one block on their way, and which of them are meant.
 struct Arrived {
     std::vector<std::int64_t> ids;
     BlockCells cells;
+    std::vector<std::size_t> places;
 };
 
 Arrived read(const Message& message) {
@@ -51,7 +52,13 @@ Arrived read(const Message& message) {
     for_cell_arrays([&](auto member, std::size_t) { reader.get(arrived.cells.*member); });
     for_entry_arrays([&](auto member, std::size_t) { reader.get(arrived.cells.*member); });
     reader.end();
+    arrived.places.resize(arrived.ids.size());
+    std::iota(arrived.places.begin(), arrived.places.end(), std::size_t{0});
     return arrived;
+}
+
+std::size_t begin_of(const BlockCells& cells, std::size_t i) {
+    return static_cast<std::size_t>(cells.indptr[i]);
 }
 
 // What a cell that is not there has.
@@ -107,65 +114,91 @@ Handed Handed::of(const std::vector<Message>& from) {
 
 Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, const std::vector<std::size_t>& places) {
     if (places.empty()) return {};
-    Arrived some;
-    some.cells.indptr.push_back(0);
+    std::vector<std::int64_t> some_ids, indptr{0};
     for (const std::size_t i : places) {
-        const auto begin = static_cast<std::size_t>(cells.indptr[i]),
-                   end = static_cast<std::size_t>(cells.indptr[i + 1]);
-        some.ids.push_back(ids[i]);
-        for_cell_arrays([&](auto member, std::size_t each) {
-            if (!(cells.*member).empty()) append(some.cells.*member, cells.*member, each * i, each * (i + 1));
-        });
-        for_entry_arrays([&](auto member, std::size_t each) {
-            if (!(cells.*member).empty()) append(some.cells.*member, cells.*member, each * begin, each * end);
-        });
-        some.cells.indptr.push_back(some.cells.indptr.back() + static_cast<std::int64_t>(end - begin));
+        some_ids.push_back(ids[i]);
+        indptr.push_back(indptr.back() + cells.indptr[i + 1] - cells.indptr[i]);
     }
+    const auto entries = static_cast<std::size_t>(indptr.back());
+    std::size_t bytes = 0;
+    const auto count = [&](std::size_t rows) {
+        return [&bytes, &cells, rows](auto member, std::size_t each) {
+            using Number = std::decay_t<decltype((cells.*member)[0])>;
+            bytes += sizeof(std::uint64_t) + ((cells.*member).empty() ? 0 : each * rows * sizeof(Number));
+        };
+    };
+    for_cell_arrays(count(places.size()));
+    for_entry_arrays(count(entries));
     blocks::Writer writer;
-    writer.put(some.ids);
-    writer.put(some.cells.indptr);
-    for_cell_arrays([&](auto member, std::size_t) { writer.put(some.cells.*member); });
-    for_entry_arrays([&](auto member, std::size_t) { writer.put(some.cells.*member); });
+    writer.reserve(bytes + sizeof(std::int64_t) * (some_ids.size() + indptr.size() + 2));
+    writer.put(some_ids);
+    writer.put(indptr);
+    for_cell_arrays([&](auto member, std::size_t each) {
+        const std::span values(cells.*member);
+        writer.put(static_cast<std::uint64_t>(values.empty() ? 0 : each * places.size()));
+        if (values.empty()) return;
+        for (const std::size_t i : places) writer.append(values.subspan(each * i, each));
+    });
+    for_entry_arrays([&](auto member, std::size_t each) {
+        const std::span values(cells.*member);
+        writer.put(static_cast<std::uint64_t>(values.empty() ? 0 : each * entries));
+        if (values.empty()) return;
+        for (const std::size_t i : places)
+            writer.append(
+                values.subspan(each * begin_of(cells, i), each * (begin_of(cells, i + 1) - begin_of(cells, i))));
+    });
     return writer.take();
 }
 
 BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64_t>& ids,
-                  const std::vector<CellStatus>& status) {
+                  const std::vector<CellStatus>& status, OwnCells own) {
     std::vector<std::pair<std::int64_t, std::size_t>> place_of;
+    place_of.reserve(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) place_of.emplace_back(ids[i], i);
-    std::ranges::sort(place_of);
+    if (!std::ranges::is_sorted(ids)) std::ranges::sort(place_of);
     std::vector<Arrived> all;
+    if (!own.places.empty()) all.push_back({std::move(own.ids), std::move(own.cells), std::move(own.places)});
+    for (const Message& message : from)
+        if (!message.empty()) all.push_back(read(message));
     constexpr auto nobody = std::numeric_limits<std::size_t>::max();
     std::vector<std::pair<std::size_t, std::size_t>> where(ids.size(), {nobody, 0});
-    for (const Message& message : from) {
-        if (message.empty()) continue;
-        all.push_back(read(message));
-        for (std::size_t k = 0; k < all.back().ids.size(); ++k) {
-            const auto found = std::ranges::lower_bound(place_of, std::pair{all.back().ids[k], std::size_t{0}});
-            where[found->second] = {all.size() - 1, k};
+    for (std::size_t source = 0; source < all.size(); ++source)
+        for (const std::size_t k : all[source].places) {
+            const auto found = std::ranges::lower_bound(place_of, std::pair{all[source].ids[k], std::size_t{0}});
+            where[found->second] = {source, k};
         }
-    }
+    place_of = {};
     BlockCells out;
+    out.indptr.reserve(ids.size() + 1);
     out.indptr.push_back(0);
     for (std::size_t i = 0; i < ids.size(); ++i) {
         const auto& [source, k] = where[i];
         if (source == nobody && status[i] != CellStatus::outside)
             throw Error(ErrorCode::internal, "a bug in votess: the cell of id " + std::to_string(ids[i]) + " was lost");
-        std::int64_t length = 0;
-        if (source != nobody) {
-            const BlockCells& cells = all[source].cells;
-            const auto begin = static_cast<std::size_t>(cells.indptr[k]),
-                       end = static_cast<std::size_t>(cells.indptr[k + 1]);
-            for_entry_arrays([&](auto member, std::size_t each) {
-                if (!(cells.*member).empty()) append(out.*member, cells.*member, each * begin, each * end);
-            });
-            length = static_cast<std::int64_t>(end - begin);
-        }
-        out.indptr.push_back(out.indptr.back() + length);
+        const std::size_t length =
+            source == nobody ? 0 : begin_of(all[source].cells, k + 1) - begin_of(all[source].cells, k);
+        out.indptr.push_back(out.indptr.back() + static_cast<std::int64_t>(length));
     }
+    // Array by array, of which each goes when it has been copied.
+    const auto is_anywhere = [&](auto member) {
+        return std::ranges::any_of(all, [&](const Arrived& one) { return !(one.cells.*member).empty(); });
+    };
+    const auto drop = [&](auto member) {
+        for (Arrived& one : all) one.cells.*member = {};
+    };
+    for_entry_arrays([&](auto member, std::size_t each) {
+        if (!is_anywhere(member)) return;
+        auto& to = out.*member;
+        to.reserve(each * static_cast<std::size_t>(out.indptr.back()));
+        for (const auto& [source, k] : where) {
+            if (source == nobody) continue;
+            const BlockCells& cells = all[source].cells;
+            append(to, cells.*member, each * begin_of(cells, k), each * begin_of(cells, k + 1));
+        }
+        drop(member);
+    });
     for_cell_arrays([&](auto member, std::size_t each) {
-        const bool any = std::ranges::any_of(all, [&](const Arrived& one) { return !(one.cells.*member).empty(); });
-        if (!any && !(all.empty() && static_cast<const void*>(&(out.*member)) == &out.status)) return;
+        if (!is_anywhere(member) && !(all.empty() && static_cast<const void*>(&(out.*member)) == &out.status)) return;
         auto& to = out.*member;
         to.reserve(each * ids.size());
         for (const auto& [source, k] : where) {
@@ -174,6 +207,7 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
             else
                 append(to, all[source].cells.*member, each * k, each * (k + 1));
         }
+        drop(member);
     });
     if (!out.centroids.empty())
         for (std::size_t i = 0; i < ids.size(); ++i)

@@ -21,6 +21,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "votess/votess.hpp"
@@ -33,6 +34,7 @@ using Message = std::vector<std::byte>;
 namespace detail {
 struct BlockDomainState;
 struct BlockState;
+struct BlockVerifierState;
 }  // namespace detail
 
 class VOTESS_API BlockDomain {
@@ -46,9 +48,10 @@ public:
     // The volume of the domain; with walls 0 unless some seed is given, inside of them.
     [[nodiscard]] double volume(std::span<const double> seed = {}) const;
     // N bytes for the points (N, 3): `outside` for seeds that are to be left out, else `certified`. Throws
-    // invalid_argument that names the first bad point by its index. weights, radii: N, or none.
+    // invalid_argument that names the first bad point by its index, counted from `first` on. weights, radii: N, or
+    // none.
     [[nodiscard]] std::vector<CellStatus> check(std::span<const double> points, std::span<const double> weights = {},
-                                                std::span<const double> radii = {}) const;
+                                                std::span<const double> radii = {}, std::uint64_t first = 0) const;
     // (N, 3): where seeds lie after wrapping, in a unit of its own.
     [[nodiscard]] std::vector<double> places(std::span<const double> points) const;
     // Splits space into so many blocks of about equal numbers of seeds, by a sample (M, 3) of places that must be the
@@ -77,10 +80,11 @@ struct BlockCells {
 };
 
 struct BlockCounts {
-    std::uint64_t given = 0;      // seeds that other blocks gave: layers and answers
-    std::uint64_t needed = 0;     // of these, neighbors of cells of the block
-    std::uint64_t tested = 0;     // cells whose vertices were compared with where other seeds may be
-    std::uint64_t questions = 0;  // cells asked about, once for each block asked
+    std::uint64_t given = 0;        // seeds that other blocks gave: layers and answers
+    std::uint64_t needed = 0;       // of these, neighbors of cells of the block
+    std::uint64_t tested = 0;       // cells whose vertices were compared with where other seeds may be
+    std::uint64_t questions = 0;    // cells asked about, once for each block asked
+    std::uint64_t exact_cells = 0;  // cells where exact arithmetic decided a sign, twice if also after an answer
 };
 
 // One block. Not for several threads at once; options.threads work inside of a call.
@@ -106,6 +110,45 @@ public:
 
 private:
     std::unique_ptr<detail::BlockState> state_;
+};
+
+// Checks cells as verify() does, those of each block against the seeds of all. Texts are one line on the first thing
+// that is wrong, "" where nothing is. In the order of use:
+//
+//   1. check_rows(), check_euler(); volumes of all sum to that of the domain
+//   2. pairs() go to their blocks; check_pairs() of each that comes
+//   3. seeds() of some cells go to all blocks; from each faces_of() them come back; check_cells()
+//
+// Not for several threads at once. Errors as of tessellate().
+class VOTESS_API BlockVerifier {
+public:
+    // The arrays must outlive it. ids: N, each unlike those of other blocks. points: (N, 3). weights: N in a power
+    // diagram, else none. cells: of these seeds. holders: entries, which block has the cell of each neighbor; any
+    // number for walls.
+    BlockVerifier(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
+                  std::span<const double> weights, const BlockCells& cells, std::span<const std::int32_t> holders);
+    BlockVerifier(BlockVerifier&&) noexcept;
+    BlockVerifier& operator=(BlockVerifier&&) noexcept;
+    ~BlockVerifier();
+
+    [[nodiscard]] std::string check_rows() const;   // ascend, without which pairs are not found
+    [[nodiscard]] std::string check_euler() const;  // where there are counts
+    // By block: what rows first to last, in the order of ids, say of its cells.
+    [[nodiscard]] std::vector<Message> pairs(std::size_t blocks, std::size_t first, std::size_t last) const;
+    [[nodiscard]] std::string check_pairs(const Message& pairs) const;
+
+    // Cells that may be tried by brute force: of seeds that are neither duplicates nor outside.
+    [[nodiscard]] std::size_t candidates() const noexcept;
+    [[nodiscard]] Message seeds(std::span<const std::size_t> candidates) const;
+    // Clips the cells of these seeds by every seed of the block, without any search structure.
+    [[nodiscard]] Message faces_of(const Message& seeds);
+    // faces: from each block, of the seeds() of these candidates.
+    [[nodiscard]] std::string check_cells(std::span<const std::size_t> candidates, std::span<const Message> faces);
+    // Whether faces_of() has taken about a second, counted in what it did.
+    [[nodiscard]] bool has_worked_enough() const noexcept;
+
+private:
+    std::unique_ptr<detail::BlockVerifierState> state_;
 };
 
 }  // namespace votess

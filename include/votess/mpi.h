@@ -19,6 +19,7 @@ typedef struct votess_mpi_counts {
     uint32_t rounds;
     uint64_t seeds, largest_block, given, needed, tested, questions, bytes;
     double box_volume, volume_sum;
+    uint64_t exact_cells;
 } votess_mpi_counts;
 
 typedef struct votess_mpi_result votess_mpi_result;
@@ -60,6 +61,11 @@ VOTESS_API const int64_t* votess_mpi_receive(const votess_mpi_result* result, si
 // The box that was given or assumed; fails for a triclinic one.
 VOTESS_API votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]);
 VOTESS_API votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi_counts* counts);
+// Collective, see verify() in mpi.hpp. points: 3 * count coordinates, those that were handed in; NULL and 0 for
+// VOTESS_MPI_MADE. The other arguments are those of votess_verify.
+VOTESS_API votess_status votess_mpi_verify(MPI_Comm comm, const votess_mpi_result* result, const double* points,
+                                           size_t count, size_t sample, uint64_t rng_seed, int* passed,
+                                           uint32_t* skipped, size_t* sampled, char* failure, size_t failure_size);
 
 #ifdef __cplusplus
 }

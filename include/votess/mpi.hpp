@@ -23,6 +23,7 @@ struct Counts {
     std::uint64_t tested = 0, questions = 0;  // the same
     std::uint64_t bytes = 0;                  // that ranks sent to others, of seeds, questions, answers and cells
     unsigned rounds = 2;                      // exchanges of seeds between blocks: layers, answers
+    std::uint64_t exact_cells = 0;            // the same
     double box_volume = 0;                    // of the domain
     double volume_sum = 0;                    // of all cells; 0 when volumes were not wanted
 };
@@ -31,6 +32,7 @@ struct Counts {
 struct Result {
     std::vector<std::int64_t> ids;  // N
     std::vector<double> points;     // (N, 3), of Cells::made
+    std::vector<double> weights;    // N in a power diagram, if need be squares of radii; else none
     BlockCells cells;
     // What fields must travel: rank r needs the values of ids send[send_indptr[r] .. send_indptr[r + 1]), and sends
     // those of receive[receive_indptr[r] ..); each ascends. Of Cells::handed_in alone.
@@ -44,9 +46,16 @@ struct Result {
 // ranks; or none on any rank: seeds are numbered rank after rank. Of seeds at one place the lowest id has the cell.
 // options: the same on all ranks, but weights and radii, which are N of this rank's own, and threads, which are those
 // of each rank. Errors as of BlockDomain and Block; where one rank fails all throw the same error, which names the
-// rank, and indices of its own points.
+// rank, and indices of its own points, or where there are no ids the numbers that these get.
 [[nodiscard]] VOTESS_API Result tessellate(MPI_Comm comm, std::span<const double> points,
                                            std::span<const std::int64_t> ids = {}, const Options& options = {},
                                            Cells cells = Cells::handed_in);
+
+// Collective: checks what tessellate() returned, as verify() does; the report is the same on all ranks. Volumes sum to
+// the domain's (relative 1e-9), rows ascend, each pair is in both rows, over borders of ranks too, Euler's formula
+// holds, and a sample of all cells equals cells clipped anew by every seed of every rank. points: those that were
+// handed in; none for Cells::made. Errors as of tessellate().
+[[nodiscard]] VOTESS_API VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double> points,
+                                             const VerifyOptions& options = {});
 
 }  // namespace votess::mpi

@@ -16,6 +16,7 @@
 #include <votess/mpi.hpp>
 
 #include "mpi/inputs.hpp"
+#include "mpi/verify.hpp"
 
 namespace {
 
@@ -250,6 +251,7 @@ int main(int argc, char** argv) {
                 compare(MPI_COMM_WORLD, input, share);
         check_errors(MPI_COMM_WORLD);
         check_parts();
+        for (const std::string& what : test::check_verify(MPI_COMM_WORLD)) wrong(MPI_COMM_WORLD, what);
     }
     int all = 0;
     MPI_Allreduce(&failures, &all, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);

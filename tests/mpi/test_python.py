@@ -45,6 +45,8 @@ def with_one_machine(comm, points, want="volumes,centroids,areas,normals,counts,
         check(np.allclose(getattr(t, name), getattr(alone, name)[mine], rtol=1e-9, atol=1e-12), name)
     check(np.allclose(t.face_areas, alone.face_areas[entries], rtol=1e-9, atol=1e-12), "face_areas")
     check(np.allclose(t.face_normals, alone.face_normals[entries], atol=1e-6), "face_normals")
+    report = t.verify(comm, points[mine], sample=50)
+    check(report and not report.skipped and report.sampled == min(50, len(points)), f"{report}")
     check(t.counts.seeds == len(points) and np.isclose(t.counts.volume_sum, t.counts.box_volume), "counts")
 
     check(np.array_equal(t.box, alone.box) if "cell" not in options else t.box is None, "box")
@@ -55,6 +57,8 @@ def with_one_machine(comm, points, want="volumes,centroids,areas,normals,counts,
 
     made = pyvotess.mpi.tessellate(points[mine], comm, ids=mine, want="neighbors", cells="made", **options, **own)
     same_rows(made, alone, made.ids)
+    report = made.verify(comm)
+    check(report and report.skipped == ("volumes", "euler"), f"{report}")
     check(made.volumes is None and np.array_equal(made.points, points[made.ids]), "points of made")
     check(np.array_equal(np.sort(np.concatenate(comm.allgather(made.ids))), np.arange(len(points))), "all are made")
 
@@ -88,7 +92,9 @@ def main():
     bad = own.copy()
     if WORLD.rank == last:
         bad[5, 1] = np.nan
-    refused(WORLD, ValueError, f"rank {last}: point 5: y = nan", bad, WORLD)
+    sixth = WORLD.bcast(int(numbered.ids[5]), last)
+    refused(WORLD, ValueError, f"rank {last}: point {sixth}: y = nan", bad, WORLD)
+    refused(WORLD, ValueError, f"rank {last}: point 5: y = nan", bad, WORLD, ids=numbered.ids)
     shape = own if WORLD.rank != last else own[:, :2]
     refused(WORLD, ValueError, f"rank {last}: points has shape", shape, WORLD)
     refused(WORLD, ValueError, "ids has shape", own, WORLD, ids=np.arange(2))

@@ -112,18 +112,49 @@ void NpyArray::check_size(std::size_t item_size) const {
 
 // Through a small buffer, so that the array is never in memory twice.
 template <typename Number, typename Take>
+void NpyArray::next(std::uint64_t count, Take take) {
+    std::vector<Number> buffer(std::min<std::uint64_t>(count, std::uint64_t{1} << 16));
+    for (std::uint64_t done = 0; done < count;) {
+        const auto some = std::min<std::uint64_t>(buffer.size(), count - done);
+        source_.read(buffer.data(), some * sizeof(Number));
+        for (std::uint64_t i = 0; i < some; ++i, ++done) take(done, buffer[i]);
+    }
+}
+
+template <typename Number, typename Take>
 void NpyArray::each(Take take) {
     check_size(sizeof(Number));
-    std::vector<Number> buffer(std::min<std::uint64_t>(count_, std::uint64_t{1} << 16));
     const std::uint64_t columns = shape_.size() == 2 ? shape_[1] : 1;
-    for (std::uint64_t done = 0; done < count_;) {
-        const auto count = std::min<std::uint64_t>(buffer.size(), count_ - done);
-        source_.read(buffer.data(), count * sizeof(Number));
-        for (std::uint64_t i = 0; i < count; ++i, ++done) {
-            const std::uint64_t rows = count_ / columns;
-            take(column_major_ ? done % rows * columns + done / rows : done, buffer[i]);
-        }
+    next<Number>(count_, [&](std::uint64_t done, Number value) {
+        const std::uint64_t rows = count_ / columns;
+        take(column_major_ ? done % rows * columns + done / rows : done, value);
+    });
+}
+
+template <typename Number>
+void NpyArray::rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end) {
+    check_size(sizeof(Number));
+    constexpr std::uint64_t columns = 3;
+    const std::uint64_t rows = shape_[0], taken = end - begin;
+    to.resize(columns * taken);
+    const auto skip = [&](std::uint64_t numbers) { source_.skip(numbers * sizeof(Number)); };
+    if (!column_major_) {
+        skip(columns * begin);
+        next<Number>(columns * taken, [&](std::uint64_t k, Number value) { to[k] = value; });
+        return;
     }
+    for (std::uint64_t c = 0; c < columns; ++c) {
+        skip(begin);
+        next<Number>(taken, [&](std::uint64_t i, Number value) { to[columns * i + c] = value; });
+        skip(rows - end);
+    }
+}
+
+void NpyArray::read_rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end) {
+    if (type_ == "<f8")
+        rows<double>(to, begin, end);
+    else
+        rows<float>(to, begin, end);
 }
 
 void NpyArray::read_floats(std::vector<double>& to, std::size_t offset, std::size_t stride) {

@@ -12,10 +12,12 @@
 
 namespace clvotess {
 
-// `size` bytes, taken front to back by `read`, which throws when there are fewer.
+// `size` bytes, taken front to back by `read`, which throws when there are fewer. `skip` passes over some, where it is
+// given.
 struct ByteSource {
     std::uint64_t size = 0;
     std::function<void(void* to, std::uint64_t count)> read;
+    std::function<void(std::uint64_t count)> skip = {};
 };
 
 class NpyArray {
@@ -34,6 +36,8 @@ public:
     // Once: the values in row-major order, the type being float64 or float32. With `stride` and `offset` value k goes
     // to to[offset + stride k].
     void read_floats(std::vector<double>& to, std::size_t offset = 0, std::size_t stride = 1);
+    // Once: rows begin to end of an (N, 3) array of floats. The source must skip.
+    void read_rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end);
     // Once: the type being a whole number.
     [[nodiscard]] std::vector<std::int64_t> read_whole();
     // Refuses what is no (N, 3) array of floats.
@@ -45,7 +49,11 @@ private:
     void parse_header(std::string_view dict);
     void check_size(std::size_t item_size) const;
     template <typename Number, typename Take>
+    void next(std::uint64_t count, Take take);
+    template <typename Number, typename Take>
     void each(Take take);
+    template <typename Number>
+    void rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end);
 
     ByteSource source_;
     std::string name_;

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Tuple, Union
 
 import numpy as np
@@ -15,8 +15,9 @@ import numpy as np
 from .. import _c_api
 from .._c_api import DuplicatesWord, OutsideWord, WantWord
 from .._call import Handle, array_of, raise_on_failure
-from .._input import Domain, as_points, as_want, as_word
+from .._input import Domain, as_count, as_points, as_want, as_word
 from ..mesh import Lists
+from ..stats import VerifyReport
 from ..tessellator import new_options
 from ._library import ARRAYS, Counts, load
 
@@ -50,6 +51,7 @@ class MpiCounts:
     rounds: int  #: exchanges of seeds between blocks
     box_volume: float  #: of the domain, length unit cubed
     volume_sum: float  #: of all cells; 0 when volumes were not wanted
+    exact_cells: int  #: cells where exact arithmetic decided a sign
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,42 @@ class MpiTessellation:
     receive: Lists  #: row r: ids of rank r's seeds that are neighbors of own ones, in the order in which it sends them
     box: Optional[Float64Array]  #: (2, 3) lower and upper corner, given or assumed; None with a ``cell``
     counts: MpiCounts
+    _result: Handle = field(repr=False, compare=False)
+
+    def verify(
+        self, comm: Any, points: Optional[npt.ArrayLike] = None, sample: Optional[int] = None, rng_seed: int = 1
+    ) -> VerifyReport:
+        """Checks the cells of all ranks, as :meth:`Tessellation.verify` does. Collective: every rank of ``comm`` calls it.
+
+        Volumes sum to the box, pairs are in both lists, over borders of ranks too, Euler's formula holds, and a sample of
+        all cells equals cells cut anew by every seed of every rank. The report is the same on all ranks.
+
+        Parameters
+        ----------
+        points : the points that this rank handed in; None with ``cells="made"``.
+        """
+        communicator = _handle(comm)
+        array = None if points is None else np.ascontiguousarray(as_points(points), np.float64)
+        bits = 8 * ctypes.sizeof(ctypes.c_size_t)
+        passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
+        failure = ctypes.create_string_buffer(1024)
+        raise_on_failure(
+            _lib.votess_mpi_verify(
+                communicator,
+                self._result.pointer,
+                None if array is None else array.ctypes.data,
+                0 if array is None else len(array),
+                _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits),
+                as_count(rng_seed, "rng_seed", 64),
+                ctypes.byref(passed),
+                ctypes.byref(skipped),
+                ctypes.byref(sampled),
+                failure,
+                len(failure),
+            )
+        )
+        names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
+        return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value)
 
 
 _OF_WORD: Dict[str, Tuple[str, ...]] = {
@@ -116,7 +154,7 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
     c_counts = Counts(struct_size=ctypes.sizeof(Counts))
     raise_on_failure(_lib.votess_mpi_read_counts(result.pointer, ctypes.byref(c_counts)))
     counts = MpiCounts(**{name: getattr(c_counts, name) for name in MpiCounts.__dataclass_fields__})
-    return MpiTessellation(box=_box(result) if in_box else None, counts=counts, **arrays)
+    return MpiTessellation(box=_box(result) if in_box else None, counts=counts, _result=result, **arrays)
 
 
 def _as_ids(ids: Any, count: int) -> Int64Array:

@@ -6,7 +6,7 @@ import ctypes
 import ctypes.util
 import os
 import sys
-from ctypes import POINTER, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
 from typing import Any, Dict, Tuple
 
@@ -36,6 +36,7 @@ class Counts(ctypes.Structure):
         ("bytes", c_uint64),
         ("box_volume", c_double),
         ("volume_sum", c_double),
+        ("exact_cells", c_uint64),
     ]
 
 
@@ -108,6 +109,20 @@ def _load(size_of_comm: int) -> ctypes.CDLL:
     library.votess_mpi_box.argtypes = (c_void_p, c_void_p, c_void_p)
     library.votess_mpi_read_counts.restype = c_int
     library.votess_mpi_read_counts.argtypes = (c_void_p, POINTER(Counts))
+    library.votess_mpi_verify.restype = c_int
+    library.votess_mpi_verify.argtypes = (
+        communicator,
+        c_void_p,
+        c_void_p,
+        c_size_t,
+        c_size_t,
+        c_uint64,
+        POINTER(c_int),
+        POINTER(c_uint32),
+        POINTER(c_size_t),
+        c_char_p,
+        c_size_t,
+    )
     return library
 
 

@@ -1,0 +1,12 @@
+// clvotess-mpi is linked with the HDF5 that writes from several ranks, so it loads no module.
+#include "files/formats/hdf5_module.hpp"
+
+extern "C" const clvotess::Hdf5Module clvotess_hdf5;
+
+namespace clvotess {
+
+const Hdf5Module& load_hdf5(const std::string&) {
+    return clvotess_hdf5;
+}
+
+}  // namespace clvotess

@@ -1,0 +1,208 @@
+// clvotess-mpi: what clvotess does, by the ranks that mpirun starts, each with a share of the seeds.
+#include <mpi.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+#include <votess/mpi.hpp>
+
+#include "arguments/arguments.hpp"
+#include "arguments/carried.hpp"
+#include "domain.hpp"
+#include "errors.hpp"
+#include "failure.hpp"
+#include "mpi/help.hpp"
+#include "mpi/ranks.hpp"
+#include "mpi/read_share.hpp"
+#include "mpi/refusals.hpp"
+#include "mpi/write_ranks.hpp"
+#include "summary.hpp"
+
+namespace clvotess {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+void print(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+        throw runtime_failure("cannot write to stdout");
+}
+
+// Tells the domain as that of a run in one memory, and what memory the process has taken so far.
+votess::Tessellation without_seeds(votess::Options options) {
+    options.want = {};
+    return votess::tessellate(std::span<const double>(), options);
+}
+
+// Blocks have no such option: the seeds are not all at hand when it is asked.
+void refuse_duplicates(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells) {
+    ranks.together([&] {
+        for (std::size_t i = 0; i < cells.duplicate_of.size(); ++i)
+            if (cells.duplicate_of[i] >= 0)
+                throw bad_input("point " + std::to_string(share.first + i) + " is a duplicate of point " +
+                                std::to_string(cells.duplicate_of[i]));
+    });
+}
+
+// What all ranks found, as of one run.
+votess::Stats common_stats(const Ranks& ranks, const votess::mpi::Result& result, const votess::Tessellation& domain) {
+    votess::Stats stats = domain.stats();
+    std::uint64_t faces = 0, duplicates = 0, empty = 0;
+    for (const std::uint32_t count : result.cells.face_counts) faces += count;
+    for (const votess::CellStatus status : result.cells.status) {
+        duplicates += status == votess::CellStatus::duplicate ? 1 : 0;
+        empty += status == votess::CellStatus::certified ? 0 : 1;
+    }
+    stats.points = result.counts.seeds;
+    stats.faces = ranks.sum(faces);
+    stats.duplicates = ranks.sum(duplicates);
+    stats.empty_cells = ranks.sum(empty);
+    const std::uint64_t cells = stats.points - stats.empty_cells;
+    stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
+    stats.exact_cells = result.counts.exact_cells;
+    stats.volume_sum = result.counts.volume_sum;
+    stats.box_volume = result.counts.box_volume;
+    return stats;
+}
+
+int run(const Ranks& ranks, const Arguments& arguments) {
+    const auto run_began = Clock::now();
+    Summary summary;
+    InputShare share = read_share(ranks, arguments);
+    Input& input = share.input;
+    summary.seconds_read = seconds_since(run_began);
+
+    votess::Options options = arguments.options;
+    options.device = "cpu";
+    if (!arguments.threads_given) options.threads = 1;
+    options.want.neighbors = options.want.counts = true;
+    const bool refuses_duplicates = options.duplicates == votess::Duplicates::error;
+    options.duplicates = votess::Duplicates::merge;
+    std::vector<InputColumn> carried;
+    std::string domain_from;
+    ranks.together([&] {
+        take_weights(arguments, input, options);
+        carried = take_carried(arguments, input);
+        domain_from = choose_domain(input.domain, arguments.periodic, options);
+    });
+    summary.input_note = input.note;
+
+    const auto clip_began = Clock::now();
+    votess::mpi::Result result = votess::mpi::tessellate(MPI_COMM_WORLD, input.points, {}, options);
+    const double seconds_clip = seconds_since(clip_began);
+    if (refuses_duplicates) refuse_duplicates(ranks, share, result.cells);
+
+    votess::Tessellation domain;
+    ranks.together([&] {
+        domain = without_seeds(result.options);
+        if (arguments.has_density) fill_density(arguments, input, result.cells.volumes, carried);
+    });
+    summary.domain = domain_text(domain, domain_from);
+    summary.domain_json = domain_json(domain, domain_from);
+    summary.has_volumes = arguments.wanted.volumes;
+    summary.stats = common_stats(ranks, result, domain);
+    summary.stats.seconds = {};
+    summary.stats.seconds.clip = seconds_clip;
+    const votess::mpi::Counts& counts = result.counts;
+    summary.ranks = RanksSummary{ranks.size(), counts.rounds, counts.given, counts.needed};
+
+    std::string failure;
+    if (arguments.verify) {
+        votess::VerifyReport report = votess::mpi::verify(MPI_COMM_WORLD, result, input.points);
+        summary.verified = report.passed;
+        summary.checks_skipped = std::move(report.skipped);
+        summary.cells_verified = report.sampled;
+        if (!report.passed) failure = "verification failed, no file was written: " + report.failure;
+    }
+
+    const auto write_began = Clock::now();
+    if (failure.empty())
+        write_ranks(ranks, arguments.outputs, share, result.cells,
+                    {input, domain, arguments.wanted, arguments.format, options.radii, domain_from, carried,
+                     arguments.coloring});
+    summary.seconds_write = seconds_since(write_began);
+    summary.stats.peak_memory_bytes = ranks.maximum(without_seeds(result.options).stats().peak_memory_bytes);
+    summary.seconds_total = seconds_since(run_began);
+    ranks.first_alone([&] {
+        if (arguments.json)
+            print(json_summary(summary));
+        else if (!arguments.quiet)
+            print(plain_summary(summary));
+    });
+    if (!failure.empty()) throw CommonFailure(exit_code::verification_failed, failure);
+    return exit_code::done;
+}
+
+int main_together(const Ranks& ranks, int count, const char* const* values) {
+    Arguments arguments;
+    ranks.together([&] {
+        if (count > 1 && std::strcmp(values[1], "--voro++") == 0)
+            throw bad_input("--voro++ writes the files of voro++, in text: run clvotess");
+        arguments = read_arguments(count, values);
+        if (arguments.answer.empty() && !arguments.list_devices) refuse_for_ranks(arguments);
+    });
+    if (!arguments.answer.empty() || arguments.list_devices) {
+        ranks.first_alone([&] { print(answer_of_ranks(count, values)); });
+        return exit_code::done;
+    }
+    return run(ranks, arguments);
+}
+
+void complain(const std::string& message) {
+    std::fprintf(stderr, "clvotess-mpi: %s\n", one_line(message).c_str());
+}
+
+[[noreturn]] void abort_all(int code) {
+    std::fflush(nullptr);
+    MPI_Abort(MPI_COMM_WORLD, code);
+    std::abort();
+}
+
+// Where one rank alone fails, the others would wait for it.
+[[noreturn]] void fail_alone(int rank, const std::string& message) {
+    complain("rank " + std::to_string(rank) + ": " + message);
+    abort_all(exit_code::runtime_failure);
+}
+
+int main_inside(int count, const char* const* values) {
+    const Ranks ranks;
+    const auto fail = [&](int code, const std::string& message) {
+        if (ranks.rank() == 0) complain(message);
+        // MPI_Finalize lets HDF5 close its files, which it may not survive when that of the output could not be closed.
+        if (code == exit_code::runtime_failure) {
+            MPI_Barrier(MPI_COMM_WORLD);  // so that all have removed what they wrote, and rank 0 has told why
+            abort_all(code);
+        }
+        return code;
+    };
+    try {
+        return main_together(ranks, count, values);
+    } catch (const CommonFailure& failure) {
+        return fail(failure.code(), failure.what());
+    } catch (const votess::Error& error) {  // which votess_mpi throws on all ranks
+        return fail(exit_code_of(error.code()), error.what());
+    } catch (const std::bad_alloc&) {
+        fail_alone(ranks.rank(), "out of memory: take more ranks, or fewer on a machine");
+    } catch (const std::exception& error) {
+        fail_alone(ranks.rank(), error.what());
+    }
+}
+
+}  // namespace
+}  // namespace clvotess
+
+int main(int argc, char** argv) {
+    MPI_Init(&argc, &argv);
+    const int code = clvotess::main_inside(argc, argv);
+    MPI_Finalize();
+    return code;
+}

@@ -1,0 +1,62 @@
+#include "mpi/shared_file.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstring>
+#include <vector>
+
+#include "failure.hpp"
+
+namespace clvotess {
+namespace {
+
+// A handler may use no more than this, and MPI calls do not return when a rank has died.
+std::array<char, 4096> temporary_of_handler{};
+constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
+
+void remove_and_end(int signal) {
+    if (temporary_of_handler[0] != '\0') unlink(temporary_of_handler.data());
+    _exit(exit_code::signal_base + signal);
+}
+
+}  // namespace
+
+SharedFile::SharedFile(const Ranks& ranks, const std::string& path) : ranks_(ranks), name_(path) {
+    std::vector<char> bytes;
+    ranks.first_alone([&] {
+        const std::string& temporary = file_.emplace(path).path_for_library();
+        if (temporary.size() >= temporary_of_handler.size())
+            throw bad_input("cannot write " + in_quotes(path) + ": its path is too long");
+        bytes.assign(temporary.begin(), temporary.end());
+    });
+    ranks.broadcast(bytes);
+    temporary_.assign(bytes.begin(), bytes.end());
+    std::memcpy(temporary_of_handler.data(), temporary_.c_str(), temporary_.size() + 1);
+    for (const int signal : signals) std::signal(signal, remove_and_end);
+    ranks.together([&] {
+        if (access(temporary_.c_str(), F_OK) != 0)
+            throw runtime_failure("cannot see " + in_quotes(temporary_) +
+                                  ", which rank 0 has made: name a folder that all machines share");
+    });
+}
+
+SharedFile::~SharedFile() {
+    for (const int signal : signals) std::signal(signal, SIG_DFL);
+    temporary_of_handler[0] = '\0';
+}
+
+Failure SharedFile::write_failure(int error) const {
+    const std::string what = "cannot write " + in_quotes(name_);
+    return runtime_failure(error == 0 ? what : what + ": " + std::strerror(error));
+}
+
+void SharedFile::publish() {
+    ranks_.first_alone([&] {
+        file_->finish();
+        file_->publish();
+    });
+}
+
+}  // namespace clvotess

@@ -1,0 +1,33 @@
+// A file that all ranks write, which appears whole or not at all.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "files/atomic_file.hpp"
+#include "mpi/ranks.hpp"
+
+namespace clvotess {
+
+// One at a time. While it lives, a rank that is told to stop, as mpirun does when another has died, removes the
+// temporary file.
+class SharedFile {
+public:
+    // Collective. Rank 0 makes the temporary file, which the others must see under the same name.
+    SharedFile(const Ranks& ranks, const std::string& path);
+    ~SharedFile();
+    SharedFile(const SharedFile&) = delete;
+    SharedFile& operator=(const SharedFile&) = delete;
+
+    [[nodiscard]] const std::string& temporary() const noexcept { return temporary_; }
+    [[nodiscard]] Failure write_failure(int error) const;
+    // Collective: the file appears under its name.
+    void publish();
+
+private:
+    const Ranks& ranks_;
+    std::string name_, temporary_;
+    std::optional<OutputFile> file_;  // of rank 0
+};
+
+}  // namespace clvotess

@@ -1,0 +1,156 @@
+#include "verify/brute_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "domain/domain.hpp"
+
+namespace votess {
+namespace {
+
+// In distance tests.
+constexpr double work_of_cell = 1e4, work_of_range = 60, work_of_image = 150, work_of_plane = 100, work_of_vertex = 1;
+constexpr std::size_t no_slot = std::numeric_limits<std::size_t>::max();
+
+}  // namespace
+
+BruteForce::BruteForce(const Job& job, std::span<const CellStatus> status)
+    : job_(job), domain_(*job.domain), slot_(status.size()) {
+    for (std::size_t j = 0; j < status.size(); ++j) {
+        if (!takes_part(status[j])) continue;
+        slot_[j] = id_.size();
+        id_.push_back(static_cast<std::int32_t>(j));
+        place_.push_back(place_of(seed_of(j)));
+    }
+}
+
+exact::Point BruteForce::seed_of(std::size_t j) const {
+    return {job_.points[3 * j] * job_.scale, job_.points[3 * j + 1] * job_.scale, job_.points[3 * j + 2] * job_.scale};
+}
+
+double BruteForce::weight_of(std::size_t j) const {
+    return domain_.has_weights() ? domain_.weights[j] : 0;
+}
+
+// The places of two seeds are each rounded once, along axes that box vectors have a component of.
+BruteForce::Place BruteForce::place_of(const exact::Point& seed) {
+    Place place{{}, seed};
+    if (!domain_.is_periodic()) return place;
+    place.shift = wrap(domain_, seed).value_or(place.shift);
+    const auto exact = exact::differences({}, exact::Plane::bisector(seed, place.shift, domain_.lattice)).x;
+    place.at = {exact[0].high, exact[1].high, exact[2].high};
+    for (std::size_t k = 0; k < 3; ++k) {
+        largest_[k] = std::max(largest_[k], std::abs(place.at[k]));
+        if (std::ranges::none_of(domain_.lattice.vector, [&](const auto& v) { return v[k].high != 0; })) continue;
+        place_rounding_[k] = 0x1p-52 * largest_[k];
+        rounding_ = std::max(rounding_, 2 * place_rounding_[k]);
+    }
+    return place;
+}
+
+void BruteForce::clip(std::size_t i, cpu::Cell& cell) {
+    clip({seed_of(i), weight_of(i), place_[slot_[i]], static_cast<std::int32_t>(i), slot_[i]}, cell);
+}
+
+void BruteForce::clip(const exact::Point& seed, double weight, cpu::Cell& cell) {
+    clip({seed, weight, place_of(seed), static_cast<std::int32_t>(slot_.size()), no_slot}, cell);
+}
+
+void BruteForce::clip(const Own& own, cpu::Cell& cell) {
+    own_ = own;
+    cell.start(own_.seed, domain_, own_.id);
+    work_ += work_of_cell;
+    cut_by_nearest(cell);
+    images_.clear();
+    const double reach = reach_of(cell);
+    for (std::size_t s = 0; s < place_.size(); ++s) {
+        const exact::Point& at = place_[s].at;
+        const ShiftRange shifts =
+            domain_.is_periodic() ? shifts_around(domain_, {at, at}, own_.place.at, reach) : ShiftRange{};
+        add(s, shifts, reach * reach);
+    }
+    work_ += static_cast<double>(place_.size()) * (domain_.is_periodic() ? work_of_range : 1);
+    while (!images_.empty() && !cell.empty()) {
+        std::ranges::pop_heap(images_, farther);
+        const Images next = images_.back();
+        images_.pop_back();
+        work_ += work_of_image;
+        const Box bounds = bounds_of(next.slot, next.shifts);
+        if (!cell.in_reach(bounds, more()) || !cell.may_cut(bounds, more())) continue;
+        if (next.shifts.is_single())
+            cut(next.slot, next.shifts, cell);
+        else
+            halve(next);
+    }
+}
+
+double BruteForce::more() const {
+    return domain_.has_weights() ? domain_.most_more(own_.weight) : 0;
+}
+
+// No seed farther away cuts: R + sqrt(R^2 + w - w_i) for the largest weight w.
+double BruteForce::reach_of(cpu::Cell& cell) const {
+    constexpr double slack = 1 + 1e-9, least = 1e-150;  // squares below the least number are lost
+    const double square = cell.radius_squared();
+    return (std::sqrt(square) + std::sqrt(square + more())) * slack + rounding_ + least;
+}
+
+Box BruteForce::bounds_of(std::size_t slot, const ShiftRange& shifts) const {
+    const exact::Point& q = place_[slot].at;
+    if (!domain_.is_periodic()) return cpu::seen_from(own_.place.at, {q, q});
+    return cpu::seen_from({}, images_of(domain_, {q, q}, shifts, own_.place.at), place_rounding_);
+}
+
+void BruteForce::add(std::size_t slot, const ShiftRange& shifts, double most) {
+    const Box box = bounds_of(slot, shifts);
+    double square = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double gap = std::max({0.0, box.lower[k], -box.upper[k]});
+        square += gap * gap;
+    }
+    if (square > most) return;
+    images_.push_back({square, slot, shifts});
+    std::ranges::push_heap(images_, farther);
+}
+
+void BruteForce::halve(const Images& images) {
+    const int axis = longest_extent(domain_, images.shifts).axis;
+    for (const ShiftRange& half : halves(images.shifts, axis)) add(images.slot, half, infinity);
+}
+
+// By a few seeds, so that others are soon out of reach.
+void BruteForce::cut_by_nearest(cpu::Cell& cell) {
+    constexpr std::size_t most = 48;
+    images_.clear();
+    for (std::size_t s = 0; s < place_.size(); ++s) {
+        const exact::Point &p = own_.place.at, &q = place_[s].at;
+        const double x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
+        double key = x * x + y * y + z * z;
+        if (domain_.has_weights()) key -= weight_of(static_cast<std::size_t>(id_[s]));
+        if (images_.size() == most && !(key < images_.front().distance_squared)) continue;
+        if (images_.size() == most) {
+            std::ranges::pop_heap(images_, {}, &Images::distance_squared);
+            images_.pop_back();
+        }
+        images_.push_back({key, s, {}});
+        std::ranges::push_heap(images_, {}, &Images::distance_squared);
+    }
+    work_ += static_cast<double>(place_.size());
+    std::ranges::sort(images_, {}, &Images::distance_squared);
+    for (const Images& image : images_) cut(image.slot, {}, cell);
+}
+
+void BruteForce::cut(std::size_t slot, const ShiftRange& range, cpu::Cell& cell) {
+    const exact::Shift shift = domain_.is_periodic() ? only_shift(domain_, range) : exact::Shift{};
+    const auto id = id_[slot];
+    const auto j = static_cast<std::size_t>(id);
+    if ((slot == own_.slot && shift == exact::Shift{}) || cell.knows(id, shift)) return;
+    exact::Shift total;
+    for (std::size_t k = 0; k < 3; ++k) total[k] = shift[k] + place_[slot].shift[k] - own_.place.shift[k];
+    exact::Plane plane = exact::Plane::bisector(seed_of(j), total, domain_.lattice);
+    if (domain_.has_weights()) plane.power = exact::two_sum(own_.weight, -domain_.weights[j]);
+    work_ += work_of_plane + work_of_vertex * cell.slots();
+    cell.clip(id, plane, shift);
+}
+
+}  // namespace votess
