@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "blocks/local_block.hpp"
+#include "blocks/row_reader.hpp"
 
 namespace votess::blocks {
 namespace {
@@ -14,8 +15,8 @@ public:
         out_.indptr.push_back(0);
     }
 
-    // Cell i of a run with these seeds.
-    void add(const detail::Result& from, std::size_t i, const Seeds& seeds) {
+    // Cell i.
+    void add(const detail::Result& from, std::size_t i, RowReader& rows) {
         append(out_.status, from.status, i, 1, cells_);
         append(out_.volumes, from.volumes, i, 1, cells_);
         append(out_.centroids, from.centroids, i, 3, cells_);
@@ -24,8 +25,7 @@ public:
         append(out_.face_counts, from.face_counts, i, 1, cells_);
         append(out_.edge_counts, from.edge_counts, i, 1, cells_);
         append(out_.vertex_counts, from.vertex_counts, i, 1, cells_);
-        read_row(from, i, seeds);
-        for (const Entry& entry : row_) {
+        for (const RowReader::Entry& entry : rows.read(i)) {
             out_.neighbors.push_back(entry.id);
             out_.tags.push_back(entry.tag);
             append(out_.shifts, from.shifts, entry.at, 3, entries_);
@@ -36,30 +36,6 @@ public:
     }
 
 private:
-    struct Entry {
-        std::int64_t id;
-        std::int32_t tag;
-        std::array<std::int8_t, 3> shift;
-        std::size_t at;
-        friend bool operator<(const Entry& a, const Entry& b) { return a.id != b.id ? a.id < b.id : a.shift < b.shift; }
-    };
-    void read_row(const detail::Result& from, std::size_t i, const Seeds& seeds) {
-        const bool periodic = from.shifts.size() > 0;
-        row_.clear();
-        bool ascending = true;
-        for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]); ++e) {
-            const std::int32_t index = from.indices[e];
-            Entry entry{index, -1, {}, e};
-            if (index >= 0) {
-                entry.id = seeds.ids[static_cast<std::size_t>(index)];
-                entry.tag = seeds.tags[static_cast<std::size_t>(index)];
-            }
-            if (periodic) std::copy_n(from.shifts.data() + 3 * e, 3, entry.shift.begin());
-            ascending = ascending && (row_.empty() || row_.back().id <= entry.id);
-            row_.push_back(entry);
-        }
-        if (!ascending) std::ranges::sort(row_, std::less<>());
-    }
     template <class T>
     static void append(std::vector<T>& to, const Buffer<T>& from, std::size_t i, std::size_t each, std::size_t count) {
         if (from.size() == 0) return;
@@ -69,43 +45,58 @@ private:
 
     BlockCells& out_;
     std::size_t cells_, entries_;
-    std::vector<Entry> row_;
 };
 
 }  // namespace
 
+Asked LocalBlock::asked() const {
+    Asked asked;
+    for (const std::uint32_t cell : asked_) asked.cells.add(all_.seeds, cell);
+    for (const std::int32_t i : friends_) asked.friends.add(all_.seeds, static_cast<std::size_t>(i));
+    asked.friends = asked.friends.sorted();
+    asked.faces = asked_faces_;
+    return asked;
+}
+
+// The neighbors of the cells that had to ask are among those that they had and those that they got.
+void finish_asked(const Options& options, const Asked& asked, const Seeds& answers, Run& run) {
+    if (asked.cells.size() == 0) return;
+    run.seeds = asked.cells;
+    Seeds others = asked.friends;
+    others.add(answers);
+    others = others.sorted();
+    for (std::size_t i = 0; i < others.size(); ++i)
+        if (!std::ranges::binary_search(asked.cells.ids, others.ids[i])) run.seeds.add(others, i);
+    run.clip(options, asked.cells.size());
+}
+
 BlockCells LocalBlock::finish(const Seeds& answers) {
     counts_.given += answers.size();
-    // The neighbors of the cells that had to ask are among those that they had and those that they got.
-    Seeds seeds, others = answers;
-    for (const std::uint32_t cell : asked_) seeds.add(own_, cell);
-    for (const std::int32_t i : friends_) others.add(all_.seeds, static_cast<std::size_t>(i));
-    others = others.sorted();
-    const std::vector<std::int64_t> first = seeds.ids;
-    for (std::size_t i = 0; i < others.size(); ++i)
-        if (!std::ranges::binary_search(first, others.ids[i])) seeds.add(others, i);
-    if (!asked_.empty()) run(asked_run_, std::move(seeds), asked_.size());
+    Run asked_run;
+    finish_asked(options_, asked(), answers, asked_run);
 
     BlockCells cells;
-    const std::size_t entries = all_.result.indices.size() + asked_run_.result.indices.size();
+    const std::size_t entries = all_.result.indices.size() + asked_run.result.indices.size();
     cells.neighbors.reserve(entries);
     cells.tags.reserve(entries);
-    Merger merger(cells, own_.size(), entries);
+    Merger merger(cells, count_, entries);
+    const std::span own_ids = std::span(all_.seeds.ids).first(count_);
     std::vector<std::int64_t> others_met;
-    const auto add = [&](const Run& from, std::size_t i, std::size_t first_other) {
-        merger.add(from.result, i, from.seeds);
+    RowReader rows(all_.result, all_.seeds), asked_rows(asked_run.result, asked_run.seeds);
+    const auto add = [&](const Run& from, RowReader& reader, std::size_t i, std::size_t first_other) {
+        merger.add(from.result, i, reader);
         for (auto e = from.result.indptr[i]; e < from.result.indptr[i + 1]; ++e) {
             const std::int32_t index = from.result.indices[static_cast<std::size_t>(e)];
             if (index < 0 || static_cast<std::size_t>(index) < first_other) continue;
             const std::int64_t id = from.seeds.ids[static_cast<std::size_t>(index)];
-            if (!std::ranges::binary_search(own_.ids, id)) others_met.push_back(id);
+            if (!std::ranges::binary_search(own_ids, id)) others_met.push_back(id);
         }
     };
-    for (std::size_t i = 0, asked = 0; i < own_.size(); ++i) {
+    for (std::size_t i = 0, asked = 0; i < count_; ++i) {
         if (asked < asked_.size() && asked_[asked] == i)
-            add(asked_run_, asked++, asked_.size());
+            add(asked_run, asked_rows, asked++, asked_.size());
         else
-            add(all_, i, own_.size());
+            add(all_, rows, i, count_);
     }
     std::ranges::sort(others_met);
     const auto [end, last] = std::ranges::unique(others_met);
