@@ -10,7 +10,7 @@
 // No block knows how another one is reached. In the order of use:
 //   layer_for() each other outline; clip() with all that others gave; questions(); answer() those of others; finish()
 // A run that cannot hold all blocks at once takes it apart: asked() is what finish_asked() needs once there are answers,
-// and Responder answers for a block from those of its seeds that near_questions() names.
+// and Responder answers for a block from those of its seeds that mark_near() finds.
 #pragma once
 
 #include <cstdint>
@@ -46,8 +46,8 @@ struct Questions {
     std::vector<Guard> guards;  // of all cells, one after the other
 };
 
-// Whether seeds of these tiles may cut a cell of the questions.
-std::vector<bool> near_questions(const Outline& outline, const Nearness& nearness, const Questions& questions);
+// Marks tiles whose seeds may cut a cell of the questions.
+void mark_near(const Outline& outline, const Nearness& nearness, const Questions& questions, std::vector<bool>& near);
 
 // Seeds at hand, and what votess made of them; the first ones have cells.
 struct Run {

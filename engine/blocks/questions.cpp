@@ -216,14 +216,12 @@ Seeds LocalBlock::answer(const Questions& questions) {
     return Responder(options_, all_).answer(questions);
 }
 
-std::vector<bool> near_questions(const Outline& outline, const Nearness& nearness, const Questions& questions) {
-    std::vector<bool> near(outline.tiles.size());
+void mark_near(const Outline& outline, const Nearness& nearness, const Questions& questions, std::vector<bool>& near) {
     for (const Questions::Cell& cell : questions.cells) {
         const Box home{cell.seed.place.at, cell.seed.place.at};
         outline.for_tiles([&](const Box& box) { return nearness.is_near(box, home, cell.reach); },
                           [&](std::size_t tile) { near[tile] = true; });
     }
-    return near;
 }
 
 }  // namespace votess::blocks

@@ -177,13 +177,13 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
         for (int k = 0; k < 3; ++k) {
             const double value = points[3 * i + k];
             if (!std::isfinite(value))
-                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) + " is not finite");
+                refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) + " is not finite");
             const bool beyond = options.box && !options.periodic[k] &&
                                 !(value >= options.box->lower[k] && value <= options.box->upper[k]);
             if (beyond && options.outside == Outside::drop)
                 leave_out(i, points.count(), outside);
             else if (beyond)
-                refuse("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(value) +
+                refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
                        " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
                        number(options.box->upper[k]));
             bounds.lower[k] = std::min(bounds.lower[k], value);
@@ -193,25 +193,8 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
     return bounds;
 }
 
-// Bounds of all seeds.
-Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
-    constexpr std::size_t block = 4096;
-    Box bounds = nothing;
-    for (std::size_t begin = 0; begin < points.count(); begin += block) {
-        const std::size_t count = std::min(block, points.count() - begin);
-        Box some = nothing;
-        bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), some)
-                                       : find_bounds(points.f32.subspan(3 * begin, 3 * count), some);
-        for (int k = 0; k < 3; ++k)
-            if (options.box && !options.periodic[k])
-                good &= some.lower[k] >= options.box->lower[k] && some.upper[k] <= options.box->upper[k];
-        include(bounds, good ? some : check_each(points, begin, begin + count, options, outside));
-    }
-    return bounds;
-}
-
 void take_weights(const Job& job, Domain& domain) {
-    domain.weights = scaled_weights(job.options, job.points.count(), "points", job.scale);
+    domain.weights = scaled_weights(job.options, job.points.count(), "points", job.scale, job.points.first);
     if (domain.has_weights()) domain.largest_weight = *std::ranges::max_element(domain.weights);
 }
 
@@ -233,7 +216,7 @@ void take_walls(Job& job, Domain& domain) {
             continue;
         }
         if (job.options.outside == Outside::error)
-            refuse("point " + std::to_string(i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
+            refuse("point " + std::to_string(job.points.first + i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
                    ") is outside wall " + std::to_string(wall - as_given.begin()) +
                    ": move it, or drop seeds that are outside");
         leave_out(i, job.points.count(), job.outside);
@@ -255,7 +238,7 @@ void take_off_outside(Job& job, const Domain& domain) {
         const exact::Point at = scaled(x, job.scale);  // of seeds far outside nothing finite may be left
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
         if (job.options.outside == Outside::error)
-            refuse("point " + std::to_string(i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
+            refuse("point " + std::to_string(job.points.first + i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
                    ") is outside of the cell, along an edge that is not periodic: move it, or drop seeds that are "
                    "outside");
         leave_out(i, job.points.count(), job.outside);
@@ -287,7 +270,24 @@ void make_domain(Job& job) {
 
 }  // namespace
 
-std::vector<double> scaled_weights(const Options& options, std::size_t count, const char* of, double scale) {
+Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
+    constexpr std::size_t block = 4096;
+    Box bounds = nothing;
+    for (std::size_t begin = 0; begin < points.count(); begin += block) {
+        const std::size_t count = std::min(block, points.count() - begin);
+        Box some = nothing;
+        bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), some)
+                                       : find_bounds(points.f32.subspan(3 * begin, 3 * count), some);
+        for (int k = 0; k < 3; ++k)
+            if (options.box && !options.periodic[k])
+                good &= some.lower[k] >= options.box->lower[k] && some.upper[k] <= options.box->upper[k];
+        include(bounds, good ? some : check_each(points, begin, begin + count, options, outside));
+    }
+    return bounds;
+}
+
+std::vector<double> scaled_weights(const Options& options, std::size_t count, const char* of, double scale,
+                                   std::uint64_t first) {
     const bool radii = !options.radii.empty();
     const auto given = radii ? options.radii : options.weights;
     if (given.empty()) return {};
@@ -296,7 +296,7 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
                std::to_string(count) + " " + of);
     std::vector<double> weights(count);
     for (std::size_t i = 0; i < count; ++i) {
-        const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(i); };
+        const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(first + i); };
         if (!std::isfinite(given[i])) refuse(place() + " = " + number(given[i]) + " is not finite");
         if (radii && given[i] < 0) refuse(place() + " = " + number(given[i]) + " is negative");
         const double weight = radii ? given[i] * given[i] : given[i];
