@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <limits>
 #include <new>
 #include <optional>
 #include <span>
@@ -17,6 +16,7 @@
 #include <votess/votess.hpp>
 
 #include "arguments/arguments.hpp"
+#include "carried.hpp"
 #include "domain.hpp"
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
@@ -27,6 +27,7 @@
 #include "queries/probe.hpp"
 #include "queries/to_grid.hpp"
 #include "read/input.hpp"
+#include "stream/stream.hpp"
 #include "summary.hpp"
 #include "write/output.hpp"
 
@@ -81,29 +82,6 @@ votess::Tessellation tessellate(const Input& input, votess::Options options, boo
     }
 }
 
-// The columns that go into the output, the last one still empty if it is to be the density.
-std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) {
-    const std::size_t named = (arguments.has_weights ? 1 : 0) + (arguments.has_density ? 1 : 0);
-    std::vector<InputColumn> carried;
-    for (std::size_t c = arguments.read.all_columns ? 0 : named; c < input.columns.size(); ++c) {
-        if (c < named) {
-            carried.push_back(input.columns[c]);
-        } else {
-            carried.push_back(std::move(input.columns[c]));
-        }
-    }
-    if (arguments.has_density) carried.push_back({"density", 1, {}});
-    return carried_columns(arguments.outputs, std::move(carried));
-}
-
-// A cell without a volume has no density.
-void fill_density(std::span<const double> of, std::span<const double> volumes, std::vector<double>& density) {
-    density.resize(of.size());
-    for (std::size_t i = 0; i < of.size(); ++i) {
-        density[i] = volumes[i] > 0 ? of[i] / volumes[i] : std::numeric_limits<double>::quiet_NaN();
-    }
-}
-
 void tell(const Summary& summary, const Arguments& arguments) {
     if (arguments.json) {
         print(json_summary(summary));
@@ -120,15 +98,19 @@ void tell(const Summary& summary, const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
     const auto run_began = Clock::now();
+    if (arguments.memory > 0) {
+        Summary streamed = run_streamed(arguments, run_began);
+        streamed.seconds_total = seconds_since(run_began);
+        tell(streamed, arguments);
+        return exit_code::done;
+    }
     Summary summary;
     Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
                                          : read_input(arguments.input, arguments.read);
     summary.seconds_read = seconds_since(run_began);
 
     votess::Options options = arguments.options;
-    // A file of no points has no columns.
-    for (std::size_t c = input.columns.size(); c < arguments.read.columns.size(); ++c)
-        input.columns.push_back({arguments.read.columns[c], 1, {}});
+    complete_columns(arguments, input);
     std::span<const double> radii;
     if (arguments.has_weights) {
         (arguments.has_radii ? options.radii : options.weights) = one_each(input.columns.at(0));
@@ -147,10 +129,7 @@ int run(const Arguments& arguments) {
     }
     const votess::Tessellation tessellation =
         tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
-    if (arguments.has_density) {
-        const InputColumn& of = input.columns.at(arguments.has_weights ? 1 : 0);
-        fill_density(one_each(of), tessellation.volumes(), carried.back().values);
-    }
+    fill_density(arguments, input, tessellation.volumes(), carried);
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);

@@ -12,6 +12,7 @@
 #include "queries/locate.hpp"
 #include "queries/probe.hpp"
 #include "queries/to_grid.hpp"
+#include "stream/stream.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -24,6 +25,7 @@ struct Typed {
     std::optional<std::string> dataset, frame, weights, radii, copy, density, locate, probe, interpolate, values,
         natural;
     std::vector<std::string> walls, sphere_walls, cylinder_walls, cone_walls;
+    std::optional<std::string> memory, temporary;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
     bool list_walls = false, verify = false, json = false, quiet = false;
@@ -69,6 +71,8 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--shape", typed.grid.shape);
     app.add_option("--project", typed.grid.project);
     app.add_option("-x,--device", typed.device);
+    app.add_option("--memory", typed.memory);
+    app.add_option("--temporary", typed.temporary);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
     app.add_option("-k,--k-init", typed.k_init);
@@ -125,6 +129,33 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
                         ", not " + in_quotes(text));
     }
     return *value;
+}
+
+// Bytes: a number, also with a power of 1000 behind it, or of 1024 as in 4Gi.
+std::uint64_t read_memory(std::string text) {
+    const std::string given = text;
+    double unit = 1;
+    const double step = text.ends_with('i') ? 1024 : 1000;
+    if (text.ends_with('i')) text.pop_back();
+    constexpr std::string_view letters = "KMGT";
+    const auto power = text.empty() ? std::string_view::npos : letters.find(text.back());
+    if (power != std::string_view::npos) {
+        text.pop_back();
+        unit = std::pow(step, static_cast<double>(power + 1));
+    }
+    const auto number = read_double(text);
+    constexpr double most = 1e18;
+    if (!number || !(*number * unit >= 1 && *number * unit <= most) || (step > 1000 && unit == 1))
+        throw bad_input("--memory must be a number of bytes such as 500M, 4G or 4Gi, not " + in_quotes(given));
+    return static_cast<std::uint64_t>(*number * unit);
+}
+
+void read_memory_options(const Typed& typed, Arguments& arguments) {
+    if (typed.temporary && !typed.memory) throw bad_input("--temporary goes with --memory SIZE only");
+    if (!typed.memory) return;
+    arguments.memory = read_memory(*typed.memory);
+    if (typed.temporary) arguments.temporary = *typed.temporary;
+    if (typed.temporary && typed.temporary->empty()) throw bad_input("--temporary is empty: give a folder");
 }
 
 // Also written as 1e6.
@@ -468,7 +499,9 @@ Arguments read_arguments(int count, const char* const* values) {
         throw bad_input("--values goes with --interpolate QUERIES or --to-grid METHOD only");
     if (!typed.grid.method && (typed.grid.shape || typed.grid.project))
         throw bad_input(std::string(typed.grid.shape ? "--shape" : "--project") + " goes with --to-grid METHOD only");
+    read_memory_options(typed, arguments);
     if (typed.locate || typed.probe || typed.interpolate || typed.grid.method) {
+        if (typed.memory) throw bad_input("--memory is for cells of the points: queries need all points in memory");
         read_queries(typed, arguments);
         return arguments;
     }
@@ -486,6 +519,7 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.wanted = votess::implied_want(to_write);
     options.want.volumes |= arguments.has_density;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
+    if (arguments.memory > 0) check_streamed(arguments);
     return arguments;
 }
 

@@ -38,6 +38,9 @@ struct Arguments {
     votess::Options options;
     std::optional<std::array<bool, 3>> periodic;  // axes of the box, or edges of the cell, that the user names
 
+    std::uint64_t memory = 0;  // bytes, of --memory; 0: all is in memory
+    std::string temporary;     // folder
+
     bool verify = false;
     bool json = false;
     bool quiet = false;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <memory>
 
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
@@ -9,7 +10,7 @@
 #include "interrupt.hpp"
 #include "queries/grid_files.hpp"
 #include "write/output.hpp"
-#include "write/result_arrays.hpp"
+#include "stream/streamed_file.hpp"
 
 namespace clvotess {
 namespace {
@@ -50,8 +51,14 @@ public:
     }
 
     void add(const ResultArray& array) {
+        Hdf5Handle set = create(array, array.rows());
+        write(set, 0, array);
+        require(set.close());
+    }
+
+    Hdf5Handle create(const ResultArray& array, std::uint64_t rows) {
         const int rank = array.columns == 1 ? 1 : 2;
-        const std::array<hsize_t, 2> extent{array.rows(), array.columns};
+        const std::array<hsize_t, 2> extent{rows, array.columns};
         const Hdf5Handle space(H5Screate_simple(rank, extent.data(), nullptr), H5Sclose);
         const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
         require(H5Pset_obj_track_times(creation.id(), false) >= 0);
@@ -59,20 +66,27 @@ public:
                                   H5P_DEFAULT, creation.id(), H5P_DEFAULT),
                        H5Dclose);
         require(set.valid());
+        return set;
+    }
+
+    // From row `first` on.
+    void write(const Hdf5Handle& set, std::uint64_t first, const ResultArray& array) {
+        const int rank = array.columns == 1 ? 1 : 2;
+        const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
         constexpr std::size_t piece_bytes = std::size_t{64} << 20;  // Ctrl-C is heard between pieces
         const std::size_t row_bytes = size_of(array.type) * array.columns;
         const hsize_t piece = piece_bytes / row_bytes;
         for (hsize_t row = 0; row < array.rows(); row += piece) {
             throw_if_interrupted();
-            const std::array<hsize_t, 2> start{row, 0};
+            const std::array<hsize_t, 2> start{first + row, 0};
             const std::array<hsize_t, 2> count{std::min(piece, array.rows() - row), array.columns};
             const Hdf5Handle memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
             require(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0);
             require(H5Dwrite(set.id(), hdf5_type(array.type), memory.id(), space.id(), H5P_DEFAULT,
                              array.bytes.data() + row * row_bytes) >= 0);
         }
-        require(set.close());
     }
+    void close(Hdf5Handle& set) { require(set.close()); }
 
     void add_grid(const GridOutput& grid) {
         const std::vector<std::uint64_t> shape = grid.shape();
@@ -137,15 +151,51 @@ private:
 
 }  // namespace
 
+namespace {
+
+void finish_file(Hdf5Writer& writer, const votess::Tessellation& domain, const std::vector<Attribute>& attributes) {
+    writer.add_domain(domain);
+    for (const auto& [name, value] : attributes) {
+        std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
+    }
+    writer.finish();
+}
+
+// All arrays are made, and the room in the file for each, before more than some rows of any are there: so the file is
+// the same as if it were written at once.
+class StreamedHdf5 : public StreamedFile {
+public:
+    explicit StreamedHdf5(OutputFile& file) : writer_(file) {}
+
+    void add(const ResultArray& first, std::uint64_t rows) override {
+        sets_.push_back(writer_.create(first, rows));
+        writer_.write(sets_.back(), 0, first);
+    }
+    void write(std::size_t number, std::uint64_t row, const ResultArray& rows) override {
+        writer_.write(sets_[number], row, rows);
+    }
+    void finish(const votess::Tessellation& domain, const std::vector<Attribute>& attributes) override {
+        for (Hdf5Handle& set : sets_) writer_.close(set);
+        finish_file(writer_, domain, attributes);
+    }
+
+private:
+    Hdf5Writer writer_;
+    std::vector<Hdf5Handle> sets_;
+};
+
+}  // namespace
+
 void write_hdf5(OutputFile& file, const OutputData& data) {
     begin_hdf5();
     Hdf5Writer writer(file);
     for (const ResultArray& array : result_arrays(data)) writer.add(array);
-    writer.add_domain(data.tessellation);
-    for (const auto& [name, value] : attributes_of(data)) {
-        std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
-    }
-    writer.finish();
+    finish_file(writer, data.tessellation, attributes_of(data.input.units, data.domain_from));
+}
+
+std::unique_ptr<StreamedFile> create_hdf5(OutputFile& file) {
+    begin_hdf5();
+    return std::make_unique<StreamedHdf5>(file);
 }
 
 // A dataset `grid`; the domain, the method and the names of the columns are attributes of the root.

@@ -1,0 +1,40 @@
+#include "carried.hpp"
+
+#include <limits>
+#include <utility>
+
+#include "write/output.hpp"
+
+namespace clvotess {
+
+void complete_columns(const Arguments& arguments, Input& input) {
+    for (std::size_t c = input.columns.size(); c < arguments.read.columns.size(); ++c)
+        input.columns.push_back({arguments.read.columns[c], 1, {}});
+}
+
+std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) {
+    const std::size_t named = (arguments.has_weights ? 1 : 0) + (arguments.has_density ? 1 : 0);
+    std::vector<InputColumn> carried;
+    for (std::size_t c = arguments.read.all_columns ? 0 : named; c < input.columns.size(); ++c) {
+        if (c < named) {
+            carried.push_back(input.columns[c]);
+        } else {
+            carried.push_back(std::move(input.columns[c]));
+        }
+    }
+    if (arguments.has_density) carried.push_back({"density", 1, {}});
+    return carried_columns(arguments.outputs, std::move(carried));
+}
+
+void fill_density(const Arguments& arguments, const Input& input, std::span<const double> volumes,
+                  std::vector<InputColumn>& carried) {
+    if (!arguments.has_density) return;
+    const std::span<const double> of = one_each(input.columns.at(arguments.has_weights ? 1 : 0));
+    std::vector<double>& density = carried.back().values;
+    density.resize(of.size());
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        density[i] = volumes[i] > 0 ? of[i] / volumes[i] : std::numeric_limits<double>::quiet_NaN();
+    }
+}
+
+}  // namespace clvotess

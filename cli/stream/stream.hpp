@@ -1,0 +1,16 @@
+// --memory: points larger than memory, from a file that is read in pieces into one that is written in pieces.
+#pragma once
+
+#include "arguments/arguments.hpp"
+#include "progress.hpp"
+#include "summary.hpp"
+
+namespace clvotess {
+
+// After reading the arguments: refuses what cannot be had in pieces. Throws Failure.
+void check_streamed(const Arguments& arguments);
+
+// Writes the outputs, and returns what there is to tell, but for the time in all.
+[[nodiscard]] Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began);
+
+}  // namespace clvotess
