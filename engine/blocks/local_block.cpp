@@ -118,6 +118,26 @@ double LocalBlock::reach_of(std::size_t cell, double heaviest) const {
     return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - weight))) * reach_slack;
 }
 
+// Of all cells, without a look at their neighbors.
+double LocalBlock::longest_reach(double heaviest) const {
+    if (all_.powers.empty()) return 0;
+    const auto& weights = job_.domain->weights;
+    const auto [lightest, own_heaviest] =
+        weights.empty() ? std::pair(0.0, 0.0) : std::pair(std::ranges::min(weights), std::ranges::max(weights));
+    const double square = std::max(0.0, std::ranges::max(all_.powers) + own_heaviest);
+    return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - lightest))) * reach_slack;
+}
+
+bool LocalBlock::any_near(std::size_t tile, double reach) const {
+    const Box& home = tiled_.outline.tiles[tile].box;
+    bool any = false;
+    for (std::size_t b = 0; b < outlines_.size() && !any; ++b)
+        if (b != number_)
+            outlines_[b].for_tiles([&](const Box& box) { return !any && nearness_.is_near(box, home, reach); },
+                                   [&](std::size_t) { any = true; });
+    return any;
+}
+
 std::vector<LocalBlock::Unknown> LocalBlock::unknown_near(std::size_t tile, double reach) const {
     std::vector<Unknown> unknown;
     const Box& home = tiled_.outline.tiles[tile].box;
@@ -128,7 +148,7 @@ std::vector<LocalBlock::Unknown> LocalBlock::unknown_near(std::size_t tile, doub
                         [&](std::size_t t) {
                             const Tile& tile = other.tiles[t];
                             nearness_.for_unknown(tile, tiled_.outline.box, home, reach, [&](const Box& box) {
-                                unknown.push_back({box, static_cast<std::uint32_t>(b), tile.largest_weight});
+                                unknown.push_back({box, static_cast<std::uint32_t>(b), tile.largest_weight, distance_squared(box, home)});
                             });
                         });
     }

@@ -111,6 +111,7 @@ private:
         Box box;
         std::uint32_t block;
         double largest_weight;
+        double from_tile;  // its distance from that of the cells, squared
     };
     class Asker;
 
@@ -119,6 +120,8 @@ private:
     [[nodiscard]] double power_of(std::size_t cell) const;
     [[nodiscard]] double weight_of(std::size_t cell) const;
     [[nodiscard]] double reach_of(std::size_t cell, double heaviest) const;
+    [[nodiscard]] double longest_reach(double heaviest) const;
+    [[nodiscard]] bool any_near(std::size_t tile, double reach) const;
     [[nodiscard]] cpu::Probe probe_of(std::size_t cell) const;
 
     Options options_;

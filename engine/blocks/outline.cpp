@@ -35,15 +35,6 @@ Box wider(const Box& box, double by) {
     return moved({{box.lower[0] - 2 * by, box.lower[1] - 2 * by, box.lower[2] - 2 * by}, box.upper}, {by, by, by});
 }
 
-double distance_squared(const Box& a, const Box& b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double gap = std::max({0.0, a.lower[k] - b.upper[k], b.lower[k] - a.upper[k]});
-        sum += gap * gap;
-    }
-    return sum;
-}
-
 // Splits seeds at the median of the longest side until tiles are small enough.
 class Tiler {
 public:
@@ -131,6 +122,15 @@ Box boxes_around(const std::vector<Tile>& tiles, std::size_t node, std::size_t b
 }
 
 }  // namespace
+
+double distance_squared(const Box& a, const Box& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double gap = std::max({0.0, a.lower[k] - b.upper[k], b.lower[k] - a.upper[k]});
+        sum += gap * gap;
+    }
+    return sum;
+}
 
 TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights, ThreadPool& pool) {
     TiledSeeds tiled;

@@ -43,6 +43,9 @@ private:
     }
 };
 
+// Of two boxes; 0 where they meet.
+double distance_squared(const Box& a, const Box& b);
+
 Outline outline_of(std::vector<Tile> tiles);
 // One tile without a width, for blocks that were given no layer: it claims no seed near them.
 Outline summary_of(const Outline& outline);

@@ -33,6 +33,7 @@ public:
         builder_.begin_job(*block.all_.job.domain);
         for (std::size_t b = 0; b < block.outlines_.size(); ++b)
             if (b != block.number_) heaviest_ = std::max(heaviest_, block.outlines_[b].largest_weight);
+        longest_ = block.longest_reach(heaviest_);
     }
 
     std::uint64_t tested = 0, faces = 0;
@@ -45,6 +46,7 @@ public:
         std::vector<Questions::Guard> guards;
     };
     std::vector<Asking> ask_of_tile(std::size_t tile) {
+        if (!block_.any_near(tile, longest_)) return {};
         const std::size_t begin = block_.tiled_.begin[tile], end = block_.tiled_.begin[tile + 1];
         double farthest = 0;
         reaches_.assign(end - begin, -1);
@@ -54,14 +56,17 @@ public:
             farthest = std::max(farthest, reaches_[k - begin] = block_.reach_of(cell, heaviest_));
         }
         std::vector<Asking> asked;
-        const std::vector<Unknown> unknown = block_.unknown_near(tile, farthest);
+        std::vector<Unknown> unknown = block_.unknown_near(tile, farthest);
+        std::ranges::sort(unknown, {}, &Unknown::from_tile);
         for (std::size_t k = begin; k < end && !unknown.empty(); ++k) {
             const std::size_t cell = block_.tiled_.order[k];
             const double reach = reaches_[k - begin];
             if (reach < 0) continue;
             near_.clear();
-            for (const Unknown& one : unknown)
+            for (const Unknown& one : unknown) {
+                if (one.from_tile > reach * reach) break;
                 if (distance_squared(block_.places_[cell], one.box) <= reach * reach) near_.push_back(&one);
+            }
             if (!near_.empty()) ask(cell, reach, asked);
         }
         return asked;
@@ -98,6 +103,7 @@ private:
     const LocalBlock& block_;
     cpu::CellBuilder builder_;
     double heaviest_ = -std::numeric_limits<double>::infinity();
+    double longest_ = 0;  // no cell of the block reaches farther
     cpu::CellFaces faces_;
     std::vector<double> reaches_;
     std::vector<const Unknown*> near_;

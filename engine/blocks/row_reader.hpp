@@ -30,9 +30,7 @@ public:
     std::span<const Entry> read(std::size_t i) {
         const bool periodic = from_.shifts.size() > 0;
         row_.clear();
-        bool ascending = true;
-        const auto end = static_cast<std::size_t>(from_.indptr[i + 1]);
-        for (auto e = static_cast<std::size_t>(from_.indptr[i]); e < end; ++e) {
+        for (auto e = begin(i); e < begin(i + 1); ++e) {
             const std::int32_t index = from_.indices[e];
             Entry entry{index, -1, {}, e};
             if (index >= 0) {
@@ -40,12 +38,21 @@ public:
                 entry.tag = seeds_.tags.empty() ? 0 : seeds_.tags[static_cast<std::size_t>(index)];
             }
             if (periodic) std::copy_n(from_.shifts.data() + 3 * e, 3, entry.shift.begin());
-            ascending = ascending && (row_.empty() || row_.back().id <= entry.id);
             row_.push_back(entry);
         }
-        if (!ascending) std::ranges::sort(row_, std::less<>());
+        if (!std::ranges::is_sorted(row_, {}, &Entry::id)) std::ranges::sort(row_, std::less<>());
         return row_;
     }
+    // The ids of row i, as its entries stand in the result; whether that is their order already.
+    bool read_ids(std::size_t i, std::vector<std::int64_t>& ids) const {
+        ids.clear();
+        for (auto e = begin(i); e < begin(i + 1); ++e) {
+            const std::int32_t index = from_.indices[e];
+            ids.push_back(index < 0 ? index : seeds_.ids[static_cast<std::size_t>(index)]);
+        }
+        return std::ranges::is_sorted(ids);
+    }
+    [[nodiscard]] std::size_t begin(std::size_t i) const { return static_cast<std::size_t>(from_.indptr[i]); }
 
 private:
     const detail::Result& from_;

@@ -17,23 +17,31 @@ std::byte* grow(std::vector<std::byte>& bytes, std::size_t by) {
     return bytes.data() + bytes.size() - by;
 }
 
-template <class Id>
-void put_ids(std::span<const blocks::RowReader::Entry> row, std::vector<std::byte>& bytes) {
-    std::byte* to = grow(bytes, row.size() * sizeof(Id));
-    for (const blocks::RowReader::Entry& entry : row) {
-        const auto id = static_cast<Id>(entry.id);
-        std::memcpy(to, &id, sizeof id);
-        to += sizeof id;
+using Entries = std::span<const blocks::RowReader::Entry>;
+
+void put_ids(std::span<const std::int64_t> ids, bool narrow, std::vector<std::byte>& bytes) {
+    if (!narrow) {
+        std::memcpy(grow(bytes, ids.size_bytes()), ids.data(), ids.size_bytes());
+        return;
+    }
+    std::byte* to = grow(bytes, ids.size() * sizeof(std::int32_t));
+    for (const std::int64_t id : ids) {
+        const auto value = static_cast<std::int32_t>(id);
+        std::memcpy(to, &value, sizeof value);
+        to += sizeof value;
     }
 }
 
-// values: `each` bytes for each entry of the result.
-void put_values(std::span<const blocks::RowReader::Entry> row, const void* values, std::size_t each,
+// values: `each` bytes for each entry of the result, of which those from `begin` on are a row. row: its order, if it
+// needs another one.
+void put_values(std::size_t begin, std::size_t size, Entries row, const void* values, std::size_t each,
                 std::vector<std::byte>& bytes) {
     if (each == 0) return;
-    std::byte* to = grow(bytes, row.size() * each);
+    std::byte* to = grow(bytes, size * each);
+    const auto* const from = static_cast<const std::byte*>(values);
+    if (row.empty() && size > 0) std::memcpy(to, from + each * begin, each * size);
     for (const blocks::RowReader::Entry& entry : row) {
-        std::memcpy(to, static_cast<const std::byte*>(values) + each * entry.at, each);
+        std::memcpy(to, from + each * entry.at, each);
         to += each;
     }
 }
@@ -84,6 +92,7 @@ void RowStore::add(blocks::Run& run, std::size_t count, std::span<const std::uin
 }
 
 struct RowStore::Piece {
+    std::vector<std::int64_t> row;  // the ids of one
     std::vector<std::uint32_t> lengths;
     std::array<std::vector<std::byte>, entry_arrays.size()> entries;
 };
@@ -103,12 +112,17 @@ void RowStore::add_rows(blocks::Run& run, std::size_t count, std::span<const std
                 piece.lengths.push_back(0);
                 continue;
             }
-            const auto row = rows.read(i);
-            piece.lengths.push_back(static_cast<std::uint32_t>(row.size()));
-            narrow ? put_ids<std::int32_t>(row, ids) : put_ids<std::int64_t>(row, ids);
-            put_values(row, result.shifts.data(), layout_.bytes(Array::shifts), shifts);
-            put_values(row, result.face_areas.data(), layout_.bytes(Array::areas), areas);
-            put_values(row, result.face_normals.data(), layout_.bytes(Array::normals), normals);
+            Entries row;
+            if (!rows.read_ids(i, piece.row)) {
+                row = rows.read(i);
+                std::ranges::transform(row, piece.row.begin(), &blocks::RowReader::Entry::id);
+            }
+            const std::size_t at = rows.begin(i), size = piece.row.size();
+            piece.lengths.push_back(static_cast<std::uint32_t>(size));
+            put_ids(piece.row, narrow, ids);
+            put_values(at, size, row, result.shifts.data(), layout_.bytes(Array::shifts), shifts);
+            put_values(at, size, row, result.face_areas.data(), layout_.bytes(Array::areas), areas);
+            put_values(at, size, row, result.face_normals.data(), layout_.bytes(Array::normals), normals);
         }
     };
     for (std::size_t begin = 0; begin < count; begin += pieces.size() * piece_cells) {

@@ -170,6 +170,7 @@ private:
         stages_.begin(&StageSeconds::sort, 0.2, "making layers between blocks");
         for (std::size_t b = 0; b < count_; ++b) {
             stages_.at(b, count_);
+            give_back_memory();
             if (dealt_->counts[b] == 0) continue;
             const blocks::LocalBlock block(*settled_, seeds_of(b));
             put_tiles(b, block.tiled());
@@ -181,6 +182,7 @@ private:
     void clip() {
         stages_.begin(&StageSeconds::clip, 0.72, "");
         for (std::size_t b = 0; b < count_; ++b) {
+            give_back_memory();
             if (dealt_->counts[b] == 0) continue;
             stages_.say("clipping block " + std::to_string(b + 1) + " of " + std::to_string(count_));
             Options options = *settled_;
@@ -229,6 +231,7 @@ private:
     void answer() {
         stages_.begin(&StageSeconds::fallback, 0.76, "asking other blocks");
         for (std::size_t b = 0; b < count_; ++b) {
+            give_back_memory();
             stages_.at(b, count_);
             if (blocks_[b].questions.size() == 0) continue;
             std::vector<std::pair<std::size_t, Questions>> asked;
@@ -288,6 +291,7 @@ private:
         result_.temporary_bytes = ids_->size() + seeds_->size() + rows_->size() + intake_.bytes();
         dealt_.reset();
         seeds_.reset();
+        give_back_memory();
     }
 
     void hand_out() {
