@@ -8,7 +8,8 @@ namespace {
 
 constexpr double entries = 15.6;  // of a row, in uniform seeds
 constexpr double least_block = 500;
-constexpr double share_of_block = 0.85;  // of the memory; the rest is for outlines, messages and uneven blocks
+// Of the memory; the rest is for outlines, messages and uneven blocks. Threads take theirs whatever the blocks are.
+constexpr double share_of_block = 0.9, of_threads = 40e6, most_of_threads = 0.25;
 
 // Of a seed, for what is wanted of its cell; each of the four for each entry of its row too, `times` of them.
 double wanted_bytes(const Want& want, double times) {
@@ -34,7 +35,8 @@ double bytes_of_block(double seeds, const Kind& kind) {
 }  // namespace
 
 std::size_t blocks_for(std::uint64_t memory, std::uint64_t seeds, const Kind& kind) {
-    const double room = share_of_block * static_cast<double>(memory), all = static_cast<double>(seeds);
+    const double given = static_cast<double>(memory), all = static_cast<double>(seeds);
+    const double room = share_of_block * given - std::min(of_threads, most_of_threads * given);
     double blocks = 1;
     while (bytes_of_block(all / blocks, kind) > room && all / blocks > least_block)
         blocks = std::max(blocks + 1, std::floor(blocks * 1.05));

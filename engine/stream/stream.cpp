@@ -362,6 +362,7 @@ StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Opt
     if (!options.weights.empty() || !options.radii.empty())
         throw Error(ErrorCode::invalid_argument,
                     "weights and radii of a stream come from its source with the points: leave them out of the options");
+    (void)free_bytes(temporary_folder(stream.temporary));  // is it there?
     try {
         return Run(source, sink, options, stream)();
     } catch (const std::bad_alloc&) {
