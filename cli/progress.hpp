@@ -12,7 +12,7 @@ public:
     using Clock = std::chrono::steady_clock;
 
     Progress(bool enabled, Clock::time_point run_began);  // not enabled: the run is quiet
-    ~Progress();  // wipes the bar
+    ~Progress();                                          // wipes the bar
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 

@@ -85,11 +85,11 @@ std::string plain_summary(const Summary& summary) {
          stats.device + (stats.threads == 1 ? ", 1 thread" : ", " + std::to_string(stats.threads) + " threads"));
     if (summary.streamed) {
         constexpr double giga = 1e9;
-        line("blocks", std::to_string(summary.streamed->blocks) + ", of at most " +
-                           std::to_string(summary.streamed->largest_block) + " points; " +
-                           std::to_string(summary.streamed->asked_cells) + " cells asked others; " +
-                           rounded("%.3g GB of temporary files",
-                                   static_cast<double>(summary.streamed->temporary_bytes) / giga));
+        line("blocks",
+             std::to_string(summary.streamed->blocks) + ", of at most " +
+                 std::to_string(summary.streamed->largest_block) + " points; " +
+                 std::to_string(summary.streamed->asked_cells) + " cells asked others; " +
+                 rounded("%.3g GB of temporary files", static_cast<double>(summary.streamed->temporary_bytes) / giga));
     }
     std::string times;
     for (const auto& [name, seconds] : stages_of(summary)) {

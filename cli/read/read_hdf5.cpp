@@ -16,8 +16,8 @@
 #include "files/numbers.hpp"
 #include "interrupt.hpp"
 #include "read/input.hpp"
-#include "stream/pieces.hpp"
 #include "read/snapshot_files.hpp"
+#include "stream/pieces.hpp"
 #include "stream/streamed_file.hpp"
 
 namespace clvotess {
@@ -65,8 +65,8 @@ public:
     void append_to(std::vector<Number>& to) const {
         append_to(to, 0, rows());
     }
-    // Rows from `first` on, behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a small
-    // buffer.
+    // Rows from `first` on, behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a
+    // small buffer.
     template <typename Number>
     void append_to(std::vector<Number>& to, std::uint64_t first, std::uint64_t rows) const {
         check_storage();
@@ -235,8 +235,7 @@ public:
         }
         if (name->part != 0) {
             throw bad_input(first_.path() + ": one of " + to_text(announced[0]) +
-                            " files of a snapshot: give the first, " + in_quotes(name->file(0)) +
-                            ", and all are read");
+                            " files of a snapshot: give the first, " + in_quotes(name->file(0)) + ", and all are read");
         }
         snapshot_ = name;
         files_ = static_cast<std::uint64_t>(announced[0]);
@@ -462,10 +461,10 @@ private:
     Hdf5File first_;
     std::optional<SnapshotName> snapshot_;  // where there are several files
     std::uint64_t files_ = 1;
-    std::string name_;                   // of the points
-    std::vector<InputColumn> columns_;   // empty ones
+    std::string name_;                     // of the points
+    std::vector<InputColumn> columns_;     // empty ones
     std::uint64_t opened_ = 0, read_ = 0;  // files and points
-    bool found_ = false;                 // in any file
+    bool found_ = false;                   // in any file
     std::optional<bool> with_ids_;
     std::optional<Part> part_;
 };
@@ -494,5 +493,5 @@ void write_grid_hdf5(OutputFile& file, const GridOutput& grid);
 }  // namespace clvotess
 
 extern "C" const clvotess::Hdf5Module clvotess_hdf5;
-const clvotess::Hdf5Module clvotess_hdf5{clvotess::read, clvotess::open, clvotess::write_hdf5,
-                                              clvotess::create_hdf5, clvotess::write_grid_hdf5};
+const clvotess::Hdf5Module clvotess_hdf5{clvotess::read, clvotess::open, clvotess::write_hdf5, clvotess::create_hdf5,
+                                         clvotess::write_grid_hdf5};

@@ -8,10 +8,10 @@
 #include "failure.hpp"
 #include "files/line_reader.hpp"
 #include "files/numbers.hpp"
-#include "stream/sequential_file.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
 #include "stream/pieces.hpp"
+#include "stream/sequential_file.hpp"
 
 namespace clvotess {
 namespace {

@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <deque>
 #include <chrono>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -215,7 +215,8 @@ private:
         for (std::size_t a = 0; a < arrays.size(); ++a) {
             const ResultArray& array = arrays[a];
             const std::uint64_t all = array.of_entries ? head_.entries : head_.seeds + (array.name == "indptr" ? 1 : 0);
-            const std::uint64_t row = array.of_entries ? static_cast<std::uint64_t>(piece.indptr[0]) : rows.first + begin;
+            const std::uint64_t row =
+                array.of_entries ? static_cast<std::uint64_t>(piece.indptr[0]) : rows.first + begin;
             for (auto& writer : writers_) {
                 if (begun_)
                     writer->write(a, row, array);
@@ -272,9 +273,8 @@ void check_streamed(const Arguments& arguments) {
 Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {
     const InterruptGuard guard;
     Progress progress(!arguments.quiet, run_began);
-    const auto pieces = arguments.random_count
-                            ? open_random(*arguments.random_count, arguments.rng_seed, piece_rows)
-                            : open_pieces(arguments.input, arguments.read, piece_rows);
+    const auto pieces = arguments.random_count ? open_random(*arguments.random_count, arguments.rng_seed, piece_rows)
+                                               : open_pieces(arguments.input, arguments.read, piece_rows);
     votess::Options options = arguments.options;
     const std::string domain_from = choose_domain(pieces->domain, arguments.periodic, options);
     options.progress = [&progress](double fraction) {

@@ -28,7 +28,8 @@ struct ResultArray {
 // the columns that are carried. They are valid as long as what `data` refers to.
 [[nodiscard]] std::vector<ResultArray> result_arrays(const OutputData& data);
 
-// A piece of a result, under the names that Tessellation has; duplicate_of and shifts are empty where the whole has none.
+// A piece of a result, under the names that Tessellation has; duplicate_of and shifts are empty where the whole has
+// none.
 struct ResultPiece {
     std::span<const std::int64_t> indptr;  // n+1
     std::span<const std::int32_t> indices;

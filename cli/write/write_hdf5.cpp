@@ -9,8 +9,8 @@
 #include "files/formats/hdf5_handles.hpp"
 #include "interrupt.hpp"
 #include "queries/grid_files.hpp"
-#include "write/output.hpp"
 #include "stream/streamed_file.hpp"
+#include "write/output.hpp"
 
 namespace clvotess {
 namespace {

@@ -148,7 +148,8 @@ std::vector<LocalBlock::Unknown> LocalBlock::unknown_near(std::size_t tile, doub
                         [&](std::size_t t) {
                             const Tile& tile = other.tiles[t];
                             nearness_.for_unknown(tile, tiled_.outline.box, home, reach, [&](const Box& box) {
-                                unknown.push_back({box, static_cast<std::uint32_t>(b), tile.largest_weight, distance_squared(box, home)});
+                                unknown.push_back({box, static_cast<std::uint32_t>(b), tile.largest_weight,
+                                                   distance_squared(box, home)});
                             });
                         });
     }

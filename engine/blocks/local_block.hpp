@@ -9,8 +9,8 @@
 //
 // No block knows how another one is reached. In the order of use:
 //   layer_for() each other outline; clip() with all that others gave; questions(); answer() those of others; finish()
-// A run that cannot hold all blocks at once takes it apart: asked() is what finish_asked() needs once there are answers,
-// and Responder answers for a block from those of its seeds that mark_near() finds.
+// A run that cannot hold all blocks at once takes it apart: asked() is what finish_asked() needs once there are
+// answers, and Responder answers for a block from those of its seeds that mark_near() finds.
 #pragma once
 
 #include <cstdint>
@@ -86,8 +86,8 @@ private:
 class LocalBlock {
 public:
     // options: of the whole run, with its box and without weights, and with a callback for the progress of clip();
-    // `own` ascends by id. Rows have the walls if the options list them. tiled: what another LocalBlock made of the same
-    // seeds, else made anew.
+    // `own` ascends by id. Rows have the walls if the options list them. tiled: what another LocalBlock made of the
+    // same seeds, else made anew.
     LocalBlock(const Options& options, Seeds own, std::optional<TiledSeeds> tiled = {});
     ~LocalBlock();
 

@@ -139,7 +139,8 @@ TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const d
     if (places.empty()) return tiled;
     Tiler tiler(places, weights);
     std::vector<Tiler::Range> tasks;
-    tiler.split({0, places.size()}, std::max(tile_seeds_at_most, places.size() / (4 * std::size_t{pool.size()})), tasks);
+    tiler.split({0, places.size()}, std::max(tile_seeds_at_most, places.size() / (4 * std::size_t{pool.size()})),
+                tasks);
     std::vector<Tiler::Tiles> of_task(tasks.size());
     pool.run(tasks.size(), [&](std::size_t k, unsigned) { tiler.make_tiles(tasks[k], of_task[k]); });
     std::vector<Tile> tiles;

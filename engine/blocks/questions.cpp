@@ -207,7 +207,7 @@ Seeds Responder::answer(const Questions& questions) const {
     pool.run(ceil_div(count, answers_at_once), [&](std::size_t task, unsigned worker) {
         for (std::size_t q = task * answers_at_once; q < std::min(count, (task + 1) * answers_at_once); ++q)
             workers[worker].answer(questions.cells[q],
-                                     std::span(questions.guards).subspan(begin[q], begin[q + 1] - begin[q]));
+                                   std::span(questions.guards).subspan(begin[q], begin[q + 1] - begin[q]));
     });
     std::vector<std::int32_t> found;
     for (const Worker& worker : workers) found.insert(found.end(), worker.found.begin(), worker.found.end());

@@ -25,9 +25,7 @@ bool going_on(int answer, const char* callback) {
 class Source : public votess::StreamSource {
 public:
     explicit Source(const votess_stream& stream) : stream_(stream) {}
-    bool restart() override {
-        return stream_.restart != nullptr && going_on(stream_.restart(stream_.user), "restart");
-    }
+    bool restart() override { return stream_.restart != nullptr && going_on(stream_.restart(stream_.user), "restart"); }
     bool next(votess::StreamSeeds& seeds) override {
         votess_stream_seeds some{};
         if (!going_on(stream_.next(&some, stream_.user), "next")) return false;
@@ -101,7 +99,8 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
             source, sink, convert_options(options, 0),
             {.memory = stream->memory, .temporary = stream->temporary == nullptr ? "" : stream->temporary});
         if (counts != nullptr) {
-            const votess_stream_counts found{counts->struct_size, 0,  result.blocks, result.largest_block,
+            const votess_stream_counts found{counts->struct_size, 0,
+                                             result.blocks,       result.largest_block,
                                              result.asked_cells,  result.temporary_bytes};
             std::memcpy(counts, &found, std::min<std::size_t>(counts->struct_size, sizeof found));
         }

@@ -177,7 +177,8 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
         for (int k = 0; k < 3; ++k) {
             const double value = points[3 * i + k];
             if (!std::isfinite(value))
-                refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) + " is not finite");
+                refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
+                       " is not finite");
             const bool beyond = options.box && !options.periodic[k] &&
                                 !(value >= options.box->lower[k] && value <= options.box->upper[k]);
             if (beyond && options.outside == Outside::drop)
@@ -216,8 +217,8 @@ void take_walls(Job& job, Domain& domain) {
             continue;
         }
         if (job.options.outside == Outside::error)
-            refuse("point " + std::to_string(job.points.first + i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
-                   ") is outside wall " + std::to_string(wall - as_given.begin()) +
+            refuse("point " + std::to_string(job.points.first + i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " +
+                   number(x[2]) + ") is outside wall " + std::to_string(wall - as_given.begin()) +
                    ": move it, or drop seeds that are outside");
         leave_out(i, job.points.count(), job.outside);
     }
@@ -238,7 +239,8 @@ void take_off_outside(Job& job, const Domain& domain) {
         const exact::Point at = scaled(x, job.scale);  // of seeds far outside nothing finite may be left
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
         if (job.options.outside == Outside::error)
-            refuse("point " + std::to_string(job.points.first + i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) +
+            refuse("point " + std::to_string(job.points.first + i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " +
+                   number(x[2]) +
                    ") is outside of the cell, along an edge that is not periodic: move it, or drop seeds that are "
                    "outside");
         leave_out(i, job.points.count(), job.outside);

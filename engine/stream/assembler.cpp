@@ -17,8 +17,8 @@ Assembler::Assembler(const Layout& layout, const StreamHead& head, std::vector<R
                      ThreadPool& pool)
     : layout_(layout), head_(head), blocks_(blocks), pool_(pool) {
     for (RowStore* store : stores)
-        parts_.push_back({store, Cursor<std::int64_t>(store->ids()),
-                          Cursor<RowStore::Duplicate>(store->duplicates()), {}, {}});
+        parts_.push_back(
+            {store, Cursor<std::int64_t>(store->ids()), Cursor<RowStore::Duplicate>(store->duplicates()), {}, {}});
 }
 
 // What a block left out comes after it, from another store.

@@ -229,8 +229,7 @@ Intake::Dealt Intake::deal(const Options& settled, std::size_t blocks, Temporary
             double weight = 0;
             if (weighted_) weight = some.radii.empty() ? some.weights[i] : some.radii[i] * some.radii[i];
             include(dealt.boxes[block], places[i]);
-            dealt.heaviest[block] =
-                std::max(dealt.heaviest[block], weighted_ ? job.domain->weights[i] : 0);
+            dealt.heaviest[block] = std::max(dealt.heaviest[block], weighted_ ? job.domain->weights[i] : 0);
             dealer.add(block, first + i, &some.points[3 * i], weighted_ ? &weight : nullptr);
         }
         stages_.at(first + count, seeds_);

@@ -1,4 +1,5 @@
-// How many blocks fit the memory that a run in blocks may take one after the other, and how much room they take on disk.
+// How many blocks fit the memory that a run in blocks may take one after the other, and how much room they take on
+// disk.
 #pragma once
 
 #include <cstdint>

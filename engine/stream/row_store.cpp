@@ -127,9 +127,8 @@ void RowStore::add_rows(blocks::Run& run, std::size_t count, std::span<const std
     };
     for (std::size_t begin = 0; begin < count; begin += pieces.size() * piece_cells) {
         const std::size_t filled = std::min(pieces.size(), ceil_div(count - begin, piece_cells));
-        pool.run(filled, [&](std::size_t k, unsigned worker) {
-            fill(begin + k * piece_cells, readers[worker], pieces[k]);
-        });
+        pool.run(filled,
+                 [&](std::size_t k, unsigned worker) { fill(begin + k * piece_cells, readers[worker], pieces[k]); });
         for (std::size_t k = 0; k < filled; ++k) {
             of(Array::lengths).append(std::span<const std::uint32_t>(pieces[k].lengths));
             entries_ += pieces[k].entries[0].size() / layout_.bytes(Array::neighbors);

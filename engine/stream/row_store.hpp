@@ -14,13 +14,24 @@ namespace votess::stream {
 
 // The arrays of a result, as bytes: those with a number or three for each cell, then those for each entry of a row.
 enum class Array : std::uint8_t {
-    status, lengths, volumes, centroids, surface_areas, security_radii, face_counts, edge_counts, vertex_counts,
-    neighbors, shifts, areas, normals
+    status,
+    lengths,
+    volumes,
+    centroids,
+    surface_areas,
+    security_radii,
+    face_counts,
+    edge_counts,
+    vertex_counts,
+    neighbors,
+    shifts,
+    areas,
+    normals
 };
 inline constexpr std::size_t array_count = 13;
-inline constexpr std::array cell_arrays{Array::status,        Array::lengths,        Array::volumes,
-                                        Array::centroids,     Array::surface_areas,  Array::security_radii,
-                                        Array::face_counts,   Array::edge_counts,    Array::vertex_counts};
+inline constexpr std::array cell_arrays{Array::status,      Array::lengths,       Array::volumes,
+                                        Array::centroids,   Array::surface_areas, Array::security_radii,
+                                        Array::face_counts, Array::edge_counts,   Array::vertex_counts};
 inline constexpr std::array entry_arrays{Array::neighbors, Array::shifts, Array::areas, Array::normals};
 
 // What is wanted of the cells of a run, and how many bytes each array takes for one cell or entry; 0: it is not wanted.

@@ -116,9 +116,9 @@ private:
     }
 
     void deal() {
-        stages_.begin(&StageSeconds::upload, 0.1,
-                      "dealing " + std::to_string(intake_.seeds()) + " seeds out to " + std::to_string(count_) +
-                          " blocks");
+        stages_.begin(
+            &StageSeconds::upload, 0.1,
+            "dealing " + std::to_string(intake_.seeds()) + " seeds out to " + std::to_string(count_) + " blocks");
         for (auto* file : {&ids_, &seeds_, &rows_}) file->emplace(stream_.temporary);
         dealt_.emplace(intake_.deal(*settled_, count_, *ids_, *seeds_));
         result_.stats.box_volume = domain_->volume(dealt_->inside);
@@ -126,8 +126,7 @@ private:
             blocks_.emplace_back(*seeds_, *layout_, *rows_, *ids_, dealt_->ids[b]);
             result_.largest_block = std::max(result_.largest_block, dealt_->counts[b]);
             blocks::Outline& outline = outlines_.emplace_back();
-            if (dealt_->counts[b] > 0)
-                outline = blocks::outline_of({{dealt_->boxes[b], 0, dealt_->heaviest[b]}});
+            if (dealt_->counts[b] > 0) outline = blocks::outline_of({{dealt_->boxes[b], 0, dealt_->heaviest[b]}});
         }
     }
 
@@ -175,7 +174,8 @@ private:
             const blocks::LocalBlock block(*settled_, seeds_of(b));
             put_tiles(b, block.tiled());
             for (std::size_t to = 0; to < count_; ++to)
-                if (to != b) put(blocks_[to].layers, b, blocks::to_message(block.layer_for(outlines_[to]), block.outline()));
+                if (to != b)
+                    put(blocks_[to].layers, b, blocks::to_message(block.layer_for(outlines_[to]), block.outline()));
         }
     }
 
@@ -360,8 +360,9 @@ StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Opt
                                                      " bytes is too little: give at least " +
                                                      std::to_string(StreamOptions::least_memory));
     if (!options.weights.empty() || !options.radii.empty())
-        throw Error(ErrorCode::invalid_argument,
-                    "weights and radii of a stream come from its source with the points: leave them out of the options");
+        throw Error(
+            ErrorCode::invalid_argument,
+            "weights and radii of a stream come from its source with the points: leave them out of the options");
     (void)free_bytes(temporary_folder(stream.temporary));  // is it there?
     try {
         return Run(source, sink, options, stream)();

@@ -1,5 +1,5 @@
-// The C interface of votess/stream.hpp, where the method and the arrays are told. Rules, options and errors are those of
-// votess/votess.h, and votess_last_error() tells why a call failed.
+// The C interface of votess/stream.hpp, where the method and the arrays are told. Rules, options and errors are those
+// of votess/votess.h, and votess_last_error() tells why a call failed.
 #ifndef VOTESS_STREAM_H
 #define VOTESS_STREAM_H
 
@@ -20,9 +20,9 @@ typedef struct votess_stream_seeds {
 // What is known before the first row.
 typedef struct votess_stream_head {
     uint64_t seeds;
-    uint64_t entries;    // of all rows; 0 where neighbors are not wanted
-    int32_t duplicates;  // 1 where there are any
-    int32_t periodic;    // 1 where rows have shifts
+    uint64_t entries;                   // of all rows; 0 where neighbors are not wanted
+    int32_t duplicates;                 // 1 where there are any
+    int32_t periodic;                   // 1 where rows have shifts
     double box_lower[3], box_upper[3];  // the box that was given or assumed; 0 where a cell was given
 } votess_stream_head;
 
@@ -30,18 +30,18 @@ typedef struct votess_stream_head {
 typedef struct votess_stream_rows {
     uint64_t first;
     size_t count, entries;
-    const uint8_t* status;        // count
-    const int64_t* duplicate_of;  // count, NULL where the run has no duplicates
-    const int64_t* indptr;        // count + 1, counted from the first seed of the run on
-    const int64_t* neighbors;     // entries
-    const int8_t* shifts;         // 3 * entries, where the domain is periodic
-    const double* areas;          // entries
-    const double* normals;        // 3 * entries
-    const double* volumes;        // count
-    const double* centroids;      // 3 * count
-    const double* surface_areas;  // count
-    const double* security_radii;       // count
-    const uint32_t* face_counts;        // count, as the two below
+    const uint8_t* status;         // count
+    const int64_t* duplicate_of;   // count, NULL where the run has no duplicates
+    const int64_t* indptr;         // count + 1, counted from the first seed of the run on
+    const int64_t* neighbors;      // entries
+    const int8_t* shifts;          // 3 * entries, where the domain is periodic
+    const double* areas;           // entries
+    const double* normals;         // 3 * entries
+    const double* volumes;         // count
+    const double* centroids;       // 3 * count
+    const double* surface_areas;   // count
+    const double* security_radii;  // count
+    const uint32_t* face_counts;   // count, as the two below
     const uint32_t* edge_counts;
     const uint32_t* vertex_counts;
 } votess_stream_rows;

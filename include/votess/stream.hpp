@@ -48,14 +48,14 @@ struct StreamHead {
 // Tessellation, but ids have 64 bits; those not wanted are empty. They are the sink's until it returns.
 struct StreamRows {
     std::uint64_t first = 0;
-    std::span<const CellStatus> status;           // n
-    std::span<const std::int64_t> duplicate_of;   // n where the run has duplicates
-    std::span<const std::int64_t> indptr;         // n+1, counted from the first seed on
-    std::span<const std::int64_t> neighbors;      // entries
-    std::span<const std::int8_t> shifts;          // (entries, 3), where the domain is periodic
-    std::span<const double> areas, normals;       // entries, (entries, 3)
-    std::span<const double> volumes, centroids;   // n, (n, 3)
-    std::span<const double> surface_areas, security_radii;                    // n each
+    std::span<const CellStatus> status;                     // n
+    std::span<const std::int64_t> duplicate_of;             // n where the run has duplicates
+    std::span<const std::int64_t> indptr;                   // n+1, counted from the first seed on
+    std::span<const std::int64_t> neighbors;                // entries
+    std::span<const std::int8_t> shifts;                    // (entries, 3), where the domain is periodic
+    std::span<const double> areas, normals;                 // entries, (entries, 3)
+    std::span<const double> volumes, centroids;             // n, (n, 3)
+    std::span<const double> surface_areas, security_radii;  // n each
     std::span<const std::uint32_t> face_counts, edge_counts, vertex_counts;  // n each
 };
 
@@ -67,8 +67,8 @@ public:
 };
 
 struct StreamOptions {
-    // Bytes that the call may take, beside what source and sink take for themselves; at least least_memory. Seeds at one
-    // place are in one block, so very many of them may take more.
+    // Bytes that the call may take, beside what source and sink take for themselves; at least least_memory. Seeds at
+    // one place are in one block, so very many of them may take more.
     std::uint64_t memory = 0;
     static constexpr std::uint64_t least_memory = 1'000'000;
     // Folder of the temporary files. "": that of the environment's TMPDIR, or /tmp.
@@ -77,8 +77,8 @@ struct StreamOptions {
 
 struct StreamResult {
     Options options;  // as in StreamHead
-    // seconds: upload = seeds are read and go to blocks, sort = layers, clip = cells of blocks, fallback = cells that ask
-    // other blocks, download = rows come together and go to the sink.
+    // seconds: upload = seeds are read and go to blocks, sort = layers, clip = cells of blocks, fallback = cells that
+    // ask other blocks, download = rows come together and go to the sink.
     Stats stats;
     std::uint64_t blocks = 0, largest_block = 0;  // and the seeds of that one
     std::uint64_t asked_cells = 0;                // that were completed by other blocks
@@ -86,9 +86,9 @@ struct StreamResult {
 };
 
 // options: weights and radii come from the source. want.vertices and want.faces, min_face, min_area, duplicates = error
-// and GPUs are `unsupported`, as in votess/blocks.hpp. options.log is told each stage, and how much room the temporary files
-// take before the first of them is written. Errors: those of tessellate(), `storage` where a temporary file cannot be
-// written or there is no room, and what source and sink throw.
+// and GPUs are `unsupported`, as in votess/blocks.hpp. options.log is told each stage, and how much room the temporary
+// files take before the first of them is written. Errors: those of tessellate(), `storage` where a temporary file
+// cannot be written or there is no room, and what source and sink throw.
 VOTESS_API StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Options& options,
                                           const StreamOptions& stream);
 
