@@ -16,7 +16,7 @@
 #include <votess/votess.hpp>
 
 #include "arguments/arguments.hpp"
-#include "carried.hpp"
+#include "arguments/carried.hpp"
 #include "domain.hpp"
 #include "failure.hpp"
 #include "files/atomic_file.hpp"

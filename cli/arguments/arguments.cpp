@@ -131,33 +131,6 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
     return *value;
 }
 
-// Bytes: a number, also with a power of 1000 behind it, or of 1024 as in 4Gi.
-std::uint64_t read_memory(std::string text) {
-    const std::string given = text;
-    double unit = 1;
-    const double step = text.ends_with('i') ? 1024 : 1000;
-    if (text.ends_with('i')) text.pop_back();
-    constexpr std::string_view letters = "KMGT";
-    const auto power = text.empty() ? std::string_view::npos : letters.find(text.back());
-    if (power != std::string_view::npos) {
-        text.pop_back();
-        unit = std::pow(step, static_cast<double>(power + 1));
-    }
-    const auto number = read_double(text);
-    constexpr double most = 1e18;
-    if (!number || !(*number * unit >= 1 && *number * unit <= most) || (step > 1000 && unit == 1))
-        throw bad_input("--memory must be a number of bytes such as 500M, 4G or 4Gi, not " + in_quotes(given));
-    return static_cast<std::uint64_t>(*number * unit);
-}
-
-void read_memory_options(const Typed& typed, Arguments& arguments) {
-    if (typed.temporary && !typed.memory) throw bad_input("--temporary goes with --memory SIZE only");
-    if (!typed.memory) return;
-    arguments.memory = read_memory(*typed.memory);
-    if (typed.temporary) arguments.temporary = *typed.temporary;
-    if (typed.temporary && typed.temporary->empty()) throw bad_input("--temporary is empty: give a folder");
-}
-
 // Also written as 1e6.
 std::uint64_t read_random_count(const std::string& text) {
     constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
@@ -499,7 +472,7 @@ Arguments read_arguments(int count, const char* const* values) {
         throw bad_input("--values goes with --interpolate QUERIES or --to-grid METHOD only");
     if (!typed.grid.method && (typed.grid.shape || typed.grid.project))
         throw bad_input(std::string(typed.grid.shape ? "--shape" : "--project") + " goes with --to-grid METHOD only");
-    read_memory_options(typed, arguments);
+    read_memory(typed.memory, typed.temporary, arguments);
     if (typed.locate || typed.probe || typed.interpolate || typed.grid.method) {
         if (typed.memory) throw bad_input("--memory is for cells of the points: queries need all points in memory");
         read_queries(typed, arguments);

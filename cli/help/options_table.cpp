@@ -204,7 +204,7 @@ INDEX     that Vulkan device, a number of --list-devices)"},
               R"(of volumes, centroids and areas from a GPU: relative error 1e-5 (single,
 the default) or 1e-10 (double). The CPU always gives 1e-10; the
 neighbors are exact either way)"},
-             {"--memory SIZE", "points larger than memory: take no more than SIZE, such as 4G",
+             {"--memory SIZE", "",
               R"(for points larger than memory: take no more than SIZE bytes, such as 500M,
 4G or (powers of 1024) 4Gi, by clipping blocks one after the other on the
 CPU, with the rest in temporary files. From .npy, .h5 (snapshots too) and

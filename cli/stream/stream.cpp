@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <deque>
 #include <filesystem>
 #include <fstream>
@@ -12,11 +13,12 @@
 #include <optional>
 #include <votess/stream.hpp>
 
-#include "carried.hpp"
+#include "arguments/carried.hpp"
 #include "domain.hpp"
 #include "failure.hpp"
 #include "files/atomic_file.hpp"
 #include "files/formats/hdf5_module.hpp"
+#include "files/numbers.hpp"
 #include "interrupt.hpp"
 #include "stream/pieces.hpp"
 #include "stream/scratch_file.hpp"
@@ -28,6 +30,25 @@ namespace {
 
 constexpr std::size_t piece_rows = 100000;
 constexpr std::uint64_t beside_library = 32'000'000;  // bytes: pieces of input and output, buffers of HDF5
+
+// A number, also with a power of 1000 behind it, or of 1024 as in 4Gi.
+std::uint64_t bytes_of(std::string text) {
+    const std::string given = text;
+    double unit = 1;
+    const double step = text.ends_with('i') ? 1024 : 1000;
+    if (text.ends_with('i')) text.pop_back();
+    constexpr std::string_view letters = "KMGT";
+    const auto power = text.empty() ? std::string_view::npos : letters.find(text.back());
+    if (power != std::string_view::npos) {
+        text.pop_back();
+        unit = std::pow(step, static_cast<double>(power + 1));
+    }
+    const auto number = read_double(text);
+    constexpr double most = 1e18;
+    if (!number || !(*number * unit >= 1 && *number * unit <= most) || (step > 1000 && unit == 1))
+        throw bad_input("--memory must be a number of bytes such as 500M, 4G or 4Gi, not " + in_quotes(given));
+    return static_cast<std::uint64_t>(*number * unit);
+}
 
 // Bytes in memory now, 0 where the system does not tell.
 std::uint64_t resident_bytes() {
@@ -249,6 +270,14 @@ std::uint64_t memory_for_library(std::uint64_t memory) {
 }
 
 }  // namespace
+
+void read_memory(const std::optional<std::string>& memory, const std::optional<std::string>& temporary,
+                 Arguments& arguments) {
+    if (temporary && !memory) throw bad_input("--temporary goes with --memory SIZE only");
+    if (temporary && temporary->empty()) throw bad_input("--temporary is empty: give a folder");
+    if (memory) arguments.memory = bytes_of(*memory);
+    if (temporary) arguments.temporary = *temporary;
+}
 
 void check_streamed(const Arguments& arguments) {
     const auto refuse = [](const std::string& what, const std::string& why) {

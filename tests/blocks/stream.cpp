@@ -45,10 +45,10 @@ std::string message(const auto& work) {
 
 TEST_CASE("stream: the families have the lists of all seeds at once") {
     for (const PointSet& set :
-         {test::uniform(5000, 1), test::clustered(5000, 2), test::nested_clusters(5000, 3), test::cubic(17),
-          test::bcc(12), test::fcc(9), test::far_from_origin(5000, 4), test::on_walls(5000, 5),
-          test::with_duplicates(4000, 900, 6), test::on_axis_plane(5000, 7), test::on_oblique_line(4000, 8),
-          test::near_duplicates(5000, 9), test::reordered(test::clustered(5000, 2), test::Order::reversed)})
+         {test::uniform(3000, 1), test::clustered(3000, 2), test::nested_clusters(3000, 3), test::cubic(15),
+          test::bcc(11), test::fcc(9), test::far_from_origin(3000, 4), test::on_walls(3000, 5),
+          test::with_duplicates(2500, 500, 6), test::on_axis_plane(3000, 7), test::on_oblique_line(3000, 8),
+          test::near_duplicates(3000, 9), test::reordered(test::clustered(3000, 2), test::Order::reversed)})
         check(set, options_of(set));
     check({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
           options_of({"", {}, test::unit_box()}));
@@ -60,7 +60,7 @@ TEST_CASE("stream: the families have the lists of all seeds at once") {
 }
 
 TEST_CASE("stream: everything that can be wanted, and nothing") {
-    const PointSet set = test::clustered(5000, 7);
+    const PointSet set = test::clustered(3000, 7);
     votess::Options options = options_of(set);
     options.box.reset();  // which needs the bounds of all
     options.list_walls = true;
@@ -76,7 +76,7 @@ TEST_CASE("stream: everything that can be wanted, and nothing") {
 
 TEST_CASE("stream: periodic along subsets of the axes") {
     for (const unsigned axes : {1u, 3u, 7u})
-        for (const PointSet& set : {test::uniform(5000, axes), test::clustered(5000, axes), test::cubic(14)}) {
+        for (const PointSet& set : {test::uniform(3000, axes), test::clustered(3000, axes), test::cubic(14)}) {
             votess::Options options = options_of(set);
             options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
             check(set, options);
@@ -85,7 +85,7 @@ TEST_CASE("stream: periodic along subsets of the axes") {
 
 TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") {
     test::Random random(3);
-    for (const PointSet& set : {test::uniform(5000, 1), test::clustered(5000, 2)}) {
+    for (const PointSet& set : {test::uniform(3000, 1), test::clustered(3000, 2)}) {
         votess::Options options = options_of(set);
         options.box.reset();
         options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
@@ -177,7 +177,7 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
 }
 
 TEST_CASE("stream: what it tells, and that it stops") {
-    const PointSet set = test::uniform(5000, 9);
+    const PointSet set = test::uniform(3000, 9);
     votess::Options options = options_of(set);
     std::vector<std::string> said;
     std::vector<double> fractions;

@@ -340,7 +340,7 @@ class Streamed(Hdf5Test):
                               (["--locate", "q.npy"], "queries"), (["--temporary", ""], "is empty"),
                               (["--temporary", "absent"], "'absent'")]:
             self.refuse("--random", 50, "--memory", "60M", *options, says=says)
-        for size in ["", "x", "4Q", "-1", "nan", "4iG"]:
+        for size in ["x", "G", "4Q", "-1", "nan", "4iG"]:
             self.refuse("--random", 50, f"--memory={size}", says="--memory must be a number of bytes such as")
         self.refuse("--random", 50, "--temporary", ".", says="--temporary goes with --memory SIZE only")
         self.put("a.ply", "ply\n")

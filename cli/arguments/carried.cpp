@@ -1,4 +1,4 @@
-#include "carried.hpp"
+#include "arguments/carried.hpp"
 
 #include <limits>
 #include <utility>
