@@ -302,7 +302,7 @@ class Streamed(Hdf5Test):
         self.put("none.npy", points[:0])
         self.assertSame("none.npy", blocks=1)
         self.put("fortran.npy", np.asfortranarray(points))
-        self.refuse("fortran.npy", "-o", "out.h5", "--memory", "60M", says="np.ascontiguousarray(points)")
+        self.refuse("fortran.npy", "-o", "out.h5", "--memory", "400M", says="np.ascontiguousarray(points)")
 
     def test_text(self):
         """A catalogue of ragged shape, with ids and columns that travel."""
@@ -317,7 +317,7 @@ class Streamed(Hdf5Test):
         self.assertSame("a.csv", "--weights", "mass", "--copy", "all")
         self.assertSame("-", stdin="# x y z\n" + "\n".join(line.replace(",", " ").rsplit(" ", 2)[0] for line in lines))
         self.put("bad.csv", "id,x,y,z,mass,r\n" + "\n".join(lines) + "\n7,1\n")
-        self.refuse("bad.csv", "-o", "out.h5", "--memory", "60M", says="bad.csv:15002: this row has 2 columns")
+        self.refuse("bad.csv", "-o", "out.h5", "--memory", "400M", says="bad.csv:15002: this row has 2 columns")
 
     def test_snapshot(self):
         points = 75 * random_points(12000)
@@ -329,7 +329,7 @@ class Streamed(Hdf5Test):
                       PartType1__Velocities=points[own])
         self.assertSame("snap", "--periodic", "--dataset", "PartType1/Coordinates", "--copy", "all")
         (self.folder / "snap.2.hdf5").unlink()
-        self.refuse("snap", "--dataset", "PartType1/Coordinates", "-o", "out.h5", "--memory", "60M",
+        self.refuse("snap", "--dataset", "PartType1/Coordinates", "-o", "out.h5", "--memory", "400M",
                     says="snap.2.hdf5")
 
     def test_refused(self):
@@ -339,23 +339,23 @@ class Streamed(Hdf5Test):
                               (["--image", "a.png"], "a picture"), (["-x", "lavapipe"], "by the CPU"),
                               (["--locate", "q.npy"], "queries"), (["--temporary", ""], "is empty"),
                               (["--temporary", "absent"], "'absent'")]:
-            self.refuse("--random", 50, "--memory", "60M", *options, says=says)
+            self.refuse("--random", 50, "--memory", "400M", *options, says=says)
         for size in ["x", "G", "4Q", "-1", "nan", "4iG"]:
             self.refuse("--random", 50, f"--memory={size}", says="--memory must be a number of bytes such as")
         self.refuse("--random", 50, "--temporary", ".", says="--temporary goes with --memory SIZE only")
         self.put("a.ply", "ply\n")
-        self.refuse("a.ply", "--memory", "60M", says="--memory reads .npy, .h5 and rows of text")
+        self.refuse("a.ply", "--memory", "400M", says="--memory reads .npy, .h5 and rows of text")
         points = random_points(9000)
         points[8765, 1] = 3
         self.put("a.npy", points)
-        self.refuse("a.npy", "--memory", "60M", "-o", "out.h5", "--box", "0,0,0,1,1,1", "-q",
+        self.refuse("a.npy", "--memory", "400M", "-o", "out.h5", "--box", "0,0,0,1,1,1", "-q",
                     says="point 8765: y = 3 is outside the box")
 
     def test_stopped(self):
         """Ctrl-C, and a disk that is full, leave nothing behind."""
         (self.folder / "temporary").mkdir()
         for seconds in [0, 0.6]:
-            with self.start("--random", 500000, "--memory", "60M", "-o", "out.h5", "--temporary", "temporary",
+            with self.start("--random", 2000000, "--memory", "400M", "-o", "out.h5", "--temporary", "temporary",
                             stderr=subprocess.PIPE, text=True) as run:
                 self.assertIn("of temporary files in temporary", run.stderr.readline())
                 time.sleep(seconds)
@@ -366,7 +366,7 @@ class Streamed(Hdf5Test):
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        done = self.run_cli("--random", 9000, "-q", "-o", "out.h5", "--memory", "60M", code=1, preexec_fn=limit,
+        done = self.run_cli("--random", 9000, "-q", "-o", "out.h5", "--memory", "400M", code=1, preexec_fn=limit,
                             restore_signals=False)
         self.assertRegex(done.stderr, r"\Aclvotess: temporary file: it cannot grow beyond \d+ bytes: [^\n]*\n\Z")
         self.assertEqual(self.files(), ["temporary"])
