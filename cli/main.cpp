@@ -28,6 +28,7 @@
 #include "queries/probe.hpp"
 #include "queries/to_grid.hpp"
 #include "read/input.hpp"
+#include "stream/stream.hpp"
 #include "summary.hpp"
 #include "write/output.hpp"
 
@@ -98,12 +99,19 @@ void tell(const Summary& summary, const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
     const auto run_began = Clock::now();
+    if (arguments.memory > 0) {
+        Summary streamed = run_streamed(arguments, run_began);
+        streamed.seconds_total = seconds_since(run_began);
+        tell(streamed, arguments);
+        return exit_code::done;
+    }
     Summary summary;
     Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
                                          : read_input(arguments.input, arguments.read);
     summary.seconds_read = seconds_since(run_began);
 
     votess::Options options = arguments.options;
+    complete_columns(arguments, input);
     take_weights(arguments, input, options);
     std::vector<InputColumn> carried = take_carried(arguments, input);
     arguments.coloring.check(carried);
@@ -118,7 +126,7 @@ int run(const Arguments& arguments) {
     }
     const votess::Tessellation tessellation =
         tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
-    if (arguments.has_density) fill_density(arguments, input, tessellation.volumes(), carried);
+    fill_density(arguments, input, tessellation.volumes(), carried);
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);

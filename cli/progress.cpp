@@ -10,10 +10,16 @@
 namespace clvotess {
 
 Progress::Progress(bool enabled, Clock::time_point run_began)
-    : enabled_(enabled && isatty(STDERR_FILENO) == 1), run_began_(run_began) {}
+    : quiet_(!enabled), enabled_(enabled && isatty(STDERR_FILENO) == 1), run_began_(run_began) {}
 
 Progress::~Progress() {
     if (drawn_) std::fputs("\r\x1b[K", stderr);
+}
+
+void Progress::say(const std::string& line) {
+    if (quiet_) return;
+    if (drawn_) std::fputs("\r\x1b[K", stderr);
+    std::fprintf(stderr, "%s\n", line.c_str());
 }
 
 void Progress::show(double fraction) {
@@ -29,6 +35,7 @@ void Progress::show(double fraction) {
         const auto seconds = static_cast<long>(std::lround(since.count() * (1 - fraction) / fraction));
         left = seconds < 100 ? std::to_string(seconds) + " s left" : std::to_string((seconds + 30) / 60) + " min left";
     }
+    if (!stage_.empty()) left += (left.empty() ? "" : ", ") + stage_;
     std::fprintf(stderr, "\r[%s] %3d %% %s\x1b[K", bar.c_str(), static_cast<int>(fraction * 100), left.c_str());
     drawn_ = true;
 }

@@ -89,6 +89,14 @@ std::string plain_summary(const Summary& summary) {
                           std::to_string(ranks->ghosts_received) + " seeds in " + std::to_string(ranks->rounds) +
                           " rounds; " + std::to_string(ranks->ghosts_needed) + " are neighbors");
     }
+    if (summary.streamed) {
+        constexpr double giga = 1e9;
+        line("blocks",
+             std::to_string(summary.streamed->blocks) + ", of at most " +
+                 std::to_string(summary.streamed->largest_block) + " points; " +
+                 std::to_string(summary.streamed->asked_cells) + " cells asked others; " +
+                 rounded("%.3g GB of temporary files", static_cast<double>(summary.streamed->temporary_bytes) / giga));
+    }
     std::string times;
     for (const auto& [name, seconds] : stages_of(summary)) {
         if (seconds > 0) times += (times.empty() ? "" : "  ") + std::string(name) + " " + rounded("%.3f", seconds);
@@ -129,6 +137,12 @@ std::string json_summary(const Summary& summary) {
         member("rounds", std::to_string(ranks->rounds));
         member("ghosts_received", std::to_string(ranks->ghosts_received));
         member("ghosts_needed", std::to_string(ranks->ghosts_needed));
+    }
+    if (const auto& streamed = summary.streamed) {
+        member("blocks", std::to_string(streamed->blocks));
+        member("largest_block", std::to_string(streamed->largest_block));
+        member("asked_cells", std::to_string(streamed->asked_cells));
+        member("temporary_bytes", std::to_string(streamed->temporary_bytes));
     }
     return text + "}\n";
 }

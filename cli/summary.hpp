@@ -25,6 +25,10 @@ struct Summary {
     std::vector<std::string> checks_skipped;
     std::size_t cells_verified = 0;  // by brute force
     std::optional<RanksSummary> ranks;
+    struct Streamed {
+        std::uint64_t blocks = 0, largest_block = 0, asked_cells = 0, temporary_bytes = 0;
+    };
+    std::optional<Streamed> streamed;  // with --memory
 };
 
 [[nodiscard]] std::string plain_summary(const Summary& summary);

@@ -12,6 +12,7 @@
 #include "queries/locate.hpp"
 #include "queries/probe.hpp"
 #include "queries/to_grid.hpp"
+#include "stream/stream.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -24,6 +25,7 @@ struct Typed {
     std::optional<std::string> dataset, frame, weights, radii, copy, density, locate, probe, interpolate, values,
         natural;
     std::vector<std::string> walls, sphere_walls, cylinder_walls, cone_walls;
+    std::optional<std::string> memory, temporary;
     std::optional<std::string> threads, grid_resolution, k_init, chunk_size, instructions;
     std::vector<std::string> outputs;
     bool list_walls = false, verify = false, json = false, quiet = false;
@@ -69,6 +71,8 @@ Typed split_command_line(int count, const char* const* values) {
     app.add_option("--shape", typed.grid.shape);
     app.add_option("--project", typed.grid.project);
     app.add_option("-x,--device", typed.device);
+    app.add_option("--memory", typed.memory);
+    app.add_option("--temporary", typed.temporary);
     app.add_option("-t,--threads", typed.threads);
     app.add_option("-g,--grid-resolution", typed.grid_resolution);
     app.add_option("-k,--k-init", typed.k_init);
@@ -469,7 +473,9 @@ Arguments read_arguments(int count, const char* const* values) {
         throw bad_input("--values goes with --interpolate QUERIES or --to-grid METHOD only");
     if (!typed.grid.method && (typed.grid.shape || typed.grid.project))
         throw bad_input(std::string(typed.grid.shape ? "--shape" : "--project") + " goes with --to-grid METHOD only");
+    read_memory(typed.memory, typed.temporary, arguments);
     if (typed.locate || typed.probe || typed.interpolate || typed.grid.method) {
+        if (typed.memory) throw bad_input("--memory is for cells of the points: queries need all points in memory");
         read_queries(typed, arguments);
         return arguments;
     }
@@ -487,6 +493,7 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.wanted = votess::implied_want(to_write);
     options.want.volumes |= arguments.has_density;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
+    if (arguments.memory > 0) check_streamed(arguments);
     return arguments;
 }
 

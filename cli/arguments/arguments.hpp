@@ -39,6 +39,9 @@ struct Arguments {
     std::optional<std::array<bool, 3>> periodic;  // axes of the box, or edges of the cell, that the user names
 
     bool threads_given = false;  // --threads
+    std::uint64_t memory = 0;    // bytes, of --memory; 0: all is in memory
+    std::string temporary;       // folder
+
     bool verify = false;
     bool json = false;
     bool quiet = false;

@@ -7,10 +7,12 @@
 
 namespace clvotess {
 
-void take_weights(const Arguments& arguments, Input& input, votess::Options& options) {
-    // A file of no points has no columns.
+void complete_columns(const Arguments& arguments, Input& input) {
     for (std::size_t c = input.columns.size(); c < arguments.read.columns.size(); ++c)
         input.columns.push_back({arguments.read.columns[c], 1, {}});
+}
+
+void take_weights(const Arguments& arguments, const Input& input, votess::Options& options) {
     if (!arguments.has_weights) return;
     (arguments.has_radii ? options.radii : options.weights) = one_each(input.columns.at(0));
 }
@@ -31,6 +33,7 @@ std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) 
 
 void fill_density(const Arguments& arguments, const Input& input, std::span<const double> volumes,
                   std::vector<InputColumn>& carried) {
+    if (!arguments.has_density) return;
     const std::span<const double> of = one_each(input.columns.at(arguments.has_weights ? 1 : 0));
     std::vector<double>& density = carried.back().values;
     density.resize(of.size());

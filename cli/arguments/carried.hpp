@@ -10,13 +10,16 @@
 
 namespace clvotess {
 
-// The weights or radii of the options become those of the input, which owns them.
-void take_weights(const Arguments& arguments, Input& input, votess::Options& options);
+// A file of no points has no columns: adds empty ones for those that the arguments name.
+void complete_columns(const Arguments& arguments, Input& input);
 
-// The columns that go into the output, the last one still empty if it is to be the density.
+// The weights or radii of the options become those of the input, which owns them.
+void take_weights(const Arguments& arguments, const Input& input, votess::Options& options);
+
+// The columns that go into the output, taken out of the input, the last one still empty if it is to be the density.
 [[nodiscard]] std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input);
 
-// Fills that last one. A cell without a volume has no density.
+// Fills that one, if there is to be one. A cell without a volume has no density.
 void fill_density(const Arguments& arguments, const Input& input, std::span<const double> volumes,
                   std::vector<InputColumn>& carried);
 

@@ -33,9 +33,13 @@ inline void split_words(std::string_view line, Words& words) {
 
 class LineReader {
 public:
-    // Passes over the byte order mark of UTF-8.
-    LineReader(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
-        if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
+    LineReader(std::string_view text, std::string name) : name_(std::move(name)) { go_on(text); }
+
+    // With text that follows what has been read, whole lines. Passes over the byte order mark of UTF-8 before the
+    // first.
+    void go_on(std::string_view text) {
+        rest_ = text;
+        if (line_ == 0 && rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
     }
 
     [[nodiscard]] bool next(std::string_view& line) {

@@ -204,6 +204,16 @@ INDEX     that Vulkan device, a number of --list-devices)"},
               R"(of volumes, centroids and areas from a GPU: relative error 1e-5 (single,
 the default) or 1e-10 (double). The CPU always gives 1e-10; the
 neighbors are exact either way)"},
+             {"--memory SIZE", "",
+              R"(for points larger than memory: take no more than SIZE bytes, such as 500M,
+4G or (powers of 1024) 4Gi, by clipping blocks one after the other on the
+CPU, with the rest in temporary files. From .npy, .h5 (snapshots too) and
+rows of text into .h5, which is the file of a run in memory. Not with
+vertices and faces, --min-face, --min-area, --duplicates error, --verify
+and --image)"},
+             {"--temporary DIR", "",
+              R"(where --memory keeps them; default beside the first output. How much room
+they take is said first. They have no names, and go when the run ends)"},
              {"--verify", "check the result; exit code 3 if that fails",
               R"(check the result: volume sum, symmetry of the neighbors, Euler's formula,
 and a sample of cells against every point, as many as take about a second

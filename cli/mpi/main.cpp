@@ -90,6 +90,7 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     std::vector<InputColumn> carried;
     std::string domain_from;
     ranks.together([&] {
+        complete_columns(arguments, input);
         take_weights(arguments, input, options);
         carried = take_carried(arguments, input);
         domain_from = choose_domain(input.domain, arguments.periodic, options);
@@ -104,7 +105,7 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     votess::Tessellation domain;
     ranks.together([&] {
         domain = without_seeds(result.options);
-        if (arguments.has_density) fill_density(arguments, input, result.cells.volumes, carried);
+        fill_density(arguments, input, result.cells.volumes, carried);
     });
     summary.domain = domain_text(domain, domain_from);
     summary.domain_json = domain_json(domain, domain_from);

@@ -19,6 +19,8 @@ void refuse_for_ranks(const Arguments& arguments) {
     const votess::Options& options = arguments.options;
     if (!arguments.locate.empty() || !arguments.probe.empty() || !arguments.interpolate.empty() || arguments.to_grid)
         refuse("--locate, --probe, --interpolate and --to-grid need all seeds in one memory: leave them out");
+    if (arguments.memory > 0 || !arguments.temporary.empty())
+        refuse("--memory and --temporary are for one machine: leave them out and take more ranks");
     if (arguments.picture) refuse("--image needs all cells in one memory: leave it out");
     for (const std::string& path : arguments.outputs)
         if (!is_hdf5_output(path))

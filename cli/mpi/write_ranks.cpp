@@ -103,7 +103,7 @@ hid_t access_by_ranks() {
 void write_ranks(const Ranks& ranks, const std::vector<std::string>& paths, const InputShare& share,
                  const votess::BlockCells& cells, const OutputData& data) {
     if (paths.empty()) return;
-    const std::vector<Attribute> attributes = attributes_of(data);
+    const std::vector<Attribute> attributes = attributes_of(data.input.units, data.domain_from);
     const RankArrays arrays(ranks, share, cells, data);
     for (const std::string& path : paths) {
         SharedFile file(ranks, path);

@@ -9,6 +9,7 @@
 #include "files/gunzip.hpp"
 #include "files/line_reader.hpp"
 #include "files/mapped_file.hpp"
+#include "stream/pieces.hpp"
 
 namespace clvotess {
 namespace {
@@ -25,6 +26,11 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
         throw bad_input("--frame goes with .xyz and LAMMPS dumps (.dump, .lammpstrj) only, not with " +
                         in_quotes(path));
     }
+}
+
+void refuse_columns(const std::string& path, const ReadRequest& request) {
+    if (!request.columns.empty() && !request.columns_may_lack)
+        throw bad_input(path + ": one array has no column " + in_quotes(request.columns[0]));
 }
 
 // The extension that says what the file is. LAMMPS's own examples are called data.NAME and dump.NAME, VASP's files
@@ -95,9 +101,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         throw bad_input("cannot read " + in_quotes(path) + ": only text is read packed; unpack it with gunzip");
     }
     if (extension == ".npy") {
-        if (!request.columns.empty() && !request.columns_may_lack) {
-            throw bad_input(path + ": one array has no column " + in_quotes(request.columns[0]));
-        }
+        refuse_columns(path, request);
         return read_npy(path, request.share);
     }
     using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
@@ -120,6 +124,22 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     if (extension == ".ply") return parse(parse_ply);
     if (extension == ".vtp" || extension == ".vtu") return parse(parse_vtk);
     throw bad_input("cannot read " + in_quotes(path) + ": " + known);
+}
+
+std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {
+    const std::string extension = kind_of(path);
+    const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
+    refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
+    if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).open(path, request, rows);
+    if (extension == ".npy") {
+        refuse_columns(path, request);
+        return open_npy(path, rows);
+    }
+    if (extension == ".csv") return open_text(path, TextKind::csv, request, rows);
+    if (extension == ".txt" || extension == ".dat" || extension.empty())
+        return open_text(path, TextKind::plain, request, rows);
+    throw bad_input("--memory reads .npy, .h5 and rows of text (.txt .dat .csv, no extension, stdin as -), not " +
+                    in_quotes(path) + ": leave it out, or make one of these of it");
 }
 
 std::span<const double> one_each(const InputColumn& column) {

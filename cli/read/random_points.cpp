@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "read/input.hpp"
+#include "stream/pieces.hpp"
 
 namespace clvotess {
 namespace {
@@ -8,7 +11,7 @@ namespace {
 class SplitMix64 {
 public:
     // Behind the first `skipped` numbers.
-    SplitMix64(std::uint64_t state, std::uint64_t skipped) : state_(state + skipped * step) {}
+    explicit SplitMix64(std::uint64_t state, std::uint64_t skipped = 0) : state_(state + skipped * step) {}
 
     double uniform() {  // in [0, 1), a multiple of 2^-53
         state_ += step;
@@ -24,6 +27,29 @@ private:
     std::uint64_t state_;
 };
 
+class RandomPieces : public InputPieces {
+public:
+    RandomPieces(std::uint64_t count, std::uint64_t rng_seed, std::size_t rows)
+        : count_(count), rng_seed_(rng_seed), rows_(rows), generator_(rng_seed) {}
+
+    bool restart() override {
+        generator_ = SplitMix64(rng_seed_);
+        left_ = count_;
+        return true;
+    }
+    bool next(Input& piece) override {
+        piece.points.resize(3 * std::min<std::uint64_t>(left_, rows_));
+        for (double& coordinate : piece.points) coordinate = generator_.uniform();
+        left_ -= piece.size();
+        return piece.size() > 0;
+    }
+
+private:
+    std::uint64_t count_, rng_seed_, left_ = 0;
+    std::size_t rows_;
+    SplitMix64 generator_;
+};
+
 }  // namespace
 
 Input random_points(std::uint64_t count, std::uint64_t rng_seed, const Share& share) {
@@ -33,6 +59,10 @@ Input random_points(std::uint64_t count, std::uint64_t rng_seed, const Share& sh
     SplitMix64 generator(rng_seed, 3 * begin);
     for (double& coordinate : input.points) coordinate = generator.uniform();
     return input;
+}
+
+std::unique_ptr<InputPieces> open_random(std::uint64_t count, std::uint64_t rng_seed, std::size_t rows) {
+    return std::make_unique<RandomPieces>(count, rng_seed, rows);
 }
 
 }  // namespace clvotess

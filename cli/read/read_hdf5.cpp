@@ -5,6 +5,8 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,8 @@
 #include "interrupt.hpp"
 #include "read/input.hpp"
 #include "read/snapshot_files.hpp"
+#include "stream/pieces.hpp"
+#include "stream/streamed_file.hpp"
 
 namespace clvotess {
 namespace {
@@ -57,35 +61,34 @@ public:
     [[nodiscard]] bool is_whole() const { return type_class_ == H5T_INTEGER && type_size_ <= sizeof(std::int64_t); }
     [[nodiscard]] std::uint64_t rows() const { return extent_.empty() ? 0 : extent_[0]; }
 
-    // Rows first to last, behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a small
-    // buffer.
     template <typename Number>
-    void append_to(std::vector<Number>& to, std::uint64_t first, std::uint64_t last) const {
+    void append_to(std::vector<Number>& to) const {
+        append_to(to, 0, rows());
+    }
+    // Rows from `first` on, behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a
+    // small buffer.
+    template <typename Number>
+    void append_to(std::vector<Number>& to, std::uint64_t first, std::uint64_t rows) const {
         check_storage();
         const hid_t memory_type = std::is_same_v<Number, double> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
         const std::uint64_t columns = extent_.size() == 2 ? extent_[1] : 1;
         const std::size_t begin = to.size();
-        to.resize(begin + (last - first) * columns);
+        to.resize(begin + rows * columns);
         const Hdf5Handle file_space(H5Dget_space(set_.id()), H5Sclose);
         constexpr hsize_t piece = hsize_t{1} << 20;
-        for (hsize_t row = first; row < last; row += piece) {
+        for (hsize_t row = 0; row < rows; row += piece) {
             throw_if_interrupted();
-            const std::array<hsize_t, 2> start{row, 0};
-            const std::array<hsize_t, 2> count{std::min<hsize_t>(piece, last - row), columns};
+            const std::array<hsize_t, 2> start{first + row, 0};
+            const std::array<hsize_t, 2> count{std::min(piece, rows - row), columns};
             const auto rank = static_cast<int>(extent_.size());
             const Hdf5Handle memory_space(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
             if (H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
                     0 ||
                 H5Dread(set_.id(), memory_type, memory_space.id(), file_space.id(), H5P_DEFAULT,
-                        to.data() + begin + (row - first) * columns) < 0) {
+                        to.data() + begin + row * columns) < 0) {
                 throw error("cannot be read: the file is damaged, or packed by a filter that is not there");
             }
         }
-    }
-
-    template <typename Number>
-    void append_to(std::vector<Number>& to) const {
-        append_to(to, 0, rows());
     }
 
     [[nodiscard]] std::string description() const {
@@ -214,49 +217,69 @@ private:
     Hdf5Handle file_;
 };
 
-class Hdf5Reader {
+class Hdf5Pieces : public InputPieces {
 public:
-    explicit Hdf5Reader(const ReadRequest& request) : request_(request) {}
-
-    Input read(const std::string& path) {
-        const Hdf5File first(first_snapshot_file(path));
-        name_ = request_.dataset.empty() ? find_points(first) : without_slash(request_.dataset);
-        input_.domain = domain_of(first);
-        input_.units = first.units();
-        const std::vector<double> announced = first.header("NumFilesPerSnapshot");
-        const double files = announced.empty() ? 1 : announced[0];
-        if (!(files > 1)) {
-            take_share(rows_of(first));
-            append(first, false);
-            return std::move(input_);
-        }
-        const auto name = split_snapshot_name(first.path());
+    // rows: so many in a piece.
+    Hdf5Pieces(const std::string& path, const ReadRequest& request, std::uint64_t rows)
+        : request_(request), rows_(rows), first_(first_snapshot_file(path)) {
+        name_ = request_.dataset.empty() ? find_points(first_) : without_slash(request_.dataset);
+        domain = domain_of(first_);
+        units = first_.units();
+        const std::vector<double> announced = first_.header("NumFilesPerSnapshot");
+        if (announced.empty() || !(announced[0] > 1)) return;
+        const auto name = split_snapshot_name(first_.path());
         constexpr double most = 1e6;
-        if (!name || !(files <= most)) {
-            throw bad_input(first.path() + ": one of " + to_text(files) +
+        if (!name || !(announced[0] <= most)) {
+            throw bad_input(first_.path() + ": one of " + to_text(announced[0]) +
                             " files of a snapshot, but it is not named like NAME.0.hdf5");
         }
         if (name->part != 0) {
-            throw bad_input(first.path() + ": one of " + to_text(files) + " files of a snapshot: give the first, " +
-                            in_quotes(name->file(0)) + ", and all are read");
+            throw bad_input(first_.path() + ": one of " + to_text(announced[0]) +
+                            " files of a snapshot: give the first, " + in_quotes(name->file(0)) + ", and all are read");
         }
-        const auto others = [&](const auto& visit) {
-            for (std::uint64_t part = 1; static_cast<double>(part) < files; ++part) visit(Hdf5File(name->file(part)));
-        };
-        if (request_.share.parts > 1) {
-            std::uint64_t rows = rows_of(first);
-            others([&](const Hdf5File& file) { rows += rows_of(file); });
-            take_share(rows);
+        snapshot_ = name;
+        files_ = static_cast<std::uint64_t>(announced[0]);
+        note = to_text(announced[0]) + " files of a snapshot";
+    }
+
+    bool restart() override {
+        part_.reset();
+        opened_ = read_ = 0;
+        found_ = false;
+        return true;
+    }
+
+    bool next(Input& piece) override {
+        piece = {};
+        return append(piece, rows_);
+    }
+
+    // All of the share that is asked for, at once.
+    Input all() {
+        const Share& share = request_.share;
+        if (share.parts > 1) {
+            std::uint64_t rows = rows_of(first_);
+            for (std::uint64_t number = 1; number < files_; ++number)
+                rows += rows_of(Hdf5File(snapshot_->file(number)));
+            begin_ = share.begin(rows);
+            end_ = share.end(rows);
         }
-        append(first, true);
-        others([&](const Hdf5File& file) { append(file, true); });
-        if (!found_) throw no_dataset(first);
-        check_total(first);
-        input_.note = to_text(files) + " files of a snapshot";
-        return std::move(input_);
+        Input input;
+        while (append(input, std::numeric_limits<std::uint64_t>::max())) {
+        }
+        if (input.columns.empty()) input.columns = columns_;
+        return input;
     }
 
 private:
+    // A file, and how far it has been read.
+    struct Part {
+        std::optional<Hdf5File> file;  // none for the first, which stays open
+        std::optional<Hdf5Dataset> points, ids;
+        std::vector<Hdf5Dataset> columns;
+        std::uint64_t next = 0;
+    };
+
     static std::string without_slash(const std::string& path) {
         return path.substr(std::min(path.find_first_not_of('/'), path.size()));
     }
@@ -317,34 +340,65 @@ private:
         return file.has(name_) ? file.open(name_).rows() : 0;
     }
 
-    void take_share(std::uint64_t rows) {
-        begin_ = request_.share.begin(rows);
-        end_ = request_.share.end(rows);
+    // The next points of the file that is being read, or of the next one, as far as they are in the share.
+    bool append(Input& to, std::uint64_t most) {
+        while (!part_ || part_->next == part_->points->rows()) {
+            if (opened_ == files_) {
+                finish();
+                return false;
+            }
+            open(opened_++);
+        }
+        const std::uint64_t here = part_->next, passed = std::min(most, part_->points->rows() - here);
+        const std::uint64_t skipped = std::clamp(begin_, read_, read_ + passed) - read_,
+                            rows = std::clamp(end_, read_, read_ + passed) - read_ - skipped;
+        const std::uint64_t first = here + skipped;
+        part_->points->append_to(to.points, first, rows);
+        if (part_->ids) part_->ids->append_to(to.ids, first, rows);
+        if (to.columns.empty()) to.columns = columns_;
+        for (std::size_t c = 0; c < to.columns.size(); ++c)
+            part_->columns[c].append_to(to.columns[c].values, first, rows);
+        part_->next += passed;
+        read_ += passed;
+        return true;
     }
 
     // A file of a snapshot may lack particles of the type that is asked for.
-    void append(const Hdf5File& file, bool may_lack) {
+    void open(std::uint64_t number) {
+        part_.reset();
+        std::optional<Hdf5File> later;
+        if (number > 0) later.emplace(snapshot_->file(number));
+        const Hdf5File& file = later ? *later : first_;
         if (!file.has(name_)) {
-            if (may_lack && !has_particles(file)) return;
+            if (snapshot_ && !has_particles(file)) return;
             throw no_dataset(file);
         }
+        const bool first = !found_;
         found_ = true;
-        const Hdf5Dataset points = file.open(name_);
+        part_.emplace();
+        part_->points.emplace(file.open(name_));
+        const Hdf5Dataset& points = *part_->points;
         if (!points.is_points()) throw points.error("has " + points.description() + ", expected (N, 3) of floats");
-        const std::uint64_t first = std::clamp(begin_, seen_, seen_ + points.rows()) - seen_,
-                            last = std::clamp(end_, seen_, seen_ + points.rows()) - seen_;
-        seen_ += points.rows();
-        points.append_to(input_.points, first, last);
-        append_ids(file, points.rows(), first, last);
-        if (input_.columns.empty()) input_.columns = wanted(file, points.rows());
-        for (InputColumn& column : input_.columns) {
-            const Hdf5Dataset values = file.open(path_of(column.name, file));
+        find_ids(file, points.rows());
+        if (points.rows() > 0) {
+            if (with_ids_ && *with_ids_ != part_->ids.has_value())
+                throw bad_input(file.path() + ": some files of the snapshot have ids, others have not");
+            with_ids_ = part_->ids.has_value();
+        }
+        if (first) columns_ = wanted(file, points.rows());
+        for (const InputColumn& column : columns_) {
+            const Hdf5Dataset& values = part_->columns.emplace_back(file.open(path_of(column.name, file)));
             if (!values.is_numbers() || values.width() != column.width || values.rows() != points.rows()) {
                 throw values.error("has " + values.description() + ", expected numbers for each of the " +
                                    std::to_string(points.rows()) + " points");
             }
-            values.append_to(column.values, first, last);
         }
+        part_->file = std::move(later);
+    }
+
+    void finish() {
+        if (!found_) throw no_dataset(first_);
+        if (snapshot_) check_total(first_);
     }
 
     // Beside the points, or at the root; empty when it is at neither place.
@@ -382,17 +436,14 @@ private:
     }
 
     // ParticleIDs beside the points of a snapshot, ids beside those of others.
-    void append_ids(const Hdf5File& file, std::uint64_t rows, std::uint64_t first, std::uint64_t last) {
+    void find_ids(const Hdf5File& file, std::uint64_t rows) {
         for (const char* const name : {"ParticleIDs", "ids"}) {
             const std::string path = group_of(name_) + name;
             if (path == name_ || !file.has(path)) continue;
-            const Hdf5Dataset ids = file.open(path);
+            Hdf5Dataset ids = file.open(path);
             if (!ids.is_column() || !ids.is_whole() || ids.rows() != rows) continue;
-            ids.append_to(input_.ids, first, last);
+            part_->ids.emplace(std::move(ids));
             break;
-        }
-        if (!input_.ids.empty() && input_.ids.size() != input_.size()) {
-            throw bad_input(file.path() + ": some files of the snapshot have ids, others have not");
         }
     }
 
@@ -416,30 +467,48 @@ private:
         const std::vector<double> low = first.header("NumPart_Total"), high = first.header("NumPart_Total_HighWord");
         if (!type || *type >= low.size()) return;
         const double total = low[*type] + (*type < high.size() ? std::ldexp(high[*type], 32) : 0);
-        if (total == static_cast<double>(seen_)) return;
-        throw bad_input(first.path() + ": the files of the snapshot hold " + std::to_string(seen_) +
+        if (total == static_cast<double>(read_)) return;
+        throw bad_input(first.path() + ": the files of the snapshot hold " + std::to_string(read_) +
                         " points, but its header announces " + to_text(total));
     }
 
-    const ReadRequest& request_;
-    std::string name_;
+    ReadRequest request_;
+    std::uint64_t rows_;
+    Hdf5File first_;
+    std::optional<SnapshotName> snapshot_;  // where there are several files
+    std::uint64_t files_ = 1;
+    std::string name_;                                                           // of the points
+    std::vector<InputColumn> columns_;                                           // empty ones
+    std::uint64_t opened_ = 0, read_ = 0;                                        // files and points
+    std::uint64_t begin_ = 0, end_ = std::numeric_limits<std::uint64_t>::max();  // of the share
     bool found_ = false;                                                         // in any file
-    std::uint64_t begin_ = 0, end_ = std::numeric_limits<std::uint64_t>::max();  // of the rows of all files: to read
-    std::uint64_t seen_ = 0;                                                     // rows of the files so far
-    Input input_;
+    std::optional<bool> with_ids_;
+    std::optional<Part> part_;
 };
 
 Input read(const std::string& path, const ReadRequest& request) {
     begin_hdf5();
-    return Hdf5Reader(request).read(path);
+    Hdf5Pieces pieces(path, request, 0);
+    Input input = pieces.all();
+    input.domain = std::move(pieces.domain);
+    input.units = std::move(pieces.units);
+    input.note = std::move(pieces.note);
+    return input;
+}
+
+std::unique_ptr<InputPieces> open(const std::string& path, const ReadRequest& request, std::size_t rows) {
+    begin_hdf5();
+    return std::make_unique<Hdf5Pieces>(path, request, rows);
 }
 
 }  // namespace
 
 void write_hdf5(OutputFile& file, const OutputData& data);
+std::unique_ptr<StreamedFile> create_hdf5(OutputFile& file);
 void write_grid_hdf5(OutputFile& file, const GridOutput& grid);
 
 }  // namespace clvotess
 
 extern "C" const clvotess::Hdf5Module clvotess_hdf5;
-const clvotess::Hdf5Module clvotess_hdf5{clvotess::read, clvotess::write_hdf5, clvotess::write_grid_hdf5};
+const clvotess::Hdf5Module clvotess_hdf5{clvotess::read, clvotess::open, clvotess::write_hdf5, clvotess::create_hdf5,
+                                         clvotess::write_grid_hdf5};

@@ -10,6 +10,8 @@
 #include "files/numbers.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
+#include "stream/pieces.hpp"
+#include "stream/sequential_file.hpp"
 
 namespace clvotess {
 namespace {
@@ -40,20 +42,27 @@ bool ends_field(char c) {
 
 class TextReader {
 public:
-    TextReader(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request)
-        : lines_(text, name), kind_(kind), request_(request) {
+    TextReader(TextKind kind, const std::string& name, const ReadRequest& request)
+        : lines_({}, name), kind_(kind), request_(request) {
         for (std::string& column : request_.columns) column = plain_name(column);
     }
 
-    Input read() {
+    // The rows of a text that follows what was read before.
+    void append(std::string_view text, Input& input) {
+        lines_.go_on(text);
         Row row;
-        if (!next_row(row)) return {};
-        if (kind_ == TextKind::csv && is_header(row)) {
-            names_ = names_of(line_);
-            check_names();
-            if (!next_row(row)) return {};
+        while (next_row(row)) {
+            if (!places_) {
+                if (kind_ == TextKind::csv && names_.empty() && is_header(row)) {
+                    names_ = names_of(line_);
+                    check_names();
+                    continue;
+                }
+                find_places(row);
+            }
+            if (input.points.empty()) begin(input);
+            append_row(row, input);
         }
-        return read_rows(row);
     }
 
 private:
@@ -176,50 +185,45 @@ private:
         return layout;
     }
 
-    void append_position(const Row& row, const std::array<std::size_t, 3>& axes, Input& input) const {
-        for (const std::size_t k : axes) input.points.push_back(lines_.number(row.fields[k]));
+    // By the first row.
+    void find_places(const Row& row) {
+        columns_ = row.count;
+        const std::vector<std::string> own = names_or_numbers(names_, columns_);
+        const Words names(own.begin(), own.end());
+        places_.emplace(request_, names, lines_.place());
+        layout_ = layout_of(columns_, *places_);
+        if (!request_.all_columns) return;
+        std::vector<std::size_t> taken(layout_.axes.begin(), layout_.axes.end());
+        if (layout_.id) taken.push_back(*layout_.id);
+        const auto kept = static_cast<std::ptrdiff_t>(columns_);
+        places_->add_others(names, taken, Words(row.fields.begin(), row.fields.begin() + kept));
     }
 
-    void reserve(Input& input, bool with_ids) const {
+    // Room for all rows that are left.
+    void begin(Input& input) const {
         const auto rows =
             1 + static_cast<std::size_t>(std::count(lines_.rest().begin(), lines_.rest().end(), '\n')) + 1;
         input.points.reserve(3 * rows);
-        if (with_ids) input.ids.reserve(rows);
+        if (layout_.id) input.ids.reserve(rows);
+        input.columns = places_->columns(rows);
     }
 
-    Input read_rows(Row row) {
-        const std::size_t columns = row.count;
-        const std::vector<std::string> own = names_or_numbers(names_, columns);
-        const Words names(own.begin(), own.end());
-        ColumnPlaces wanted(request_, names, lines_.place());
-        const Layout layout = layout_of(columns, wanted);
-        if (request_.all_columns) {
-            std::vector<std::size_t> taken(layout.axes.begin(), layout.axes.end());
-            if (layout.id) taken.push_back(*layout.id);
-            const auto kept = static_cast<std::ptrdiff_t>(columns);
-            wanted.add_others(names, taken, Words(row.fields.begin(), row.fields.begin() + kept));
+    void append_row(const Row& row, Input& input) const {
+        if (row.count != columns_) {
+            throw lines_.error("this row has " + columns_text(row.count) + ", the rows before it have " +
+                               std::to_string(columns_));
         }
-        Input input;
-        reserve(input, layout.id.has_value());
-        input.columns = wanted.columns(input.points.capacity() / 3);
-        do {
-            if (row.count != columns) {
-                throw lines_.error("this row has " + columns_text(row.count) + ", the rows before it have " +
-                                   std::to_string(columns));
+        if (layout_.id) {
+            const std::string_view field = row.fields[*layout_.id];
+            const auto id = read_int64(field);
+            if (!id) {
+                throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
+                                   (names_.empty() ? " (columns id x y z)" : ""));
             }
-            if (layout.id) {
-                const std::string_view field = row.fields[*layout.id];
-                const auto id = read_int64(field);
-                if (!id) {
-                    throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
-                                       (names_.empty() ? " (columns id x y z)" : ""));
-                }
-                input.ids.push_back(*id);
-            }
-            append_position(row, layout.axes, input);
-            wanted.append(input.columns, [&](std::size_t k) { return lines_.number(row.fields[k]); });
-        } while (next_row(row));
-        return input;
+            input.ids.push_back(*id);
+        }
+        for (const std::size_t k : layout_.axes) input.points.push_back(lines_.number(row.fields[k]));
+        places_->append(input.columns, [&](std::size_t k) { return lines_.number(row.fields[k]); });
     }
 
     LineReader lines_;
@@ -227,12 +231,50 @@ private:
     std::vector<std::string> names_;  // of the columns, where a line says them
     TextKind kind_;
     ReadRequest request_;  // names as those of the file
+    // Once there is a row.
+    std::optional<ColumnPlaces> places_;
+    std::size_t columns_ = 0;
+    Layout layout_;
+};
+
+// A text in pieces of whole lines. It is read once, for reading numbers takes longer than anything else.
+class TextPieces : public InputPieces {
+public:
+    TextPieces(const std::string& path, TextKind kind, const ReadRequest& request, std::size_t bytes)
+        : reader_(kind, path == "-" ? "stdin" : path, request), file_(path), bytes_(bytes) {}
+
+    bool restart() override { return false; }
+    bool next(Input& piece) override {
+        piece = {};
+        while (piece.points.empty()) {
+            const bool more = file_.append(text_, bytes_);
+            const std::size_t end = more ? text_.rfind('\n') + 1 : text_.size();  // 0: within a line
+            reader_.append(std::string_view(text_).substr(0, end), piece);
+            text_.erase(0, end);
+            if (!more) break;
+        }
+        return !piece.points.empty();
+    }
+
+private:
+    TextReader reader_;
+    SequentialFile file_;
+    std::size_t bytes_;
+    std::string text_;  // what is read, and not yet looked at
 };
 
 }  // namespace
 
 Input parse_text(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request) {
-    return TextReader(text, kind, name, request).read();
+    Input input;
+    TextReader(kind, name, request).append(text, input);
+    return input;
+}
+
+std::unique_ptr<InputPieces> open_text(const std::string& path, TextKind kind, const ReadRequest& request,
+                                       std::size_t rows) {
+    constexpr std::size_t row_bytes = 40;
+    return std::make_unique<TextPieces>(path, kind, request, rows * row_bytes);
 }
 
 }  // namespace clvotess

@@ -120,11 +120,10 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
     check_paths(paths, inputs);
 }
 
-std::vector<Attribute> attributes_of(const OutputData& data) {
-    std::vector<Attribute> attributes = data.input.units;
-    attributes.push_back({"domain_from", data.domain_from});
-    attributes.push_back({"version", VOTESS_VERSION_STRING});
-    return attributes;
+std::vector<Attribute> attributes_of(std::vector<Attribute> units, const std::string& domain_from) {
+    units.push_back({"domain_from", domain_from});
+    units.push_back({"version", VOTESS_VERSION_STRING});
+    return units;
 }
 
 void write_outputs(const std::vector<std::string>& paths, const OutputData& data) {

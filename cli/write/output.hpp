@@ -43,7 +43,7 @@ struct OutputData {
 };
 
 // What .npz and .h5 hold once: the units of the input, domain_from and version.
-[[nodiscard]] std::vector<Attribute> attributes_of(const OutputData& data);
+[[nodiscard]] std::vector<Attribute> attributes_of(std::vector<Attribute> units, const std::string& domain_from);
 
 // Columns that go from the input into the output, and the density. Throws Failure when a file has an array of that name
 // itself.

@@ -36,30 +36,64 @@ bool is_result_array(std::string_view name) {
     return std::ranges::find(names, name) != names.end();
 }
 
+std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
+                                       std::span<const std::int64_t> ids, const std::vector<InputColumn>& carried) {
+    std::vector<ResultArray> arrays;
+    const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
+        arrays.push_back(as_array(name, std::span(values), columns));
+    };
+    const auto add_entries = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
+        add(name, values, columns);
+        arrays.back().of_entries = true;
+    };
+    if (!ids.empty()) add("ids", ids);
+    if (wanted.neighbors) {
+        add("indptr", piece.indptr);
+        piece.wide ? add_entries("indices", piece.wide_indices) : add_entries("indices", piece.indices);
+        if (piece.has_shifts) add_entries("shifts", piece.shifts, 3);
+    }
+    if (wanted.areas) add_entries("face_areas", piece.face_areas);
+    if (wanted.normals) add_entries("face_normals", piece.face_normals, 3);
+    if (wanted.volumes) add("volumes", piece.volumes);
+    if (wanted.centroids) add("centroids", piece.centroids, 3);
+    if (wanted.surfaces) add("surface_areas", piece.surface_areas);
+    if (wanted.radii) add("security_radii", piece.security_radii);
+    if (wanted.counts) {
+        add("face_counts", piece.face_counts);
+        add("edge_counts", piece.edge_counts);
+        add("vertex_counts", piece.vertex_counts);
+    }
+    add("status", piece.status);
+    if (piece.has_duplicates)
+        piece.wide ? add("duplicate_of", piece.wide_duplicate_of) : add("duplicate_of", piece.duplicate_of);
+    for (const InputColumn& column : carried) add(column.name, column.values, column.width);
+    return arrays;
+}
+
 std::vector<ResultArray> result_arrays(const OutputData& data) {
     const votess::Tessellation& cells = data.tessellation;
     const votess::Want& wanted = data.wanted;
-    std::vector<ResultArray> arrays;
+    ResultPiece whole;
+    whole.indptr = cells.indptr();
+    whole.indices = cells.indices();
+    whole.shifts = cells.shifts();
+    whole.face_areas = cells.face_areas();
+    whole.face_normals = cells.face_normals();
+    whole.volumes = cells.volumes();
+    whole.centroids = cells.centroids();
+    whole.surface_areas = cells.surface_areas();
+    whole.security_radii = cells.security_radii();
+    whole.face_counts = cells.face_counts();
+    whole.edge_counts = cells.edge_counts();
+    whole.vertex_counts = cells.vertex_counts();
+    whole.status = cells.status();
+    whole.duplicate_of = cells.duplicate_of();
+    whole.has_shifts = !whole.shifts.empty();
+    whole.has_duplicates = !whole.duplicate_of.empty();
+    std::vector<ResultArray> arrays = result_arrays(whole, wanted, data.input.ids, data.carried), mesh;
     const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
-        arrays.push_back(as_array(name, values, columns));
+        mesh.push_back(as_array(name, values, columns));
     };
-    if (!data.input.ids.empty()) add("ids", std::span(data.input.ids));
-    if (wanted.neighbors) {
-        add("indptr", cells.indptr());
-        add("indices", cells.indices());
-        if (!cells.shifts().empty()) add("shifts", cells.shifts(), 3);
-    }
-    if (wanted.areas) add("face_areas", cells.face_areas());
-    if (wanted.normals) add("face_normals", cells.face_normals(), 3);
-    if (wanted.volumes) add("volumes", cells.volumes());
-    if (wanted.centroids) add("centroids", cells.centroids(), 3);
-    if (wanted.surfaces) add("surface_areas", cells.surface_areas());
-    if (wanted.radii) add("security_radii", cells.security_radii());
-    if (wanted.counts) {
-        add("face_counts", cells.face_counts());
-        add("edge_counts", cells.edge_counts());
-        add("vertex_counts", cells.vertex_counts());
-    }
     if (wanted.vertices) {
         add("vertices", cells.vertices(), 3);
         add("cell_vertex_indptr", cells.cell_vertex_indptr());
@@ -69,9 +103,7 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
         add("face_offsets", cells.face_offsets());
         add("face_vertices", cells.face_vertices());
     }
-    add("status", cells.status());
-    if (!cells.duplicate_of().empty()) add("duplicate_of", cells.duplicate_of());
-    for (const InputColumn& column : data.carried) add(column.name, std::span(column.values), column.width);
+    arrays.insert(std::ranges::find(arrays, "status", &ResultArray::name), mesh.begin(), mesh.end());
     return arrays;
 }
 

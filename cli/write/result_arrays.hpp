@@ -20,6 +20,7 @@ struct ResultArray {
     NumberType type{};
     std::size_t columns = 1;  // 1: shape (rows,), else (rows, columns)
     std::string_view bytes;   // of the library's memory, row-major
+    bool of_entries = false;  // of rows, one for each neighbor; else one for each cell
 
     [[nodiscard]] std::size_t rows() const noexcept { return bytes.size() / size_of(type) / columns; }
 };
@@ -37,12 +38,30 @@ template <typename Number>
 template <typename Number>
 [[nodiscard]] ResultArray as_array(std::string_view name, std::span<const Number> values, std::size_t columns = 1) {
     const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-    return {name, type_of<Number>(), columns, bytes};
+    return {name, type_of<Number>(), columns, bytes, false};
 }
 
 // Returns the arrays that `wanted` names, status, duplicate_of when there are duplicates, ids when there are any, and
 // the columns that are carried. They are valid as long as what `data` refers to.
 [[nodiscard]] std::vector<ResultArray> result_arrays(const OutputData& data);
+
+// A piece of a result, under the names that Tessellation has; duplicate_of and shifts are empty where the whole has
+// none.
+struct ResultPiece {
+    std::span<const std::int64_t> indptr;  // n+1
+    std::span<const std::int32_t> indices;
+    std::span<const std::int64_t> wide_indices;  // instead, where these are too few bits
+    std::span<const std::int8_t> shifts;
+    std::span<const double> face_areas, face_normals, volumes, centroids, surface_areas, security_radii;
+    std::span<const std::uint32_t> face_counts, edge_counts, vertex_counts;
+    std::span<const votess::CellStatus> status;
+    std::span<const std::int32_t> duplicate_of;
+    std::span<const std::int64_t> wide_duplicate_of;
+    bool has_shifts = false, has_duplicates = false, wide = false;  // of the whole
+};
+[[nodiscard]] std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
+                                                     std::span<const std::int64_t> ids,
+                                                     const std::vector<InputColumn>& carried);
 
 // Whether an array of .npz or .h5 may have that name.
 [[nodiscard]] bool is_result_array(std::string_view name);

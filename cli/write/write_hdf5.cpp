@@ -3,6 +3,7 @@
 #include <array>
 #include <cerrno>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -11,9 +12,9 @@
 #include "files/formats/hdf5_handles.hpp"
 #include "interrupt.hpp"
 #include "queries/grid_files.hpp"
+#include "stream/streamed_file.hpp"
 #include "write/hdf5_share.hpp"
 #include "write/output.hpp"
-#include "write/result_arrays.hpp"
 
 namespace clvotess {
 namespace {
@@ -159,17 +160,49 @@ private:
     Hdf5Handle file_;
 };
 
+void finish_file(Hdf5Writer& writer, const votess::Tessellation& domain, const std::vector<Attribute>& attributes) {
+    writer.add_domain(domain);
+    for (const auto& [name, value] : attributes) {
+        std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
+    }
+    writer.finish();
+}
+
+// All arrays are made, and the room in the file for each, before more than some rows of any are there: so the file is
+// the same as if it were written at once.
+class StreamedHdf5 : public StreamedFile {
+public:
+    explicit StreamedHdf5(OutputFile& file) : writer_(file) {}
+
+    void add(const ResultArray& first, std::uint64_t rows) override {
+        sets_.push_back(writer_.create(first, rows));
+        writer_.write(sets_.back(), first, 0);
+    }
+    void write(std::size_t number, std::uint64_t row, const ResultArray& rows) override {
+        writer_.write(sets_[number], rows, row);
+    }
+    void finish(const votess::Tessellation& domain, const std::vector<Attribute>& attributes) override {
+        for (Hdf5Handle& set : sets_) writer_.close(set);
+        finish_file(writer_, domain, attributes);
+    }
+
+private:
+    Hdf5Writer writer_;
+    std::vector<Hdf5Handle> sets_;
+};
+
 }  // namespace
 
 void write_hdf5(OutputFile& file, const OutputData& data) {
     begin_hdf5();
     Hdf5Writer writer(file);
     for (const ResultArray& array : result_arrays(data)) writer.add(array);
-    writer.add_domain(data.tessellation);
-    for (const auto& [name, value] : attributes_of(data)) {
-        std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
-    }
-    writer.finish();
+    finish_file(writer, data.tessellation, attributes_of(data.input.units, data.domain_from));
+}
+
+std::unique_ptr<StreamedFile> create_hdf5(OutputFile& file) {
+    begin_hdf5();
+    return std::make_unique<StreamedHdf5>(file);
 }
 
 void write_hdf5_share(const Hdf5Share& share) {
@@ -182,13 +215,7 @@ void write_hdf5_share(const Hdf5Share& share) {
         share.together([&] { writer->write(set, array.own, array.first); });
         share.together([&] { writer->close(set); });
     }
-    share.together([&] {
-        writer->add_domain(share.domain);
-        for (const auto& [name, value] : share.attributes) {
-            std::visit([&](const auto& v) { writer->add_attribute(name, v); }, value);
-        }
-        writer->finish();
-    });
+    share.together([&] { finish_file(*writer, share.domain, share.attributes); });
 }
 
 // A dataset `grid`; the domain, the method and the names of the columns are attributes of the root.

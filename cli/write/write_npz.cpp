@@ -35,7 +35,7 @@ void write_npz(OutputFile& file, const OutputData& data) {
     for (const ResultArray& array : result_arrays(data)) add_array(array);
     const DomainArrays domain(data.tessellation);
     for (const ResultArray& array : domain.all()) add_array(array);
-    for (const auto& [name, value] : attributes_of(data)) {
+    for (const auto& [name, value] : attributes_of(data.input.units, data.domain_from)) {
         if (const double* const number = std::get_if<double>(&value)) {
             add(name, "<f8", "()", {reinterpret_cast<const char*>(number), sizeof *number});
             continue;

@@ -50,24 +50,39 @@ private:
 
 }  // namespace
 
+Asked LocalBlock::asked() const {
+    Asked asked;
+    for (const std::uint32_t cell : asked_) asked.cells.add(all_.seeds, cell);
+    for (const std::int32_t i : friends_) asked.friends.add(all_.seeds, static_cast<std::size_t>(i));
+    asked.friends = asked.friends.sorted();
+    asked.faces = asked_faces_;
+    return asked;
+}
+
+// The neighbors of the cells that had to ask are among those that they had and those that they got.
+void finish_asked(const Options& options, const Asked& asked, const Seeds& answers, Run& run) {
+    if (asked.cells.size() == 0) return;
+    run.seeds = asked.cells;
+    Seeds others = asked.friends;
+    others.add(answers);
+    others = others.sorted();
+    for (std::size_t i = 0; i < others.size(); ++i)
+        if (!std::ranges::binary_search(asked.cells.ids, others.ids[i])) run.seeds.add(others, i);
+    run.clip(options, asked.cells.size());
+}
+
 BlockCells LocalBlock::finish(const Seeds& answers) {
     counts_.given += answers.size();
-    // The neighbors of the cells that had to ask are among those that they had and those that they got.
-    Seeds seeds, others = answers;
-    for (const std::uint32_t cell : asked_) seeds.add(own_, cell);
-    for (const std::int32_t i : friends_) others.add(all_.seeds, static_cast<std::size_t>(i));
-    others = others.sorted();
-    const std::vector<std::int64_t> first = seeds.ids;
-    for (std::size_t i = 0; i < others.size(); ++i)
-        if (!std::ranges::binary_search(first, others.ids[i])) seeds.add(others, i);
-    if (!asked_.empty()) run(asked_run_, std::move(seeds), asked_.size());
-    counts_.exact_cells = all_.result.stats.exact_cells + asked_run_.result.stats.exact_cells;
+    Run asked_run;
+    finish_asked(options_, asked(), answers, asked_run);
+    counts_.exact_cells = all_.result.stats.exact_cells + asked_run.result.stats.exact_cells;
 
     BlockCells cells;
-    const std::size_t entries = all_.result.indices.size() + asked_run_.result.indices.size();
+    const std::size_t entries = all_.result.indices.size() + asked_run.result.indices.size();
     cells.neighbors.reserve(entries);
     cells.tags.reserve(entries);
-    Merger merger(cells, own_.size(), entries);
+    Merger merger(cells, count_, entries);
+    const std::span own_ids = std::span(all_.seeds.ids).first(count_);
     std::vector<std::int64_t> others_met;
     const auto add = [&](const Run& from, std::size_t i, std::size_t first_other) {
         merger.add(from.result, i, from.seeds);
@@ -75,14 +90,14 @@ BlockCells LocalBlock::finish(const Seeds& answers) {
             const std::int32_t index = from.result.indices[static_cast<std::size_t>(e)];
             if (index < 0 || static_cast<std::size_t>(index) < first_other) continue;
             const std::int64_t id = from.seeds.ids[static_cast<std::size_t>(index)];
-            if (!std::ranges::binary_search(own_.ids, id)) others_met.push_back(id);
+            if (!std::ranges::binary_search(own_ids, id)) others_met.push_back(id);
         }
     };
-    for (std::size_t i = 0, asked = 0; i < own_.size(); ++i) {
+    for (std::size_t i = 0, asked = 0; i < count_; ++i) {
         if (asked < asked_.size() && asked_[asked] == i)
-            add(asked_run_, asked++, asked_.size());
+            add(asked_run, asked++, asked_.size());
         else
-            add(all_, i, own_.size());
+            add(all_, i, count_);
     }
     std::ranges::sort(others_met);
     const auto [end, last] = std::ranges::unique(others_met);

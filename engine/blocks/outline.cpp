@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace votess::blocks {
 namespace {
@@ -36,6 +35,94 @@ Box wider(const Box& box, double by) {
     return moved({{box.lower[0] - 2 * by, box.lower[1] - 2 * by, box.lower[2] - 2 * by}, box.upper}, {by, by, by});
 }
 
+// Splits seeds at the median of the longest side until tiles are small enough.
+class Tiler {
+public:
+    struct Seed {
+        exact::Point x;
+        std::uint32_t number;
+    };
+    struct Range {
+        std::size_t begin, end;
+    };
+    struct Tiles {
+        std::vector<Tile> tiles;
+        std::vector<std::size_t> ends;
+    };
+
+    Tiler(const std::vector<exact::Point>& places, std::span<const double> weights) : weights_(weights) {
+        seeds_.reserve(places.size());
+        for (const exact::Point& x : places) seeds_.push_back({x, static_cast<std::uint32_t>(seeds_.size())});
+    }
+
+    // Splits ranges of more than `most` seeds, and gives those that are left in order.
+    void split(Range range, std::size_t most, std::vector<Range>& out) {
+        const std::size_t middle = range.end - range.begin > most ? divide(range, box_of(range)) : range.begin;
+        if (middle == range.begin) return out.push_back(range);
+        split({range.begin, middle}, most, out);
+        split({middle, range.end}, most, out);
+    }
+
+    void make_tiles(Range range, Tiles& out) {
+        std::vector<Range> ranges;
+        split(range, tile_seeds_at_most, ranges);
+        for (const Range& of_tile : ranges) {
+            Tile tile{box_of(of_tile), 0, -infinity};
+            double volume = 1;
+            for (std::size_t k = 0; k < 3; ++k) volume *= tile.box.upper[k] - tile.box.lower[k];
+            tile.width = layer_spacings * std::cbrt(volume / static_cast<double>(of_tile.end - of_tile.begin));
+            for (std::size_t k = of_tile.begin; k < of_tile.end; ++k)
+                tile.largest_weight = std::max(tile.largest_weight, weights_.empty() ? 0 : weights_[seeds_[k].number]);
+            out.tiles.push_back(tile);
+            out.ends.push_back(of_tile.end);
+        }
+    }
+
+    [[nodiscard]] std::vector<std::uint32_t> order() const {
+        std::vector<std::uint32_t> order;
+        order.reserve(seeds_.size());
+        for (const Seed& seed : seeds_) order.push_back(seed.number);
+        return order;
+    }
+
+private:
+    [[nodiscard]] Box box_of(Range range) const {
+        Box box = no_box();
+        for (std::size_t k = range.begin; k < range.end; ++k) include(box, {seeds_[k].x, seeds_[k].x});
+        return box;
+    }
+
+    // Seeds at one place stay together, so that who is given one is given the others too. Returns where the second half
+    // begins; the range's begin where there is but one place.
+    std::size_t divide(Range range, const Box& box) {
+        std::size_t axis = 0;
+        for (std::size_t k = 1; k < 3; ++k)
+            if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
+        const auto at = [&](std::size_t k) { return seeds_.begin() + static_cast<std::ptrdiff_t>(k); };
+        const auto middle = at(range.begin + (range.end - range.begin) / 2);
+        std::nth_element(at(range.begin), middle, at(range.end), [axis](const Seed& a, const Seed& b) {
+            return a.x[axis] != b.x[axis] ? a.x[axis] < b.x[axis] : a.x < b.x;
+        });
+        const exact::Point first = middle->x;
+        const auto moved = std::partition(at(range.begin), middle, [&](const Seed& seed) { return seed.x != first; });
+        return static_cast<std::size_t>(moved - seeds_.begin());
+    }
+
+    std::vector<Seed> seeds_;
+    std::span<const double> weights_;
+};
+
+Box boxes_around(const std::vector<Tile>& tiles, std::size_t node, std::size_t begin, std::size_t end,
+                 std::vector<Box>& around) {
+    if (end - begin == 1) return around[node] = tiles[begin].box;
+    const std::size_t middle = begin + (end - begin) / 2;
+    Box box = boxes_around(tiles, node + 1, begin, middle, around);
+    include(box, boxes_around(tiles, node + 2 * (middle - begin), middle, end, around));
+    return around[node] = box;
+}
+
+}  // namespace
+
 double distance_squared(const Box& a, const Box& b) {
     double sum = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -45,77 +132,34 @@ double distance_squared(const Box& a, const Box& b) {
     return sum;
 }
 
-// Splits seeds at the median of the longest side until tiles are small enough.
-struct Tiler {
-    const std::vector<exact::Point>& places;
-    std::span<const double> weights;
-    TiledSeeds& out;
-
-    void split(std::size_t begin, std::size_t end) {
-        Tile tile{no_box(), 0, -infinity};
-        for (std::size_t k = begin; k < end; ++k) {
-            const exact::Point& x = places[out.order[k]];
-            include(tile.box, {x, x});
-            tile.largest_weight = std::max(tile.largest_weight, weights.empty() ? 0 : weights[out.order[k]]);
-        }
-        const std::size_t count = end - begin;
-        std::size_t axis = 0;
-        std::array<double, 3> sides;
-        for (std::size_t k = 0; k < 3; ++k) {
-            sides[k] = tile.box.upper[k] - tile.box.lower[k];
-            if (sides[k] > sides[axis]) axis = k;
-        }
-        if (count > tile_seeds_at_most) {
-            const std::size_t middle = divide(begin, end, axis);
-            if (middle > begin) {
-                split(begin, middle);
-                return split(middle, end);
-            }
-        }
-        add(tile, sides, begin, end);
-    }
-
-private:
-    // Seeds at one place stay together, so that who is given one is given the others too. Returns where the second half
-    // begins; `begin` where there is but one place.
-    std::size_t divide(std::size_t begin, std::size_t end, std::size_t axis) {
-        const auto at = [&](std::size_t k) { return out.order.begin() + static_cast<std::ptrdiff_t>(k); };
-        const auto middle = at(begin + (end - begin) / 2);
-        std::nth_element(at(begin), middle, at(end), [&](std::uint32_t i, std::uint32_t j) {
-            const double x = places[i][axis], y = places[j][axis];
-            return x != y ? x < y : places[i] < places[j];
-        });
-        const exact::Point& first = places[*middle];
-        const auto moved = std::partition(at(begin), middle, [&](std::uint32_t i) { return places[i] != first; });
-        return static_cast<std::size_t>(moved - out.order.begin());
-    }
-
-    void add(Tile& tile, const std::array<double, 3>& sides, std::size_t begin, std::size_t end) {
-        const auto count = static_cast<double>(end - begin);
-        tile.width = layer_spacings * std::cbrt(sides[0] * sides[1] * sides[2] / count);
-        out.outline.tiles.push_back(tile);
-        out.begin.push_back(end);
-    }
-};
-
-}  // namespace
-
-TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights) {
+TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights, ThreadPool& pool) {
     TiledSeeds tiled;
-    tiled.order.resize(places.size());
-    std::iota(tiled.order.begin(), tiled.order.end(), 0u);
     tiled.begin.assign(1, 0);
-    if (!places.empty()) Tiler{places, weights, tiled}.split(0, places.size());
-    tiled.outline = outline_of(std::move(tiled.outline.tiles));
+    tiled.outline = outline_of({});
+    if (places.empty()) return tiled;
+    Tiler tiler(places, weights);
+    std::vector<Tiler::Range> tasks;
+    tiler.split({0, places.size()}, std::max(tile_seeds_at_most, places.size() / (4 * std::size_t{pool.size()})),
+                tasks);
+    std::vector<Tiler::Tiles> of_task(tasks.size());
+    pool.run(tasks.size(), [&](std::size_t k, unsigned) { tiler.make_tiles(tasks[k], of_task[k]); });
+    std::vector<Tile> tiles;
+    for (const Tiler::Tiles& some : of_task) {
+        tiles.insert(tiles.end(), some.tiles.begin(), some.tiles.end());
+        tiled.begin.insert(tiled.begin.end(), some.ends.begin(), some.ends.end());
+    }
+    tiled.order = tiler.order();
+    tiled.outline = outline_of(std::move(tiles));
     return tiled;
 }
 
 Outline outline_of(std::vector<Tile> tiles) {
-    Outline outline{no_box(), -infinity, std::move(tiles)};
-    for (const Tile& tile : outline.tiles) {
-        include(outline.box, tile.box);
+    Outline outline{no_box(), -infinity, std::move(tiles), {}};
+    for (const Tile& tile : outline.tiles)
         outline.largest_weight = std::max(outline.largest_weight, tile.largest_weight);
-    }
+    if (outline.tiles.empty()) return outline;
+    outline.around.resize(2 * outline.tiles.size() - 1);
+    outline.box = boxes_around(outline.tiles, 0, 0, outline.tiles.size(), outline.around);
     return outline;
 }
 

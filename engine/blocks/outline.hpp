@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/thread_pool.hpp"
 #include "domain/domain.hpp"
 
 namespace votess::blocks {
@@ -23,7 +24,27 @@ struct Outline {
     Box box;  // around all tiles
     double largest_weight = 0;
     std::vector<Tile> tiles;  // none where the block has no seeds
+    std::vector<Box> around;  // around both halves of the tiles, then the halves of the first half, and so on
+
+    // Calls visit(number) for tiles whose boxes, and those around them, pass the test.
+    template <class Test, class Visit>
+    void for_tiles(const Test& test, const Visit& visit) const {
+        if (!tiles.empty()) for_tiles(test, visit, 0, 0, tiles.size());
+    }
+
+private:
+    template <class Test, class Visit>
+    void for_tiles(const Test& test, const Visit& visit, std::size_t node, std::size_t begin, std::size_t end) const {
+        if (!test(around[node])) return;
+        if (end - begin == 1) return visit(begin);
+        const std::size_t middle = begin + (end - begin) / 2;
+        for_tiles(test, visit, node + 1, begin, middle);
+        for_tiles(test, visit, node + 2 * (middle - begin), middle, end);
+    }
 };
+
+// Of two boxes; 0 where they meet.
+double distance_squared(const Box& a, const Box& b);
 
 Outline outline_of(std::vector<Tile> tiles);
 // One tile without a width, for blocks that were given no layer: it claims no seed near them.
@@ -35,7 +56,7 @@ struct TiledSeeds {
     std::vector<std::uint32_t> order;
     std::vector<std::size_t> begin;
 };
-TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights);
+TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights, ThreadPool& pool);
 
 // Knows which images of boxes and places are near each other.
 class Nearness {

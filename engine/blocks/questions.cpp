@@ -33,18 +33,20 @@ public:
         builder_.begin_job(*block.all_.job.domain);
         for (std::size_t b = 0; b < block.outlines_.size(); ++b)
             if (b != block.number_) heaviest_ = std::max(heaviest_, block.outlines_[b].largest_weight);
+        longest_ = block.longest_reach(heaviest_);
     }
 
-    std::uint64_t tested = 0;
+    std::uint64_t tested = 0, faces = 0;
     std::vector<std::int32_t> friends;
 
-    struct Asked {
+    struct Asking {
         std::uint32_t cell;
         std::vector<std::uint32_t> blocks;
         Questions::Cell question;
         std::vector<Questions::Guard> guards;
     };
-    std::vector<Asked> ask_of_tile(std::size_t tile) {
+    std::vector<Asking> ask_of_tile(std::size_t tile) {
+        if (!block_.any_near(tile, longest_)) return {};
         const std::size_t begin = block_.tiled_.begin[tile], end = block_.tiled_.begin[tile + 1];
         double farthest = 0;
         reaches_.assign(end - begin, -1);
@@ -53,22 +55,25 @@ public:
             if (block_.all_.result.status[cell] != CellStatus::certified) continue;
             farthest = std::max(farthest, reaches_[k - begin] = block_.reach_of(cell, heaviest_));
         }
-        std::vector<Asked> asked;
-        const std::vector<Unknown> unknown = block_.unknown_near(tile, farthest);
+        std::vector<Asking> asked;
+        std::vector<Unknown> unknown = block_.unknown_near(tile, farthest);
+        std::ranges::sort(unknown, {}, &Unknown::from_tile);
         for (std::size_t k = begin; k < end && !unknown.empty(); ++k) {
             const std::size_t cell = block_.tiled_.order[k];
             const double reach = reaches_[k - begin];
             if (reach < 0) continue;
             near_.clear();
-            for (const Unknown& one : unknown)
+            for (const Unknown& one : unknown) {
+                if (one.from_tile > reach * reach) break;
                 if (distance_squared(block_.places_[cell], one.box) <= reach * reach) near_.push_back(&one);
-            if (!near_.empty()) ask(cell, asked);
+            }
+            if (!near_.empty()) ask(cell, reach, asked);
         }
         return asked;
     }
 
 private:
-    void ask(std::size_t number, std::vector<Asked>& asked) {
+    void ask(std::size_t number, double reach, std::vector<Asking>& asked) {
         const std::int32_t own = block_.positions_[number];
         cpu::Cell& cell = builder_.build(static_cast<std::size_t>(own));
         ++tested;
@@ -80,10 +85,11 @@ private:
             if (cell.in_reach(seen, std::max(0.0, one->largest_weight - weight))) blocks.push_back(one->block);
         }
         if (blocks.empty()) return;
-        Asked& one = asked.emplace_back();
+        Asking& one = asked.emplace_back();
         one.cell = static_cast<std::uint32_t>(number);
         one.blocks = std::move(blocks);
         cell.canonical_faces(faces_);
+        faces += faces_.size();
         const auto& input = block_.all_.clipper.seeds().input;
         for (const std::int32_t p : faces_.planes) {
             const cpu::CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
@@ -91,12 +97,13 @@ private:
             friends.push_back(input[static_cast<std::size_t>(plane.id)]);
             one.guards.push_back({plane.source.seed, plane.source.shift, plane.source.power});
         }
-        one.question = {block_.probe_of(number), one.guards.size()};
+        one.question = {block_.probe_of(number), reach, one.guards.size()};
     }
 
     const LocalBlock& block_;
     cpu::CellBuilder builder_;
     double heaviest_ = -std::numeric_limits<double>::infinity();
+    double longest_ = 0;  // no cell of the block reaches farther
     cpu::CellFaces faces_;
     std::vector<double> reaches_;
     std::vector<const Unknown*> near_;
@@ -123,13 +130,13 @@ cpu::Probe LocalBlock::probe_of(std::size_t cell) const {
 void LocalBlock::ask() {
     const std::size_t tiles = tiled_.outline.tiles.size();
     questions_.assign(outlines_.size(), {});
-    std::vector<std::vector<Asker::Asked>> asked(tiles);
+    std::vector<std::vector<Asker::Asking>> asked(tiles);
     ThreadPool& pool = all_.clipper.pool();
     std::deque<Asker> askers;
     for (unsigned k = 0; k < pool.size(); ++k) askers.emplace_back(*this);
     pool.run(tiles, [&](std::size_t tile, unsigned worker) { asked[tile] = askers[worker].ask_of_tile(tile); });
     for (const auto& of_tile : asked)
-        for (const Asker::Asked& one : of_tile) {
+        for (const Asker::Asking& one : of_tile) {
             asked_.push_back(one.cell);
             for (const std::uint32_t b : one.blocks) {
                 questions_[b].cells.push_back(one.question);
@@ -140,17 +147,18 @@ void LocalBlock::ask() {
     std::ranges::sort(asked_);
     for (const Asker& asker : askers) {
         counts_.tested += asker.tested;
+        asked_faces_ += asker.faces;
         friends_.insert(friends_.end(), asker.friends.begin(), asker.friends.end());
     }
 }
 
 // Clips cells of other blocks. One per thread.
-class LocalBlock::Answerer {
+class Responder::Worker {
 public:
-    explicit Answerer(const LocalBlock& block)
-        : seeds_(block.all_.clipper.seeds()),
-          domain_(*block.all_.job.domain),
-          builder_(seeds_, block.all_.clipper.hierarchy(), *cpu::find_kernels(block.options_.instructions)) {
+    explicit Worker(const Responder& responder)
+        : seeds_(responder.run_.clipper.seeds()),
+          domain_(*responder.run_.job.domain),
+          builder_(seeds_, responder.run_.clipper.hierarchy(), *cpu::find_kernels(responder.options_.instructions)) {
         builder_.begin_job(domain_);
     }
 
@@ -187,27 +195,39 @@ private:
     cpu::CellFaces faces_;
 };
 
-Seeds LocalBlock::answer(const Questions& questions) {
+Seeds Responder::answer(const Questions& questions) const {
     Seeds seeds;
     if (questions.cells.empty()) return seeds;
     std::vector<std::size_t> begin{0};
     for (const Questions::Cell& cell : questions.cells) begin.push_back(begin.back() + cell.guards);
-    ThreadPool& pool = all_.clipper.pool();
-    std::deque<Answerer> answerers;
-    for (unsigned k = 0; k < pool.size(); ++k) answerers.emplace_back(*this);
+    ThreadPool& pool = run_.clipper.pool();
+    std::deque<Worker> workers;
+    for (unsigned k = 0; k < pool.size(); ++k) workers.emplace_back(*this);
     const std::size_t count = questions.cells.size();
     pool.run(ceil_div(count, answers_at_once), [&](std::size_t task, unsigned worker) {
         for (std::size_t q = task * answers_at_once; q < std::min(count, (task + 1) * answers_at_once); ++q)
-            answerers[worker].answer(questions.cells[q],
-                                     std::span(questions.guards).subspan(begin[q], begin[q + 1] - begin[q]));
+            workers[worker].answer(questions.cells[q],
+                                   std::span(questions.guards).subspan(begin[q], begin[q + 1] - begin[q]));
     });
     std::vector<std::int32_t> found;
-    for (const Answerer& answerer : answerers) found.insert(found.end(), answerer.found.begin(), answerer.found.end());
+    for (const Worker& worker : workers) found.insert(found.end(), worker.found.begin(), worker.found.end());
     std::ranges::sort(found);
     const auto [end, last] = std::ranges::unique(found);
     found.erase(end, last);
-    for (const std::int32_t i : found) seeds.add(all_.seeds, static_cast<std::size_t>(i));
+    for (const std::int32_t i : found) seeds.add(run_.seeds, static_cast<std::size_t>(i));
     return seeds;
+}
+
+Seeds LocalBlock::answer(const Questions& questions) {
+    return Responder(options_, all_).answer(questions);
+}
+
+void mark_near(const Outline& outline, const Nearness& nearness, const Questions& questions, std::vector<bool>& near) {
+    for (const Questions::Cell& cell : questions.cells) {
+        const Box home{cell.seed.place.at, cell.seed.place.at};
+        outline.for_tiles([&](const Box& box) { return nearness.is_near(box, home, cell.reach); },
+                          [&](std::size_t tile) { near[tile] = true; });
+    }
 }
 
 }  // namespace votess::blocks

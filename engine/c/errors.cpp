@@ -15,6 +15,7 @@ static_assert(same(VOTESS_ERROR_UNSUPPORTED, ErrorCode::unsupported));
 static_assert(same(VOTESS_ERROR_INTERNAL, ErrorCode::internal));
 static_assert(same(VOTESS_ERROR_DEVICE_LOST, ErrorCode::device_lost));
 static_assert(same(VOTESS_ERROR_INVALID_USE, ErrorCode::invalid_use));
+static_assert(same(VOTESS_ERROR_STORAGE, ErrorCode::storage));
 
 // The last failure of each thread: thread-local, so that no thread sees or changes another's, and of fixed size, so
 // that telling of exhausted memory takes none.

@@ -78,6 +78,10 @@ VOTESS_API void require_struct_size(std::size_t size, std::size_t smallest, cons
 // given: NULL for the defaults. count: how many numbers weights and radii hold.
 [[nodiscard]] VOTESS_API Options convert_options(const votess_options* given, std::size_t count);
 
+// Its size, as the caller set it.
+void check_stats(const votess_stats& out);
+void write_stats(const Stats& stats, votess_stats& out);
+
 template <typename Coordinate>
 std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points") {
     if (points == nullptr && count != 0) refuse(std::string(name) + " is NULL but count is " + std::to_string(count));

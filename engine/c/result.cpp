@@ -183,36 +183,41 @@ votess_status votess_result_cell(const votess_result* result, int32_t* has_cell,
     });
 }
 
+void votess::c::check_stats(const votess_stats& out) {
+    require_struct_size(out.struct_size, first_size, "stats.struct_size", "set it to sizeof(votess_stats)");
+}
+
+void votess::c::write_stats(const votess::Stats& stats, votess_stats& out) {
+    votess_stats c_stats{};
+    c_stats.struct_size = out.struct_size;
+    c_stats.threads = stats.threads;
+    c_stats.points = stats.points;
+    c_stats.faces = stats.faces;
+    c_stats.duplicates = stats.duplicates;
+    c_stats.empty_cells = stats.empty_cells;
+    c_stats.fallback_cells = stats.fallback_cells;
+    c_stats.exact_cells = stats.exact_cells;
+    c_stats.peak_memory_bytes = stats.peak_memory_bytes;
+    c_stats.mean_faces = stats.mean_faces;
+    c_stats.volume_sum = stats.volume_sum;
+    c_stats.box_volume = stats.box_volume;
+    c_stats.seconds_upload = stats.seconds.upload;
+    c_stats.seconds_sort = stats.seconds.sort;
+    c_stats.seconds_knn = stats.seconds.knn;
+    c_stats.seconds_clip = stats.seconds.clip;
+    c_stats.seconds_fallback = stats.seconds.fallback;
+    c_stats.seconds_download = stats.seconds.download;
+    c_stats.seconds_total = stats.seconds.total;
+    copy_text(stats.device, c_stats.device, sizeof c_stats.device);
+    c_stats.precision = static_cast<std::int32_t>(stats.precision);
+    std::memcpy(&out, &c_stats, std::min<std::size_t>(out.struct_size, sizeof c_stats));
+}
+
 votess_status votess_result_stats(const votess_result* result, votess_stats* out) {
     return guarded([&] {
         require(result, "result");
         require(out, "stats");
-        const std::uint32_t size = out->struct_size;
-        require_struct_size(size, first_size, "stats.struct_size", "set it to sizeof(votess_stats)");
-
-        const votess::Stats& stats = result->tessellation.stats();
-        votess_stats c_stats{};
-        c_stats.struct_size = size;
-        c_stats.threads = stats.threads;
-        c_stats.points = stats.points;
-        c_stats.faces = stats.faces;
-        c_stats.duplicates = stats.duplicates;
-        c_stats.empty_cells = stats.empty_cells;
-        c_stats.fallback_cells = stats.fallback_cells;
-        c_stats.exact_cells = stats.exact_cells;
-        c_stats.peak_memory_bytes = stats.peak_memory_bytes;
-        c_stats.mean_faces = stats.mean_faces;
-        c_stats.volume_sum = stats.volume_sum;
-        c_stats.box_volume = stats.box_volume;
-        c_stats.seconds_upload = stats.seconds.upload;
-        c_stats.seconds_sort = stats.seconds.sort;
-        c_stats.seconds_knn = stats.seconds.knn;
-        c_stats.seconds_clip = stats.seconds.clip;
-        c_stats.seconds_fallback = stats.seconds.fallback;
-        c_stats.seconds_download = stats.seconds.download;
-        c_stats.seconds_total = stats.seconds.total;
-        copy_text(stats.device, c_stats.device, sizeof c_stats.device);
-        c_stats.precision = static_cast<std::int32_t>(stats.precision);
-        std::memcpy(out, &c_stats, std::min<std::size_t>(size, sizeof c_stats));
+        check_stats(*out);
+        write_stats(result->tessellation.stats(), *out);
     });
 }

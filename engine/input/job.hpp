@@ -17,7 +17,7 @@ namespace votess {
 struct Points {
     std::span<const double> f64;
     std::span<const float> f32;
-    std::uint64_t first = 0;  // number of the first one, for messages
+    std::uint64_t first = 0;  // what messages call the first one, where these are some of an input
 
     [[nodiscard]] std::size_t coordinates() const { return f64.size() + f32.size(); }
     [[nodiscard]] std::size_t count() const { return coordinates() / 3; }

@@ -194,23 +194,6 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
     return bounds;
 }
 
-// Bounds of all seeds.
-Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
-    constexpr std::size_t block = 4096;
-    Box bounds = nothing;
-    for (std::size_t begin = 0; begin < points.count(); begin += block) {
-        const std::size_t count = std::min(block, points.count() - begin);
-        Box some = nothing;
-        bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), some)
-                                       : find_bounds(points.f32.subspan(3 * begin, 3 * count), some);
-        for (int k = 0; k < 3; ++k)
-            if (options.box && !options.periodic[k])
-                good &= some.lower[k] >= options.box->lower[k] && some.upper[k] <= options.box->upper[k];
-        include(bounds, good ? some : check_each(points, begin, begin + count, options, outside));
-    }
-    return bounds;
-}
-
 void take_weights(const Job& job, Domain& domain) {
     domain.weights = scaled_weights(job.options, job.points.count(), "points", job.scale, job.points.first);
     if (domain.has_weights()) domain.largest_weight = *std::ranges::max_element(domain.weights);
@@ -288,6 +271,22 @@ void make_domain(Job& job) {
 }
 
 }  // namespace
+
+Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
+    constexpr std::size_t block = 4096;
+    Box bounds = nothing;
+    for (std::size_t begin = 0; begin < points.count(); begin += block) {
+        const std::size_t count = std::min(block, points.count() - begin);
+        Box some = nothing;
+        bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), some)
+                                       : find_bounds(points.f32.subspan(3 * begin, 3 * count), some);
+        for (int k = 0; k < 3; ++k)
+            if (options.box && !options.periodic[k])
+                good &= some.lower[k] >= options.box->lower[k] && some.upper[k] <= options.box->upper[k];
+        include(bounds, good ? some : check_each(points, begin, begin + count, options, outside));
+    }
+    return bounds;
+}
 
 std::vector<double> scaled_weights(const Options& options, std::size_t count, const char* of, double scale,
                                    std::uint64_t first) {

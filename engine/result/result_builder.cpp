@@ -1,7 +1,5 @@
 #include "result/result_builder.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "core/ceil.hpp"
+#include "core/peak_memory.hpp"
 #include "input/implied_wants.hpp"
 #include "result/face_filter.hpp"
 
@@ -37,16 +36,6 @@ void fill(Buffer<T>& buffer, std::size_t count, T value, ThreadPool& pool) {
     for_blocks(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
         std::fill(buffer.data() + begin, buffer.data() + end, value);
     });
-}
-
-std::uint64_t peak_memory() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-#if defined(__APPLE__)
-    return static_cast<std::uint64_t>(usage.ru_maxrss);
-#else
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-#endif
 }
 
 // Kahan: 1e9 volumes sum to the last digits. Several sums side by side, because each waits for its own last addition.

@@ -27,7 +27,8 @@ typedef enum votess_status {
     VOTESS_ERROR_UNSUPPORTED = 4,
     VOTESS_ERROR_INTERNAL = 5,
     VOTESS_ERROR_DEVICE_LOST = 6,
-    VOTESS_ERROR_INVALID_USE = 7  // the tessellator is at work in another call
+    VOTESS_ERROR_INVALID_USE = 7,  // the tessellator is at work in another call
+    VOTESS_ERROR_STORAGE = 8       // temporary files of votess_tessellate_stream()
 } votess_status;
 
 // Values of the per-cell status bytes; see CellStatus in votess.hpp.

@@ -40,6 +40,7 @@ enum class ErrorCode : std::int32_t {
     internal = 5,     // a bug in votess: please report it
     device_lost = 6,  // the device stopped answering or its driver failed
     invalid_use = 7,  // a Tessellator that is at work in another call, or was moved from
+    storage = 8,      // a temporary file of tessellate_stream() cannot be written or read, or its disk has no room
 };
 
 class VOTESS_API Error : public std::runtime_error {

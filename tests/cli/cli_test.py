@@ -22,7 +22,7 @@ SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "d
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--copy", "--density", "--output", "--format", "--want",
            "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder",
            "--wall-cone", "--outside", "--min-face", "--min-area", "--image", "--image-size", "--slice", "--cut",
-           "--view", "--color", "--colormap", "--seeds", "--locate", "--probe", "--interpolate", "--values", "--natural", "--to-grid", "--shape", "--project", "--device", "--threads", "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
+           "--view", "--color", "--colormap", "--seeds", "--locate", "--probe", "--interpolate", "--values", "--natural", "--to-grid", "--shape", "--project", "--memory", "--temporary", "--device", "--threads", "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
            "--json", "--list-devices", "--version", "--quiet", "--help", "--help-all", "--man", "--completion", "--voro++"]
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 

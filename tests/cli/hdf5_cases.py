@@ -1,21 +1,34 @@
 """HDF5 in and out, with h5py as the other side."""
 
 import os
+import re
 import resource
 import shutil
 import signal
 import subprocess
+import time
 import unittest
 
 import numpy as np
 
-from cli_test import CLI, CliTest, random_points
+from cli_test import CLI, JSON_KEYS, CliTest, random_points
 from reader_cases import ReaderTest
 
 try:
     import h5py
 except ImportError:
     h5py = None
+
+
+class Hdf5Test(ReaderTest):
+    def save(self, name, attributes=(), **arrays):
+        """A file of these datasets, `a__b` being b in the group a; attributes of the group Header."""
+        with h5py.File(self.folder / name, "w") as file:
+            for path, array in arrays.items():
+                file[path.replace("__", "/")] = array
+            for key, value in dict(attributes).items():
+                file.require_group("Header").attrs[key] = value
+        return name
 
 
 class Hdf5Module(CliTest):
@@ -51,16 +64,7 @@ class Hdf5Module(CliTest):
 
 
 @unittest.skipUnless(h5py, "NO h5py: HDF5 FILES ARE NOT TESTED (Debian: python3-h5py)")
-class Hdf5Files(ReaderTest):
-    def save(self, name, attributes=(), **arrays):
-        """A file of these datasets, `a__b` being b in the group a; attributes of the group Header."""
-        with h5py.File(self.folder / name, "w") as file:
-            for path, array in arrays.items():
-                file[path.replace("__", "/")] = array
-            for key, value in dict(attributes).items():
-                file.require_group("Header").attrs[key] = value
-        return name
-
+class Hdf5Files(Hdf5Test):
     def test_datasets(self):
         points = random_points(400)
         for name in ["a.h5", "a.hdf5", "A.HDF5"]:
@@ -244,3 +248,109 @@ class Hdf5Files(ReaderTest):
         done = self.run_cli("--random", 2000, "-o", "out.h5", code=1, preexec_fn=limit, restore_signals=False)
         self.assertRegex(done.stderr, r"\Aclvotess: cannot write 'out.h5'[^\n]*\n\Z")
         self.assertEqual(self.files(), [])
+
+
+@unittest.skipUnless(h5py, "NO h5py: HDF5 FILES ARE NOT TESTED (Debian: python3-h5py)")
+class Streamed(Hdf5Test):
+    """--memory: the file that a run in memory writes."""
+
+    def least(self, *arguments, stdin=""):
+        """Memory for blocks of some thousand points, beside what clvotess itself takes in this run."""
+        said = self.run_cli(*arguments, "--memory", "1M", stdin=stdin, code=2).stderr
+        return f"{int(re.search('is too little: .* give at least ([0-9]+)M', said)[1]) + 1}M"
+
+    def assertSame(self, *arguments, stdin="", blocks=3, **options):
+        """Whole files are equal."""
+        self.run_cli(*arguments, "-x", "cpu", "-o", "whole.h5", stdin=stdin, **options)
+        streamed = [*arguments, "-o", "streamed.h5"]
+        told = self.json(*streamed, "--memory", self.least(*streamed, stdin=stdin), stdin=stdin, **options)
+        self.assertGreaterEqual(told["blocks"], blocks)
+        self.assertEqual([name for name in self.files() if name.startswith(".")], [])
+        self.assertTrue((self.folder / "whole.h5").read_bytes() == (self.folder / "streamed.h5").read_bytes())
+        return told
+
+    def test_same_file(self):
+        points = random_points(20000)
+        points[5000:5050] = points[:50]  # duplicates
+        self.put("a.npy", points)
+        told = self.assertSame("a.npy")
+        self.assertEqual(sorted(set(told) - set(JSON_KEYS)),
+                         ["asked_cells", "blocks", "largest_block", "temporary_bytes"])
+        self.assertEqual((told["points"], told["duplicates"], told["domain"]["from"]), (20000, 50, "bounds"))
+        self.put("single.npy", points.astype("f4"))
+        self.assertSame("single.npy", "--want", "centroids,counts,areas,normals,surfaces,radii", "--list-walls",
+                        "--box", "0,0,0,1,1,1", "--periodic", "xy")
+        self.assertSame("a.npy", "--cell", "1,0,0,0.4,1,0,-0.3,0.2,1", "--want", "volumes")
+        self.assertSame("a.npy", "--wall", "1,1,1,1.5", "--outside", "drop")
+        self.assertSame("--random", 20000, "--want", "counts")
+        self.put("none.npy", points[:0])
+        self.assertSame("none.npy", blocks=1)
+        self.put("fortran.npy", np.asfortranarray(points))
+        self.refuse("fortran.npy", "-o", "out.h5", "--memory", "400M", says="np.ascontiguousarray(points)")
+
+    def test_text(self):
+        """A catalogue of ragged shape, with ids and columns that travel."""
+        rng = np.random.default_rng(4)
+        directions = rng.normal(size=(15000, 3)) + (0, 0, 2)
+        points = directions * (rng.random((15000, 1)) ** 0.3 / np.linalg.norm(directions, axis=1)[:, None])
+        rows = np.column_stack([rng.permutation(15000) + 7, points, rng.random((15000, 2))])
+        lines = [",".join([str(int(row[0])), *map(repr, map(float, row[1:]))]) for row in rows]
+        self.put("a.csv", "id,x,y,z,mass,r\n" + "\n".join(lines) + "\n\n")
+        self.assertSame("a.csv")
+        self.assertSame("a.csv", "--radii", "r", "--copy", "mass", "--density", "mass")
+        self.assertSame("a.csv", "--weights", "mass", "--copy", "all")
+        self.assertSame("-", stdin="# x y z\n" + "\n".join(line.replace(",", " ").rsplit(" ", 2)[0] for line in lines))
+        self.put("bad.csv", "id,x,y,z,mass,r\n" + "\n".join(lines) + "\n7,1\n")
+        self.refuse("bad.csv", "-o", "out.h5", "--memory", "400M", says="bad.csv:15002: this row has 2 columns")
+
+    def test_snapshot(self):
+        points = 75 * random_points(12000)
+        header = {"BoxSize": 75.0, "NumFilesPerSnapshot": 3, "UnitLength_in_cm": 3.0857e21}
+        for part in range(3):
+            own = slice(4000 * part, 4000 * (part + 1))
+            self.save(f"snap.{part}.hdf5", header, PartType1__Coordinates=points[own],
+                      PartType1__ParticleIDs=np.arange(12000)[::-1][own], PartType1__Masses=points[own, 0],
+                      PartType1__Velocities=points[own])
+        self.assertSame("snap", "--periodic", "--dataset", "PartType1/Coordinates", "--copy", "all")
+        (self.folder / "snap.2.hdf5").unlink()
+        self.refuse("snap", "--dataset", "PartType1/Coordinates", "-o", "out.h5", "--memory", "400M",
+                    says="snap.2.hdf5")
+
+    def test_refused(self):
+        for options, says in [(["-o", "out.npz"], ".h5 only"), (["-o", "out.h5", "-o", "-"], ".h5 only"),
+                              (["--want", "faces"], "the mesh"), (["--min-face", "0.1"], "--min-area"),
+                              (["--duplicates", "error"], "duplicate_of"), (["--verify"], "--verify"),
+                              (["--image", "a.png"], "a picture"), (["-x", "lavapipe"], "by the CPU"),
+                              (["--locate", "q.npy"], "queries"), (["--temporary", ""], "is empty"),
+                              (["--temporary", "absent"], "'absent'")]:
+            self.refuse("--random", 50, "--memory", "400M", *options, says=says)
+        for size in ["x", "G", "4Q", "-1", "nan", "4iG"]:
+            self.refuse("--random", 50, f"--memory={size}", says="--memory must be a number of bytes such as")
+        self.refuse("--random", 50, "--temporary", ".", says="--temporary goes with --memory SIZE only")
+        self.put("a.ply", "ply\n")
+        self.refuse("a.ply", "--memory", "400M", says="--memory reads .npy, .h5 and rows of text")
+        points = random_points(9000)
+        points[8765, 1] = 3
+        self.put("a.npy", points)
+        self.refuse("a.npy", "--memory", "400M", "-o", "out.h5", "--box", "0,0,0,1,1,1", "-q",
+                    says="point 8765: y = 3 is outside the box")
+
+    def test_stopped(self):
+        """Ctrl-C, and a disk that is full, leave nothing behind."""
+        (self.folder / "temporary").mkdir()
+        for seconds in [0, 0.6]:
+            with self.start("--random", 2000000, "--memory", "400M", "-o", "out.h5", "--temporary", "temporary",
+                            stderr=subprocess.PIPE, text=True) as run:
+                self.assertIn("of temporary files in temporary", run.stderr.readline())
+                time.sleep(seconds)
+                run.send_signal(signal.SIGINT)
+                self.assertEqual((run.wait(), run.stderr.read()), (130, "clvotess: stopped, no file was written\n"))
+            self.assertEqual((self.files(), os.listdir(self.folder / "temporary")), (["temporary"], []))
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        done = self.run_cli("--random", 9000, "-q", "-o", "out.h5", "--memory", "400M", code=1, preexec_fn=limit,
+                            restore_signals=False)
+        self.assertRegex(done.stderr, r"\Aclvotess: temporary file: it cannot grow beyond \d+ bytes: [^\n]*\n\Z")
+        self.assertEqual(self.files(), ["temporary"])

@@ -1,6 +1,6 @@
 """The shared library shows its own interface and nothing else.
 
-Defined dynamic symbols must be exactly: the functions that votess.h declares, and members of what the C++ headers mark
+Defined dynamic symbols must be exactly: the functions that votess.h and stream.h declare, and members of what the C++ headers mark
 with VOTESS_API (with type information and vtables of those), as ENGINE_HEADER does for libvotess_mpi. So no function of
 Vulkan or volk, whatever its prefix, and no instantiation of a template of std or boost, not even a weak one: a second
 copy in the process, or a host with another compiler, would share those. Undefined ones must not be of Vulkan: the loader is opened at run time.
@@ -35,7 +35,8 @@ def without_comments(path):
 def main():
     nm, library, include, shared = sys.argv[1:]
     headers = [*sorted(Path(include, "votess").glob("*.hpp")), Path(shared)]
-    c_functions = set(re.findall(r"\b(votess_\w+)\(", without_comments(Path(include, "votess", "votess.h"))))
+    c_text = "".join(without_comments(Path(include, "votess", name)) for name in ["votess.h", "stream.h"])
+    c_functions = set(re.findall(r"VOTESS_API[^;]*?\b(votess_\w+)\(", c_text))
     cpp_text = "".join(without_comments(header) for header in headers)
     cpp_names = {*CLASS.findall(cpp_text), *FUNCTION.findall(cpp_text)}
     if "votess_tessellate" not in c_functions or not {"tessellate", "Tessellation", "Error"} <= cpp_names:

@@ -17,6 +17,7 @@ from .fields.lloyd import Relaxation, lloyd
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
 from .pairs import Pairs
 from .stats import StageSeconds, Stats, VerifyReport
+from .stream import StreamResult, StreamRows, tessellate_stream
 from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 
@@ -35,6 +36,8 @@ __all__ = [
     "Relaxation",
     "StageSeconds",
     "Stats",
+    "StreamResult",
+    "StreamRows",
     "Tessellation",
     "Tessellator",
     "VerifyReport",
@@ -44,5 +47,6 @@ __all__ = [
     "from_ase",
     "lloyd",
     "tessellate",
+    "tessellate_stream",
     "walls",
 ]

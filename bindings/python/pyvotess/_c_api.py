@@ -32,6 +32,7 @@ class ErrorCode(IntEnum):
     INTERNAL = 5
     DEVICE_LOST = 6  #: the device stopped answering or its driver failed
     INVALID_USE = 7  #: a Tessellator that is at work in another call
+    STORAGE = 8  #: temporary files of :func:`tessellate_stream` cannot be written, or their disk has no room
 
 
 class CellStatus(IntEnum):

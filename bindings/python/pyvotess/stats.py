@@ -47,6 +47,10 @@ class Stats:
 def read_stats(result: Handle) -> Stats:
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
     raise_on_failure(lib.votess_result_stats(result.pointer, ctypes.byref(c_stats)))
+    return stats_of(c_stats)
+
+
+def stats_of(c_stats: _c_api.Stats) -> Stats:
     fields: Dict[str, Any] = {field[0]: getattr(c_stats, field[0]) for field in _c_api.Stats._fields_}
     del fields["struct_size"]
     fields["precision"] = next(word for word, value in _c_api.PRECISIONS.items() if value == c_stats.precision)

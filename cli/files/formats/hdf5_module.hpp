@@ -2,6 +2,8 @@
 // loading would take most of the time of a short run.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <string>
 
 namespace clvotess {
@@ -9,13 +11,17 @@ namespace clvotess {
 struct GridOutput;
 struct Input;
 struct OutputData;
+class InputPieces;
 class OutputFile;
+class StreamedFile;
 struct ReadRequest;
 
 // What the module offers, under its own name. It calls functions of the program, which exports them.
 struct Hdf5Module {
     Input (*read)(const std::string& path, const ReadRequest& request);
+    std::unique_ptr<InputPieces> (*open)(const std::string& path, const ReadRequest& request, std::size_t rows);
     void (*write)(OutputFile& file, const OutputData& data);
+    std::unique_ptr<StreamedFile> (*create)(OutputFile& file);
     void (*write_grid)(OutputFile& file, const GridOutput& grid);
 };
 

@@ -174,6 +174,18 @@ void NpyArray::read_floats(std::vector<double>& to, std::size_t offset, std::siz
     }
 }
 
+void NpyArray::read_next(std::uint64_t rows, std::vector<double>& to) {
+    check_size(type_ == "<f4" ? sizeof(float) : sizeof(double));
+    if (column_major_ && shape_[0] > 1)
+        throw error("the array is stored column by column: save np.ascontiguousarray(points) to read it in pieces");
+    to.resize(3 * std::min(rows, shape_[0] - done_));
+    done_ += to.size() / 3;
+    if (type_ == "<f8") return source_.read(to.data(), to.size() * sizeof(double));
+    std::vector<float> numbers(to.size());
+    source_.read(numbers.data(), numbers.size() * sizeof(float));
+    std::copy(numbers.begin(), numbers.end(), to.begin());
+}
+
 std::vector<std::int64_t> NpyArray::read_whole() {
     std::vector<std::int64_t> values;
     const auto take = [&](std::uint64_t k, auto value) {

@@ -38,6 +38,9 @@ public:
     void read_floats(std::vector<double>& to, std::size_t offset = 0, std::size_t stride = 1);
     // Once: rows begin to end of an (N, 3) array of floats. The source must skip.
     void read_rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end);
+    // Instead of all at once: the next rows of points, so many if there are. Throws Failure where the array is stored
+    // column by column.
+    void read_next(std::uint64_t rows, std::vector<double>& to);
     // Once: the type being a whole number.
     [[nodiscard]] std::vector<std::int64_t> read_whole();
     // Refuses what is no (N, 3) array of floats.
@@ -62,6 +65,7 @@ private:
     std::vector<std::uint64_t> shape_;
     std::uint64_t count_ = 1;
     std::uint64_t bytes_ = 0;  // behind the header
+    std::uint64_t done_ = 0;   // rows read by read_rows()
 };
 
 // What stands before the numbers of an array in C order: type "<i4", shape "(5,)".

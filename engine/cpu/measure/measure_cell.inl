@@ -31,6 +31,7 @@ class CellMeter {
     static constexpr double unit = 0x1p-53;
     template <bool Weighted>
     static constexpr double corner_error = Weighted ? 240 * unit : 160 * unit;
+    static constexpr double unknown_sign2 = 1e26;    // of the determinant, beyond that
     static constexpr double worst_condition2 = 4e6;  // of a corner that is not solved exactly
 
     using Lanes = typename Isa::Lanes;  // four doubles
@@ -131,10 +132,9 @@ class CellMeter {
     [[gnu::noinline]] static void solve_doubtful(const ExactCorners& exact, const Planes& a, const Planes& b,
                                                  const Planes& c, const std::uint16_t* const (&ranks)[3], Vector& x,
                                                  Lanes& condition2) {
-        constexpr double known_sign = 1e26;  // of the determinant, up to there
         for (int k = 0; k < 4; ++k) {
             if (condition2[k] <= worst_condition2) continue;
-            if (!(condition2[k] <= known_sign)) {
+            if (!(condition2[k] <= unknown_sign2)) {
                 condition2[k] = std::numeric_limits<double>::infinity();
                 continue;
             }
@@ -265,7 +265,8 @@ class CellMeter {
                 const double x = coordinate(bc.x, ca.x, ab.x), y = coordinate(bc.y, ca.y, ab.y),
                              z = coordinate(bc.z, ca.z, ab.z);
                 double condition2 = a2[k] * b2[k] * c2[k] / (determinant[k] * determinant[k]);
-                if (!(condition2 <= worst_condition2)) condition2 = worst_line(a, b, c, k);
+                if (!(condition2 <= unknown_sign2)) return false;
+                if (condition2 > worst_condition2) condition2 = worst_line(a, b, c, k);
                 const double longest = Weighted ? std::sqrt(std::max({a2[k], b2[k], c2[k]})) : 0;
                 const double length = std::sqrt(x * x + y * y + z * z) + 0.5 * longest;
                 const double error = std::sqrt(condition2) * length * length;

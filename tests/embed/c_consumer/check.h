@@ -55,5 +55,7 @@ void check_one_call_at_a_time(votess_tessellator* tessellator);
 void check_fork(void);
 void check_result_outlives_tessellator(void);
 void check_devices(void);
+// stream.c
+void check_stream(void);
 
 #endif

@@ -69,6 +69,7 @@ int main(void) {
     check_fork();
     check_result_outlives_tessellator();
     check_devices();
+    check_stream();
     if (failures != 0) {
         fprintf(stderr, "c_consumer: %d checks failed\n", failures);
         return 1;

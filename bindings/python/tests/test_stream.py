@@ -1,0 +1,96 @@
+"""tessellate_stream(): pieces in, rows out, as those of one tessellate()."""
+
+import tempfile
+import unittest
+
+import numpy as np
+from helpers import EVERYTHING, UNIT_BOX, uniform, vt
+
+LITTLE = 1_000_000
+
+
+class Rows:
+    """Puts rows one after the other."""
+
+    def __init__(self):
+        self.pieces = []
+
+    def __call__(self, rows):
+        self.pieces.append(rows)
+
+    def all(self, name):
+        arrays = [getattr(rows, name) for rows in self.pieces]
+        return None if arrays[0] is None else np.concatenate(arrays)
+
+
+class Stream(unittest.TestCase):
+    def check(self, points, pieces, **options):
+        rows = Rows()
+        beside = options.pop("beside", None)
+        numbers = {beside: options.pop("numbers")} if beside else {}
+        result = vt.tessellate_stream(pieces, rows, LITTLE, beside=beside, **options)
+        whole = vt.tessellate(points, device="cpu", **options, **numbers)
+        self.assertGreater(result.blocks, 2)
+        self.assertEqual([r.first for r in rows.pieces], [0, *np.cumsum([len(r) for r in rows.pieces])[:-1]])
+        np.testing.assert_array_equal(rows.all("indices"), whole.neighbors.indices)
+        np.testing.assert_array_equal(rows.pieces[0].neighbors(5), whole.neighbors[5])
+        np.testing.assert_array_equal(rows.pieces[-1].neighbors(-2 + len(rows.pieces[-1])), whole.neighbors[-2])
+        np.testing.assert_array_equal(rows.all("status"), whole.status)
+        for name in ("volumes", "centroids", "face_areas"):
+            if rows.all(name) is not None:
+                np.testing.assert_allclose(rows.all(name), getattr(whole, name), rtol=2e-10, atol=1e-12)
+        self.assertEqual((result.stats.points, result.stats.faces), (len(points), whole.stats.faces))
+        return rows, result, whole
+
+    def test_pieces(self):
+        points = uniform(5000)
+        for pieces in (np.split(points, 5), [points], (piece for piece in np.split(points, 50))):
+            rows, result, _ = self.check(points, pieces, box=UNIT_BOX, want=EVERYTHING)
+            np.testing.assert_array_equal(result.box, [[0, 0, 0], [1, 1, 1]])
+            self.assertIsNone(rows.pieces[0].shifts)
+            self.assertIsNone(rows.pieces[0].duplicate_of)
+        single = points.astype("f4")
+        _, result, whole = self.check(single, np.split(single, 2))
+        np.testing.assert_array_equal(result.box, whole.box)
+
+    def test_periodic_and_weights(self):
+        points = uniform(5000)
+        points[-9:] = points[:9]
+        rows, _, whole = self.check(points, np.split(points, 2), box=UNIT_BOX, periodic="xz")
+        np.testing.assert_array_equal(rows.all("shifts"), whole.shifts)
+        np.testing.assert_array_equal(rows.all("duplicate_of")[-9:], range(9))
+        radii = 0.05 * np.random.default_rng(2).random(5000)
+        pairs = list(zip(np.split(points, 4), np.split(radii, 4)))
+        self.check(points, pairs, box=UNIT_BOX, beside="radii", numbers=radii)
+
+    def test_errors(self):
+        points = uniform(3000)
+        points[2222, 1] = np.nan
+        with self.assertRaisesRegex(ValueError, "^point 2222: y = nan is not finite$"):
+            vt.tessellate_stream(np.split(points, 3), print, LITTLE)
+        points[2222, 1] = 0.5
+
+        def broken(rows):
+            raise KeyError(rows.first)
+
+        with self.assertRaisesRegex(KeyError, "^0$"):
+            vt.tessellate_stream([points], broken, LITTLE)
+        with self.assertRaisesRegex(ZeroDivisionError, "division"):
+            vt.tessellate_stream((points / (1 // k) for k in (1, 0)), print, LITTLE)
+        with self.assertRaises(vt.VotessError) as caught:
+            vt.tessellate_stream([points], print, LITTLE, progress=lambda fraction: False)
+        self.assertEqual(caught.exception.code, vt.ErrorCode.CANCELLED)
+        with tempfile.TemporaryDirectory() as folder:
+            for options, error, says in [
+                ({"memory": 7}, ValueError, "memory = 7 bytes"),
+                ({"temporary": folder + "/absent"}, ValueError, "absent"),
+                ({"want": "faces"}, vt.VotessError, "vertices and faces"),
+                ({"beside": "mass"}, ValueError, "beside is 'mass'"),
+                ({"rows": 5}, TypeError, "rows must be callable"),
+            ]:
+                with self.assertRaisesRegex(error, says):
+                    vt.tessellate_stream(**{"pieces": [points], "rows": print, "memory": LITTLE, **options})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,98 @@
+// What waits outside of memory.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace votess::stream {
+
+// A file that only grows. It has no name, so it is gone with the process. Throws Error(storage).
+class TemporaryFile {
+public:
+    // folder: "" for that of TMPDIR, or /tmp.
+    explicit TemporaryFile(const std::string& folder);
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    ~TemporaryFile();
+
+    // Returns where they lie.
+    std::uint64_t append(std::span<const std::byte> bytes);
+    // From any thread.
+    void read(std::uint64_t at, std::span<std::byte> to) const;
+    [[nodiscard]] std::uint64_t size() const { return size_; }
+
+private:
+    int descriptor_ = -1;
+    std::uint64_t size_ = 0;
+};
+
+// The folder that is used, and the bytes that are free there.
+[[nodiscard]] std::string temporary_folder(const std::string& folder);
+[[nodiscard]] std::uint64_t free_bytes(const std::string& folder);
+
+// One of several arrays in a file, which grow beside each other and are read front to back.
+class Spool {
+public:
+    explicit Spool(TemporaryFile& file) : file_(&file) {}
+
+    template <class T>
+    void append(std::span<const T> values) {
+        append_bytes(std::as_bytes(values));
+    }
+    // The next ones.
+    template <class T>
+    void read(std::span<T> values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        read_bytes(std::as_writable_bytes(values));
+    }
+    template <class T>
+    [[nodiscard]] std::vector<T> read_rest() {
+        std::vector<T> values(static_cast<std::size_t>(left() / sizeof(T)));
+        read(std::span(values));
+        return values;
+    }
+    [[nodiscard]] std::uint64_t size() const { return size_; }  // bytes
+    [[nodiscard]] std::uint64_t left() const { return size_ - read_; }
+    void rewind() { extent_ = 0, within_ = read_ = 0; }
+
+private:
+    struct Extent {
+        std::uint64_t at, size;
+    };
+    void append_bytes(std::span<const std::byte> bytes);
+    void read_bytes(std::span<std::byte> to);
+
+    TemporaryFile* file_;
+    std::vector<Extent> extents_;
+    std::uint64_t size_ = 0, read_ = 0;
+    std::size_t extent_ = 0;    // the next byte
+    std::uint64_t within_ = 0;  // of it
+};
+
+// Reads a spool value by value.
+template <class T>
+class Cursor {
+public:
+    explicit Cursor(Spool spool) : spool_(std::move(spool)) {}
+    // Null at the end.
+    [[nodiscard]] const T* peek() {
+        if (at_ == values_.size()) {
+            values_.resize(std::min<std::size_t>(most, static_cast<std::size_t>(spool_.left() / sizeof(T))));
+            spool_.read(std::span(values_));
+            at_ = 0;
+        }
+        return values_.empty() ? nullptr : &values_[at_];
+    }
+    void pop() { ++at_; }
+
+private:
+    static constexpr std::size_t most = 1024;
+    Spool spool_;
+    std::vector<T> values_;
+    std::size_t at_ = 0;
+};
+
+}  // namespace votess::stream

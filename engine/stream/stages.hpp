@@ -1,0 +1,46 @@
+// What a run in blocks tells of its progress: stages one after the other, each a share of the whole.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "core/progress.hpp"
+#include "core/stage_clock.hpp"
+
+namespace votess::stream {
+
+class Stages {
+public:
+    explicit Stages(const Options& options) : log_(options.log), progress_(options.progress) {}
+
+    void say(const std::string& text) const {
+        if (log_ && !text.empty()) log_(text);
+    }
+    void begin(StageClock::Stage stage, double end, const std::string& text) {
+        clock_.enter(stage);
+        share_ = {share_.end, end};
+        say(text);
+        progress_.report(share_.begin);
+    }
+    // Throws where the user asks to stop.
+    void at(std::uint64_t done, std::uint64_t total) { Progress::require(progress_.going_on(share_.at(done, total))); }
+    // For one of several runs within the stage.
+    [[nodiscard]] ProgressCallback within(std::size_t number, std::size_t count) {
+        if (!progress_) return {};
+        return [this, number, count](double fraction) {
+            return progress_.going_on(Share{share_.at(number, count), share_.at(number + 1, count)}.at(
+                static_cast<std::size_t>(fraction * 1000), 1000));
+        };
+    }
+    void end() { progress_.report(1); }
+    [[nodiscard]] StageSeconds seconds() { return clock_.seconds(); }
+
+private:
+    LogCallback log_;
+    Progress progress_;
+    StageClock clock_;
+    Share share_{0, 0};
+};
+
+}  // namespace votess::stream

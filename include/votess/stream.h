@@ -1,0 +1,83 @@
+// The C interface of votess/stream.hpp, where the method and the arrays are told. Rules, options and errors are those
+// of votess/votess.h, and votess_last_error() tells why a call failed.
+#ifndef VOTESS_STREAM_H
+#define VOTESS_STREAM_H
+
+#include <votess/votess.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Some seeds, in the order of the input. The arrays stay the caller's, who must keep them until the next callback.
+typedef struct votess_stream_seeds {
+    size_t count;
+    const double* points;   // 3 * count
+    const double* weights;  // count, or NULL; not both of these
+    const double* radii;    // count, or NULL
+} votess_stream_seeds;
+
+// What is known before the first row.
+typedef struct votess_stream_head {
+    uint64_t seeds;
+    uint64_t entries;                   // of all rows; 0 where neighbors are not wanted
+    int32_t duplicates;                 // 1 where there are any
+    int32_t periodic;                   // 1 where rows have shifts
+    double box_lower[3], box_upper[3];  // the box that was given or assumed; 0 where a cell was given
+} votess_stream_head;
+
+// The cells of `count` seeds from `first` on. Arrays not wanted are NULL; all are valid until the callback returns.
+typedef struct votess_stream_rows {
+    uint64_t first;
+    size_t count, entries;
+    const uint8_t* status;         // count
+    const int64_t* duplicate_of;   // count, NULL where the run has no duplicates
+    const int64_t* indptr;         // count + 1, counted from the first seed of the run on
+    const int64_t* neighbors;      // entries
+    const int8_t* shifts;          // 3 * entries, where the domain is periodic
+    const double* areas;           // entries
+    const double* normals;         // 3 * entries
+    const double* volumes;         // count
+    const double* centroids;       // 3 * count
+    const double* surface_areas;   // count
+    const double* security_radii;  // count
+    const uint32_t* face_counts;   // count, as the two below
+    const uint32_t* edge_counts;
+    const uint32_t* vertex_counts;
+} votess_stream_rows;
+
+// Callbacks run in the thread of the call, and return VOTESS_STREAM_STOP for the call to fail with
+// VOTESS_ERROR_CANCELLED.
+#define VOTESS_STREAM_STOP (-1)
+#define VOTESS_STREAM_END 0  // no more seeds; or they cannot be had again
+#define VOTESS_STREAM_GO_ON 1
+
+typedef struct votess_stream {
+    uint32_t struct_size;   // set it to sizeof(votess_stream)
+    int32_t reserved;       // 0
+    uint64_t memory;        // bytes, see StreamOptions in stream.hpp
+    const char* temporary;  // folder of temporary files; NULL or "": that of TMPDIR, or /tmp
+    // Begins with the first seed, at first and once more. NULL or VOTESS_STREAM_END: seeds can be had only once.
+    int (*restart)(void* user);
+    // The next seeds into *seeds, which is all 0.
+    int (*next)(votess_stream_seeds* seeds, void* user);
+    int (*begin)(const votess_stream_head* head, void* user);  // may be NULL
+    int (*rows)(const votess_stream_rows* rows, void* user);
+    void* user;
+} votess_stream;
+
+typedef struct votess_stream_counts {
+    uint32_t struct_size;  // set it to sizeof(votess_stream_counts)
+    int32_t reserved;
+    uint64_t blocks, largest_block, asked_cells, temporary_bytes;  // see StreamResult in stream.hpp
+} votess_stream_counts;
+
+// options: NULL = defaults; without weights and radii. counts, stats: may be NULL.
+VOTESS_API votess_status votess_tessellate_stream(const votess_stream* stream, const votess_options* options,
+                                                  votess_stream_counts* counts, votess_stats* stats);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

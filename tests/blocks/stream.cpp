@@ -1,0 +1,209 @@
+// tessellate_stream() against all seeds at once.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "blocks/streamed.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using test::PointSet;
+
+constexpr std::uint64_t little = votess::StreamOptions::least_memory;  // some 1500 seeds a block
+
+votess::Options options_of(const PointSet& set) {
+    votess::Options options;
+    options.device = "cpu";
+    options.threads = 2;
+    options.box = set.box;
+    options.want.counts = options.want.centroids = true;
+    return options;
+}
+
+void check(const PointSet& set, const votess::Options& options) {
+    CAPTURE(set.name);
+    const auto whole = votess::tessellate(set.points, options);
+    const test::Streamed found = test::streamed(set.points, options, little);
+    CHECK(test::difference(found, whole) == "");
+    CHECK(found.result.blocks > set.size() / 3000);
+}
+
+std::string message(const auto& work) {
+    try {
+        work();
+    } catch (const votess::Error& error) {
+        return error.what();
+    }
+    return "nothing";
+}
+
+}  // namespace
+
+TEST_CASE("stream: the families have the lists of all seeds at once") {
+    for (const PointSet& set :
+         {test::uniform(3000, 1), test::clustered(3000, 2), test::nested_clusters(3000, 3), test::cubic(15),
+          test::bcc(11), test::fcc(9), test::far_from_origin(3000, 4), test::on_walls(3000, 5),
+          test::with_duplicates(2500, 500, 6), test::on_axis_plane(3000, 7), test::on_oblique_line(3000, 8),
+          test::near_duplicates(3000, 9), test::reordered(test::clustered(3000, 2), test::Order::reversed)})
+        check(set, options_of(set));
+    check({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
+          options_of({"", {}, test::unit_box()}));
+    votess::Options options = options_of({"", {}, test::unit_box()});
+    check({"none", {}, test::unit_box()}, options);
+    options.box.reset();
+    check({"none, without a box", {}, test::unit_box()}, options);
+    check({"one, without a box", {1, 2, 3}, test::unit_box()}, options);
+}
+
+TEST_CASE("stream: everything that can be wanted, and nothing") {
+    const PointSet set = test::clustered(3000, 7);
+    votess::Options options = options_of(set);
+    options.box.reset();  // which needs the bounds of all
+    options.list_walls = true;
+    auto& want = options.want;
+    want.areas = want.normals = want.surfaces = want.radii = true;
+    check(set, options);
+    options.want = {};
+    options.want.neighbors = options.want.volumes = false;
+    check(set, options);
+    options.want.radii = true;
+    check(set, options);
+}
+
+TEST_CASE("stream: periodic along subsets of the axes") {
+    for (const unsigned axes : {1u, 3u, 7u})
+        for (const PointSet& set : {test::uniform(3000, axes), test::clustered(3000, axes), test::cubic(14)}) {
+            votess::Options options = options_of(set);
+            options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
+            check(set, options);
+        }
+}
+
+TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") {
+    test::Random random(3);
+    for (const PointSet& set : {test::uniform(3000, 1), test::clustered(3000, 2)}) {
+        votess::Options options = options_of(set);
+        options.box.reset();
+        options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
+        check(set, options);
+        options.cell->periodic = {true, false, true};
+        options.outside = votess::Outside::drop;
+        check(set, options);
+
+        std::vector<double> radii(set.size());
+        for (double& r : radii) r = random.uniform(0, 0.12);
+        options = options_of(set);
+        options.radii = radii;
+        check(set, options);
+        CHECK(test::difference(test::streamed(set.points, options, little, 1000, true),
+                               votess::tessellate(set.points, options)) == "");
+        options.radii = {};
+        options.weights = radii;
+        options.periodic = {true, true, true};
+        check(set, options);
+
+        options = options_of(set);
+        options.box.reset();
+        options.outside = votess::Outside::drop;
+        for (const double x : {-1., 1.})
+            for (const double y : {-1., 1.})
+                for (const double z : {-1., 1.}) options.walls.push_back({{x, y, z}, 0.6 + 0.5 * (x + y + z)});
+        check(set, options);
+    }
+}
+
+TEST_CASE("stream: pieces and memory of any size, and seeds that come once, give the same") {
+    PointSet set = test::uniform(4000, 4);
+    for (std::size_t i = 0; i < 300; ++i)  // duplicates, of earlier and later seeds
+        std::copy_n(&set.points[3 * (11 * i)], 3, &set.points[3 * (3999 - 7 * i)]);
+    const votess::Options options = options_of(set);
+    const auto whole = votess::tessellate(set.points, options);
+    for (const std::size_t piece : {1, 100, 100000})
+        for (const std::uint64_t memory : {little, 3 * little, 1000 * little}) {
+            CAPTURE(piece);
+            CAPTURE(memory);
+            const bool once = memory == 3 * little;
+            const test::Streamed found = test::streamed(set.points, options, memory, piece, once);
+            CHECK(test::difference(found, whole) == "");
+            CHECK((found.result.blocks == 1) == (memory > little));
+            CHECK(found.result.temporary_bytes > 32 * set.size());
+        }
+}
+
+TEST_CASE("stream: errors name the seed of the whole input, and leave nothing behind") {
+    const PointSet set = test::uniform(4000, 9);
+    const auto with = [&](std::size_t at, double value) {
+        std::vector<double> points = set.points;
+        points[at] = value;
+        return points;
+    };
+    votess::Options options = options_of(set);
+    CHECK(message([&] { test::streamed(with(3 * 3000 + 1, NAN), options, little); }) ==
+          "point 3000: y = nan is not finite");
+    CHECK(message([&] { test::streamed(with(3 * 3999 + 2, 2), options, little); }) ==
+          "point 3999: z = 2 is outside the box, which spans 0 to 1");
+    std::vector<double> radii(set.size(), 0.1);
+    radii[2500] = -1;
+    options.radii = radii;
+    CHECK(message([&] { test::streamed(set.points, options, little); }) == "radius 2500 = -1 is negative");
+    options.radii = {};
+    options.walls.push_back({{1, 0, 0}, 0.9});
+    options.outside = votess::Outside::error;
+    CHECK(message([&] { test::streamed(set.points, options, little); }).starts_with("point "));
+    options.walls.clear();
+
+    test::StreamedRows rows;
+    test::Pieces pieces(set.points, options, 100);
+    const auto run = [&](const votess::Options& some, const votess::StreamOptions& stream) {
+        return message([&] { (void)votess::tessellate_stream(pieces, rows, some, stream); });
+    };
+    CHECK(run(options, {.memory = 5, .temporary = ""}) == "memory = 5 bytes is too little: give at least 1000000");
+    CHECK(run(options, {.memory = little, .temporary = "/nowhere at all"})
+              .starts_with("the folder of temporary files '/nowhere at all' cannot be used: "));
+    for (const unsigned what : {0u, 1u, 2u, 3u, 4u}) {
+        votess::Options wrong = options;
+        if (what == 0) wrong.want.faces = true;
+        if (what == 1) wrong.min_face = 0.1;
+        if (what == 2) wrong.duplicates = votess::Duplicates::error;
+        if (what == 3) wrong.device = "gpu";
+        if (what == 4) wrong.weights = radii;
+        CHECK(run(wrong, {.memory = little, .temporary = ""}) != "nothing");
+    }
+    CHECK(rows.pieces == 0);
+}
+
+TEST_CASE("stream: what it tells, and that it stops") {
+    const PointSet set = test::uniform(3000, 9);
+    votess::Options options = options_of(set);
+    std::vector<std::string> said;
+    std::vector<double> fractions;
+    options.log = [&](std::string_view text) { said.emplace_back(text); };
+    options.progress = [&](double fraction) {
+        fractions.push_back(fraction);
+        return true;
+    };
+    const test::Streamed found = test::streamed(set.points, options, little);
+    CHECK(said.size() == 6 + found.result.blocks);
+    CHECK(said[1].starts_with("about "));
+    CHECK(std::ranges::is_sorted(fractions));
+    CHECK(fractions.back() == 1);
+    CHECK(found.result.stats.volume_sum == doctest::Approx(1).epsilon(1e-12));
+    // Wherever it is told to stop, no call of the sink is left to come.
+    for (std::size_t calls = 0; calls < fractions.size(); calls += 2) {
+        std::size_t left = calls;
+        options.progress = [&](double) { return left-- > 0; };
+        CHECK(message([&] { test::streamed(set.points, options, little); }) == "cancelled by the progress callback");
+    }
+    // What a sink throws goes through.
+    struct Broken : votess::StreamSink {
+        void rows(const votess::StreamRows&) override { throw std::runtime_error("the disk is full"); }
+    } broken;
+    test::Pieces pieces(set.points, options, 100);
+    options.progress = {};
+    CHECK_THROWS_WITH((void)votess::tessellate_stream(pieces, broken, options, {.memory = little, .temporary = ""}),
+                      "the disk is full");
+}
