@@ -8,7 +8,7 @@
 
 namespace clvotess {
 
-// Of a run over ranks.
+// What a run over ranks says beside the rest.
 struct RanksSummary {
     int ranks = 1;
     unsigned rounds = 0;                                   // exchanges of seeds

@@ -132,7 +132,7 @@ double LocalBlock::reach_of(std::size_t cell, double heaviest) const {
     return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - weight))) * reach_slack;
 }
 
-// Of all cells, without a look at their neighbors.
+// Bounds the reach of all cells, without a look at their neighbors.
 double LocalBlock::longest_reach(double heaviest) const {
     if (all_.powers.empty()) return 0;
     const auto& weights = job_.domain->weights;

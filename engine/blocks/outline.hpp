@@ -43,7 +43,7 @@ private:
     }
 };
 
-// Of two boxes; 0 where they meet.
+// Returns that of two boxes; 0 where they meet.
 double distance_squared(const Box& a, const Box& b);
 
 Outline outline_of(std::vector<Tile> tiles);

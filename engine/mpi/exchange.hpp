@@ -36,7 +36,7 @@ public:
     [[nodiscard]] std::uint64_t maximum(std::uint64_t value) const;
     // What this rank has sent to others.
     [[nodiscard]] std::uint64_t bytes_sent() const { return bytes_sent_; }
-    // Of the ranks before this one.
+    // Sums the values of the ranks before this one.
     [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;
 
 private:

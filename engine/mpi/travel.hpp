@@ -26,7 +26,7 @@ struct Handed {
     std::vector<std::int32_t> owners;  // by whom; not in messages
 
     [[nodiscard]] Message to_message() const;
-    // Of all ranks, ascending by id.
+    // Joins those of all ranks, ascending by id.
     static Handed of(const std::vector<Message>& from);
 };
 

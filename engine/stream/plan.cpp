@@ -8,10 +8,11 @@ namespace {
 
 constexpr double entries = 15.6;  // of a row, in uniform seeds
 constexpr double least_block = 500;
-// Of the memory; the rest is for outlines, messages and uneven blocks. Threads take theirs whatever the blocks are.
+// A block has this share of the memory; the rest is for outlines, messages and uneven blocks. Threads take theirs
+// whatever the blocks are.
 constexpr double share_of_block = 0.9, of_threads = 40e6, most_of_threads = 0.25;
 
-// Of a seed, for what is wanted of its cell; each of the four for each entry of its row too, `times` of them.
+// Returns the bytes that a seed takes for what is wanted of its cell; those of the entries of its row count `times`.
 double wanted_bytes(const Want& want, double times) {
     return 8.0 * want.volumes + 24.0 * want.centroids + 12.0 * want.counts + 8.0 * want.surfaces + 8.0 * want.radii +
            times * entries * (8.0 * want.areas + 24.0 * want.normals);

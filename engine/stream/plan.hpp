@@ -16,7 +16,7 @@ struct Kind {
 
 // So many that the largest fits.
 [[nodiscard]] std::size_t blocks_for(std::uint64_t memory, std::uint64_t seeds, const Kind& kind);
-// Of all temporary files; about, for rows are not known yet.
+// What all temporary files take, about, for rows are not known yet.
 [[nodiscard]] std::uint64_t bytes_on_disk(std::uint64_t seeds, std::size_t blocks, const Kind& kind);
 
 }  // namespace votess::stream

@@ -12,7 +12,7 @@
 
 namespace votess {
 
-// Of a seed with status duplicate or outside: false.
+// Duplicates and seeds outside have no cell.
 inline bool takes_part(CellStatus status) {
     return status != CellStatus::duplicate && status != CellStatus::outside;
 }

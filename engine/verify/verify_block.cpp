@@ -108,7 +108,7 @@ struct SomeSeeds {
     }
 };
 
-// Of each seed that was asked about: whether the seeds of the block leave it nothing, else how many of them have faces.
+// Says of each seed that was asked about whether the seeds of the block leave it nothing, else how many have faces.
 struct Answer {
     std::vector<std::uint8_t> empty;
     std::vector<std::uint64_t> counts;

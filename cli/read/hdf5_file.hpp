@@ -1,0 +1,209 @@
+// What is read of an HDF5 file: datasets of numbers, attributes of the groups of a snapshot.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "failure.hpp"
+#include "files/formats/hdf5_handles.hpp"
+#include "interrupt.hpp"
+#include "read/input.hpp"
+
+namespace clvotess {
+
+class Hdf5Dataset {
+public:
+    Hdf5Dataset(hid_t file, const std::string& path, std::string where)
+        : where_(std::move(where)), set_(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose) {
+        if (!set_.valid()) throw error("cannot be opened as a dataset");
+        const Hdf5Handle space(H5Dget_space(set_.id()), H5Sclose);
+        const int rank = space.valid() ? H5Sget_simple_extent_ndims(space.id()) : -1;
+        if (rank < 0) throw error("has no readable shape");
+        extent_.resize(static_cast<std::size_t>(rank));
+        if (rank > 0 && H5Sget_simple_extent_dims(space.id(), extent_.data(), nullptr) != rank) {
+            throw error("has no readable shape");
+        }
+        const Hdf5Handle type(H5Dget_type(set_.id()), H5Tclose);
+        if (!type.valid()) throw error("has no readable type");
+        type_class_ = H5Tget_class(type.id());
+        type_size_ = H5Tget_size(type.id());
+    }
+
+    [[nodiscard]] bool is_points() const { return has_columns(3); }
+    [[nodiscard]] bool has_columns(hsize_t count) const {
+        return extent_.size() == 2 && extent_[1] == count && is_float();
+    }
+    // One or a row of them for each point.
+    [[nodiscard]] bool is_numbers() const {
+        return (extent_.size() == 1 || (extent_.size() == 2 && extent_[1] > 0)) && (is_float() || is_whole());
+    }
+    [[nodiscard]] std::uint64_t width() const { return extent_.size() == 2 ? extent_[1] : 1; }
+    [[nodiscard]] bool is_column() const { return extent_.size() == 1 && (is_float() || is_whole()); }
+    [[nodiscard]] bool is_float() const { return type_class_ == H5T_FLOAT && type_size_ <= sizeof(double); }
+    [[nodiscard]] bool is_whole() const { return type_class_ == H5T_INTEGER && type_size_ <= sizeof(std::int64_t); }
+    [[nodiscard]] std::uint64_t rows() const { return extent_.empty() ? 0 : extent_[0]; }
+
+    template <typename Number>
+    void append_to(std::vector<Number>& to) const {
+        append_to(to, 0, rows());
+    }
+    // Rows from `first` on, behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a
+    // small buffer.
+    template <typename Number>
+    void append_to(std::vector<Number>& to, std::uint64_t first, std::uint64_t rows) const {
+        check_storage();
+        const hid_t memory_type = std::is_same_v<Number, double> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+        const std::uint64_t columns = extent_.size() == 2 ? extent_[1] : 1;
+        const std::size_t begin = to.size();
+        to.resize(begin + rows * columns);
+        const Hdf5Handle file_space(H5Dget_space(set_.id()), H5Sclose);
+        constexpr hsize_t piece = hsize_t{1} << 20;
+        for (hsize_t row = 0; row < rows; row += piece) {
+            throw_if_interrupted();
+            const std::array<hsize_t, 2> start{first + row, 0};
+            const std::array<hsize_t, 2> count{std::min(piece, rows - row), columns};
+            const auto rank = static_cast<int>(extent_.size());
+            const Hdf5Handle memory_space(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
+            if (H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
+                    0 ||
+                H5Dread(set_.id(), memory_type, memory_space.id(), file_space.id(), H5P_DEFAULT,
+                        to.data() + begin + row * columns) < 0) {
+                throw error("cannot be read: the file is damaged, or packed by a filter that is not there");
+            }
+        }
+    }
+
+    [[nodiscard]] std::string description() const {
+        std::string text = "shape (";
+        for (std::size_t k = 0; k < extent_.size(); ++k) text += (k > 0 ? ", " : "") + std::to_string(extent_[k]);
+        text += extent_.size() == 1 ? ",)" : ")";
+        const std::string bits = std::to_string(8 * type_size_);
+        return text + (type_class_ == H5T_FLOAT     ? " of float" + bits
+                       : type_class_ == H5T_INTEGER ? " of int" + bits
+                                                    : " of no numbers");
+    }
+    [[nodiscard]] Failure error(const std::string& message) const { return bad_input(where_ + " " + message); }
+
+private:
+    // A broken extent must not take memory, nor may parts that were never written read as zeros.
+    void check_storage() const {
+        const Hdf5Handle plist(H5Dget_create_plist(set_.id()), H5Pclose);
+        if (!plist.valid()) throw error("has no readable layout");
+        if (H5Pget_layout(plist.id()) == H5D_VIRTUAL) {
+            throw error("is virtual, only names what other files hold: give the first of those files");
+        }
+        if (H5Pget_external_count(plist.id()) > 0) throw error("lies in external files, which is not supported");
+        constexpr std::uint64_t best_ratio = 1032;  // of deflate, the packer in use
+        const bool packed = H5Pget_nfilters(plist.id()) > 0;
+        const std::uint64_t stored = H5Dget_storage_size(set_.id());
+        double bytes = static_cast<double>(type_size_);
+        for (const hsize_t extent : extent_) bytes *= static_cast<double>(extent);
+        if (bytes > static_cast<double>(stored) * (packed ? best_ratio : 1)) {
+            throw error("announces more numbers (" + description() + ") than the file holds");
+        }
+    }
+
+    std::string where_;
+    Hdf5Handle set_;
+    std::vector<hsize_t> extent_;
+    H5T_class_t type_class_ = H5T_NO_CLASS;
+    std::size_t type_size_ = 0;
+};
+
+class Hdf5File {
+public:
+    explicit Hdf5File(const std::string& path) : path_(path) {
+        if (!std::ifstream(path)) throw bad_input("cannot open " + in_quotes(path) + ": " + std::strerror(errno));
+        file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
+        if (!file_.valid()) throw bad_input(path + ": not an HDF5 file, or a damaged one");
+        std::ifstream stream(path, std::ios::ate | std::ios::binary);
+        hsize_t size = 0;
+        if (H5Fget_filesize(file_.id(), &size) < 0 || size > static_cast<std::uint64_t>(stream.tellg())) {
+            throw bad_input(path + ": the file ends too early");
+        }
+    }
+
+    [[nodiscard]] bool has(const std::string& dataset) const {
+        std::string part;  // each link on the way must exist, or HDF5 calls it an error
+        for (std::size_t at = 0; at <= dataset.size(); ++at) {
+            if (at < dataset.size() && dataset[at] != '/') continue;
+            part = dataset.substr(0, at);
+            if (part.empty()) continue;
+            if (H5Lexists(file_.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
+        }
+        return !part.empty() && H5Oexists_by_name(file_.id(), dataset.c_str(), H5P_DEFAULT) > 0;
+    }
+
+    [[nodiscard]] Hdf5Dataset open(const std::string& dataset) const {
+        return {file_.id(), dataset, path_ + ": dataset " + in_quotes(dataset)};
+    }
+
+    [[nodiscard]] std::vector<std::string> datasets() const {
+        std::vector<std::string> names;
+        const auto visit = [](hid_t, const char* name, const H5O_info_t* info, void* to) -> herr_t {
+            if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+            return 0;
+        };
+        if (H5Ovisit2(file_.id(), H5_INDEX_NAME, H5_ITER_INC, visit, &names, H5O_INFO_BASIC) < 0) {
+            throw bad_input(path_ + ": the file is damaged: its datasets cannot be listed");
+        }
+        return names;
+    }
+
+    // Numbers of an attribute of the group Header; empty when it is not there.
+    [[nodiscard]] std::vector<double> header(const char* name) const {
+        return has("Header") ? attribute("Header", name) : std::vector<double>();
+    }
+
+    [[nodiscard]] std::vector<double> attribute(const char* group, const char* name) const {
+        if (H5Aexists_by_name(file_.id(), group, name, H5P_DEFAULT) <= 0) return {};
+        const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), group, name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+        const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
+        const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
+        const hssize_t count = space.valid() ? H5Sget_simple_extent_npoints(space.id()) : -1;
+        const H5T_class_t kind = type.valid() ? H5Tget_class(type.id()) : H5T_NO_CLASS;
+        constexpr hssize_t most = 64;
+        if (count < 1 || count > most || (kind != H5T_FLOAT && kind != H5T_INTEGER)) return {};
+        std::vector<double> values(static_cast<std::size_t>(count));
+        if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0) return {};
+        return values;
+    }
+
+    // Returns Unit... and what else scales the numbers of a snapshot, out of the groups Header and Units.
+    [[nodiscard]] std::vector<Attribute> units() const {
+        std::vector<Attribute> all;
+        for (const char* const group : {"Header", "Units"}) {
+            if (!has(group)) continue;
+            std::vector<std::string> names;
+            const auto visit = [](hid_t, const char* name, const H5A_info_t*, void* to) -> herr_t {
+                static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+                return 0;
+            };
+            const Hdf5Handle object(H5Oopen(file_.id(), group, H5P_DEFAULT), H5Oclose);
+            if (H5Aiterate2(object.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &names) < 0) continue;
+            for (const std::string& name : names) {
+                const bool scales =
+                    name.starts_with("Unit") || name == "HubbleParam" || name == "Time" || name == "Redshift";
+                const std::vector<double> values = attribute(group, name.c_str());
+                if (scales && values.size() == 1 && name.find('/') == std::string::npos)
+                    all.push_back({name, values[0]});
+            }
+        }
+        return all;
+    }
+
+    [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+private:
+    std::string path_;
+    Hdf5Handle file_;
+};
+
+}  // namespace clvotess
