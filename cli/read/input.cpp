@@ -136,10 +136,13 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
         return open_npy(path, rows);
     }
     if (extension == ".csv") return open_text(path, TextKind::csv, request, rows);
-    if (extension == ".txt" || extension == ".dat" || extension.empty())
+    const bool rows_alone = extension == ".xyz" && !holds_frames(MappedFile(path).bytes(), path);
+    if (extension == ".txt" || extension == ".dat" || extension.empty() || rows_alone)
         return open_text(path, TextKind::plain, request, rows);
-    throw bad_input("--memory reads .npy, .h5 and rows of text (.txt .dat .csv, no extension, stdin as -), not " +
-                    in_quotes(path) + ": leave it out, or make one of these of it");
+    throw bad_input(
+        "--memory reads .npy, .h5 and rows of text (.txt .dat .csv, .xyz without frames, no extension, stdin as "
+        "-), not " +
+        in_quotes(path) + ": leave it out, or make one of these of it");
 }
 
 std::span<const double> one_each(const InputColumn& column) {

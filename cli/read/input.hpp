@@ -93,6 +93,7 @@ enum class TextKind {
                                const ReadRequest& request = {});
 // .xyz: plain text, or frames.
 [[nodiscard]] Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request);
+[[nodiscard]] bool holds_frames(std::string_view text, const std::string& name);
 [[nodiscard]] Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_dump(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_data(std::string_view text, const std::string& name, const ReadRequest& request);

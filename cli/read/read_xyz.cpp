@@ -214,8 +214,10 @@ private:
     std::optional<std::size_t> first_, id_;
 };
 
-// Whether the first line that is not blank is one whole number.
-bool has_count(std::string_view text, const std::string& name) {
+}  // namespace
+
+// The first line that is not blank is then one whole number.
+bool holds_frames(std::string_view text, const std::string& name) {
     LineReader lines(text, name);
     std::string_view line;
     Words words;
@@ -226,10 +228,8 @@ bool has_count(std::string_view text, const std::string& name) {
     return false;
 }
 
-}  // namespace
-
 Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request) {
-    if (has_count(text, name)) return XyzReader(text, name, request).read();
+    if (holds_frames(text, name)) return XyzReader(text, name, request).read();
     if (request.frame) throw bad_input(name + ": --frame goes with files of frames; this one holds rows alone");
     return parse_text(text, TextKind::plain, name, request);
 }

@@ -300,6 +300,10 @@ class Streamed(Hdf5Test):
         self.assertSame("a.csv", "--radii", "r", "--copy", "mass", "--density", "mass")
         self.assertSame("a.csv", "--weights", "mass", "--copy", "all")
         self.assertSame("-", stdin="# x y z\n" + "\n".join(line.replace(",", " ").rsplit(" ", 2)[0] for line in lines))
+        self.put("rows.xyz", "\n".join(line.replace(",", " ").rsplit(" ", 2)[0] for line in lines))
+        self.assertSame("rows.xyz")
+        self.put("frames.xyz", "1\nframe\nAr 0.5 0.5 0.5\n")
+        self.refuse("frames.xyz", "-o", "out.h5", "--memory", "400M", says=".xyz without frames")
         self.put("bad.csv", "id,x,y,z,mass,r\n" + "\n".join(lines) + "\n7,1\n")
         self.refuse("bad.csv", "-o", "out.h5", "--memory", "400M", says="bad.csv:15002: this row has 2 columns")
 
