@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -73,6 +74,8 @@ struct StreamOptions {
     static constexpr std::uint64_t least_memory = 1'000'000;
     // Folder of the temporary files. "": that of the environment's TMPDIR, or /tmp.
     std::string temporary;
+    // Checks all rows as verify() does, while they go to the sink: it has had them when the result is known.
+    bool verify = false;
 };
 
 struct StreamResult {
@@ -83,6 +86,10 @@ struct StreamResult {
     std::uint64_t blocks = 0, largest_block = 0;  // and the seeds of that one
     std::uint64_t asked_cells = 0;                // that were completed by other blocks
     std::uint64_t temporary_bytes = 0;            // in all files
+    // With StreamOptions::verify. Symmetry is tested by sums over the pairs of all rows, 128 bits that a fault leaves 0
+    // with a probability of 2^-128; the text does not name the seeds. Cells of the sample are clipped by all seeds,
+    // which are read again; how many depends on the input and the memory.
+    std::optional<VerifyReport> verified;
 };
 
 // options: weights and radii come from the source. want.vertices and want.faces, min_face, min_area, duplicates = error
