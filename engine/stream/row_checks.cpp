@@ -139,38 +139,50 @@ BlockCells RowChecks::cells_of_sample() const {
     return cells;
 }
 
-// The sample is one more block for the verifier of blocks: the others say what their seeds leave of its cells.
+// The sample is one more block for the verifier of blocks: the others say what their seeds leave of its cells. Each is
+// given the seeds that its rows name as well: more seeds take no neighbor away, and cells of a block far away would be
+// large without them.
 std::string RowChecks::check_sample(const BlockDomain& domain, std::size_t blocks,
                                     const std::function<BlockSeeds(std::size_t)>& block) {
     std::ranges::sort(kept_, {}, &Kept::id);
     const BlockCells cells = cells_of_sample();
-    std::vector<std::int64_t> ids;
-    for (const Kept& kept : kept_) ids.push_back(kept.id);
-    std::vector<double> points(3 * ids.size()), weights;
+    std::vector<std::int64_t> named;
+    for (const Kept& kept : kept_) {
+        named.push_back(kept.id);
+        for (const ToldFace& face : kept.row) named.push_back(face.id);
+    }
+    std::ranges::sort(named);
+    named.erase(std::ranges::unique(named).begin(), named.end());
+    blocks::Seeds around;
     for (std::size_t b = 0; b < blocks; ++b) {
         give_back_memory();
-        const blocks::Seeds seeds = block(b).seeds;
-        if (!seeds.weights.empty()) weights.resize(ids.size());
-        for (std::size_t i = 0; i < seeds.size(); ++i) {
-            const auto found = std::ranges::lower_bound(ids, seeds.ids[i]);
-            if (found == ids.end() || *found != seeds.ids[i]) continue;
-            const auto at = static_cast<std::size_t>(found - ids.begin());
-            std::copy_n(&seeds.points[3 * i], 3, &points[3 * at]);
-            if (!weights.empty()) weights[at] = seeds.weights[i];
-        }
+        const BlockSeeds own = block(b);
+        for (std::size_t i = 0; i < own.seeds.size(); ++i)
+            if (takes_part(own.status[i]) && std::ranges::binary_search(named, own.seeds.ids[i]))
+                around.add(own.seeds, i);
     }
+    around = around.sorted();
+    blocks::Seeds seeds;
+    for (const Kept& kept : kept_)
+        seeds.add(around, static_cast<std::size_t>(std::ranges::lower_bound(around.ids, kept.id) - around.ids.begin()));
+
     const std::vector<std::int32_t> holders(cells.neighbors.size());
-    BlockVerifier verifier(domain, ids, points, weights, cells, holders);
+    BlockVerifier verifier(domain, seeds.ids, seeds.points, seeds.weights, cells, holders);
     std::vector<std::size_t> all(verifier.candidates());
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
     const Message asked = verifier.seeds(all);
     std::vector<Message> faces;
     for (std::size_t b = 0; b < blocks; ++b) {
         give_back_memory();
-        const BlockSeeds own = block(b);
-        if (own.seeds.size() == 0) continue;
+        BlockSeeds own = block(b);
+        const std::size_t count = own.seeds.size();
+        for (std::size_t i = 0; i < around.size(); ++i)
+            if (!std::ranges::binary_search(own.seeds.ids.begin(),
+                                            own.seeds.ids.begin() + static_cast<std::ptrdiff_t>(count), around.ids[i]))
+                own.seeds.add(around, i);
         BlockCells none;
-        none.status = own.status;
+        none.status = std::move(own.status);
+        none.status.resize(own.seeds.size(), CellStatus::certified);
         none.indptr.assign(own.seeds.size() + 1, 0);
         faces.push_back(
             BlockVerifier(domain, own.seeds.ids, own.seeds.points, own.seeds.weights, none, {}).faces_of(asked));
