@@ -50,7 +50,7 @@ ToldFace face_at(const StreamRows& rows, std::size_t entry) {
 }  // namespace
 
 std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic, std::uint64_t memory) {
-    // Distance tests of a cell: the seeds of all blocks, and what each block does whose seeds are far away.
+    // Distance tests of a cell: of the seeds of all blocks, and what each block does besides.
     const double work = static_cast<double>(seeds) * (periodic ? 62 : 2) + 2e4 * static_cast<double>(blocks);
     constexpr double bytes_of_answer = 2000;
     const double room = 0.1 * static_cast<double>(memory) / (bytes_of_answer * static_cast<double>(blocks + 1));

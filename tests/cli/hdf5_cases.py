@@ -285,6 +285,8 @@ class Streamed(Hdf5Test):
         self.assertSame("--random", 20000, "--want", "counts")
         self.put("none.npy", points[:0])
         self.assertSame("none.npy", blocks=1)
+        told = self.assertSame("a.npy", "--verify", "--periodic", "--want", "volumes")
+        self.assertEqual((told["verified"], told["verified_cells"]), (True, 64))
         self.put("fortran.npy", np.asfortranarray(points))
         self.refuse("fortran.npy", "-o", "out.h5", "--memory", "400M", says="np.ascontiguousarray(points)")
 
