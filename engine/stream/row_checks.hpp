@@ -50,9 +50,9 @@ private:
     const Layout& layout_;
     std::size_t sample_;
     bool certified_ = false;
-    std::string wrong_row_, wrong_count_;      // the first
-    std::array<std::uint64_t, 2> pairs_{};     // sums over entries, see add_pair()
-    std::vector<Kept> kept_;                   // a heap
+    std::string wrong_row_, wrong_count_;   // the first
+    std::array<std::uint64_t, 2> pairs_{};  // sums over entries, see add_pair()
+    std::vector<Kept> kept_;                // a heap
 };
 
 }  // namespace votess::stream

@@ -320,8 +320,7 @@ private:
         ThreadPool pool(std::max(1u, result_.stats.threads));
         Assembler assembler(*layout_, head, std::move(stores), count_, pool);
         sink_.begin(head);
-        if (stream_.verify)
-            checks_.emplace(*layout_, sample_size(head.seeds, count_, head.periodic, stream_.memory));
+        if (stream_.verify) checks_.emplace(*layout_, sample_size(head.seeds, count_, head.periodic, stream_.memory));
         Stats& stats = result_.stats;
         do {
             const StreamRows rows = assembler.next(most);

@@ -151,8 +151,7 @@ std::string BlockVerifier::check_rows() const {
     const auto& s = *state_;
     for (std::size_t row = 0; row < s.ids.size(); ++row)
         for (std::size_t entry = s.begin(row) + 1; entry < s.end(row); ++entry)
-            if (!(s.face(entry - 1) < s.face(entry)))
-                return not_ascending(s.ids[row], s.cells.neighbors[entry]);
+            if (!(s.face(entry - 1) < s.face(entry))) return not_ascending(s.ids[row], s.cells.neighbors[entry]);
     return {};
 }
 

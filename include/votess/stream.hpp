@@ -74,7 +74,7 @@ struct StreamOptions {
     static constexpr std::uint64_t least_memory = 1'000'000;
     // Folder of the temporary files. "": that of the environment's TMPDIR, or /tmp.
     std::string temporary;
-    // Checks all rows as verify() does, while they go to the sink: it has had them when the result is known.
+    // Checks all rows as verify() does, while they go to the sink, which has had them all when the outcome is known.
     bool verify = false;
 };
 
@@ -86,9 +86,10 @@ struct StreamResult {
     std::uint64_t blocks = 0, largest_block = 0;  // and the seeds of that one
     std::uint64_t asked_cells = 0;                // that were completed by other blocks
     std::uint64_t temporary_bytes = 0;            // in all files
-    // With StreamOptions::verify. Symmetry is tested by sums over the pairs of all rows, 128 bits that a fault leaves 0
-    // with a probability of 2^-128; the text does not name the seeds. Cells of the sample are clipped by all seeds,
-    // which are read again; how many depends on the input and the memory.
+    // With StreamOptions::verify. Symmetry is tested by a sum of 128 bits over the entries of all rows, so that a fault
+    // goes unseen with a probability of about 2^-128, and the text does not name the seeds. How many cells are tried by
+    // brute force, against all seeds, depends on the input, the number of blocks and the memory: as many as take about
+    // a second, at least 64 or all. Without neighbors only volumes and Euler's formula are tested.
     std::optional<VerifyReport> verified;
 };
 

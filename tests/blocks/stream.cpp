@@ -38,7 +38,8 @@ void check(const PointSet& set, const votess::Options& options) {
     const auto tried = std::ranges::count_if(whole.status(), votess::takes_part);
     const bool rows = options.want.neighbors || set.size() == 0;
     CHECK(report.sampled == (rows ? std::min<std::size_t>(64, static_cast<std::size_t>(tried)) : 0));
-    CHECK(report.skipped == (rows ? std::vector<std::string>() : std::vector<std::string>{"volumes", "symmetry", "euler", "sample"}));
+    CHECK(report.skipped ==
+          (rows ? std::vector<std::string>() : std::vector<std::string>{"volumes", "symmetry", "euler", "sample"}));
 }
 
 std::string message(const auto& work) {
@@ -179,8 +180,9 @@ TEST_CASE("stream: damaged rows are found") {
     CHECK(failure([&] { cells.volumes[7] *= 1.001; }).starts_with("volumes sum to "));
     CHECK(failure([&] { ++cells.edge_counts[9]; }).starts_with("cell 9 has "));
     const auto row = static_cast<std::size_t>(cells.indptr[100]), end = static_cast<std::size_t>(cells.indptr[101]);
-    CHECK(failure([&] { std::swap(cells.neighbors[row], cells.neighbors[row + 1]); })
-              .starts_with("the row of seed 100 does not ascend at "));
+    CHECK(failure([&] {
+              std::swap(cells.neighbors[row], cells.neighbors[row + 1]);
+          }).starts_with("the row of seed 100 does not ascend at "));
     CHECK(failure([&] { cells.neighbors[end - 1] = 299 - (cells.neighbors[end - 1] == 299); }) == asymmetric);
     for (std::size_t entry = row; entry < end; ++entry)  // the shift of the last face of several with one seed
         if (entry + 1 == end || cells.neighbors[entry] != cells.neighbors[entry + 1]) {

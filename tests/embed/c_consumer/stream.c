@@ -75,7 +75,8 @@ void check_stream(void) {
     CHECK(counts.failure[0] == '\0');
     CHECK_FAILS(votess_tessellate_stream(&stream, &options, NULL, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "needs counts");
     stream.verify = 2;
-    CHECK_FAILS(votess_tessellate_stream(&stream, &options, &counts, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "verify is 2");
+    CHECK_FAILS(votess_tessellate_stream(&stream, &options, &counts, NULL), VOTESS_ERROR_INVALID_ARGUMENT,
+                "verify is 2");
     stream.verify = 0;
     user.readings = 2;
 
