@@ -285,7 +285,7 @@ class Streamed(Hdf5Test):
         self.assertSame("--random", 20000, "--want", "counts")
         self.put("none.npy", points[:0])
         self.assertSame("none.npy", blocks=1)
-        told = self.assertSame("a.npy", "--verify", "--periodic", "--want", "volumes")
+        told = self.assertSame("a.npy", "--verify", "--box", "0,0,0,1,1,1", "--periodic", "--want", "volumes")
         self.assertEqual((told["verified"], told["verified_cells"]), (True, 64))
         self.put("fortran.npy", np.asfortranarray(points))
         self.refuse("fortran.npy", "-o", "out.h5", "--memory", "400M", says="np.ascontiguousarray(points)")
@@ -321,7 +321,7 @@ class Streamed(Hdf5Test):
     def test_refused(self):
         for options, says in [(["-o", "out.npz"], ".h5 only"), (["-o", "out.h5", "-o", "-"], ".h5 only"),
                               (["--want", "faces"], "the mesh"), (["--min-face", "0.1"], "--min-area"),
-                              (["--duplicates", "error"], "duplicate_of"), (["--verify"], "--verify"),
+                              (["--duplicates", "error"], "duplicate_of"),
                               (["--image", "a.png"], "a picture"), (["-x", "lavapipe"], "by the CPU"),
                               (["--locate", "q.npy"], "queries"), (["--temporary", ""], "is empty"),
                               (["--temporary", "absent"], "'absent'")]:
