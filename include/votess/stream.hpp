@@ -81,7 +81,7 @@ struct StreamOptions {
 struct StreamResult {
     Options options;  // as in StreamHead
     // seconds: upload = seeds are read and go to blocks, sort = layers, clip = cells of blocks, fallback = cells that
-    // ask other blocks, download = rows come together and go to the sink.
+    // ask other blocks, download = rows come together, go to the sink and are checked.
     Stats stats;
     std::uint64_t blocks = 0, largest_block = 0;  // and the seeds of that one
     std::uint64_t asked_cells = 0;                // that were completed by other blocks

@@ -1,5 +1,6 @@
 """HDF5 in and out, with h5py as the other side."""
 
+import json
 import os
 import re
 import resource
@@ -317,6 +318,21 @@ class Streamed(Hdf5Test):
         (self.folder / "snap.2.hdf5").unlink()
         self.refuse("snap", "--dataset", "PartType1/Coordinates", "-o", "out.h5", "--memory", "400M",
                     says="snap.2.hdf5")
+
+    def test_failed_verification(self):
+        # What the library would say about wrong rows.
+        environment = self.preloading(
+            "#include <votess/stream.hpp>\n"
+            "votess::StreamResult votess::tessellate_stream(StreamSource&, StreamSink& sink, const Options&,"
+            "                                               const StreamOptions& stream)"
+            "{ sink.begin({}); StreamResult result;"
+            "  if (stream.verify) result.verified = {false, \"rows differ\", {\"euler\"}, 7}; return result; }\n")
+        done = self.run_cli("--random", "50", "--memory", "400M", "--verify", "--json", "-o", "out.h5", code=3,
+                            env=environment)
+        told = json.loads(done.stdout)
+        self.assertEqual((told["verified"], told["verified_cells"]), (False, 7))
+        self.assertEqual(done.stderr, "clvotess: verification failed, no file was written: rows differ\n")
+        self.assertEqual(self.files(), [])
 
     def test_refused(self):
         for options, says in [(["-o", "out.npz"], ".h5 only"), (["-o", "out.h5", "-o", "-"], ".h5 only"),
