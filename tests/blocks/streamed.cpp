@@ -19,7 +19,8 @@ bool same(const std::vector<Found>& found, Wanted wanted) {
 }
 
 bool same_bits(const std::vector<double>& found, std::span<const double> wanted) {
-    return found.size() == wanted.size() && std::memcmp(found.data(), wanted.data(), wanted.size_bytes()) == 0;
+    return found.size() == wanted.size() &&
+           (wanted.empty() || std::memcmp(found.data(), wanted.data(), wanted.size_bytes()) == 0);
 }
 
 }  // namespace
