@@ -103,6 +103,7 @@ int run(const Arguments& arguments) {
         Summary streamed = run_streamed(arguments, run_began);
         streamed.seconds_total = seconds_since(run_began);
         tell(streamed, arguments);
+        if (!streamed.failure().empty()) throw Failure(exit_code::verification_failed, streamed.failure());
         return exit_code::done;
     }
     Summary summary;
@@ -132,14 +133,8 @@ int run(const Arguments& arguments) {
     summary.domain_json = domain_json(tessellation, domain_from);
     summary.has_volumes = arguments.wanted.volumes;
 
-    std::string failure;
-    if (arguments.verify) {
-        votess::VerifyReport report = votess::verify(tessellation, input.points);
-        summary.verified = report.passed;
-        summary.checks_skipped = std::move(report.skipped);
-        summary.cells_verified = report.sampled;
-        if (!report.passed) failure = "verification failed, no file was written: " + report.failure;
-    }
+    if (arguments.verify) summary.verified = votess::verify(tessellation, input.points);
+    const std::string failure = summary.failure();
 
     if (failure.empty()) {
         const auto write_began = Clock::now();

@@ -53,6 +53,11 @@ std::string json_string(const std::string& text) {
 
 }  // namespace
 
+std::string Summary::failure() const {
+    if (!verified || verified->passed) return {};
+    return "verification failed, no file was written: " + verified->failure;
+}
+
 std::string plain_summary(const Summary& summary) {
     const votess::Stats& stats = summary.stats;
     std::string text;
@@ -75,9 +80,9 @@ std::string plain_summary(const Summary& summary) {
     if (stats.fallback_cells > 0) line("fallback", std::to_string(stats.fallback_cells) + " cells");
     line("exact", std::to_string(stats.exact_cells) + " cells needed exact arithmetic");
     if (summary.verified) {
-        std::string result = *summary.verified ? "yes" : "NO";
-        for (const std::string& check : summary.checks_skipped) result += ", without " + check;
-        result += ", " + std::to_string(summary.cells_verified) + " of " + std::to_string(stats.points) +
+        std::string result = summary.verified->passed ? "yes" : "NO";
+        for (const std::string& check : summary.verified->skipped) result += ", without " + check;
+        result += ", " + std::to_string(summary.verified->sampled) + " of " + std::to_string(stats.points) +
                   " cells tried against every point";
         line("verified", result);
     }
@@ -130,8 +135,8 @@ std::string json_summary(const Summary& summary) {
     for (const auto& [name, seconds] : stages_of(summary)) member(name, json_number(seconds));
     text += "}";
     member("peak_memory_bytes", std::to_string(stats.peak_memory_bytes));
-    member("verified", !summary.verified ? "null" : *summary.verified ? "true" : "false");
-    member("verified_cells", summary.verified ? std::to_string(summary.cells_verified) : "null");
+    member("verified", !summary.verified ? "null" : summary.verified->passed ? "true" : "false");
+    member("verified_cells", summary.verified ? std::to_string(summary.verified->sampled) : "null");
     if (const auto& ranks = summary.ranks) {
         member("ranks", std::to_string(ranks->ranks));
         member("rounds", std::to_string(ranks->rounds));

@@ -21,14 +21,15 @@ struct Summary {
     bool has_volumes = false;
     std::string input_note;  // what was taken out of the file; empty when there is nothing to say
     double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the stages between are in stats
-    std::optional<bool> verified;                                   // nothing when not asked
-    std::vector<std::string> checks_skipped;
-    std::size_t cells_verified = 0;  // by brute force
+    std::optional<votess::VerifyReport> verified;                   // nothing when not asked
     std::optional<RanksSummary> ranks;
     struct Streamed {
         std::uint64_t blocks = 0, largest_block = 0, asked_cells = 0, temporary_bytes = 0;
     };
     std::optional<Streamed> streamed;  // with --memory
+
+    // Why no file was written; empty where nothing is wrong.
+    [[nodiscard]] std::string failure() const;
 };
 
 [[nodiscard]] std::string plain_summary(const Summary& summary);

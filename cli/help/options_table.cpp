@@ -209,8 +209,8 @@ neighbors are exact either way)"},
 4G or (powers of 1024) 4Gi, by clipping blocks one after the other on the
 CPU, with the rest in temporary files. From .npy, .h5 (snapshots too) and
 rows of text into .h5, which is the file of a run in memory. Not with
-vertices and faces, --min-face, --min-area, --duplicates error, --verify
-and --image)"},
+vertices and faces, --min-face, --min-area, --duplicates error and
+--image)"},
              {"--temporary DIR", "",
               R"(where --memory keeps them; default beside the first output. How much room
 they take is said first. They have no names, and go when the run ends)"},

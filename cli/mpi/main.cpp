@@ -116,14 +116,8 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     const votess::mpi::Counts& counts = result.counts;
     summary.ranks = RanksSummary{ranks.size(), counts.rounds, counts.given, counts.needed};
 
-    std::string failure;
-    if (arguments.verify) {
-        votess::VerifyReport report = votess::mpi::verify(MPI_COMM_WORLD, result, input.points);
-        summary.verified = report.passed;
-        summary.checks_skipped = std::move(report.skipped);
-        summary.cells_verified = report.sampled;
-        if (!report.passed) failure = "verification failed, no file was written: " + report.failure;
-    }
+    if (arguments.verify) summary.verified = votess::mpi::verify(MPI_COMM_WORLD, result, input.points);
+    const std::string failure = summary.failure();
 
     const auto write_began = Clock::now();
     if (failure.empty())

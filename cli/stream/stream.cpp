@@ -295,7 +295,6 @@ void check_streamed(const Arguments& arguments) {
         refuse("--min-face or --min-area", "which faces are dropped is decided from those of all cells");
     if (options.duplicates == votess::Duplicates::error)
         refuse("--duplicates error", "they are known when all cells are, see duplicate_of in the output");
-    if (arguments.verify) refuse("--verify", "cells are compared with every point");
     if (arguments.picture) refuse("--image", "a picture is drawn from all cells");
 }
 
@@ -323,8 +322,10 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
     Summary summary;
     try {
         const votess::StreamResult result = votess::tessellate_stream(
-            source, sink, options, {.memory = memory_for_library(arguments.memory), .temporary = folder});
-        sink.finish();
+            source, sink, options,
+            {.memory = memory_for_library(arguments.memory), .temporary = folder, .verify = arguments.verify});
+        summary.verified = result.verified;
+        if (summary.failure().empty()) sink.finish();
         summary.stats = result.stats;
         summary.streamed = {result.blocks, result.largest_block, result.asked_cells,
                             result.temporary_bytes + beside.bytes()};

@@ -17,7 +17,7 @@ void read_memory(const std::optional<std::string>& memory, const std::optional<s
 // After reading the arguments: refuses what cannot be had in pieces. Throws Failure.
 void check_streamed(const Arguments& arguments);
 
-// Writes the outputs, and returns what there is to tell, but for the time in all.
+// Writes the outputs unless verification fails, and returns what there is to tell, but for the time in all.
 [[nodiscard]] Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began);
 
 }  // namespace clvotess

@@ -93,15 +93,32 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
         if (options != nullptr && (options->weights != nullptr || options->radii != nullptr))
             refuse("weights and radii of a stream come with its seeds: leave them NULL in the options");
         if (stats != nullptr) check_stats(*stats);
+        if (stream->verify != 0 && stream->verify != 1)
+            refuse("stream.verify is " + std::to_string(stream->verify) + ": give 0 or 1");
+        if (stream->verify == 1 && (counts == nullptr || counts->struct_size < sizeof(votess_stream_counts)))
+            refuse("stream.verify needs counts, with the report of it, of struct_size sizeof(votess_stream_counts)");
         Source source(*stream);
         Sink sink(*stream);
-        const votess::StreamResult result = votess::tessellate_stream(
-            source, sink, convert_options(options, 0),
-            {.memory = stream->memory, .temporary = stream->temporary == nullptr ? "" : stream->temporary});
+        const votess::StreamResult result =
+            votess::tessellate_stream(source, sink, convert_options(options, 0),
+                                      {.memory = stream->memory,
+                                       .temporary = stream->temporary == nullptr ? "" : stream->temporary,
+                                       .verify = stream->verify == 1});
         if (counts != nullptr) {
-            const votess_stream_counts found{counts->struct_size, 0,
-                                             result.blocks,       result.largest_block,
-                                             result.asked_cells,  result.temporary_bytes};
+            votess_stream_counts found{};
+            found.struct_size = counts->struct_size;
+            found.blocks = result.blocks;
+            found.largest_block = result.largest_block;
+            found.asked_cells = result.asked_cells;
+            found.temporary_bytes = result.temporary_bytes;
+            if (result.verified) {
+                std::size_t sampled = 0;
+                int passed = 0;
+                write_report(*result.verified,
+                             {&passed, &found.checks_skipped, &sampled, found.failure, sizeof found.failure});
+                found.passed = passed;
+                found.sampled = sampled;
+            }
             std::memcpy(counts, &found, std::min<std::size_t>(counts->struct_size, sizeof found));
         }
         if (stats != nullptr) write_stats(result.stats, *stats);

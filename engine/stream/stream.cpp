@@ -14,6 +14,7 @@
 #include "stream/assembler.hpp"
 #include "stream/intake.hpp"
 #include "stream/plan.hpp"
+#include "stream/row_checks.hpp"
 
 namespace votess {
 namespace {
@@ -69,6 +70,7 @@ public:
         answer();
         finish_asked();
         hand_out();
+        verify();
         stages_.end();
         result_.options = *settled_;
         result_.options.progress = options_.progress;
@@ -289,13 +291,15 @@ private:
             });
         }
         result_.temporary_bytes = ids_->size() + seeds_->size() + rows_->size() + intake_.bytes();
-        dealt_.reset();
-        seeds_.reset();
+        if (!stream_.verify) {
+            dealt_.reset();
+            seeds_.reset();
+        }
         give_back_memory();
     }
 
     void hand_out() {
-        stages_.begin(&StageSeconds::download, 1, "writing rows");
+        stages_.begin(&StageSeconds::download, stream_.verify ? 0.95 : 1, "writing rows");
         StreamHead head;
         head.seeds = intake_.seeds();
         head.periodic = domain_is_periodic();
@@ -316,9 +320,11 @@ private:
         ThreadPool pool(std::max(1u, result_.stats.threads));
         Assembler assembler(*layout_, head, std::move(stores), count_, pool);
         sink_.begin(head);
+        if (stream_.verify) checks_.emplace(*layout_, sample_size(head.seeds, count_, head.periodic, stream_.memory));
         Stats& stats = result_.stats;
         do {
             const StreamRows rows = assembler.next(most);
+            if (checks_) checks_->take(rows);
             sink_.rows(rows);
             for (const double volume : rows.volumes) stats.volume_sum += volume;
             stats.empty_cells += static_cast<std::uint64_t>(std::ranges::count(rows.status, CellStatus::outside));
@@ -329,6 +335,18 @@ private:
         const std::uint64_t cells = stats.points - stats.empty_cells;
         stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
         stats.peak_memory_bytes = peak_memory();
+    }
+
+    void verify() {
+        if (!checks_) return;
+        stages_.begin(&StageSeconds::download, 1, "checking the cells");
+        std::uint64_t read = 0;
+        result_.verified = checks_->report(result_.stats, *domain_, count_, [&](std::size_t b) {
+            stages_.at(read++, 2 * count_);
+            Spool& status = blocks_[b].settled.of(Array::status);
+            status.rewind();
+            return RowChecks::BlockSeeds{seeds_of(b), status.read_rest<CellStatus>()};
+        });
     }
 
     StreamSink& sink_;
@@ -344,6 +362,7 @@ private:
     std::optional<Intake::Dealt> dealt_;
     std::vector<Block> blocks_;
     std::vector<blocks::Outline> outlines_;  // to those that were given no layer
+    std::optional<RowChecks> checks_;
     StreamResult result_;
 };
 

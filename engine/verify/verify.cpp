@@ -1,12 +1,11 @@
 // The public checker: what holds for all cells, and the sampled ones of verify_sample.cpp.
-#include <cmath>
-#include <limits>
+#include <algorithm>
 
-#include "core/text.hpp"
 #include "input/domain_of_result.hpp"
 #include "input/options.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
+#include "verify/invariants.hpp"
 #include "verify/verify_mesh.hpp"
 #include "verify/verify_sample.hpp"
 
@@ -14,15 +13,8 @@ namespace votess {
 namespace {
 
 std::string check_volumes(const Tessellation& t) {
-    const Stats& s = t.stats();
-    // Subnormal volumes are rounded to a multiple of the least double.
-    const double rounding = static_cast<double>(t.size() + 1) * std::numeric_limits<double>::denorm_min();
-    const double allowed = volume_tolerance(t).sum * s.box_volume + rounding;
-    // With no seed inside, no cell fills the domain.
-    const bool none = std::ranges::none_of(t.status(), [](CellStatus c) { return c == CellStatus::certified; });
-    const double expected = none ? 0 : s.box_volume;
-    if (s.volume_sum == expected || std::abs(s.volume_sum - expected) <= allowed) return {};
-    return "volumes sum to " + number(s.volume_sum) + ", the box holds " + number(s.box_volume);
+    const bool certified = std::ranges::count(t.status(), CellStatus::certified) > 0;
+    return check_volume_sum(t.stats(), certified, volume_tolerance(t).sum);
 }
 
 // Rows ascend, so that none lists a face twice, and each entry is answered by one of the cell behind the face.
@@ -32,7 +24,7 @@ std::string check_symmetry(const Tessellation& t) {
         for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry) {
             const FaceLabel label = rows.label(entry);
             if (entry > rows.begin(i) && !(rows.label(entry - 1) < label))
-                return "the row of seed " + std::to_string(i) + " does not ascend at " + std::to_string(label.id);
+                return not_ascending(static_cast<std::int64_t>(i), label.id);
             if (label.id < 0) continue;
             const auto j = static_cast<std::size_t>(label.id);
             if (rows.find(j, label.seen_from_behind(i)) == rows.end(j))
@@ -44,10 +36,9 @@ std::string check_symmetry(const Tessellation& t) {
 std::string check_euler(const Tessellation& t) {
     for (std::size_t i = 0; i < t.size(); ++i) {
         if (t.status()[i] != CellStatus::certified) continue;
-        const std::int64_t v = t.vertex_counts()[i], e = t.edge_counts()[i], f = t.face_counts()[i];
-        if (v - e + f != 2)
-            return "cell " + std::to_string(i) + " has " + std::to_string(v) + " vertices, " + std::to_string(e) +
-                   " edges and " + std::to_string(f) + " faces, against Euler's formula";
+        auto wrong = check_euler_formula(static_cast<std::int64_t>(i), t.vertex_counts()[i], t.edge_counts()[i],
+                                         t.face_counts()[i]);
+        if (!wrong.empty()) return wrong;
     }
     return {};
 }

@@ -7,6 +7,7 @@
 #include "blocks/bytes.hpp"
 #include "input/options.hpp"
 #include "verify/brute_force.hpp"
+#include "verify/invariants.hpp"
 #include "verify/told_cell.hpp"
 #include "verify/verify_sample.hpp"
 #include "votess/blocks.hpp"
@@ -150,9 +151,7 @@ std::string BlockVerifier::check_rows() const {
     const auto& s = *state_;
     for (std::size_t row = 0; row < s.ids.size(); ++row)
         for (std::size_t entry = s.begin(row) + 1; entry < s.end(row); ++entry)
-            if (!(s.face(entry - 1) < s.face(entry)))
-                return "the row of seed " + name_of(s.ids[row]) + " does not ascend at " +
-                       name_of(s.cells.neighbors[entry]);
+            if (!(s.face(entry - 1) < s.face(entry))) return not_ascending(s.ids[row], s.cells.neighbors[entry]);
     return {};
 }
 
@@ -161,10 +160,9 @@ std::string BlockVerifier::check_euler() const {
     if (s.cells.face_counts.empty()) return {};
     for (std::size_t row = 0; row < s.ids.size(); ++row) {
         if (s.cells.status[row] != CellStatus::certified) continue;
-        const std::int64_t v = s.cells.vertex_counts[row], e = s.cells.edge_counts[row], f = s.cells.face_counts[row];
-        if (v - e + f != 2)
-            return "cell " + name_of(s.ids[row]) + " has " + std::to_string(v) + " vertices, " + std::to_string(e) +
-                   " edges and " + std::to_string(f) + " faces, against Euler's formula";
+        auto wrong = check_euler_formula(s.ids[row], s.cells.vertex_counts[row], s.cells.edge_counts[row],
+                                         s.cells.face_counts[row]);
+        if (!wrong.empty()) return wrong;
     }
     return {};
 }

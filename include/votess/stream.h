@@ -54,7 +54,7 @@ typedef struct votess_stream_rows {
 
 typedef struct votess_stream {
     uint32_t struct_size;   // set it to sizeof(votess_stream)
-    int32_t reserved;       // 0
+    int32_t verify;         // 1: all rows are checked while they go to the caller; or 0
     uint64_t memory;        // bytes, see StreamOptions in stream.hpp
     const char* temporary;  // folder of temporary files; NULL or "": that of TMPDIR, or /tmp
     // Begins with the first seed, at first and once more. NULL or VOTESS_STREAM_END: seeds can be had only once.
@@ -70,6 +70,11 @@ typedef struct votess_stream_counts {
     uint32_t struct_size;  // set it to sizeof(votess_stream_counts)
     int32_t reserved;
     uint64_t blocks, largest_block, asked_cells, temporary_bytes;  // see StreamResult in stream.hpp
+    // With votess_stream.verify, else 0, see votess_verify():
+    int32_t passed;           // 1 when all checks passed
+    uint32_t checks_skipped;  // VOTESS_CHECK_* bits
+    uint64_t sampled;         // cells that were tried by brute force
+    char failure[256];        // one line of UTF-8 on the first failed check, cut to fit; "" when passed
 } votess_stream_counts;
 
 // options: NULL = defaults; without weights and radii. counts, stats: may be NULL.

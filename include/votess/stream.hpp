@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -73,16 +74,23 @@ struct StreamOptions {
     static constexpr std::uint64_t least_memory = 1'000'000;
     // Folder of the temporary files. "": that of the environment's TMPDIR, or /tmp.
     std::string temporary;
+    // Checks all rows as verify() does, while they go to the sink, which has had them all when the outcome is known.
+    bool verify = false;
 };
 
 struct StreamResult {
     Options options;  // as in StreamHead
     // seconds: upload = seeds are read and go to blocks, sort = layers, clip = cells of blocks, fallback = cells that
-    // ask other blocks, download = rows come together and go to the sink.
+    // ask other blocks, download = rows come together, go to the sink and are checked.
     Stats stats;
     std::uint64_t blocks = 0, largest_block = 0;  // and the seeds of that one
     std::uint64_t asked_cells = 0;                // that were completed by other blocks
     std::uint64_t temporary_bytes = 0;            // in all files
+    // With StreamOptions::verify. Symmetry is tested by a sum of 128 bits over the entries of all rows, so that a fault
+    // goes unseen with a probability of about 2^-128, and the text does not name the seeds. How many cells are tried by
+    // brute force, against all seeds, depends on the input, the number of blocks and the memory: as many as take about
+    // a second, at least 64 or all. Without neighbors only volumes and Euler's formula are tested.
+    std::optional<VerifyReport> verified;
 };
 
 // options: weights and radii come from the source. want.vertices and want.faces, min_face, min_area, duplicates = error

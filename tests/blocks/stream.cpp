@@ -1,13 +1,16 @@
 // tessellate_stream() against all seeds at once.
 #include <doctest/doctest.h>
 
-#include <filesystem>
+#include <algorithm>
+#include <numeric>
 #include <string>
 #include <vector>
 
 #include "blocks/streamed.hpp"
+#include "stream/row_checks.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "verify/brute_force.hpp"
 
 namespace {
 
@@ -27,9 +30,16 @@ votess::Options options_of(const PointSet& set) {
 void check(const PointSet& set, const votess::Options& options) {
     CAPTURE(set.name);
     const auto whole = votess::tessellate(set.points, options);
-    const test::Streamed found = test::streamed(set.points, options, little);
+    const test::Streamed found = test::streamed(set.points, options, little, 777, false, true);
     CHECK(test::difference(found, whole) == "");
     CHECK(found.result.blocks > set.size() / 3000);
+    const votess::VerifyReport& report = found.result.verified.value();
+    CHECK(report.passed);
+    const auto tried = std::ranges::count_if(whole.status(), votess::takes_part);
+    const bool rows = options.want.neighbors || set.size() == 0;
+    CHECK(report.sampled == (rows ? std::min<std::size_t>(64, static_cast<std::size_t>(tried)) : 0));
+    CHECK(report.skipped ==
+          (rows ? std::vector<std::string>() : std::vector<std::string>{"volumes", "symmetry", "euler", "sample"}));
 }
 
 std::string message(const auto& work) {
@@ -114,6 +124,78 @@ TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") 
                 for (const double z : {-1., 1.}) options.walls.push_back({{x, y, z}, 0.6 + 0.5 * (x + y + z)});
         check(set, options);
     }
+}
+
+// Rows of a run in memory, as a stream hands them out, some of them damaged.
+TEST_CASE("stream: damaged rows are found") {
+    const PointSet set = test::uniform(300, 4);
+    votess::Options options = options_of(set);
+    options.periodic = {true, true, true};
+    options.want.areas = true;
+    const auto whole = votess::tessellate(set.points, options);
+    votess::BlockCells cells;
+    const auto copy = [](auto from, auto& to) { to.assign(from.begin(), from.end()); };
+    const auto failure = [&](const auto& damage) {
+        copy(whole.status(), cells.status);
+        copy(whole.indptr(), cells.indptr);
+        copy(whole.indices(), cells.neighbors);
+        copy(whole.shifts(), cells.shifts);
+        copy(whole.face_areas(), cells.areas);
+        copy(whole.volumes(), cells.volumes);
+        copy(whole.face_counts(), cells.face_counts);
+        copy(whole.edge_counts(), cells.edge_counts);
+        copy(whole.vertex_counts(), cells.vertex_counts);
+        damage();
+        votess::StreamRows rows;
+        rows.status = cells.status;
+        rows.indptr = cells.indptr;
+        rows.neighbors = cells.neighbors;
+        rows.shifts = cells.shifts;
+        rows.areas = cells.areas;
+        rows.volumes = cells.volumes;
+        rows.face_counts = cells.face_counts;
+        rows.edge_counts = cells.edge_counts;
+        rows.vertex_counts = cells.vertex_counts;
+        const votess::stream::Layout layout(options.want, true, set.size());
+        votess::stream::RowChecks checks(layout, set.size());
+        checks.take(rows);
+        votess::Stats stats = whole.stats();
+        stats.volume_sum = std::accumulate(cells.volumes.begin(), cells.volumes.end(), 0.0);
+        const votess::BlockDomain domain(options, *options.box, set.size());
+        const votess::VerifyReport report = checks.report(stats, domain, 2, [&](std::size_t b) {
+            votess::stream::RowChecks::BlockSeeds half;
+            for (std::size_t i = b * 150; i < 150 * (b + 1); ++i) {
+                half.seeds.ids.push_back(static_cast<std::int64_t>(i));
+                half.seeds.points.insert(half.seeds.points.end(), &set.points[3 * i], &set.points[3 * i] + 3);
+            }
+            half.status.assign(150, votess::CellStatus::certified);
+            return half;
+        });
+        CHECK(report.passed == report.failure.empty());
+        return report.failure;
+    };
+    const std::string asymmetric =
+        "the lists of neighbors are not symmetric: some seed lists another which does not list it";
+    CHECK(failure([] {}) == "");
+    CHECK(failure([&] { cells.volumes[7] *= 1.001; }).starts_with("volumes sum to "));
+    CHECK(failure([&] { ++cells.edge_counts[9]; }).starts_with("cell 9 has "));
+    const auto row = static_cast<std::size_t>(cells.indptr[100]), end = static_cast<std::size_t>(cells.indptr[101]);
+    CHECK(failure([&] {
+              std::swap(cells.neighbors[row], cells.neighbors[row + 1]);
+          }).starts_with("the row of seed 100 does not ascend at "));
+    CHECK(failure([&] { cells.neighbors[end - 1] = 299 - (cells.neighbors[end - 1] == 299); }) == asymmetric);
+    for (std::size_t entry = row; entry < end; ++entry)  // the shift of the last face of several with one seed
+        if (entry + 1 == end || cells.neighbors[entry] != cells.neighbors[entry + 1]) {
+            CHECK(failure([&] { ++cells.shifts[3 * entry]; }) == asymmetric);
+            CHECK(failure([&] { ++cells.neighbors[entry]; }) != "");
+        }
+    CHECK(failure([&] { --cells.indptr[100]; }) != "");
+    // What keeps the sums is found by brute force.
+    CHECK(failure([&] {
+              cells.volumes[3] += 1e-6;
+              cells.volumes[5] -= 1e-6;
+          }).starts_with("cell 3 has volume "));
+    CHECK(failure([&] { cells.areas[row] *= 1.001; }).starts_with("the face of cell 100 with "));
 }
 
 TEST_CASE("stream: pieces and memory of any size, and seeds that come once, give the same") {

@@ -41,7 +41,7 @@ struct Streamed {
 };
 // piece: of source and once more of it; how many seeds at once.
 Streamed streamed(std::span<const double> points, const votess::Options& options, std::uint64_t memory,
-                  std::size_t piece = 777, bool once = false);
+                  std::size_t piece = 777, bool once = false, bool verify = false);
 
 // "" when these are the arrays of t, bit for bit.
 std::string difference(const Streamed& found, const votess::Tessellation& t);

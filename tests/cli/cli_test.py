@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -75,6 +76,21 @@ class CliTest(unittest.TestCase):
                               capture_output=True, timeout=300, check=False, **options)
         self.assertEqual(done.returncode, code, f"{arguments}\nstdout: {done.stdout}\nstderr: {done.stderr}")
         return done
+
+    def preloading(self, function):
+        """An environment where this C++ function takes the place of the library's."""
+        compiler = shutil.which(os.environ.get("CXX", "c++"))
+        if SANITIZED or not compiler or b"libvotess.so" not in Path(shutil.which(CLI)).read_bytes():
+            self.skipTest("needs a compiler and a shared libvotess without sanitizer")
+        build = tempfile.TemporaryDirectory()
+        self.addCleanup(build.cleanup)
+        (Path(build.name) / "votess").mkdir()
+        (Path(build.name) / "votess/version.hpp").write_text("")
+        source, library = Path(build.name) / "false.cpp", Path(build.name) / "false.so"
+        source.write_text("#include <votess/votess.hpp>\n" + function)
+        subprocess.run([compiler, "-std=c++20", "-shared", "-fPIC", f"-I{ROOT / 'include'}", f"-I{build.name}",
+                        str(source), "-o", str(library)], check=True)
+        return dict(os.environ, LD_PRELOAD=str(library))
 
     def refuse(self, *arguments, says=(), stdin="", code=2):
         """Runs a bad call: the exit code, one line on stderr that names the place, nothing on stdout, no new file."""

@@ -1,5 +1,6 @@
 """HDF5 in and out, with h5py as the other side."""
 
+import json
 import os
 import re
 import resource
@@ -285,6 +286,8 @@ class Streamed(Hdf5Test):
         self.assertSame("--random", 20000, "--want", "counts")
         self.put("none.npy", points[:0])
         self.assertSame("none.npy", blocks=1)
+        told = self.assertSame("a.npy", "--verify", "--box", "0,0,0,1,1,1", "--periodic", "--want", "volumes")
+        self.assertEqual((told["verified"], told["verified_cells"]), (True, 64))
         self.put("fortran.npy", np.asfortranarray(points))
         self.refuse("fortran.npy", "-o", "out.h5", "--memory", "400M", says="np.ascontiguousarray(points)")
 
@@ -320,10 +323,25 @@ class Streamed(Hdf5Test):
         self.refuse("snap", "--dataset", "PartType1/Coordinates", "-o", "out.h5", "--memory", "400M",
                     says="snap.2.hdf5")
 
+    def test_failed_verification(self):
+        # What the library would say about wrong rows.
+        environment = self.preloading(
+            "#include <votess/stream.hpp>\n"
+            "votess::StreamResult votess::tessellate_stream(StreamSource&, StreamSink& sink, const Options&,"
+            "                                               const StreamOptions& stream)"
+            "{ sink.begin({}); StreamResult result;"
+            "  if (stream.verify) result.verified = {false, \"rows differ\", {\"euler\"}, 7}; return result; }\n")
+        done = self.run_cli("--random", "50", "--memory", "400M", "--verify", "--json", "-o", "out.h5", code=3,
+                            env=environment)
+        told = json.loads(done.stdout)
+        self.assertEqual((told["verified"], told["verified_cells"]), (False, 7))
+        self.assertEqual(done.stderr, "clvotess: verification failed, no file was written: rows differ\n")
+        self.assertEqual(self.files(), [])
+
     def test_refused(self):
         for options, says in [(["-o", "out.npz"], ".h5 only"), (["-o", "out.h5", "-o", "-"], ".h5 only"),
                               (["--want", "faces"], "the mesh"), (["--min-face", "0.1"], "--min-area"),
-                              (["--duplicates", "error"], "duplicate_of"), (["--verify"], "--verify"),
+                              (["--duplicates", "error"], "duplicate_of"),
                               (["--image", "a.png"], "a picture"), (["-x", "lavapipe"], "by the CPU"),
                               (["--locate", "q.npy"], "queries"), (["--temporary", ""], "is empty"),
                               (["--temporary", "absent"], "'absent'")]:

@@ -1,17 +1,14 @@
 """Options, domain, duplicates, help, summary and verification."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
-import tempfile
 import time
-from pathlib import Path
 
 import numpy as np
 
-from cli_test import (CLI, ROOT, SANITIZED, JSON_KEYS, SECONDS_KEYS, OPTIONS, SHORT_OPTIONS, CUBE, CUBE_BOX, CliTest,
+from cli_test import (CLI, ROOT, JSON_KEYS, SECONDS_KEYS, OPTIONS, SHORT_OPTIONS, CUBE, CUBE_BOX, CliTest,
                       random_points)
 
 
@@ -289,21 +286,6 @@ class Usage(CliTest):
                              "(?m)^verified +yes, 500 of 500 cells tried against every point$")
         with np.load(self.folder / "out.npz") as arrays:
             self.assertNotIn("indices", arrays.files)  # computed for the check, not asked for
-
-    def preloading(self, function):
-        """An environment where this C++ function takes the place of the library's."""
-        compiler = shutil.which(os.environ.get("CXX", "c++"))
-        if SANITIZED or not compiler or b"libvotess.so" not in Path(shutil.which(CLI)).read_bytes():
-            self.skipTest("needs a compiler and a shared libvotess without sanitizer")
-        build = tempfile.TemporaryDirectory()
-        self.addCleanup(build.cleanup)
-        (Path(build.name) / "votess").mkdir()
-        (Path(build.name) / "votess/version.hpp").write_text("")
-        source, library = Path(build.name) / "false.cpp", Path(build.name) / "false.so"
-        source.write_text("#include <votess/votess.hpp>\n" + function)
-        subprocess.run([compiler, "-std=c++20", "-shared", "-fPIC", f"-I{ROOT / 'include'}", f"-I{build.name}",
-                        str(source), "-o", str(library)], check=True)
-        return dict(os.environ, LD_PRELOAD=str(library))
 
     def test_exit_codes_of_library_errors(self):
         for error, code in [("invalid_argument", 2), ("unsupported", 2), ("out_of_memory", 1), ("internal", 1),

@@ -61,7 +61,7 @@ def stats_of(c_stats: _c_api.Stats) -> Stats:
 
 @dataclass(frozen=True)
 class VerifyReport:
-    """Outcome of :meth:`Tessellation.verify`. True when all checks that could be made passed."""
+    """Outcome of :meth:`Tessellation.verify` and its like. True when all checks that could be made passed."""
 
     passed: bool
     failure: str  #: one line on the first failed check; empty when passed

@@ -49,6 +49,9 @@ class Stream(unittest.TestCase):
             np.testing.assert_array_equal(result.box, [[0, 0, 0], [1, 1, 1]])
             self.assertIsNone(rows.pieces[0].shifts)
             self.assertIsNone(rows.pieces[0].duplicate_of)
+        self.assertIsNone(result.verified)
+        verified = vt.tessellate_stream([points], lambda rows: None, LITTLE, box=UNIT_BOX, verify=True).verified
+        self.assertEqual(verified, vt.VerifyReport(True, "", ("euler",), 64))
         single = points.astype("f4")
         _, result, whole = self.check(single, np.split(single, 2))
         np.testing.assert_array_equal(result.box, whole.box)

@@ -58,13 +58,27 @@ void check_stream(void) {
     Stream user = {points, 0, 0, NULL, 0, 0, 0};
     CHECK(votess_tessellate(NULL, points, SEEDS, &options, &user.whole) == VOTESS_OK);
     votess_stream stream = {sizeof stream, 0, 1000000, NULL, restart, next, begin, rows, &user};
-    votess_stream_counts counts = {sizeof counts, 0, 0, 0, 0, 0};
+    votess_stream_counts counts = {sizeof counts, 0, 0, 0, 0, 0, 0, 0, 0, ""};
     votess_stats stats;
     stats.struct_size = sizeof stats;
     CHECK(votess_tessellate_stream(&stream, &options, &counts, &stats) == VOTESS_OK);
     CHECK(user.rows == SEEDS && user.begun == 1 && user.readings == 2);
     CHECK(counts.blocks > 1 && counts.largest_block < SEEDS && counts.temporary_bytes > 32 * SEEDS);
     CHECK(stats.points == SEEDS && stats.volume_sum > 0.999999 && stats.volume_sum < 1.000001);
+
+    CHECK(counts.passed == 0 && counts.sampled == 0);
+
+    user.rows = user.next = 0;
+    stream.verify = 1;
+    CHECK(votess_tessellate_stream(&stream, &options, &counts, NULL) == VOTESS_OK);
+    CHECK(counts.passed == 1 && counts.sampled == 64 && counts.checks_skipped == VOTESS_CHECK_EULER);
+    CHECK(counts.failure[0] == '\0');
+    CHECK_FAILS(votess_tessellate_stream(&stream, &options, NULL, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "needs counts");
+    stream.verify = 2;
+    CHECK_FAILS(votess_tessellate_stream(&stream, &options, &counts, NULL), VOTESS_ERROR_INVALID_ARGUMENT,
+                "verify is 2");
+    stream.verify = 0;
+    user.readings = 2;
 
     user.rows = user.next = 0;
     stream.restart = NULL;  // once

@@ -21,7 +21,7 @@ from .. import _c_api
 from .._c_api import OutsideWord, WantWord
 from .._call import Progress, run, showing
 from .._input import Domain, as_count, as_one_each, as_points, as_text, as_want
-from ..stats import Stats, stats_of
+from ..stats import Stats, VerifyReport, stats_of
 from ..tessellator import new_options
 from . import _stream_api as _stream
 
@@ -81,6 +81,7 @@ class StreamResult:
     largest_block: int  #: seeds of the largest one
     asked_cells: int  #: that were completed by other blocks
     temporary_bytes: int  #: in all files
+    verified: Optional[VerifyReport] = None  #: with ``verify=True``
 
 
 class _Callbacks:
@@ -171,6 +172,7 @@ def tessellate_stream(
     origin: Optional[npt.ArrayLike] = None,
     outside: OutsideWord = "error",
     instructions: str = "",
+    verify: bool = False,
 ) -> StreamResult:
     """Voronoi cells of points that do not fit into memory; on the CPU. The rows are those of :func:`tessellate`.
 
@@ -184,6 +186,8 @@ def tessellate_stream(
     temporary : the folder of temporary files, which have no names and are gone when the run ends. Default: that of the
         environment's TMPDIR, or /tmp. About 140 bytes a point for neighbors and volumes.
     beside : "weights" or "radii": each piece is a pair (points, numbers), for a power diagram.
+    verify : checks all cells as :meth:`Tessellation.verify` does, while ``rows`` is called with them; the outcome is
+        ``verified`` of the result.
 
     The others as in :func:`tessellate`, ``want`` without "vertices" and "faces".
 
@@ -203,6 +207,7 @@ def tessellate_stream(
     callbacks = _Callbacks(pieces, rows, beside)
     stream = _stream.Stream(
         struct_size=ctypes.sizeof(_stream.Stream),
+        verify=bool(verify),
         memory=as_count(memory, "memory", 64),
         temporary=as_text(os.fspath(temporary), "temporary") if temporary is not None else None,
         restart=_stream.Restart(callbacks.restart),
@@ -225,4 +230,8 @@ def tessellate_stream(
         raise
     del kept
     fields = {name: getattr(counts, name) for name in ("blocks", "largest_block", "asked_cells", "temporary_bytes")}
+    if verify:
+        names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if counts.checks_skipped & bit)
+        failure = counts.failure.decode("utf-8", "replace")
+        fields["verified"] = VerifyReport(bool(counts.passed), failure, names, counts.sampled)
     return StreamResult(callbacks.box if cell is None else None, stats_of(c_stats), **fields)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import CFUNCTYPE, POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import CFUNCTYPE, POINTER, c_char, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from typing import Any, Dict, Tuple
 
 import numpy as np
@@ -74,7 +74,7 @@ class Stream(ctypes.Structure):
 
     _fields_ = [
         ("struct_size", c_uint32),
-        ("reserved", c_int32),
+        ("verify", c_int32),
         ("memory", c_uint64),
         ("temporary", c_char_p),
         ("restart", Restart),
@@ -95,6 +95,10 @@ class Counts(ctypes.Structure):
         ("largest_block", c_uint64),
         ("asked_cells", c_uint64),
         ("temporary_bytes", c_uint64),
+        ("passed", c_int32),
+        ("checks_skipped", c_uint32),
+        ("sampled", c_uint64),
+        ("failure", c_char * 256),
     ]
 
 
