@@ -1,4 +1,4 @@
-#include "read/snapshot_files.hpp"
+#include "read/hdf5/snapshot_files.hpp"
 
 #include <filesystem>
 

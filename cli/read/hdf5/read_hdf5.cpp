@@ -10,9 +10,9 @@
 #include "failure.hpp"
 #include "files/formats/hdf5_module.hpp"
 #include "files/numbers.hpp"
-#include "read/hdf5_file.hpp"
+#include "read/hdf5/hdf5_file.hpp"
+#include "read/hdf5/snapshot_files.hpp"
 #include "read/input.hpp"
-#include "read/snapshot_files.hpp"
 #include "stream/pieces.hpp"
 #include "stream/streamed_file.hpp"
 
