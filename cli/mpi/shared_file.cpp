@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <cstring>
 #include <vector>
@@ -16,25 +17,48 @@ namespace {
 std::array<char, 4096> temporary_of_handler{};
 constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
 
+// A signal that comes while rank 0 makes the file waits until the name is known.
+constexpr int settled = 0, making = -1;
+std::atomic<int> state{settled};  // or the signal that waits
+static_assert(std::atomic<int>::is_always_lock_free);
+
 void remove_and_end(int signal) {
+    int expected = making;
+    if (state.compare_exchange_strong(expected, signal)) return;
     if (temporary_of_handler[0] != '\0') unlink(temporary_of_handler.data());
     _exit(exit_code::signal_base + signal);
+}
+
+class MakingFile {
+public:
+    MakingFile() noexcept { state = making; }
+    ~MakingFile() {
+        if (const int signal = state.exchange(settled); signal != making) remove_and_end(signal);
+    }
+    MakingFile(const MakingFile&) = delete;
+    MakingFile& operator=(const MakingFile&) = delete;
+};
+
+void remember(const std::string& temporary) {
+    std::memcpy(temporary_of_handler.data(), temporary.c_str(), temporary.size() + 1);
 }
 
 }  // namespace
 
 SharedFile::SharedFile(const Ranks& ranks, const std::string& path) : ranks_(ranks), name_(path) {
+    for (const int signal : signals) std::signal(signal, remove_and_end);
     std::vector<char> bytes;
     ranks.first_alone([&] {
+        const MakingFile guard;
         const std::string& temporary = file_.emplace(path).path_for_library();
         if (temporary.size() >= temporary_of_handler.size())
             throw bad_input("cannot write " + in_quotes(path) + ": its path is too long");
+        remember(temporary);
         bytes.assign(temporary.begin(), temporary.end());
     });
     ranks.broadcast(bytes);
     temporary_.assign(bytes.begin(), bytes.end());
-    std::memcpy(temporary_of_handler.data(), temporary_.c_str(), temporary_.size() + 1);
-    for (const int signal : signals) std::signal(signal, remove_and_end);
+    remember(temporary_);
     ranks.together([&] {
         if (access(temporary_.c_str(), F_OK) != 0)
             throw runtime_failure("cannot see " + in_quotes(temporary_) +

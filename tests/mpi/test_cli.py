@@ -219,10 +219,12 @@ class Killed(RanksTest):
         command = [*MPIEXEC, "3", CLI_MPI, "--random", "200000", "--want", "neighbors,areas,normals", "-o", "out.h5"]
         with subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as run:
             try:
-                while not when(run):
+                ranks = []
+                while len(ranks) < 3 or not when(run):
                     self.assertIsNone(run.poll(), "it ended before a rank could be killed")
+                    ranks = ranks if len(ranks) == 3 else self.ranks_of(run)
                     time.sleep(0.001)
-                os.kill(self.ranks_of(run)[which], signal.SIGKILL)
+                os.kill(ranks[which], signal.SIGKILL)  # at once: the file may soon be whole
                 self.assertNotEqual(run.wait(timeout=60), 0)
             finally:
                 run.kill()
