@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "support/random.hpp"
 
 using votess::ConvexPiece;

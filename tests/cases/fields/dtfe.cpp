@@ -1,6 +1,7 @@
 // to_grid(), dtfe: simplices that fit together, mass that is kept, fields that are linear.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 #include <set>
