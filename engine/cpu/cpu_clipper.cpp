@@ -43,6 +43,7 @@ void CpuClipper::end() {
     positions_known_ = false;
     delaunay_.reset();
     sorted_ = searchable_ = false;
+    buried_.clear();
     progress_ = {};
     job_ = {};
 }
@@ -112,7 +113,7 @@ void CpuClipper::gather_weights() {
 }
 
 void CpuClipper::set_empty(ResultBuilder& out) {
-    sort();
+    if (job_.domain->has_weights()) sort();
     std::size_t empty = 0;
     const auto set = [&](std::size_t i, CellStatus status) {
         if (i >= out.status().size()) return;  // after clip_first()

@@ -26,7 +26,7 @@ Box larger_box(const Job& job, double margin) {
 std::optional<PeriodicUnits> periodic_units(const Job& job) {
     const Domain& domain = *job.domain;
     if (domain.skewed) return std::nullopt;
-    const std::size_t count = job.points.count();
+    const auto count = job.points.count() - static_cast<std::size_t>(std::ranges::count(job.outside, CellStatus::outside));
     const double spacing = std::cbrt(domain.volume / static_cast<double>(std::max<std::size_t>(count, 1)));
     const double margin = std::min(margin_spacings * spacing, 2 * domain.covering_radius) / job.scale;
     PeriodicUnits result;
@@ -64,7 +64,7 @@ std::optional<PeriodicUnits> periodic_units(const Job& job) {
 
 bool device_clips(const Job& job) {
     const Domain& domain = *job.domain;
-    if (domain.has_weights() || !domain.walls.empty() || domain.has_cell_walls() || !job.outside.empty()) return false;
+    if (domain.has_weights() || !domain.walls.empty() || domain.has_cell_walls()) return false;
     return !domain.is_periodic() || periodic_units(job).has_value();
 }
 

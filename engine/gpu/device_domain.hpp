@@ -22,7 +22,7 @@ struct PeriodicUnits {
 // shifts.
 std::optional<PeriodicUnits> periodic_units(const Job& job);
 
-// Boxes with walls and such periodic domains, with seeds that weigh the same and lie inside.
+// Boxes with walls and such periodic domains, with seeds that weigh the same.
 bool device_clips(const Job& job);
 
 }  // namespace votess::gpu

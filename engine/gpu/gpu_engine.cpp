@@ -379,7 +379,7 @@ void GpuEngine::clip_pending(double progress) {
 }
 
 void GpuEngine::finish(detail::Result& result) {
-    if (!device_clips_) clipper_.set_empty(result_);
+    clipper_.set_empty(result_);
     if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;

@@ -15,15 +15,19 @@ constexpr double margin_spacings = 5;
 Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Units& units, std::uint32_t most_seeds)
     : job_(job), units_(units), most_seeds_(std::max(most_seeds, 2u)) {
     const std::size_t count = job.points.count();
-    if (count <= most_seeds_) {
+    if (count <= most_seeds_ && job.outside.empty()) {
         ends_.assign(1, count);
         return;
     }
     order_.resize(count);
     std::iota(order_.begin(), order_.end(), 0);
-    if (!duplicate_of.empty())
-        std::erase_if(order_, [&](std::int32_t i) { return duplicate_of[static_cast<std::size_t>(i)] >= 0; });
-    split(0, order_.size(), most_seeds_ / 2);
+    std::erase_if(order_, [&](std::int32_t i) {
+        const auto seed = static_cast<std::size_t>(i);
+        return (!job.outside.empty() && job.outside[seed] == CellStatus::outside) ||
+               (!duplicate_of.empty() && duplicate_of[seed] >= 0);
+    });
+    if (order_.empty()) return;
+    split(0, order_.size(), order_.size() <= most_seeds_ ? most_seeds_ : most_seeds_ / 2);
 }
 
 Box Parts::bounds(std::size_t begin, std::size_t end) const {
@@ -67,6 +71,10 @@ Part Parts::get(std::size_t index) const {
     }
     const std::size_t begin = index == 0 ? 0 : ends_[index - 1], end = ends_[index];
     part.own_count = static_cast<std::uint32_t>(end - begin);
+    if (ends_.size() == 1) {
+        part.members = order_;
+        return part;
+    }
     const Box own = bounds(begin, end);
     double volume = 1;
     for (int k = 0; k < 3; ++k) volume *= own.upper[k] * job_.scale - own.lower[k] * job_.scale;

@@ -22,7 +22,8 @@ struct Part {
 
 class Parts {
 public:
-    // At most `most_seeds` members a part. One part when all points fit; else duplicates are in none.
+    // At most `most_seeds` members a part. One part when all points fit; else duplicates are in none. Seeds outside of
+    // the domain are in none at all.
     Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Units& units, std::uint32_t most_seeds);
 
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
@@ -35,7 +36,7 @@ private:
     const Job& job_;
     Units units_;
     std::uint32_t most_seeds_;
-    std::vector<std::int32_t> order_;  // part by part; empty when there is one
+    std::vector<std::int32_t> order_;  // part by part; empty when all points are in one
     std::vector<std::size_t> ends_;    // of each part in the order
 };
 

@@ -32,7 +32,6 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
         extent[k] = units.of(result.box.upper[k], rounded) - origin[k];
     }
     Part& part = result.part;
-    part.own_count = static_cast<std::uint32_t>(count);
     using Units3 = std::array<std::uint64_t, 3>;
     const auto moved = [&](Units3 x, const auto& shift) {
         for (int j = 0; j < 3; ++j)
@@ -53,6 +52,7 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
     std::vector<exact::Shift> wraps(count);
     bool any_moved = false;
     for (std::size_t i = 0; i < count; ++i) {
+        if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
         const auto shift = wrap(domain, scaled(i));
         if (!shift) return std::nullopt;  // the exact clipper tells of it
         wraps[i] = *shift;
@@ -61,6 +61,8 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
         for (int k = 0; k < 3; ++k) x[k] = units.of(job.points[3 * i + k], result.lossy);
         add(i, moved(x, wraps[i]), {});
     }
+    part.own_count = static_cast<std::uint32_t>(part.members.size());
+    if (part.own_count == 0) return std::nullopt;
     for (std::size_t i = 0; any_moved && i < count; ++i) {
         const exact::Point by = domain.translation(wraps[i]);
         result.wraps.push_back({by[0] / job.scale, by[1] / job.scale, by[2] / job.scale});
@@ -79,9 +81,10 @@ std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_see
         }
         return true;
     };
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t own = 0; own < part.own_count; ++own) {
+        const auto i = static_cast<std::size_t>(part.members[own]);
         Units3 x;
-        std::copy_n(result.coordinates.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, x.begin());
+        std::copy_n(result.coordinates.begin() + static_cast<std::ptrdiff_t>(3 * own), 3, x.begin());
         Vector f = domain.fraction(scaled(i));
         std::array<int, 3> least{}, most{};
         for (int j = 0; j < 3; ++j) {

@@ -133,14 +133,29 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(gpu, points).failure == "");
     }
 
-    TEST_CASE("gpu domains: walls and weights, seeds that are dropped") {
+    TEST_CASE("gpu domains: seeds that are dropped are not there for the device either") {
+        const std::size_t many = test::by_size(1000, 200);
+        Options options = domain_options();
+        options.outside = votess::Outside::drop;
+        for (const bool repeats : {false, true}) {
+            options.periodic = {repeats, false, repeats};
+            Coordinates points = random_points(many, 6, -0.2, 1.2);
+            CHECK(compare(random_points(20, 7, -0.2, 1.2), options).failure == "");
+            for (std::size_t i = 0; i < 30; ++i) points[3 * i + 1] = 7e300;
+            for (std::size_t i = 0; i < 30; ++i) points.push_back(points[300 + i]);  // duplicates
+            const Counts counts = compare(points, options);
+            CHECK(counts.failure == "");
+            CHECK(counts.fallback < many / 10);
+            CHECK(compare(random_points(5, 8, 3, 4), options).failure == "");
+        }
+    }
+
+    TEST_CASE("gpu domains: walls and weights") {
         const std::size_t many = test::by_size(1000, 200);
         Options options = domain_options();
         options.walls.push_back({{1, 1, 1}, 1.5});
         options.outside = votess::Outside::drop;
         CHECK(compare(random_points(many, 5), options).failure == "");
-        options.walls.clear();
-        CHECK(compare(random_points(many, 6, -0.2, 1.2), options).failure == "");
         options = domain_options();
         test::Random random(7);
         std::vector<double> weights(many);
