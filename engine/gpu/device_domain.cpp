@@ -26,7 +26,8 @@ Box larger_box(const Job& job, double margin) {
 std::optional<PeriodicUnits> periodic_units(const Job& job) {
     const Domain& domain = *job.domain;
     if (domain.skewed) return std::nullopt;
-    const auto count = job.points.count() - static_cast<std::size_t>(std::ranges::count(job.outside, CellStatus::outside));
+    const auto count =
+        job.points.count() - static_cast<std::size_t>(std::ranges::count(job.outside, CellStatus::outside));
     const double spacing = std::cbrt(domain.volume / static_cast<double>(std::max<std::size_t>(count, 1)));
     const double margin = std::min(margin_spacings * spacing, 2 * domain.covering_radius) / job.scale;
     PeriodicUnits result;
