@@ -25,11 +25,9 @@ Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells
     cells_.set_rows_out(rows_out_, areas_out_, static_cast<std::uint32_t>(std::min(entries, countable)));
 }
 
-void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& job, std::uint32_t first,
-                  std::uint32_t count, bool second_tier) {
-    first_ = first;
-    count_ = count;
-    cells_.set_job(seeds.on_device(), passes.settings, job, first, count);
+void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& job, const Piece& piece) {
+    piece_ = piece;
+    cells_.set_job(seeds.on_device(), passes.settings, job, piece.first, piece.count);
 
     commands_.begin();
     std::optional<Commands::Label> label(std::in_place, commands_, "knn");
@@ -39,13 +37,13 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     cells_.record_knn(commands_, passes);
     stamps_[1] = commands_.timestamp();
     label.emplace(commands_, "clip");
-    cells_.record_clip(commands_, passes, second_tier);
+    cells_.record_clip(commands_, passes, piece.second_tier);
     stamps_[2] = commands_.timestamp();
     label.emplace(commands_, "download");
     if (job.neighbors) cells_.record_rows(commands_, passes);
     const auto copy = [&](std::uint32_t binding, const Buffer& to) {
         const Slice from = cells_.slice(binding);
-        commands_.copy(from, 0, to, 0, from.size / cells_.capacity() * count);
+        commands_.copy(from, 0, to, 0, from.size / cells_.capacity() * piece.count);
     };
     copy(BINDING_INFO, info_host_);
     copy(BINDING_ROW_LENGTH, length_host_);

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "gpu/device_cells.hpp"
+#include "gpu/schedule.hpp"
 #include "gpu/seeds/seed_store.hpp"
 
 namespace votess::gpu {
@@ -15,17 +16,17 @@ public:
     Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells, const PassSettings& settings);
 
     [[nodiscard]] std::uint32_t capacity() const { return cells_.capacity(); }
-    // Records and submits the stages for sorted seeds first .. first + count - 1.
-    void start(const SeedStore& seeds, const Passes& passes, const ChunkJob& job, std::uint32_t first,
-               std::uint32_t count, bool second_tier);
+    // Records and submits the stages.
+    void start(const SeedStore& seeds, const Passes& passes, const ChunkJob& job, const Piece& piece);
     void wait();
 
     // These tell of the finished chunk, per cell in sorted order.
-    [[nodiscard]] std::uint32_t first() const { return first_; }
-    [[nodiscard]] std::uint32_t count() const { return count_; }
-    [[nodiscard]] std::span<const std::uint32_t> info() const { return info_host_.as<std::uint32_t>().first(count_); }
+    [[nodiscard]] const Piece& piece() const { return piece_; }
+    [[nodiscard]] std::uint32_t first() const { return piece_.first; }
+    [[nodiscard]] std::uint32_t count() const { return piece_.count; }
+    [[nodiscard]] std::span<const std::uint32_t> info() const { return info_host_.as<std::uint32_t>().first(count()); }
     [[nodiscard]] std::span<const std::uint32_t> row_lengths() const {
-        return length_host_.as<std::uint32_t>().first(count_);
+        return length_host_.as<std::uint32_t>().first(count());
     }
     [[nodiscard]] std::span<const std::int32_t> rows(std::size_t size) const {
         return rows_out_.as<std::int32_t>().first(size);
@@ -34,12 +35,13 @@ public:
     [[nodiscard]] double area(std::size_t entry) const;
     // Volume and centroid of a cell in its own unit of length.
     [[nodiscard]] double geometry(std::uint32_t cell, std::uint32_t component) const;
-    [[nodiscard]] std::uint32_t todo_count() const { return state_host_.as<ChunkState>()[0].todo_count; }
+    // Cells that the first tier left, when there was a second one.
+    [[nodiscard]] std::uint32_t left_count() const { return state_host_.as<ChunkState>()[0].left_count; }
 
     struct Seconds {
         double knn = 0, clip = 0, download = 0;
     };
-    [[nodiscard]] Seconds seconds() const;
+    [[nodiscard]] Seconds seconds() const;  // by the device's clock; 0 where it has none
 
     // For tests of single passes.
     [[nodiscard]] const DeviceCells& on_device() const { return cells_; }
@@ -55,7 +57,7 @@ private:
     Buffer info_host_, length_host_, geometry_host_, state_host_, rows_out_, areas_out_;
     Commands commands_;
     std::uint32_t stamps_[4]{};
-    std::uint32_t first_ = 0, count_ = 0;
+    Piece piece_;
 };
 
 }  // namespace votess::gpu

@@ -10,10 +10,14 @@ namespace {
 
 using vulkan::push_bytes;
 
-// Small lists leave nearly all cells to the second tier.
+// How many cells of a tile the second tier takes. Small lists leave nearly all cells to it.
+std::uint32_t most_of_tile(std::uint32_t cells, const PassSettings& settings) {
+    constexpr std::uint32_t ordinary_k = 64;
+    return settings.k < ordinary_k || cells <= TILE_ITEMS ? TILE_ITEMS : TILE_ITEMS / 2;
+}
+
 std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& settings) {
-    constexpr std::uint32_t ordinary_k = 64, least = 1024;
-    return settings.k < ordinary_k ? cells : std::max(cells / 2, std::min(cells, least));
+    return std::min(cells, blocks_of(cells, TILE_ITEMS) * most_of_tile(cells, settings));
 }
 
 // Where subgroups make the cells of the first tier, only those of the second need lists.
@@ -54,6 +58,7 @@ VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
 void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings) {
     cells_ = cells;
     todo_capacity_ = second_tier_cells(cells, settings);
+    most_of_tile_ = most_of_tile(cells, settings);
     const VkDeviceSize n = cells, t = todo_capacity_;
     const VkDeviceSize words = number_bytes / 4, area_words = settings.areas ? words : 0;
     const VkDeviceSize first_rows = n * settings.tiers[0].planes, second_rows = t * settings.tiers[1].planes;
@@ -75,6 +80,8 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     take(BINDING_CHUNK_STATE, sizeof(ChunkState) / 4, "chunk state");
     take(BINDING_GEOMETRY, settings.measure ? n * geometry_components * words : 0, "geometry");
     scan_.reserve(workspace, cells);
+    tiles_ = workspace.take_words(blocks_of(cells, TILE_ITEMS), "todo of tiles");
+    todo_scan_.reserve(workspace, blocks_of(cells, TILE_ITEMS));
     // A cell of the second tier has no row in the first.
     most_entries_ = first_rows + t * (settings.tiers[1].planes - settings.tiers[0].planes);
 }
@@ -128,7 +135,8 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     clip_.most_visits = settings.most_walk_visits;
     knn_.stride = clip_.list_stride = listed_cells(cells_, settings);
     clip_.row_stride = rows_.row_stride = cells_;
-    clip_.todo_capacity = rows_.second_row_stride = todo_capacity_;
+    rows_.second_row_stride = todo_capacity_;
+    todo_ = {count, most_of_tile_, settings.local_size, 0};
     clip_.walls = job.walls ? 1 : 0;
     clip_.neighbors = job.neighbors ? 1 : 0;
     clip_.volume_tolerance = static_cast<float>(job.volume_tolerance);
@@ -144,7 +152,6 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     both_.level_count = clip_.level_count;
     both_.most_visits = knn_.most_visits;
     both_.row_stride = clip_.row_stride;
-    both_.todo_capacity = clip_.todo_capacity;
     both_.walls = clip_.walls;
     both_.neighbors = clip_.neighbors;
     both_.volume_tolerance = clip_.volume_tolerance;
@@ -154,7 +161,8 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
 }
 
 void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
-    recorder.fill(slice(BINDING_CHUNK_STATE), offsetof(ChunkState, todo_count), 4, 0);
+    static_assert(offsetof(ChunkState, row_base) == offsetof(ChunkState, left_count) + 4);
+    recorder.fill(slice(BINDING_CHUNK_STATE), 0, offsetof(ChunkState, row_base), 0);
     recorder.barrier();
     if (passes.settings.subgroup_size != 0) return;
     recorder.dispatch(passes.knn_search, bindings_.list(), push_bytes(knn_), knn_.cell_count);
@@ -170,12 +178,18 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
                           std::uint64_t{clip_.cell_count} * lanes);
     recorder.barrier();
     if (!second_tier) return;
-    recorder.dispatch(passes.clip_todo, bindings_.list(), push_bytes(clip_), 1);
+    const std::uint32_t tiles = blocks_of(todo_.cell_count, TILE_ITEMS);
+    Bindings bindings = bindings_;
+    bindings.set(BINDING_SCAN_SUMS, tiles_);
+    TodoPush todo = todo_;
+    recorder.dispatch(passes.clip_todo, bindings.list(), push_bytes(todo), std::uint64_t{tiles} * TILE_GROUP);
+    recorder.barrier();
+    todo_scan_.record(recorder, passes, tiles_, tiles);
+    todo.places = 1;
+    recorder.dispatch(passes.clip_todo, bindings.list(), push_bytes(todo), std::uint64_t{tiles} * TILE_GROUP);
     recorder.barrier();
     if (lanes != 0) {
-        KnnPush knn = knn_;
-        knn.cell_count = todo_capacity_;
-        recorder.dispatch_indirect(passes.knn_search, bindings_.list(), push_bytes(knn), slice(BINDING_CHUNK_STATE),
+        recorder.dispatch_indirect(passes.knn_search, bindings_.list(), push_bytes(knn_), slice(BINDING_CHUNK_STATE),
                                    offsetof(ChunkState, groups_x));
         recorder.barrier();
     }

@@ -61,14 +61,16 @@ public:
 private:
     void set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], const Slice& rows);
 
-    std::uint32_t cells_ = 0, todo_capacity_ = 0;
+    std::uint32_t cells_ = 0, todo_capacity_ = 0, most_of_tile_ = 0;
     VkDeviceSize most_entries_ = 0;
-    Scan scan_;
+    Scan scan_, todo_scan_;
+    Slice tiles_;  // of cells left to the second tier
     Bindings bindings_, second_bindings_;
     KnnPush knn_{};
     ClipPush clip_{};
     CellsPush both_{};
     RowsPush rows_{};
+    TodoPush todo_{};
 };
 
 }  // namespace votess::gpu

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <numeric>
@@ -16,9 +17,6 @@ namespace votess::gpu {
 namespace {
 
 constexpr std::size_t block_cells = 4096;  // per task of the host
-constexpr double hopeless = 0.9;           // share of a chunk left to the CPU
-constexpr std::uint32_t most_skipped = 31;
-constexpr std::uint32_t trial_cells = 2048;
 
 }  // namespace
 
@@ -45,9 +43,11 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
 }
 
 std::uint32_t GpuEngine::chunk_cells(const PassSettings& settings) const {
-    const VkDeviceSize cells = usual_chunk(*device_, settings, job_.options.chunk_size, seeds_.count());
-    return static_cast<std::uint32_t>(
-        std::clamp<VkDeviceSize>(memory_.max_buffer_bytes() / DeviceCells::largest_bytes_per_cell(settings), 1, cells));
+    const VkDeviceSize usual = usual_chunk(*device_, settings, job_.options.chunk_size, seeds_.count());
+    const auto cells = static_cast<std::uint32_t>(
+        std::clamp<VkDeviceSize>(memory_.max_buffer_bytes() / DeviceCells::largest_bytes_per_cell(settings), 1, usual));
+    // Pieces of it begin with a tile of the second tier's list.
+    return cells > TILE_ITEMS ? cells / TILE_ITEMS * TILE_ITEMS : cells;
 }
 
 void GpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
@@ -85,8 +85,6 @@ void GpuEngine::begin(const Job& job) {
     device_seconds_ = {};
     pending_.clear();
     duplicates_ = false;
-    second_tier_ = true;
-    skip_ = 0;
     done_cells_ = 0;
     part_ = {};
     parts_.reset();
@@ -163,60 +161,65 @@ void GpuEngine::clip_part(std::size_t index) {
     std::copy_n(part_.upper, 3, job.upper);
     job.bounded = part_.bounded;
 
+    Schedule schedule(seeds_.count(), cells);
     Chunk* running = nullptr;
     const bool last_part = index + 1 == parts_->size();
-    std::uint32_t skipped = 0;
     std::size_t slot = 0;
-    std::uint32_t paced = cells;
-    const auto finish = [&](const Chunk& chunk, double progress) {
-        collect(chunk, progress);
-        paced = paced_cells(chunk, cells);
+    std::uint32_t most = cells;
+    std::size_t done = 0;                           // seeds given to the device or left to the CPU
+    auto begun = std::chrono::steady_clock::now();  // when the device began with the running chunk
+    const auto take = [&](const Chunk& chunk, double progress) {
+        const auto now = std::chrono::steady_clock::now();
+        most = paced_cells(chunk, std::chrono::duration<double>(now - begun).count(), cells);
+        begun = now;
+        collect(chunk, schedule, progress);
     };
-    for (std::uint32_t first = 0; first < seeds_.count() || running != nullptr;) {
+    for (;;) {
+        const std::optional<Piece> piece = schedule.next(most);
+        if (!piece && running == nullptr) break;
         Chunk* started = nullptr;
-        // After a hopeless chunk, and at first, a small one tells whether the device is of use.
-        const bool trial = first == 0 || (skip_ > 0 && skipped == skip_);
-        if (first < seeds_.count()) {
-            const std::uint32_t count = std::min(trial ? std::min(cells, trial_cells) : paced, seeds_.count() - first);
-            if (skipped < skip_) {
-                ++skipped;
-                leave_to_cpu(first, count);
-            } else {
-                skipped = 0;
+        if (piece) {
+            done += piece->count;
+            if (piece->on_device) {
                 started = &*chunks_[slot];
                 slot ^= 1;
-                started->start(seeds_, *passes_, job, first, count, second_tier_);
+                if (running == nullptr) begun = std::chrono::steady_clock::now();
+                started->start(seeds_, *passes_, job, *piece);
+            } else {
+                leave_to_cpu(piece->first, piece->count);
             }
-            first += count;
         }
         // The CPU's share of the chunks before, beside the device's work on this one; the last share comes at the end.
         const double progress = clipping.at(done_cells_, job_.points.count());
-        if (started != nullptr || first < seeds_.count() || !last_part) clip_pending(progress);
+        if (started != nullptr || done < seeds_.count() || !last_part) clip_pending(progress);
         Progress::require(progress_.going_on(progress));
         if (running != nullptr) {
             running->wait();
-            finish(*running, progress);
+            take(*running, progress);
         }
         running = started;
-        if (trial && running != nullptr) {  // what it tells is worth the wait
+        if (running != nullptr && piece->trial) {  // what it tells is worth the wait
             running->wait();
-            finish(*running, progress);
+            take(*running, progress);
             running = nullptr;
         }
     }
 }
 
-std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, std::uint32_t most) const {
+std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const {
     constexpr double usual_seconds = 0.25;  // drivers of displays stop work that takes some seconds
     constexpr double most_growth = 32;      // the next cells may be slower ones
     if (limits_.chunk_seconds == 0 && device_->adapter().software()) return most;
     const double allowed = limits_.chunk_seconds != 0 ? limits_.chunk_seconds : usual_seconds;
-    const auto spent = chunk.seconds();
-    const double growth = std::min(allowed / std::max(spent.knn + spent.clip + spent.download, 1e-9), most_growth);
-    return static_cast<std::uint32_t>(std::clamp<double>(chunk.count() * growth, std::min(most, trial_cells), most));
+    const auto on_device = chunk.seconds();
+    double spent = on_device.knn + on_device.clip + on_device.download;
+    if (spent == 0) spent = host_seconds;  // a device without timestamps
+    const double growth = std::min(allowed / std::max(spent, 1e-9), most_growth);
+    return static_cast<std::uint32_t>(
+        std::clamp<double>(chunk.count() * growth, std::min(most, Schedule::trial_cells), most));
 }
 
-void GpuEngine::collect(const Chunk& chunk, double progress) {
+void GpuEngine::collect(const Chunk& chunk, Schedule& schedule, double progress) {
     const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
     const auto infos = chunk.info();
     const auto lengths = chunk.row_lengths();
@@ -264,12 +267,7 @@ void GpuEngine::collect(const Chunk& chunk, double progress) {
     device_seconds_.knn += seconds.knn;
     device_seconds_.clip += seconds.clip;
     device_seconds_.download += seconds.download;
-    // A tier, or the whole device, that rarely succeeds (lattices) costs more than it spares.
-    const double todo = chunk.todo_count(), of_all = static_cast<double>(left) / chunk.count();
-    if (second_tier_ && chunk.count() >= 256 && todo > 0.5 * chunk.count() &&
-        static_cast<double>(left) > hopeless * todo)
-        second_tier_ = false;
-    skip_ = of_all > hopeless ? std::min(2 * skip_ + 1, most_skipped) : 0;
+    schedule.note(chunk.piece(), chunk.count() - beside, chunk.left_count(), left);
 }
 
 void GpuEngine::collect_lists(const Chunk& chunk, double progress) {

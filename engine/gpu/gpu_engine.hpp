@@ -46,9 +46,10 @@ private:
     void sort_part();
     void clip_part(std::size_t index);
     // Takes over the cells of a finished chunk; those not certified are added to the pending ones.
-    void collect(const Chunk& chunk, double progress);
-    // How many cells the next chunk should have, by the time that this one took.
-    [[nodiscard]] std::uint32_t paced_cells(const Chunk& chunk, std::uint32_t most) const;
+    void collect(const Chunk& chunk, Schedule& schedule, double progress);
+    // How many cells the next chunk should have, by the time that this one took; on the host's clock, it took at most
+    // host_seconds.
+    [[nodiscard]] std::uint32_t paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const;
     void collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin, std::size_t end,
                       std::size_t first_entry);
     // The chunk's certified cells as lists, for the CPU to make polytopes of.
@@ -78,8 +79,6 @@ private:
     Part part_;
     bool device_clips_ = true;                // else the exact clipper takes all cells
     bool duplicates_ = false;                 // there are some, or there may be
-    bool second_tier_ = true;                 // worth its time
-    std::uint32_t skip_ = 0;                  // chunks to leave to the CPU after hopeless ones
     std::vector<std::int32_t> pending_;       // cells (input index) for the CPU
     std::vector<std::int32_t> chunk_inputs_;  // of the cells of the chunk being collected
     std::vector<std::size_t> row_begin_;      // of its blocks of cells

@@ -15,7 +15,5 @@ layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row
 layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
 layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
 layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
-layout(std430, binding = BINDING_TODO) buffer Todo { uint todo[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
 
 #endif

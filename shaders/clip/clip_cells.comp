@@ -23,6 +23,8 @@ layout(push_constant) uniform Push { ClipPush push; };
 // It has a column for each cell of the chunk, or of those to do.
 layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo list_info[]; };
+layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 
 #include "measure/invocation_measure.glsl"
 #include "search/hierarchy.glsl"
@@ -193,10 +195,6 @@ void finish(uint slot, uint cell, uint exponent) {
                                      : 0u);
     row_length[cell] = length;
     row_place[cell] = tier == 0u ? slot : slot | SECOND_TIER_BIT;
-    if (tier == 0u && !certified && status != STATUS_DUPLICATE && status != STATUS_OUTSIDE) {
-        const uint place = atomicAdd(chunk.todo_count, 1u);
-        if (place < push.todo_capacity) todo[place] = cell;
-    }
 }
 
 void main() {
@@ -205,7 +203,7 @@ void main() {
     if (tier == 0u) {
         if (slot >= push.cell_count) return;
     } else {
-        if (slot >= min(chunk.todo_count, push.todo_capacity)) return;
+        if (slot >= chunk.todo_count) return;
         cell = todo[slot];
     }
     const uint self = push.first_cell + cell;

@@ -16,6 +16,7 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_memory_scope_semantics : require
 #endif
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
@@ -39,9 +40,6 @@ void leave(uint cell) {
     info[cell] = status;
     row_length[cell] = 0u;
     row_place[cell] = cell;
-    if (status == STATUS_DUPLICATE || status == STATUS_OUTSIDE) return;
-    const uint place = atomicAdd(chunk.todo_count, 1u);
-    if (place < push.todo_capacity) todo[place] = cell;
 }
 
 // Clips by the candidates in the store, nearest first, up to the security radius.

@@ -1,18 +1,59 @@
-// clip: writes the arguments of the second tier's indirect dispatches.
+// clip: lists the cells that the first tier has left, ascending, for the second tier. It runs twice: first it counts those
+// of each tile of TILE_ITEMS cells; then, when the counts have become the places where the tiles begin, it writes them
+// down, with the arguments of the second tier's indirect dispatches. A tile hands on so many cells at most and leaves
+// the others to the CPU: which ones depends neither on the chunk nor on what ran first.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
 
-layout(constant_id = CONSTANT_TODO_GROUP) const uint group = 64u;
-layout(push_constant) uniform Push { ClipPush push; };
+layout(push_constant) uniform Push { TodoPush push; };
+layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
+layout(std430, binding = BINDING_TODO) writeonly buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_SCAN_SUMS) buffer Tiles { uint tile_begin[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
 
+shared uint sums[TILE_GROUP];
+
+bool is_left(uint cell) {
+    if (cell >= push.cell_count) return false;
+    const uint status = info[cell] & 0xffu;
+    return status != STATUS_CERTIFIED && status != STATUS_DUPLICATE && status != STATUS_OUTSIDE;
+}
+
 void main() {
-    if (gl_GlobalInvocationID.x != 0u) return;
-    const uint cells = min(chunk.todo_count, push.todo_capacity);
-    const uint groups = (cells + group - 1u) / group;
+    const uint tile = linear_group(), tiles = (push.cell_count + TILE_ITEMS - 1u) / TILE_ITEMS;
+    const uint me = gl_LocalInvocationID.x;
+    const uint first = tile * TILE_ITEMS + me * TILE_ITEMS_EACH;
+    uint mine = 0u;
+    for (uint i = 0u; i < TILE_ITEMS_EACH; ++i) mine += is_left(first + i) ? 1u : 0u;
+    sums[me] = mine;
+    barrier();
+    for (uint step = 1u; step < TILE_GROUP; step <<= 1) {
+        const uint before = me >= step ? sums[me - step] : 0u;
+        barrier();
+        sums[me] += before;
+        barrier();
+    }
+    if (tile >= tiles) return;
+    const uint all = sums[TILE_GROUP - 1u], taken = min(all, push.most_of_tile);
+    if (push.places == 0u) {
+        if (me == 0u) tile_begin[tile] = taken;
+        return;
+    }
+    const uint begin = tile_begin[tile];
+    uint rank = sums[me] - mine;
+    for (uint i = 0u; i < TILE_ITEMS_EACH; ++i) {
+        if (!is_left(first + i)) continue;
+        if (rank < taken) todo[begin + rank] = first + i;
+        ++rank;
+    }
+    if (me != 0u) return;
+    if (all > 0u) atomicAdd(chunk.left_count, all);
+    if (tile + 1u < tiles) return;
+    const uint groups = (begin + taken + push.group - 1u) / push.group;
+    chunk.todo_count = begin + taken;
     chunk.groups_x = min(groups, 65535u);  // what every device can do
     chunk.groups_y = (groups + 65534u) / 65535u;
     chunk.groups_z = 1u;

@@ -120,7 +120,7 @@ void share() {
     if (lockstep)
         subgroupMemoryBarrierShared();
     else
-        subgroupBarrier();  // for control and memory
+        controlBarrier(gl_ScopeSubgroup, gl_ScopeSubgroup, gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
 }
 
 bool any_lane(bool yes) {
@@ -142,13 +142,14 @@ uint all_bits(uint value) {
     return subgroupOr(value);
 }
 
-// The numbers must not be negative; then their bits are in the same order, and whole numbers are quicker on some devices.
+// The numbers must not be negative; then their bits are in the same order, but for the sign of -0, and whole numbers are
+// quicker on some devices.
 float largest(float number) {
-    return uintBitsToFloat(subgroupMax(floatBitsToUint(number)));
+    return uintBitsToFloat(subgroupMax(floatBitsToUint(number) & 0x7fffffffu));
 }
 
 float smallest(float number) {
-    return uintBitsToFloat(subgroupMin(floatBitsToUint(number)));
+    return uintBitsToFloat(subgroupMin(floatBitsToUint(number) & 0x7fffffffu));
 }
 
 float sum(float value) {

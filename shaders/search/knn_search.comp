@@ -161,7 +161,7 @@ void main() {
     if (list_of_todo == 0u) {
         if (column >= push.cell_count) return;
     } else {
-        if (column >= min(chunk.todo_count, push.cell_count)) return;
+        if (column >= chunk.todo_count) return;
         cell = todo[column];
     }
     self = push.first_cell + cell;

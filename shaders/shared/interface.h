@@ -15,8 +15,7 @@
 #define CONSTANT_SUBGROUPS 9      // clip_subgroup: subgroups of a work-group
 #define CONSTANT_LOCKSTEP 10      // clip_subgroup: 1 where lanes cannot run ahead of each other
 #define CONSTANT_FIRST_COUNT 11   // clip_subgroup: seeds that the first search aims at
-#define CONSTANT_TODO_GROUP 12    // clip_todo: local size of the second tier
-#define CONSTANT_COUNT 13
+#define CONSTANT_COUNT 12
 
 // N is the number of points, M that of items being sorted or scanned, C that of cells of a chunk, T that of cells of
 // the second tier.
@@ -43,7 +42,7 @@
 #define BINDING_ROW_PLACE 20   // C uint: column in the rows, with SECOND_TIER_BIT
 #define BINDING_ROWS 21        // face x C int, face-major: neighbor's input index or wall id
 #define BINDING_GEOMETRY 22    // C x 4: volume and centroid, units of the cell, relative to the seed
-#define BINDING_TODO 23        // T uint: cells (in the chunk) left by the first tier
+#define BINDING_TODO 23        // T uint: cells (in the chunk) that the first tier left to the second
 #define BINDING_CHUNK_STATE 24
 #define BINDING_SECOND_ROWS 25   // as ROWS, of the second tier
 #define BINDING_ROW_OFFSETS 26   // C uint

@@ -65,7 +65,7 @@ struct KnnPush {
     uvec2 upper[3];
     uint bounded;     // bit a: lower[a] counts; bit 3 + a: upper[a]
     uint first_cell;  // sorted seed that the chunk begins with
-    uint cell_count;  // of the chunk; of a list of cells to do, the most
+    uint cell_count;  // of the chunk
     uint seed_count;
     uint own_count;  // input indices from here on are seeds beside the part, which get no cell
     uint level_count;
@@ -82,7 +82,6 @@ struct ClipPush {
     uint own_count;  // as in KnnPush
     uint list_stride;
     uint row_stride;
-    uint todo_capacity;      // cells that the second tier takes
     uint walls;              // 1: wall ids are in the rows
     uint neighbors;          // 1: rows are wanted
     float volume_tolerance;  // relative
@@ -104,10 +103,16 @@ struct CellsPush {
     uint level_count;
     uint most_visits;
     uint row_stride;
-    uint todo_capacity;
     uint walls;
     uint neighbors;
     float volume_tolerance;
+};
+
+struct TodoPush {
+    uint cell_count;
+    uint most_of_tile;  // cells of TILE_ITEMS that the second tier takes
+    uint group;         // local size of the second tier
+    uint places;        // 0: tiles are counted; 1: cells are written down
 };
 
 struct RowsPush {
@@ -153,9 +158,10 @@ struct ListInfo {
 
 // Work left by the first tier, and the arguments of the indirect dispatch that takes it up.
 struct ChunkState {
-    uint todo_count;  // may exceed the capacity
+    uint todo_count;
     uint groups_x, groups_y, groups_z;
-    uint row_base;  // entry of the rows out with which the chunk's begin
+    uint left_count;  // by the first tier; those beyond todo_count go to the CPU
+    uint row_base;    // entry of the rows out with which the chunk's begin
 };
 
 // votess::vulkan::Header and Cell.

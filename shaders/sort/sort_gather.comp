@@ -31,14 +31,14 @@ void main() {
     for (uint back = 1u; back <= seed && !duplicate && !outside; ++back) {
         if (keys[seed - back] != key) break;
         if (back > MOST_LOOK_BACK) {
-            state.suspects = 1u;
+            atomicOr(state.suspects, 1u);
             break;
         }
         const uint other = index[seed - back];
         duplicate = points_x[other] == x && points_y[other] == y && points_z[other] == z;
     }
     if (duplicate && (state.lossy & LOSSY_POINTS) != 0u) {  // equal in units, perhaps not as given
-        state.suspects = 1u;
+        atomicOr(state.suspects, 1u);
         duplicate = false;
     }
     if (duplicate) {

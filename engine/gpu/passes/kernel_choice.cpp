@@ -10,11 +10,14 @@ namespace votess::gpu {
 namespace {
 
 constexpr std::uint32_t fewest_lanes = 8, most_lanes = 64;
-constexpr std::uint32_t best_lanes = 32;  // two vertices each; few cells have more than 64
+constexpr std::uint32_t amd = 0x1002, intel = 0x8086;
 
+// With 32, a lane has two vertices; few cells have more than 64. Intel's registers hold 16 lanes with four each, 32
+// spill.
 std::uint32_t lanes_of(const vulkan::Adapter& adapter) {
     if (!adapter.subgroup_size_control) return adapter.subgroup_size;
-    return std::clamp(best_lanes, adapter.min_subgroup_size, adapter.max_subgroup_size);
+    const std::uint32_t best = adapter.vendor_id == intel ? 16 : 32;
+    return std::clamp(best, adapter.min_subgroup_size, adapter.max_subgroup_size);
 }
 
 std::string_view environment(const char* name) {
@@ -38,7 +41,6 @@ std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
         if ((adapter.subgroup_operations & operations.bit) == 0)
             return std::string(operations.name) + " operations of subgroups";
     // Where sizes vary, drivers other than AMD's may tell a nominal one that no shader runs with.
-    constexpr std::uint32_t amd = 0x1002;
     if (!adapter.subgroup_size_control && adapter.min_subgroup_size != adapter.max_subgroup_size &&
         adapter.vendor_id != amd)
         return "control of the size of subgroups, which varies";

@@ -125,7 +125,7 @@ Passes::Passes(Device& device, const PassSettings& s)
       knn_search(
           make<KnnPush>(device, "knn_search", shaders::knn_search, s.local_size, {{CONSTANT_K, s.k}, list_of_todo(s)})),
       clip_cells{first_tier(device, s), gpu::clip_cells(device, s, 1)},
-      clip_todo(make<ClipPush>(device, "clip_todo", shaders::clip_todo, 1, {{CONSTANT_TODO_GROUP, s.local_size}})),
+      clip_todo(make<TodoPush>(device, "clip_todo", shaders::clip_todo, TILE_GROUP)),
       download_rows(gpu::download_rows(device, s)) {
     if (!s.frames) return;
     download_cells = std::make_unique<Pass>(make<FramePush>(

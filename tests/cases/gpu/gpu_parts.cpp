@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "support/gpu/gpu.hpp"
 
@@ -37,13 +38,33 @@ TEST_SUITE("cases") {
             CHECK(compare(large, set) == "");
     }
 
-    TEST_CASE("gpu: chunks of as many cells as the device does in a given time") {
+    TEST_CASE("gpu: chunks of as many cells as the device does in a given time, and the same digits") {
         test::Gpu gpu;
-        const PointSet set = test::uniform(test::by_size(9000, 5000), 93);
-        for (const double seconds : {1e-4, 0.02, 1e3}) {
-            CAPTURE(seconds);
-            test::GpuRunner runner(gpu, {.chunk_seconds = seconds});
-            CHECK(compare(runner, set) == "");
+        // Half of the cells are hopeless for the device.
+        const std::size_t side = test::by_size(16, 13);
+        PointSet half = test::jittered(side, 1e-15, 94);
+        const PointSet uniform = test::uniform(side * side * side, 95);
+        const auto length = static_cast<double>(side);
+        half.box->upper[0] += length;
+        for (std::size_t i = 0; i < uniform.points.size(); ++i)
+            half.points.push_back(uniform.points[i] * length - 0.5 + (i % 3 == 0 ? length : 0));
+        Options options = test::all_options();
+        options.threads = 0;
+        options.chunk_size = 3000;
+        for (const PointSet& set : {test::uniform(test::by_size(9000, 5000), 93), half}) {
+            std::optional<votess::Tessellation> first;
+            for (const double seconds : {1e-4, 0.02, 1e3}) {
+                CAPTURE(seconds);
+                test::GpuRunner runner(gpu, {.chunk_seconds = seconds});
+                const auto t = runner.run(set, options);
+                if (first) {
+                    CHECK(std::ranges::equal(t.volumes(), first->volumes()));
+                    CHECK(std::ranges::equal(t.centroids(), first->centroids()));
+                    continue;
+                }
+                CHECK(test::check_same(t, test::run(set, options), set.points, test::tolerance(options)) == "");
+                first = t;
+            }
         }
     }
 

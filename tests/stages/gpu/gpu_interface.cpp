@@ -137,17 +137,17 @@ TEST_SUITE("stages") {
         Gpu gpu;
         const auto with = [&](std::vector<votess::gpu::vulkan::Constant> constants) {
             return test::error_of([&] {
-                const votess::gpu::vulkan::Pass pass(*gpu.device, {.name = "clip_todo",
-                                                                   .spirv = votess::gpu::shaders::clip_todo,
-                                                                   .push_bytes = sizeof(votess::gpu::ClipPush),
-                                                                   .local_size = 1,
+                const votess::gpu::vulkan::Pass pass(*gpu.device, {.name = "knn_search",
+                                                                   .spirv = votess::gpu::shaders::knn_search,
+                                                                   .push_bytes = sizeof(votess::gpu::KnnPush),
+                                                                   .local_size = 64,
                                                                    .constants = std::move(constants)});
             });
         };
-        CHECK(!with({{CONSTANT_TODO_GROUP, 64}}));
+        CHECK(!with({{CONSTANT_K, 64}, {CONSTANT_LIST_OF_TODO, 0}}));
         CHECK(with({}) == votess::ErrorCode::internal);
         CHECK(with({{CONSTANT_K, 64}}) == votess::ErrorCode::internal);
-        CHECK(with({{CONSTANT_TODO_GROUP, 64}, {CONSTANT_K, 64}}) == votess::ErrorCode::internal);
-        CHECK(with({{CONSTANT_TODO_GROUP, 64}, {CONSTANT_TODO_GROUP, 64}}) == votess::ErrorCode::internal);
+        CHECK(with({{CONSTANT_K, 64}, {CONSTANT_LIST_OF_TODO, 0}, {CONSTANT_TIER, 0}}) == votess::ErrorCode::internal);
+        CHECK(with({{CONSTANT_K, 64}, {CONSTANT_K, 64}}) == votess::ErrorCode::internal);
     }
 }

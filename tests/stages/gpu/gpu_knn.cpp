@@ -114,7 +114,7 @@ ChunkJob whole_job(std::uint32_t own_count) {
 
 Lists search(GpuStages& gpu, std::uint32_t k, const ChunkJob& job, std::uint32_t first, std::uint32_t count) {
     Chunk chunk(*gpu.gpu.device, gpu.memory, count, gpu.passes->settings);
-    chunk.start(gpu.seeds, *gpu.passes, job, first, count, false);
+    chunk.start(gpu.seeds, *gpu.passes, job, {.first = first, .count = count, .second_tier = false});
     chunk.wait();
     return {k, count, gpu.read<std::uint32_t>(chunk.on_device().slice(BINDING_LIST), std::size_t{k} * count),
             gpu.read<votess::gpu::ListInfo>(chunk.on_device().slice(BINDING_LIST_INFO), count),

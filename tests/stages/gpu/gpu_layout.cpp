@@ -121,13 +121,16 @@ TEST_SUITE("stages") {
         const auto clip = filled<ClipPush>();
         check("ClipPush", shaders::test_layout_clip, clip,
               words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.list_stride,
-                       clip.row_stride, clip.todo_capacity, clip.walls, clip.neighbors, clip.volume_tolerance,
-                       clip.most_visits, clip.level_count, clip.level_first));
+                       clip.row_stride, clip.walls, clip.neighbors, clip.volume_tolerance, clip.most_visits,
+                       clip.level_count, clip.level_first));
         const auto cells = filled<CellsPush>();
         check("CellsPush", shaders::test_layout_cells, cells,
               words_of(cells.extent, cells.lower, cells.upper, cells.bounded, cells.first_cell, cells.cell_count,
                        cells.seed_count, cells.own_count, cells.level_count, cells.most_visits, cells.row_stride,
-                       cells.todo_capacity, cells.walls, cells.neighbors, cells.volume_tolerance));
+                       cells.walls, cells.neighbors, cells.volume_tolerance));
+        const auto todo = filled<TodoPush>();
+        check("TodoPush", shaders::test_layout_todo, todo,
+              words_of(todo.cell_count, todo.most_of_tile, todo.group, todo.places));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
               words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity, rows.window_bits,
@@ -159,8 +162,8 @@ TEST_SUITE("stages") {
         CHECK(sizeof run == 4 * run_words.size());
         CHECK(reader.buffer(shaders::test_layout_run, push_bytes(run)) == run_words);
         const auto chunk = filled<ChunkState>();
-        const Words chunk_words =
-            words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z, chunk.row_base);
+        const Words chunk_words = words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z,
+                                           chunk.left_count, chunk.row_base);
         CHECK(sizeof chunk == 4 * chunk_words.size());
         CHECK(reader.buffer(shaders::test_layout_chunk, push_bytes(chunk)) == chunk_words);
         const auto list = filled<ListInfo>();

@@ -94,7 +94,6 @@ void main() {
     put(push.own_count);
     put(push.list_stride);
     put(push.row_stride);
-    put(push.todo_capacity);
     put(push.walls);
     put(push.neighbors);
     put(push.volume_tolerance);
@@ -113,10 +112,14 @@ void main() {
     put(push.level_count);
     put(push.most_visits);
     put(push.row_stride);
-    put(push.todo_capacity);
     put(push.walls);
     put(push.neighbors);
     put(push.volume_tolerance);
+#elif defined(TODO)
+    put(push.cell_count);
+    put(push.most_of_tile);
+    put(push.group);
+    put(push.places);
 #elif defined(ROWS)
     put(push.cell_count);
     put(push.row_stride);
@@ -142,6 +145,7 @@ void main() {
     put(state.groups_x);
     put(state.groups_y);
     put(state.groups_z);
+    put(state.left_count);
     put(state.row_base);
 #elif defined(HEADER)
     put(state.seeds);

@@ -1,0 +1,76 @@
+// The schedule of pieces: what is left to the CPU does not depend on the sizes of pieces.
+#include "gpu/schedule.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/ceil.hpp"
+#include "support/random.hpp"
+
+using votess::gpu::Piece;
+using votess::gpu::Schedule;
+
+namespace {
+
+constexpr std::uint32_t window = 10 * 1024;
+
+// A letter for each 1,024 seeds: left to the CPU, or clipped with one tier or two. Cell i is hopeless for the device where
+// hard(i / 1024). Two pieces are under way at a time, and the sizes are chance.
+std::string run(std::uint32_t seeds, auto hard, test::Random random) {
+    Schedule schedule(seeds, window);
+    std::string out(votess::ceil_div(seeds, 1024u), '?');
+    std::vector<Piece> running;
+    const auto finish = [&] {
+        const Piece piece = running.front();
+        running.erase(running.begin());
+        std::size_t left = 0;
+        for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) left += hard(i / 1024) ? 1 : 0;
+        schedule.note(piece, piece.count, left, left);
+    };
+    std::uint32_t next = 0;
+    const auto most = [&] { return static_cast<std::uint32_t>(random.uniform(1024, 12000)); };
+    while (const auto piece = schedule.next(most())) {
+        CHECK(piece->first == next);
+        next += piece->count;
+        for (std::uint32_t i = piece->first; i < next; i += 1024)
+            out[i / 1024] = !piece->on_device ? 'c' : (piece->second_tier ? '2' : '1');
+        if (piece->on_device) running.push_back(*piece);
+        while (running.size() > (piece->trial ? 0u : 1u)) finish();
+    }
+    CHECK(next == seeds);
+    return out;
+}
+
+std::string always_the_same(std::uint32_t seeds, auto hard) {
+    test::Random random(61);
+    const std::string first = run(seeds, hard, random);
+    for (std::uint64_t round = 0; round < 20; ++round) CHECK(run(seeds, hard, test::Random(round)) == first);
+    return first;
+}
+
+}  // namespace
+
+TEST_SUITE("gpu schedule") {
+    TEST_CASE("gpu schedule: all cells are the device's where it succeeds") {
+        CHECK(always_the_same(45'000, [](std::uint32_t) { return false; }) == std::string(44, '2'));
+    }
+
+    TEST_CASE("gpu schedule: a hopeless part is left to the CPU after a trial") {
+        // The first trial has both tiers. Trials follow after 1, 3 and 7 windows more.
+        const std::string found = always_the_same(40 * window, [](std::uint32_t) { return true; });
+        CHECK(found.substr(0, 10) == "22cccccccc");
+        CHECK(std::ranges::count(found, '2') == 2);
+        CHECK(std::ranges::count(found, '1') == 2 * 4);
+        CHECK(found.substr(20, 3) == "11c");
+    }
+
+    TEST_CASE("gpu schedule: hopeless windows are noticed, and the end of them") {
+        const std::string found = always_the_same(20 * window, [](std::uint32_t k) { return k >= 30 && k < 80; });
+        CHECK(found.substr(0, 50) == std::string(50, '2'));  // two windows pass before it can be known
+        CHECK(found.substr(50, 10) == std::string(10, 'c'));
+        CHECK(found.substr(100) == std::string(100, '1'));
+    }
+}
