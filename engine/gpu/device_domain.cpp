@@ -7,66 +7,71 @@
 namespace votess::gpu {
 namespace {
 
-constexpr double margin_spacings = 4;  // of the mean distance between seeds
-constexpr double most_shifts = 400;    // shifts tried for each image that is wanted, in skewed boxes
+constexpr double margin_spacings = 4;                  // of the mean distance between seeds
+constexpr double most_shifts = 1000;                   // tried for each seed
+constexpr double most_images = 16, few_members = 1e5;  // images for each seed, where seeds are not few
 
-Box larger_box(const Job& job, double margin) {
+// The bounds of the cell that a basis spans at the domain's origin.
+Box box_of_cell(const Job& job, const Basis& basis) {
     const Domain& domain = *job.domain;
-    Box box = job.box;
-    for (int k = 0; k < 3; ++k) {
-        if (!domain.periodic[k]) continue;
-        box.lower[k] = domain.box.lower[k] / job.scale - margin;
-        box.upper[k] = domain.box.upper[k] / job.scale + margin;
+    if (!domain.triclinic) return job.box;
+    Box box{domain.origin, domain.origin};
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (const auto& v : basis.vector) (v[k] < 0 ? box.lower[k] : box.upper[k]) += v[k];
+        box.lower[k] /= job.scale;
+        box.upper[k] /= job.scale;
     }
-    return whole_box(box, domain.periodic);
+    return box;
+}
+
+std::size_t seeds_inside(const Job& job) {
+    return job.points.count() - static_cast<std::size_t>(std::ranges::count(job.outside, CellStatus::outside));
 }
 
 }  // namespace
 
-std::optional<PeriodicUnits> periodic_units(const Job& job) {
+std::optional<ImageRange> image_range(const Job& job) {
     const Domain& domain = *job.domain;
-    if (domain.skewed) return std::nullopt;
-    const auto count =
-        job.points.count() - static_cast<std::size_t>(std::ranges::count(job.outside, CellStatus::outside));
-    const double spacing = std::cbrt(domain.volume / static_cast<double>(std::max<std::size_t>(count, 1)));
+    const auto count = static_cast<double>(std::max<std::size_t>(seeds_inside(job), 1));
+    const double spacing = std::cbrt(domain.volume / count);
     const double margin = std::min(margin_spacings * spacing, 2 * domain.covering_radius) / job.scale;
-    PeriodicUnits result;
-    result.box = larger_box(job, margin);
-    result.units = Units::for_box(result.box);
-    bool lossy = false;
-    for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (domain.triclinic)
-                result.vector[j][k] = result.units.of(domain.vector[j][k] / job.scale, lossy);
-            else if (j == k && domain.periodic[k])
-                result.vector[j][k] =
-                    result.units.of(job.box.upper[k], lossy) - result.units.of(job.box.lower[k], lossy);
-        }
-    if (lossy) return std::nullopt;
+    ImageRange range;
+    range.basis = domain.skewed ? &domain.reduced : &domain.edges;
+    range.box = box_of_cell(job, *range.basis);
+    for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t j = 0; j < 3; ++j)
+            range.extended[k] = range.extended[k] || (domain.periodic[j] && range.basis->vector[j][k] != 0);
+        if (!range.extended[k]) continue;
+        range.box.lower[k] -= margin;
+        range.box.upper[k] += margin;
+    }
+    range.box = whole_box(range.box, range.extended);
 
-    result.lower.fill(std::numeric_limits<double>::infinity());
-    result.upper.fill(-std::numeric_limits<double>::infinity());
+    range.lower.fill(std::numeric_limits<double>::infinity());
+    range.upper.fill(-std::numeric_limits<double>::infinity());
+    double members = count / domain.volume;
+    for (std::size_t k = 0; k < 3; ++k) members *= (range.box.upper[k] - range.box.lower[k]) * job.scale;
     for (std::size_t corner = 0; corner < 8; ++corner) {
         exact::Point x;
         for (std::size_t k = 0; k < 3; ++k)
-            x[k] = (((corner >> k) & 1) != 0 ? result.box.upper[k] : result.box.lower[k]) * job.scale;
-        const auto f = domain.fraction(x);
+            x[k] = (((corner >> k) & 1) != 0 ? range.box.upper[k] : range.box.lower[k]) * job.scale - domain.origin[k];
+        const auto f = range.basis->fraction(x);
         for (std::size_t j = 0; j < 3; ++j) {
-            result.lower[j] = std::min(result.lower[j], f[j]);
-            result.upper[j] = std::max(result.upper[j], f[j]);
+            range.lower[j] = std::min(range.lower[j], f[j]);
+            range.upper[j] = std::max(range.upper[j], f[j]);
         }
     }
     double tries = 1;
     for (std::size_t j = 0; j < 3; ++j)
-        if (domain.periodic[j]) tries *= result.upper[j] - result.lower[j] + 1;
-    if (tries > most_shifts) return std::nullopt;
-    return result;
+        if (domain.periodic[j]) tries *= range.upper[j] - range.lower[j] + 1;
+    if (!(tries <= most_shifts) || !(members <= std::max(most_images * count, few_members))) return std::nullopt;
+    return range;
 }
 
 bool device_clips(const Job& job) {
     const Domain& domain = *job.domain;
     if (domain.has_weights() || !domain.walls.empty() || domain.has_cell_walls()) return false;
-    return !domain.is_periodic() || periodic_units(job).has_value();
+    return !domain.is_periodic() || image_range(job).has_value();
 }
 
 }  // namespace votess::gpu

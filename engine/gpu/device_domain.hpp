@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 
 #include "gpu/seeds/units.hpp"
@@ -10,17 +9,16 @@
 
 namespace votess::gpu {
 
-// A periodic domain on a device: box vectors are whole numbers of units, so that images are exact.
-struct PeriodicUnits {
-    Box box;  // of seeds and images, in the units of length given; along axes that are not periodic the domain's
-    Units units;
-    std::array<std::array<std::uint64_t, 3>, 3> vector{};
+// Where a device has the images of a periodic domain. Seeds lie in the cell of a basis of the lattice.
+struct ImageRange {
+    Box box;                         // of seeds and images, in the units of length given
+    std::array<bool, 3> extended{};  // axes along which it is larger than the cell, for the images
+    const Basis* basis = nullptr;
     std::array<double, 3> lower{}, upper{};  // fractions of the corners of the box
 };
 
-// Returns nothing when a vector is no whole number of units, or the domain is so skewed that images are few among many
-// shifts.
-std::optional<PeriodicUnits> periodic_units(const Job& job);
+// Returns nothing when images would be many times the seeds: in long cells that lie across the axes.
+std::optional<ImageRange> image_range(const Job& job);
 
 // Boxes with walls and such periodic domains, with seeds that weigh the same.
 bool device_clips(const Job& job);

@@ -287,7 +287,8 @@ void GpuEngine::collect_lists(const Chunk& chunk, double progress) {
             listed_ids_.push_back(id < 0 || part_.members.empty() ? id : input_of(static_cast<std::uint32_t>(id)));
             if (!periodic_) continue;
             listed_shifts_.push_back({});
-            if (id >= 0) listed_shifts_.back() = periodic_->shifts[static_cast<std::size_t>(id)];
+            if (id >= 0)
+                listed_shifts_.back() = periodic_->shift_in_row(static_cast<std::uint32_t>(id), chunk_inputs_[i]);
         }
     }
     const StageClock::Within fallback(*clock_, &StageSeconds::fallback);
@@ -326,7 +327,8 @@ void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> c
             for (std::size_t e = at; e < at + lengths[i]; ++e) {
                 Entry entry{named[e], {}, areas.empty() ? 0 : areas[e]};
                 if (named[e] >= 0) entry.id = input_of(static_cast<std::uint32_t>(named[e]));
-                if (named[e] >= 0 && periodic_) entry.shift = periodic_->shifts[static_cast<std::size_t>(named[e])];
+                if (named[e] >= 0 && periodic_)
+                    entry.shift = periodic_->shift_in_row(static_cast<std::uint32_t>(named[e]), cells[begin + i]);
                 row.push_back(entry);
             }
             std::ranges::sort(row, {}, [](const Entry& entry) { return std::pair(entry.id, entry.shift); });

@@ -10,8 +10,8 @@
 //     |n| (|x - X| + 6u |x|) + 10 u h :
 // 1u of n and 4u of roundings, each of at most |n||x|; 5u of h and 3u of roundings.
 //
-// A coordinate that was rounded to units moves each plane by at most `quantum` (|x| + 1): n by less than sqrt(3) units,
-// h by that times |n|, over |n|. The vertex moves by at most 3 condition times as much, to first order.
+// A coordinate that was rounded to units, to 1 + 2^-30 of them below it, moves each plane by at most `quantum` (|x| + 1):
+// n by less than sqrt(3) (1 + 2^-29) units, h by that times |n|, over |n|. The vertex moves by at most 3 condition times as much, to first order.
 //
 // Both bounds are of first order in u condition and in quantum condition. With these at most 5e-4 and 1e-3 what is left
 // out is less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01 times as much, for which there are factors of 1.05 and of 4 for 3; and

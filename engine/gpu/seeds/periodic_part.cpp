@@ -2,115 +2,211 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "exact/integer/wide_int.hpp"
 
 namespace votess::gpu {
 namespace {
 
-// This share of a period is more than fractions err by. They are 3 terms of at most most_shifts for each period that a
-// seed is away, below 5e8 a vector (wrap), in float64: 3 * 3 * 400 * 5e8 * 2^-53 = 2e-4, and as much for the rounded
-// inverse.
+// This share of a vector is more than fractions err by: places are right to 2^-52 of the box, which spans at most
+// most_shifts of the vectors.
 constexpr double slack = 0.01;
-using Vector = std::array<double, 3>;
+constexpr std::int64_t largest_shift = 63;  // so that differences of two of them fit into rows
+
+// Numbers of units with 64 bits behind the point, modulo 2^128: coordinates and vectors are right to 2^-64, sums with
+// 2^31 vectors to 2^-30.
+using Fixed = exact::Uint128;
+using Fixed3 = std::array<Fixed, 3>;
+using Units3 = std::array<std::uint64_t, 3>;
+
+// x 2^shift, rounded down.
+Fixed fixed(double x, int shift, bool& lossy) {
+    if (x == 0) return 0;
+    int exponent = 0;
+    const auto mantissa = static_cast<exact::Int128>(std::ldexp(std::frexp(x, &exponent), 53));
+    const int n = exponent - 53 + shift + 64;
+    if (n >= 128) return 0;
+    if (n >= 0) return static_cast<Fixed>(mantissa) << n;
+    const int right = std::min(-n, 127);
+    lossy = lossy || (right >= 64 || ((mantissa >> right) << right) != mantissa);
+    return static_cast<Fixed>(mantissa >> right);
+}
+
+void add(Fixed3& x, std::int64_t times, const Fixed3& vector) {
+    if (times == 0) return;
+    for (std::size_t k = 0; k < 3; ++k) x[k] += static_cast<Fixed>(exact::Int128{times}) * vector[k];
+}
+
+class Images {
+public:
+    Images(const Job& job, const ImageRange& range, PeriodicPart& out)
+        : job_(job), domain_(*job.domain), range_(range), out_(out), units_(Units::for_box(range.box)) {
+        out.box = range.box;
+        bool rounded = false;
+        for (std::size_t k = 0; k < 3; ++k) {
+            origin_[k] = units_.of(range.box.lower[k], rounded);
+            extent_[k] = units_.of(range.box.upper[k], rounded) - origin_[k];
+        }
+        const int shift = units_.shift - std::ilogb(job.scale);
+        for (std::size_t j = 0; j < 3; ++j)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const exact::DoubleDouble& length = domain_.lattice.vector[j][k];
+                vector_[j][k] = fixed(length.high, shift, vectors_lossy_) + fixed(length.low, shift, vectors_lossy_);
+            }
+        for (std::size_t j = 0; j < 3; ++j)
+            for (std::size_t i = 0; i < 3; ++i) add(basis_[j], range.basis->shift[j][i], vector_[i]);
+    }
+
+    // Seeds at their places. False when one is too far away.
+    bool add_seeds();
+    // False when there are more than `most` members.
+    bool add_images(std::uint32_t most);
+    void set_bounds() const;
+
+private:
+    [[nodiscard]] Fixed3 place(std::size_t seed, const exact::Shift& shift) {
+        Fixed3 x;
+        for (std::size_t k = 0; k < 3; ++k) x[k] = fixed(job_.points[3 * seed + k], units_.shift, out_.lossy);
+        for (std::size_t j = 0; j < 3; ++j) add(x, shift[j], vector_[j]);
+        out_.lossy = out_.lossy || (vectors_lossy_ && shift != exact::Shift{});
+        return x;
+    }
+    void add_member(std::size_t seed, const Fixed3& x, const std::array<std::int64_t, 3>& shift) {
+        out_.part.members.push_back(static_cast<std::int32_t>(seed));
+        out_.shifts.push_back({static_cast<std::int8_t>(shift[0]), static_cast<std::int8_t>(shift[1]),
+                               static_cast<std::int8_t>(shift[2])});
+        for (const Fixed c : x) {
+            out_.coordinates.push_back(static_cast<std::uint64_t>(c >> 64));
+            out_.lossy = out_.lossy || static_cast<std::uint64_t>(c) != 0;
+        }
+    }
+    // From the domain's origin; of places less than 2^62 units outside of the box.
+    [[nodiscard]] exact::Point offset(const Fixed3& x) const {
+        exact::Point at;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto units = static_cast<std::int64_t>(static_cast<std::uint64_t>(x[k] >> 64) - origin_[k]);
+            at[k] = (range_.box.lower[k] + std::ldexp(static_cast<double>(units), -units_.shift)) * job_.scale -
+                    domain_.origin[k];
+        }
+        return at;
+    }
+    // By its units, and as far as places 2^64 units apart, at least four sides of the box, look alike, by its offset.
+    [[nodiscard]] bool is_inside(const Fixed3& x, const exact::Point& offset) const {
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (static_cast<std::uint64_t>(x[k] >> 64) - origin_[k] > extent_[k]) return false;
+            const double begin = range_.box.lower[k] * job_.scale - domain_.origin[k];
+            const double side = (range_.box.upper[k] - range_.box.lower[k]) * job_.scale;
+            if (offset[k] < begin - side || offset[k] > begin + 2 * side) return false;
+        }
+        return true;
+    }
+
+    const Job& job_;
+    const Domain& domain_;
+    const ImageRange& range_;
+    PeriodicPart& out_;
+    Units units_;
+    Units3 origin_{}, extent_{};  // of the box, in units modulo 2^64
+    std::array<Fixed3, 3> vector_{}, basis_{};
+    bool vectors_lossy_ = false;
+    std::vector<exact::Shift> places_;  // by member: from where its seed was given
+};
+
+bool Images::add_seeds() {
+    const std::size_t count = job_.points.count();
+    std::vector<exact::Shift> wraps(count);
+    bool any_wrapped = false;
+    if (domain_.skewed) out_.moves.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!job_.outside.empty() && job_.outside[i] == CellStatus::outside) continue;
+        const auto wrapped = wrap(domain_, {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale,
+                                            job_.points[3 * i + 2] * job_.scale});
+        if (!wrapped) return false;  // the exact clipper tells of it
+        wraps[i] = *wrapped;
+        any_wrapped = any_wrapped || *wrapped != exact::Shift{};
+        exact::Shift to = *wrapped;
+        std::array<std::int64_t, 3> move{};
+        if (domain_.skewed) {
+            exact::Point at = domain_.translation(to);
+            for (std::size_t k = 0; k < 3; ++k) at[k] += job_.points[3 * i + k] * job_.scale;
+            const exact::Shift by = shift_into_reduced(domain_, at);
+            for (std::size_t j = 0; j < 3; ++j) {
+                if (std::abs(by[j]) > largest_shift) return false;
+                to[j] += by[j];
+                move[j] = by[j];
+                out_.moves[i][j] = static_cast<std::int8_t>(by[j]);
+            }
+        }
+        places_.push_back(to);
+        add_member(i, place(i, to), move);
+    }
+    out_.part.own_count = static_cast<std::uint32_t>(out_.part.members.size());
+    for (std::size_t i = 0; any_wrapped && i < count; ++i) {
+        const exact::Point by = domain_.translation(wraps[i]);
+        out_.wraps.push_back({by[0] / job_.scale, by[1] / job_.scale, by[2] / job_.scale});
+    }
+    return out_.part.own_count > 0;
+}
+
+bool Images::add_images(std::uint32_t most) {
+    for (std::size_t own = 0; own < places_.size(); ++own) {
+        const auto seed = static_cast<std::size_t>(out_.part.members[own]);
+        const Fixed3 x = place(seed, places_[own]);
+        const exact::Point at = offset(x);
+        const auto f = range_.basis->fraction(at);
+        std::array<int, 3> least{}, last{};
+        for (std::size_t j = 0; j < 3; ++j) {
+            if (!domain_.periodic[j]) continue;
+            least[j] = static_cast<int>(std::ceil(range_.lower[j] - f[j] - slack));
+            last[j] = static_cast<int>(std::floor(range_.upper[j] - f[j] + slack));
+        }
+        const auto try_image = [&](const std::array<int, 3>& steps) {
+            if (steps == std::array<int, 3>{}) return true;
+            Fixed3 image = x;
+            exact::Point image_at = at;
+            std::array<std::int64_t, 3> shift{out_.shifts[own][0], out_.shifts[own][1], out_.shifts[own][2]};
+            for (std::size_t j = 0; j < 3; ++j) {
+                add(image, steps[j], basis_[j]);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    image_at[k] += steps[j] * range_.basis->vector[j][k];
+                    shift[k] += std::int64_t{steps[j]} * range_.basis->shift[j][k];
+                }
+            }
+            if (!is_inside(image, image_at)) return true;
+            for (const std::int64_t s : shift)
+                if (std::abs(s) > largest_shift) return false;
+            out_.lossy = out_.lossy || vectors_lossy_;
+            add_member(seed, image, shift);
+            return true;
+        };
+        for (int a = least[0]; a <= last[0]; ++a)
+            for (int b = least[1]; b <= last[1]; ++b)
+                for (int c = least[2]; c <= last[2]; ++c)
+                    if (!try_image({a, b, c})) return false;
+        if (out_.part.members.size() > most) return false;
+    }
+    return true;
+}
+
+// All images in the box are members, but for those within rounding of its faces.
+void Images::set_bounds() const {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!range_.extended[k]) continue;
+        out_.part.bounded |= 9u << k;
+        out_.part.lower[k] = 2;
+        out_.part.upper[k] = extent_[k] - 3;
+    }
+}
 
 }  // namespace
 
 std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_seeds) {
-    const Domain& domain = *job.domain;
-    const auto on_device = periodic_units(job);
-    if (!on_device) return std::nullopt;
-    const auto& [box, units, vector, lower, upper] = *on_device;
-    const std::size_t count = job.points.count();
+    const auto range = image_range(job);
+    if (!range) return std::nullopt;
     PeriodicPart result;
-    result.box = box;
-
-    // The box in units, modulo 2^64.
-    std::array<std::uint64_t, 3> origin{}, extent{};
-    bool rounded = false;
-    for (int k = 0; k < 3; ++k) {
-        origin[k] = units.of(result.box.lower[k], rounded);
-        extent[k] = units.of(result.box.upper[k], rounded) - origin[k];
-    }
-    Part& part = result.part;
-    using Units3 = std::array<std::uint64_t, 3>;
-    const auto moved = [&](Units3 x, const auto& shift) {
-        for (int j = 0; j < 3; ++j)
-            for (int k = 0; k < 3; ++k)
-                x[k] += static_cast<std::uint64_t>(static_cast<std::int64_t>(shift[j])) * vector[j][k];
-        return x;
-    };
-    const auto add = [&](std::size_t i, const Units3& x, const std::array<int, 3>& shift) {
-        part.members.push_back(static_cast<std::int32_t>(i));
-        result.shifts.push_back({static_cast<std::int8_t>(shift[0]), static_cast<std::int8_t>(shift[1]),
-                                 static_cast<std::int8_t>(shift[2])});
-        result.coordinates.insert(result.coordinates.end(), x.begin(), x.end());
-    };
-    const auto scaled = [&](std::size_t i) {
-        return exact::Point{job.points[3 * i] * job.scale, job.points[3 * i + 1] * job.scale,
-                            job.points[3 * i + 2] * job.scale};
-    };
-    std::vector<exact::Shift> wraps(count);
-    bool any_moved = false;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
-        const auto shift = wrap(domain, scaled(i));
-        if (!shift) return std::nullopt;  // the exact clipper tells of it
-        wraps[i] = *shift;
-        any_moved = any_moved || wraps[i] != exact::Shift{};
-        Units3 x;
-        for (int k = 0; k < 3; ++k) x[k] = units.of(job.points[3 * i + k], result.lossy);
-        add(i, moved(x, wraps[i]), {});
-    }
-    part.own_count = static_cast<std::uint32_t>(part.members.size());
-    if (part.own_count == 0) return std::nullopt;
-    for (std::size_t i = 0; any_moved && i < count; ++i) {
-        const exact::Point by = domain.translation(wraps[i]);
-        result.wraps.push_back({by[0] / job.scale, by[1] / job.scale, by[2] / job.scale});
-    }
-    // Whether an image lies in the box, by its units; these tell places 2^64 apart not from each other, which are at
-    // least four of the box's sides, but its fractions do.
-    const auto is_inside = [&](const Units3& x, const Vector& fraction) {
-        for (int k = 0; k < 3; ++k) {
-            if (x[k] - origin[k] > extent[k]) return false;
-            if (!domain.periodic[k]) continue;
-            double at = 0;
-            for (int j = 0; j < 3; ++j) at += fraction[j] * domain.vector[j][k];
-            const double begin = result.box.lower[k] * job.scale - domain.origin[k];
-            const double side = (result.box.upper[k] - result.box.lower[k]) * job.scale;
-            if (at < begin - side || at > begin + 2 * side) return false;
-        }
-        return true;
-    };
-    for (std::size_t own = 0; own < part.own_count; ++own) {
-        const auto i = static_cast<std::size_t>(part.members[own]);
-        Units3 x;
-        std::copy_n(result.coordinates.begin() + static_cast<std::ptrdiff_t>(3 * own), 3, x.begin());
-        Vector f = domain.fraction(scaled(i));
-        std::array<int, 3> least{}, most{};
-        for (int j = 0; j < 3; ++j) {
-            if (!domain.periodic[j]) continue;
-            f[j] += wraps[i][j];
-            least[j] = static_cast<int>(std::ceil(lower[j] - f[j] - slack));
-            most[j] = static_cast<int>(std::floor(upper[j] - f[j] + slack));
-            if (least[j] < std::numeric_limits<std::int8_t>::min() || most[j] > std::numeric_limits<std::int8_t>::max())
-                return std::nullopt;
-        }
-        for (int a = least[0]; a <= most[0]; ++a)
-            for (int b = least[1]; b <= most[1]; ++b)
-                for (int c = least[2]; c <= most[2]; ++c) {
-                    if (a == 0 && b == 0 && c == 0) continue;
-                    const std::array<int, 3> shift{a, b, c};
-                    const Units3 image = moved(x, shift);
-                    if (is_inside(image, {f[0] + a, f[1] + b, f[2] + c})) add(i, image, shift);
-                }
-        if (part.members.size() > most_seeds) return std::nullopt;
-    }
-    // All images in the box are members. What lies beyond its upper end may, rounded down, lie a unit nearer.
-    for (int k = 0; k < 3; ++k) {
-        if (!domain.periodic[k]) continue;
-        part.bounded |= 9u << k;
-        part.upper[k] = extent[k] - 1;
-    }
+    Images images(job, *range, result);
+    if (!images.add_seeds() || !images.add_images(most_seeds)) return std::nullopt;
+    images.set_bounds();
     return result;
 }
 
