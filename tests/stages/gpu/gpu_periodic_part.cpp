@@ -152,29 +152,29 @@ TEST_SUITE("stages") {
     TEST_CASE("gpu periodic part: vectors that are no whole units, seeds of leaning cells in the reduced one") {
         test::Random random(33);
         std::size_t images = 0, lossy = 0, moved = 0;
-        for (int set = 0; set < static_cast<int>(test::by_size(40, 8)); ++set) {
+        for (int set = 0; set < static_cast<int>(test::by_size(20, 8)); ++set) {
             votess::Options options = test::all_options(test::unit_box());
             options.box.reset();
-            const double tiny = std::ldexp(1.0, -8 * (set % 5)), lean = set % 2 == 0 ? 0.4 : 4;
+            const double tiny = std::ldexp(1.0, -8 * (set % 5)), lean = set % 2 == 0 ? 0.4 : 3;
             options.cell = votess::TriclinicBox{{0.1, set % 3 == 0 ? 1e6 : 0, -3},
                                                 {1, tiny * random.uniform(-0.1, 0.1), 0},
                                                 {random.uniform(-lean, lean), 1, tiny * random.uniform(-0.1, 0.1)},
                                                 {tiny * random.uniform(-0.1, 0.1), random.uniform(-0.4, 0.4), 1}};
             const votess::TriclinicBox& cell = *options.cell;
             Coordinates points;
-            for (int i = 0; i < 12; ++i) {
+            for (int i = 0; i < 6; ++i) {
                 const double f[3] = {random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)};
                 for (std::size_t k = 0; k < 3; ++k)
                     points.push_back(cell.origin[k] + f[0] * cell.a[k] + f[1] * cell.b[k] + f[2] * cell.c[k]);
             }
             CAPTURE(set);
-            images += check_part(points, options, 12);
+            images += check_part(points, options, 16);
             const votess::Job job = votess::validate({points, {}}, options);
             const auto part = votess::gpu::periodic_part(job, 1u << 20);
             lossy += part && part->lossy;
             moved += part && !part->moves.empty();
         }
-        CHECK(images > 500);
+        CHECK(images > 300);
         CHECK(lossy > 2);
         CHECK(moved > 2);
     }
