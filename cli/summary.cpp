@@ -25,6 +25,28 @@ Stages stages_of(const Summary& summary) {
              {"write", summary.seconds_write}}};
 }
 
+struct Reason {
+    const char* name;
+    const char* meaning;
+    std::uint64_t cells;
+};
+
+std::array<Reason, 5> fallback_reasons(const votess::Stats& stats) {
+    const votess::FallbackReasons& reasons = stats.fallback_reasons;
+    return {{{"uncertain", "that floating point could not decide", reasons.uncertain},
+             {"overflow", "too large for the device", reasons.overflow},
+             {"exhausted", "whose search ended too early", reasons.exhausted},
+             {"skipped", "spared the device, which had failed before", reasons.skipped},
+             {"domain", "of a domain that the device does not clip", reasons.domain}}};
+}
+
+std::string reasons_of(const votess::Stats& stats) {
+    std::string text;
+    for (const Reason& reason : fallback_reasons(stats))
+        if (reason.cells > 0) text += (text.empty() ? "" : ", ") + std::to_string(reason.cells) + " " + reason.meaning;
+    return text;
+}
+
 std::string rounded(const char* format, double value) {
     char text[64];
     std::snprintf(text, sizeof text, format, value);
@@ -77,7 +99,8 @@ std::string plain_summary(const Summary& summary) {
     }
     if (stats.duplicates > 0) line("duplicates", std::to_string(stats.duplicates));
     if (stats.empty_cells > 0) line("empty cells", std::to_string(stats.empty_cells));
-    if (stats.fallback_cells > 0) line("fallback", std::to_string(stats.fallback_cells) + " cells");
+    if (stats.fallback_cells > 0)
+        line("fallback", std::to_string(stats.fallback_cells) + " cells: " + reasons_of(stats));
     line("exact", std::to_string(stats.exact_cells) + " cells needed exact arithmetic");
     if (summary.verified) {
         std::string result = summary.verified->passed ? "yes" : "NO";
@@ -129,6 +152,9 @@ std::string json_summary(const Summary& summary) {
     member("duplicates", std::to_string(stats.duplicates));
     member("empty_cells", std::to_string(stats.empty_cells));
     member("fallback_cells", std::to_string(stats.fallback_cells));
+    text += ", \"fallback_reasons\": {";
+    for (const Reason& reason : fallback_reasons(stats)) member(reason.name, std::to_string(reason.cells));
+    text += "}";
     member("exact_cells", std::to_string(stats.exact_cells));
     member("threads", std::to_string(stats.threads));
     text += ", \"seconds\": {";

@@ -13,7 +13,7 @@ namespace {
 
 // These never change; fields added later lie beyond, and no padding at the end hides them.
 constexpr std::size_t first_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
-static_assert(sizeof(votess_stats) == first_size && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
+static_assert(sizeof(votess_stats) >= first_size && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
 // Handed out as they lie in memory.
 static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t) && sizeof(votess::Wall) == 4 * sizeof(double));
 
@@ -196,6 +196,11 @@ void votess::c::write_stats(const votess::Stats& stats, votess_stats& out) {
     c_stats.duplicates = stats.duplicates;
     c_stats.empty_cells = stats.empty_cells;
     c_stats.fallback_cells = stats.fallback_cells;
+    c_stats.fallback_uncertain = stats.fallback_reasons.uncertain;
+    c_stats.fallback_overflow = stats.fallback_reasons.overflow;
+    c_stats.fallback_exhausted = stats.fallback_reasons.exhausted;
+    c_stats.fallback_skipped = stats.fallback_reasons.skipped;
+    c_stats.fallback_domain = stats.fallback_reasons.domain;
     c_stats.exact_cells = stats.exact_cells;
     c_stats.peak_memory_bytes = stats.peak_memory_bytes;
     c_stats.mean_faces = stats.mean_faces;

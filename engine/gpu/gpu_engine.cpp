@@ -18,6 +18,24 @@ namespace {
 
 constexpr std::size_t block_cells = 4096;  // per task of the host
 
+std::uint64_t& reason_of(FallbackReasons& reasons, std::uint32_t status) {
+    switch (status) {
+        case STATUS_NEEDS_EXACT:
+            return reasons.uncertain;
+        case STATUS_PLANE_OVERFLOW:
+        case STATUS_VERTEX_OVERFLOW:
+            return reasons.overflow;
+        default:
+            return reasons.exhausted;
+    }
+}
+
+void add(FallbackReasons& sum, const FallbackReasons& some) {
+    sum.uncertain += some.uncertain;
+    sum.overflow += some.overflow;
+    sum.exhausted += some.exhausted;
+}
+
 }  // namespace
 
 GpuEngine::GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipper, const EngineLimits& limits)
@@ -71,6 +89,7 @@ void GpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     } else {
         pending_.resize(job_.points.count());
         std::iota(pending_.begin(), pending_.end(), 0);
+        reasons_.domain = pending_.size();
     }
     clock.enter(&StageSeconds::fallback);
     clip_pending(clipping.end);
@@ -84,6 +103,7 @@ void GpuEngine::begin(const Job& job) {
     progress_.report(0);
     device_seconds_ = {};
     pending_.clear();
+    reasons_ = {};
     duplicates_ = false;
     done_cells_ = 0;
     part_ = {};
@@ -240,6 +260,7 @@ void GpuEngine::collect(const Chunk& chunk, Schedule& schedule, double progress)
         const std::size_t begin = block * block_cells, end = std::min<std::size_t>(chunk.count(), begin + block_cells);
         CellCounters counters;
         std::vector<std::int32_t> pending;
+        FallbackReasons reasons;
         std::size_t outside = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t info = infos[i], status = info & 0xff;
@@ -251,6 +272,7 @@ void GpuEngine::collect(const Chunk& chunk, Schedule& schedule, double progress)
                 ++outside;
             } else if (status != STATUS_DUPLICATE) {
                 pending.push_back(cells[i]);
+                ++reason_of(reasons, status);
             }
         }
         result_.count(counters);
@@ -259,6 +281,7 @@ void GpuEngine::collect(const Chunk& chunk, Schedule& schedule, double progress)
         left += pending.size();
         beside += outside;
         pending_.insert(pending_.end(), pending.begin(), pending.end());
+        add(reasons_, reasons);
     });
     if (lists_only_) collect_lists(chunk, progress);
     done_cells_ += chunk.count() - beside;
@@ -367,7 +390,9 @@ void GpuEngine::leave_to_cpu(std::uint32_t first, std::uint32_t count) {
     for (const std::uint32_t member : seeds_.order().subspan(first, count)) {
         if ((member & INDEX_MASK) >= part_.own_count) continue;
         ++done_cells_;
-        if ((member & DUPLICATE_BIT) == 0) pending_.push_back(input_of(member));
+        if ((member & DUPLICATE_BIT) != 0) continue;
+        pending_.push_back(input_of(member));
+        ++reasons_.skipped;
     }
 }
 
@@ -383,6 +408,7 @@ void GpuEngine::finish(detail::Result& result) {
     if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;
+    result.stats.fallback_reasons = reasons_;
     result.stats.precision = device_clips_ && !lists_only_ ? job_.options.precision : Precision::double_;
     clipper_.end();
     check_messages();

@@ -80,6 +80,7 @@ private:
     bool device_clips_ = true;                // else the exact clipper takes all cells
     bool duplicates_ = false;                 // there are some, or there may be
     std::vector<std::int32_t> pending_;       // cells (input index) for the CPU
+    FallbackReasons reasons_;                 // of all that were pending
     std::vector<std::int32_t> chunk_inputs_;  // of the cells of the chunk being collected
     std::vector<std::size_t> row_begin_;      // of its blocks of cells
     // The device gives lists only, and the CPU's clipper makes the cells from them.

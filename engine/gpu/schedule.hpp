@@ -1,4 +1,5 @@
-// Which cells of a part the device is asked for, in which pieces: where it rarely succeeds it costs more than it spares.
+// Which cells of a part the device is asked for, in which pieces: where it rarely succeeds it costs more than it
+// spares.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +17,9 @@ struct Piece {
     bool second_tier = true;
 };
 
-// Windows of a fixed number of seeds are clipped or left to the CPU. A window is judged by its own first cells, the trial,
-// or by windows whose cells are all done when it begins. So the answer does not depend on the sizes of pieces, which
-// follow the device's speed.
+// Windows of a fixed number of seeds are clipped or left to the CPU. A window is judged by its own first cells, the
+// trial, or by windows whose cells are all done when it begins. So the answer does not depend on the sizes of pieces,
+// which follow the device's speed.
 class Schedule {
 public:
     static constexpr std::uint32_t trial_cells = 2048;
@@ -26,8 +27,8 @@ public:
     Schedule() = default;
     Schedule(std::uint32_t seeds, std::uint32_t window);
 
-    // The next piece, of at most so many cells on the device; nothing at the end. When a window begins, the pieces of all
-    // windows but the last must have been noted, and a trial before whatever follows it.
+    // The next piece, of at most so many cells on the device; nothing at the end. When a window begins, the pieces of
+    // all windows but the last must have been noted, and a trial before whatever follows it.
     [[nodiscard]] std::optional<Piece> next(std::uint32_t most);
     // What became of a piece on the device: its cells, those that the first tier left, and those left to the CPU.
     void note(const Piece& piece, std::size_t cells, std::size_t left_by_first, std::size_t left);

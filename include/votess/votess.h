@@ -125,6 +125,10 @@ typedef struct votess_stats {
     double seconds_upload, seconds_sort, seconds_knn, seconds_clip, seconds_fallback, seconds_download, seconds_total;
     int32_t precision;  // VOTESS_PRECISION_*: what volumes, centroids and areas hold; the CPU always gives double
     char device[252];   // zero-terminated
+    // Why cells were redone on the CPU; they add up to fallback_cells: floating point could not decide, more planes or
+    // vertices than the device holds, the search ended too early, the device had failed before, or cannot do the
+    // domain.
+    uint64_t fallback_uncertain, fallback_overflow, fallback_exhausted, fallback_skipped, fallback_domain;
 } votess_stats;
 
 typedef struct votess_tessellator votess_tessellator;

@@ -196,6 +196,15 @@ struct StageSeconds {
     double total = 0;
 };
 
+// Why cells were redone on the CPU after another device.
+struct FallbackReasons {
+    std::uint64_t uncertain = 0;  // floating point could not decide a sign, or not measure well enough
+    std::uint64_t overflow = 0;   // more planes or vertices at once than the device holds
+    std::uint64_t exhausted = 0;  // the search ended before the security radius
+    std::uint64_t skipped = 0;    // the device had failed at nearly all cells before, and was not asked
+    std::uint64_t domain = 0;     // the device does not clip this domain
+};
+
 struct Stats {
     std::string device;                // name of the device that ran
     std::uint64_t points = 0;          // N
@@ -206,6 +215,7 @@ struct Stats {
     std::uint64_t duplicates = 0;      // seeds with status `duplicate`
     std::uint64_t empty_cells = 0;     // seeds that have no cell: duplicate, empty or outside
     std::uint64_t fallback_cells = 0;  // cells redone on the CPU after another device
+    FallbackReasons fallback_reasons;  // they add up to fallback_cells
     std::uint64_t exact_cells = 0;     // cells where exact arithmetic decided a sign
     unsigned threads = 0;              // CPU threads used
     StageSeconds seconds;

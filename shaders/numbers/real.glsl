@@ -1,4 +1,9 @@
 // The numbers that a cell is clipped in, and their unit roundoff. Variant: CLIP_FLOAT64.
+//
+// `precise` makes each sum and product, of float64 too, an operation of its own, with its own rounding (NoContraction).
+// SPIR-V has no such promise for fma(): a device may fuse it, or round the product and then the sum. Error bounds count
+// both roundings, so that they hold either way. What needs every rounding as it is written, exact sums and products,
+// uses no fma (numbers/number.glsl). The host tries out how the device rounds all of them (probe_rounding.comp).
 #ifndef VOTESS_NUMBERS_REAL_GLSL
 #define VOTESS_NUMBERS_REAL_GLSL
 

@@ -17,7 +17,7 @@ HIDDEN = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent"}
 SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreign code in the process
 
 JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
-             "empty_cells", "fallback_cells", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified",
+             "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified",
              "verified_cells"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--copy", "--density", "--output", "--format", "--want",

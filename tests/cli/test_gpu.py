@@ -73,6 +73,8 @@ class Devices(CliTest):
         self.assertTrue(result["verified"])
         self.assertIn("llvmpipe", result["device"])
         self.assertLessEqual(result["fallback_cells"], 40)
+        self.assertEqual(list(result["fallback_reasons"]), ["uncertain", "overflow", "exhausted", "skipped", "domain"])
+        self.assertEqual(sum(result["fallback_reasons"].values()), result["fallback_cells"])
         self.assertAlmostEqual(result["volume_sum"], 1, delta=1e-5)
         seconds = result["seconds"]
         for stage in ["upload", "sort", "knn", "clip", "download"]:

@@ -282,7 +282,8 @@ int main(int argc, char** argv) try {
              "seeds; some 5 minutes"),
         mode("--memory", Mode::memory, "peak of resident memory a point, each program in a process of its own"),
         mode("--gpu-table", Mode::gpu_table,
-             "votess alone on one device, default gpu: 1e4 to 1e7 seeds, uniform, clustered and lattice; without "
+             "votess alone on one device, default gpu: 1e4 to 1e7 seeds, uniform, clustered, lattices, and one of each "
+             "kind of domain; without "
              "--json into gpu-DEVICE-DATE.json in the current folder; exit 1 when a result is wrong")};
     CLI::Option *goals = modes[2], *memory = modes[3], *gpu_table = modes[4];
     for (CLI::Option* one : modes) {

@@ -24,13 +24,14 @@ struct Input {
     std::array<bool, 3> periodic{};
     std::optional<votess::TriclinicBox> cell = std::nullopt;
     std::vector<double> weights{}, radii{};
+    std::vector<votess::Wall> walls{};  // that cut the box
     // Sum of the lengths of the neighbor lists, where it is known: what ties must not change.
     std::optional<std::uint64_t> links = std::nullopt;
     [[nodiscard]] std::size_t size() const { return points.size() / 3; }
     // The Voronoi diagram in a box with walls, which every peer can do.
     [[nodiscard]] bool plain() const;
-    [[nodiscard]] std::array<double, 3> lengths() const;  // of the domain along the axes, tilts left out
-    [[nodiscard]] double volume() const;                  // of the domain
+    [[nodiscard]] std::array<double, 3> lengths() const;  // of the box along the axes, tilts left out
+    [[nodiscard]] double volume() const;                  // of the box
     // The domain and the weights, which stay those of the input.
     [[nodiscard]] votess::Options options() const;
 };

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # votess on this machine's GPU: checks its lists against the CPU, prints million cells per second of every stage for
-# 1e4 to 1e7 seeds with both kernels and work-groups of 32 and 128, names the fastest, and writes gpu-DEVICE-DATE.json
+# 1e4 to 1e7 seeds of every kind of domain with both kernels and work-groups of 32 and 128, names the fastest, and writes gpu-DEVICE-DATE.json
 # into the current folder. Needs no network.
 #   tools/bench/gpu.sh                              the first GPU
 #   tools/bench/gpu.sh --device lavapipe --sizes 1e4,1e5

@@ -174,6 +174,26 @@ Input sphere(std::size_t n, Random& random) {
     return input;
 }
 
+// Uniform in an octahedron of walls.
+Input octahedron(std::size_t n, Random& random) {
+    Input input{"octahedron", {}, unit_box};
+    constexpr double reach = 0.5;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        votess::Wall wall{{}, reach};
+        for (std::size_t k = 0; k < 3; ++k) {
+            wall.normal[k] = (corner >> k & 1) != 0 ? 1 : -1;
+            wall.offset += 0.5 * wall.normal[k];
+        }
+        input.walls.push_back(wall);
+    }
+    while (input.points.size() < 3 * n) {
+        const double p[3] = {random.uniform(), random.uniform(), random.uniform()};
+        if (std::abs(p[0] - 0.5) + std::abs(p[1] - 0.5) + std::abs(p[2] - 0.5) < reach)
+            input.points.insert(input.points.end(), p, p + 3);
+    }
+    return input;
+}
+
 struct Maker {
     const char* name;
     Input (*make)(std::size_t n, Random& random);
@@ -187,6 +207,7 @@ constexpr Maker makers[] = {{"uniform", uniform},
                             {"sphere", sphere},
                             {"periodic", periodic},
                             {"triclinic", triclinic},
+                            {"octahedron", octahedron},
                             {"radii", radii},
                             {"heavy", heavy}};
 constexpr std::string_view file_prefix = "file:";
@@ -234,7 +255,7 @@ votess::Box box_around(const std::vector<double>& points) {
 }  // namespace
 
 bool Input::plain() const {
-    return periodic == std::array{false, false, false} && !cell && weights.empty() && radii.empty();
+    return periodic == std::array{false, false, false} && !cell && weights.empty() && radii.empty() && walls.empty();
 }
 
 std::array<double, 3> Input::lengths() const {
@@ -259,6 +280,7 @@ votess::Options Input::options() const {
     }
     options.weights = weights;
     options.radii = radii;
+    options.walls = walls;
     return options;
 }
 

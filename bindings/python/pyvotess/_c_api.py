@@ -144,6 +144,11 @@ class Stats(ctypes.Structure):
         ("seconds_total", c_double),
         ("precision", c_int32),
         ("device", c_char * 252),
+        ("fallback_uncertain", c_uint64),
+        ("fallback_overflow", c_uint64),
+        ("fallback_exhausted", c_uint64),
+        ("fallback_skipped", c_uint64),
+        ("fallback_domain", c_uint64),
     ]
 
 

@@ -25,6 +25,17 @@ class StageSeconds:
 
 
 @dataclass(frozen=True)
+class FallbackReasons:
+    """Why cells were redone on the CPU after another device."""
+
+    uncertain: int  #: floating point could not decide a sign, or not measure well enough
+    overflow: int  #: more planes or vertices at once than the device holds
+    exhausted: int  #: the search ended before the security radius
+    skipped: int  #: the device had failed at nearly all cells before, and was not asked
+    domain: int  #: the device does not clip this domain
+
+
+@dataclass(frozen=True)
 class Stats:
     """What a run did. ``dataclasses.asdict(stats)`` makes it a dict."""
 
@@ -37,6 +48,7 @@ class Stats:
     duplicates: int  #: seeds with status DUPLICATE
     empty_cells: int  #: seeds that have no cell: duplicate, empty or outside
     fallback_cells: int  #: cells redone on the CPU after another device
+    fallback_reasons: FallbackReasons  #: they add up to fallback_cells
     exact_cells: int  #: cells where exact arithmetic decided a sign
     threads: int  #: CPU threads used
     peak_memory_bytes: int  #: peak resident memory of the process so far
@@ -56,7 +68,8 @@ def stats_of(c_stats: _c_api.Stats) -> Stats:
     fields["precision"] = next(word for word, value in _c_api.PRECISIONS.items() if value == c_stats.precision)
     fields["device"] = fields["device"].decode("utf-8", "replace")
     stages = {name: fields.pop("seconds_" + name) for name in StageSeconds.__dataclass_fields__}
-    return Stats(seconds=StageSeconds(**stages), **fields)
+    reasons = {name: fields.pop("fallback_" + name) for name in FallbackReasons.__dataclass_fields__}
+    return Stats(seconds=StageSeconds(**stages), fallback_reasons=FallbackReasons(**reasons), **fields)
 
 
 @dataclass(frozen=True)

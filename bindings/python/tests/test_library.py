@@ -56,6 +56,7 @@ class Facts(unittest.TestCase):
         self.assertEqual(stats.duplicates, 0)
         self.assertEqual(stats.empty_cells, 0)
         self.assertEqual(stats.fallback_cells, 0)
+        self.assertEqual(set(vars(stats.fallback_reasons).values()), {0})
         self.assertTrue(stats.device)
         self.assertGreaterEqual(stats.threads, 1)
         self.assertGreater(stats.peak_memory_bytes, 10**6)

@@ -116,6 +116,9 @@ void check_cube(votess_tessellator* tessellator) {
     CHECK(stats.struct_size == sizeof stats);
     CHECK(stats.points == 8 && stats.faces == 48 && stats.mean_faces == 6);
     CHECK(stats.duplicates == 0 && stats.empty_cells == 0 && stats.fallback_cells == 0);
+    CHECK(stats.fallback_uncertain + stats.fallback_overflow + stats.fallback_exhausted + stats.fallback_skipped +
+              stats.fallback_domain ==
+          0);
     CHECK(stats.exact_cells <= 8);
     CHECK(fabs(stats.volume_sum - 8) < 1e-12 && fabs(stats.box_volume - 8) < 1e-12);
     CHECK(stats.seconds_total >= 0 && stats.seconds_clip >= 0);

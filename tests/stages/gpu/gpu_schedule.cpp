@@ -1,6 +1,4 @@
 // The schedule of pieces: what is left to the CPU does not depend on the sizes of pieces.
-#include "gpu/schedule.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "core/ceil.hpp"
+#include "gpu/schedule.hpp"
 #include "support/random.hpp"
 
 using votess::gpu::Piece;
@@ -17,8 +16,8 @@ namespace {
 
 constexpr std::uint32_t window = 10 * 1024;
 
-// A letter for each 1,024 seeds: left to the CPU, or clipped with one tier or two. Cell i is hopeless for the device where
-// hard(i / 1024). Two pieces are under way at a time, and the sizes are chance.
+// A letter for each 1,024 seeds: left to the CPU, or clipped with one tier or two. Cell i is hopeless for the device
+// where hard(i / 1024). Two pieces are under way at a time, and the sizes are chance.
 std::string run(std::uint32_t seeds, auto hard, test::Random random) {
     Schedule schedule(seeds, window);
     std::string out(votess::ceil_div(seeds, 1024u), '?');

@@ -107,6 +107,9 @@ std::string check_same(const votess::Tessellation& gpu, const votess::Tessellati
         return text("stats differ: ", a.faces, " faces, ", a.duplicates, " duplicates instead of ", b.faces, ", ",
                     b.duplicates);
     if (a.fallback_cells + a.duplicates > a.points) return text("stats.fallback_cells ", a.fallback_cells);
+    const votess::FallbackReasons& why = a.fallback_reasons;
+    if (why.uncertain + why.overflow + why.exhausted + why.skipped + why.domain != a.fallback_cells)
+        return text("stats.fallback_reasons do not add up to ", a.fallback_cells);
     if (a.volume_sum != b.volume_sum && !(std::abs(a.volume_sum - b.volume_sum) <= tolerance * b.volume_sum + 1e-320))
         return text("stats.volume_sum ", a.volume_sum, " instead of ", b.volume_sum);
     return "";

@@ -4,22 +4,19 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <fstream>
-#include <iomanip>
 #include <map>
-#include <sstream>
 #include <string_view>
 
 #include "bench.hpp"
 #if BENCH_FRAMES
 #include "gpu/gpu_frames.hpp"
 #endif
+#include "gpu/gpu_rows.hpp"
 #include "measure.hpp"
 #include "system/machine.hpp"
 
@@ -27,26 +24,6 @@ namespace bench {
 namespace {
 
 constexpr double promised_volume_error = 1e-5;  // of Precision::single
-
-struct Row {
-    std::string input;
-    std::size_t n = 0;
-    Want want = Want::neighbors;
-    std::string kernel;
-    unsigned local_size = 0;
-    double first_seconds = 0;     // of the warm-up, which opens the device and compiles the pipelines
-    std::vector<double> seconds;  // each repeat
-    std::vector<votess::StageSeconds> stages;
-    votess::Stats stats;  // of the last repeat
-    std::uint64_t peak_memory = 0;
-    std::string check;  // "= CPU", "not compared" or what is wrong
-    double volume_error = 0;
-    bool wrong = false;
-    std::string note;  // why there is no time
-
-    [[nodiscard]] double best() const { return *std::min_element(seconds.begin(), seconds.end()); }
-    [[nodiscard]] double rate(double s) const { return static_cast<double>(n) / s / 1e6; }
-};
 
 // Linux then counts the peak of resident memory anew; elsewhere it stays that of the whole process.
 void forget_peak_memory() {
@@ -56,10 +33,6 @@ void forget_peak_memory() {
 // The library reads it when it makes its pipelines.
 void choose_kernel(const std::string& name) {
     ::setenv("VOTESS_VULKAN_KERNEL", name.c_str(), 1);
-}
-
-bool is_full_of_ties(const std::string& input) {
-    return input == "lattice" || input == "bcc" || input == "fcc";
 }
 
 votess::Options options_for(const GpuTable& table, const Input& input, Want want, const std::string& device) {
@@ -72,7 +45,7 @@ votess::Options options_for(const GpuTable& table, const Input& input, Want want
 }
 
 // What a row says about its result.
-void compare(Row& row, const votess::Tessellation& mine, const votess::Tessellation& cpu) {
+void compare(GpuRow& row, const votess::Tessellation& mine, const votess::Tessellation& cpu) {
     const auto fail = [&row](const std::string& what) {
         row.check = "WRONG: " + what;
         row.wrong = true;
@@ -96,7 +69,7 @@ void compare(Row& row, const votess::Tessellation& mine, const votess::Tessellat
     }
 }
 
-void check(Row& row, const GpuTable& table, const Input& input, bool to_compare, const votess::Tessellation& mine) {
+void check(GpuRow& row, const GpuTable& table, const Input& input, bool to_compare, const votess::Tessellation& mine) {
     const votess::Stats& stats = mine.stats();
     row.check = "not compared";
     if (to_compare) {
@@ -109,7 +82,7 @@ void check(Row& row, const GpuTable& table, const Input& input, bool to_compare,
 }
 
 // A Tessellator of its own, so that the memory is that of this row.
-void measure(Row& row, const GpuTable& table, const Input& input, bool to_compare) {
+void measure(GpuRow& row, const GpuTable& table, const Input& input, bool to_compare) {
     votess::Options options = options_for(table, input, row.want, table.device);
     choose_kernel(row.kernel);
     ::setenv("VOTESS_VULKAN_LOCAL_SIZE", std::to_string(row.local_size).c_str(), 1);
@@ -133,135 +106,17 @@ void measure(Row& row, const GpuTable& table, const Input& input, bool to_compar
     check(row, table, input, to_compare, t);
 }
 
-// No time to speak of: then there is no rate.
-bool negligible(const Row& row, double seconds) {
-    return seconds < 1e-4 * median(row.seconds);
+bool has_variants(const std::string& input) {
+    return input == "uniform" || input == "clustered" || input == "lattice";
 }
 
-// Three digits, or a dash.
-std::string rate_text(const Row& row, double seconds) {
-    if (negligible(row, seconds)) {
-        return "-";
-    }
-    const double rate = row.rate(seconds);
-    char text[32];
-    std::snprintf(text, sizeof text, "%.*f",
-                  rate >= 100   ? 0
-                  : rate >= 10  ? 1
-                  : rate >= 1   ? 2
-                  : rate >= 0.1 ? 3
-                                : 4,
-                  rate);
-    return text;
-}
-
-void print_head(const GpuTable& table) {
-    std::printf(
-        "\nMillion cells per second after a warm-up run (device, pipelines, buffers): best and median of %d run%s,\n"
-        "then all cells by the median seconds of a stage. Left: cells left to the CPU. MiB: peak of resident memory "
-        "on\n"
-        "the host. full: neighbors, volumes and centroids. Lists are compared with the CPU's up to %.0f seeds.\n\n",
-        table.repeats, table.repeats == 1 ? "" : "s", table.check_limit);
-    std::printf("%-10s %9s %-9s %-10s %5s %8s %8s ", "input", "n", "want", "kernel", "local", "best", "median");
-    for (const Stage& stage : stages) {
-        std::printf(" %8s", stage.name);
-    }
-    std::printf(" %9s %7s  %s\n", "left", "MiB", "check");
-    std::fflush(stdout);
-}
-
-void print(const Row& row) {
-    std::printf("%-10s %9zu %-9s %-10s %5u", row.input.c_str(), row.n, std::string(name_of(row.want)).c_str(),
-                row.kernel.c_str(), row.local_size);
-    if (!row.note.empty()) {
-        std::printf("  %s\n", row.note.c_str());
-    } else {
-        std::printf(" %8s %8s ", rate_text(row, row.best()).c_str(), rate_text(row, median(row.seconds)).c_str());
-        for (const Stage& stage : stages) {
-            std::printf(" %8s", rate_text(row, median_of(stage, row.stages)).c_str());
-        }
-        std::printf(" %9llu %7.0f  %s\n", static_cast<unsigned long long>(row.stats.fallback_cells),
-                    static_cast<double>(row.peak_memory) / (1024.0 * 1024.0), row.check.c_str());
-    }
-    std::fflush(stdout);
-}
-
-void write(std::ostream& out, const Row& row) {
-    out << "{\"input\": " << in_quotes(row.input) << ", \"n\": " << row.n
-        << ", \"want\": " << in_quotes(name_of(row.want)) << ", \"kernel\": " << in_quotes(row.kernel)
-        << ", \"local_size\": " << row.local_size;
-    if (!row.note.empty()) {
-        out << ", \"note\": " << in_quotes(row.note) << '}';
-        return;
-    }
-    const double middle = median(row.seconds);
-    out << ", \"check\": " << in_quotes(row.check) << ", \"first_seconds\": " << row.first_seconds
-        << ", \"seconds\": [";
-    for (std::size_t i = 0; i < row.seconds.size(); ++i) {
-        out << (i > 0 ? ", " : "") << row.seconds[i];
-    }
-    out << "], \"stage_seconds\": " << stages_json(row.stages)
-        << ", \"million_cells_per_second\": {\"best\": " << row.rate(row.best())
-        << ", \"median\": " << row.rate(middle);
-    for (const Stage& stage : stages) {
-        const double seconds = median_of(stage, row.stages);
-        out << ", \"" << stage.name << "\": ";
-        negligible(row, seconds) ? out << "null" : out << row.rate(seconds);
-    }
-    out << "}, \"fallback_cells\": " << row.stats.fallback_cells << ", \"exact_cells\": " << row.stats.exact_cells
-        << ", \"mean_faces\": " << row.stats.mean_faces << ", \"max_volume_error\": ";
-    row.want == Want::full&& row.check == "= CPU" ? out << row.volume_error : out << "null";
-    out << ", \"peak_memory_bytes\": " << row.peak_memory << '}';
-}
-
-// 20250131-1605, local time.
-std::string date() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    localtime_r(&now, &parts);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y%m%d-%H%M", &parts);
-    return text;
-}
-
-std::string file_name(const std::string& device) {
-    std::string name;
-    for (const char c : device) {
-        if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-            name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        } else if (!name.empty() && name.back() != '-') {
-            name += '-';
-        }
-    }
-    name.erase(name.find_last_not_of('-') + 1);
-    return "gpu-" + name + '-' + date() + ".json";
-}
-
-// frames: of JSON.
-void write(const std::string& file, const votess::DeviceInfo& device, unsigned threads, const std::vector<Row>& rows,
-           const std::vector<std::string>& frames) {
-    std::ostringstream out;
-    out << std::setprecision(6) << "{\n  \"device\": {\"id\": " << in_quotes(device.id)
-        << ", \"name\": " << in_quotes(device.name) << ", \"description\": " << in_quotes(device.description)
-        << "},\n  \"machine\": " << machine_json() << ",\n  \"votess\": " << in_quotes(VOTESS_VERSION_STRING)
-        << ",\n  \"threads\": " << threads << ",\n  \"rows\": [";
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        out << (i > 0 ? ",\n    " : "\n    ");
-        write(out, rows[i]);
-    }
-    out << "\n  ],\n  \"frames\": [";
-    for (std::size_t i = 0; i < frames.size(); ++i) out << (i > 0 ? ",\n    " : "\n    ") << frames[i];
-    out << "\n  ]\n}\n";
-    write_whole(file, out.str());
-}
-
-std::vector<Row> variants_of(const GpuTable& table, const Input& input) {
-    std::vector<Row> rows;
+std::vector<GpuRow> variants_of(const GpuTable& table, const Input& input) {
+    std::vector<GpuRow> rows;
     for (const std::string& want : table.wants) {
         const std::size_t first = rows.size();
         for (const std::string& kernel : table.kernels) {
             for (const unsigned local_size : table.local_sizes) {
-                Row row;
+                GpuRow row;
                 row.input = input.name;
                 row.n = input.size();
                 row.want = want == "full" ? Want::full : Want::neighbors;
@@ -270,28 +125,9 @@ std::vector<Row> variants_of(const GpuTable& table, const Input& input) {
                 rows.push_back(std::move(row));
             }
         }
-        if (is_full_of_ties(input.name)) rows.resize(first + 1);
+        if (!has_variants(input.name)) rows.resize(first + 1);
     }
     return rows;
-}
-
-// The variant with the best median of each input, size and want.
-void print_best(const std::vector<Row>& rows) {
-    std::map<std::string, const Row*> best;
-    std::vector<std::string> order;
-    for (const Row& row : rows) {
-        if (row.seconds.empty()) continue;
-        const std::string what = row.input + " " + std::to_string(row.n) + " " + std::string(name_of(row.want));
-        const Row*& found = best[what];
-        if (found == nullptr) order.push_back(what);
-        if (found == nullptr || median(row.seconds) < median(found->seconds)) found = &row;
-    }
-    std::printf("\nfastest by median:\n");
-    for (const std::string& what : order) {
-        const Row& row = *best[what];
-        std::printf("  %-30s %-10s work-groups of %-4u %s million cells/s\n", what.c_str(), row.kernel.c_str(),
-                    row.local_size, rate_text(row, median(row.seconds)).c_str());
-    }
 }
 
 // Opens the device, or throws with what is there instead.
@@ -345,7 +181,9 @@ public:
 class Report {
 public:
     Report(const GpuTable& table, votess::DeviceInfo device)
-        : table_(table), device_(std::move(device)), file_(table.json.empty() ? file_name(device_.name) : table.json) {
+        : table_(table),
+          device_(std::move(device)),
+          file_(table.json.empty() ? gpu_file_name(device_.name) : table.json) {
         save();  // fails now rather than after an hour
     }
 
@@ -365,7 +203,7 @@ public:
         save();
     }
 
-    std::vector<Row> rows;
+    std::vector<GpuRow> rows;
 #if BENCH_FRAMES
     std::vector<FrameRow> frames;
 #endif
@@ -394,9 +232,9 @@ private:
 using Paces = std::map<std::string, double>;  // seconds per seed, by what is measured
 
 void measure_engine(Report& report, const GpuTable& table, const Input& input, Paces& paces) {
-    for (const Row& row : variants_of(table, input)) {
+    for (const GpuRow& row : variants_of(table, input)) {
         double& pace = paces[input.name + " " + std::string(name_of(row.want)) + row.kernel];
-        report.add(report.rows, row, pace, [&](Row& measured) {
+        report.add(report.rows, row, pace, [&](GpuRow& measured) {
             measure(measured, table, input, static_cast<double>(measured.n) <= table.check_limit);
         });
     }

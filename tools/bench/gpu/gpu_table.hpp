@@ -11,10 +11,10 @@ namespace bench {
 struct GpuTable {
     std::string device = "gpu";  // as in votess::Options
     std::vector<std::size_t> sizes{10'000, 100'000, 1'000'000, 10'000'000};
-    std::vector<std::string> inputs{"uniform", "clustered", "lattice"};
+    std::vector<std::string> inputs{"uniform",  "clustered", "lattice", "bcc",
+                                    "periodic", "triclinic", "radii",   "octahedron"};
     std::vector<std::string> wants{"neighbors", "full"};
-    // Variants, each with each; of inputs full of ties, which the CPU finishes whatever the device does, the first
-    // alone.
+    // Variants, each with each, of the first three inputs; of the others the first alone.
     std::vector<std::string> kernels{"invocation", "subgroup"};  // or automatic
     std::vector<unsigned> local_sizes{32, 128};                  // invocations of a work-group
     unsigned threads = 0;
