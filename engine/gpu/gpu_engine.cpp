@@ -379,9 +379,9 @@ void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_
                                              (periodic_ && !periodic_->wraps.empty() ? periodic_->wraps[i][k] : 0) +
                                              times_power_of_two(chunk.geometry(cell, 1 + k), exponent);
     if (want.counts) {
-        const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff;
-        result_.face_counts()[i] = (info >> INFO_FACES_SHIFT) & 0xff;
-        result_.edge_counts()[i] = vertices / 2 * 3;  // three edges at every vertex
+        const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff, faces = (info >> INFO_FACES_SHIFT) & 0xff;
+        result_.face_counts()[i] = faces;
+        result_.edge_counts()[i] = vertices + faces - 2;  // Euler
         result_.vertex_counts()[i] = vertices;
     }
 }

@@ -8,7 +8,6 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
-#include "clip/invocation_cell.glsl"
 #include "clip/relative_to_seed.glsl"
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
@@ -26,11 +25,14 @@ layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo
 layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 
+#include "clip/invocation_cell.glsl"
+#include "clip/invocation_ties.glsl"
 #include "measure/invocation_measure.glsl"
 #include "search/hierarchy.glsl"
 
 void test_next(uint q) {
     tested = bisector(difference(seeds_x[q], px), difference(seeds_y[q], py), difference(seeds_z[q], pz));
+    tested_id = int(q);
 }
 
 real security() {
@@ -46,9 +48,8 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
     for (;;) {
         // Each goes up to the next plane that cuts; then all invocations cut side by side.
         bool cuts = false;
-        uint q = 0u;
         while (next < count && !cuts && status == STATUS_CERTIFIED) {
-            q = list[next * push.list_stride + column];
+            const uint q = list[next * push.list_stride + column];
             ++next;
             if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
             test_next(q);
@@ -64,7 +65,7 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
             beyond = security();
         }
         if (!cuts || status != STATUS_CERTIFIED) break;
-        cut(int(q));
+        cut();
         if (status != STATUS_CERTIFIED) break;
     }
     if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return true;
@@ -119,7 +120,7 @@ void clip_by_group(uint group, uint self, real listed) {
         if (is_too_near(tested)) {
             status = STATUS_NEEDS_EXACT;
         } else if (test_plane() && status == STATUS_CERTIFIED) {
-            cut(int(q));
+            cut();
             changed = true;
         }
     }
@@ -160,11 +161,11 @@ void clip_by_walk(uint self, float reach, float bound) {
 }
 
 void finish(uint slot, uint cell, uint exponent) {
-    uint length = 0u, faces = 0u;
+    uint length = 0u, faces = 0u, vertices = uint(vertex_count);
     if (status == STATUS_CERTIFIED) {
         note_planes_in_use();
         for (int w = 0; w < plane_words; ++w) faces += uint(bitCount(planes_used[w]));
-        if (vertex_count != 2 * int(faces) - 4) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
+        if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
     }
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
         measure_cell();
@@ -174,6 +175,7 @@ void finish(uint slot, uint cell, uint exponent) {
         geometry[4u * cell + 2u] = mass_center.y;
         geometry[4u * cell + 3u] = mass_center.z;
     }
+    if (status == STATUS_CERTIFIED && met_tie) keep_true_faces(faces, vertices);
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
         for (int w = 0; w < plane_words; ++w)
             for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {
@@ -190,7 +192,7 @@ void finish(uint slot, uint cell, uint exponent) {
         length = 0u;
     }
     const bool certified = status == STATUS_CERTIFIED;
-    info[cell] = status | (certified ? (faces << INFO_FACES_SHIFT) | (uint(vertex_count) << INFO_VERTICES_SHIFT) |
+    info[cell] = status | (certified ? (faces << INFO_FACES_SHIFT) | (vertices << INFO_VERTICES_SHIFT) |
                                            (exponent << INFO_EXPONENT_SHIFT)
                                      : 0u);
     row_length[cell] = length;

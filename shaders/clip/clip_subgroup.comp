@@ -31,6 +31,7 @@
 layout(push_constant) uniform Push { CellsPush push; };
 
 #include "clip/subgroup_cell.glsl"
+#include "clip/subgroup_ties.glsl"
 #include "measure/subgroup_measure.glsl"
 #include "search/distances.glsl"
 #include "search/subgroup_search.glsl"
@@ -64,7 +65,8 @@ void clip_by_candidates() {
             // Two seeds have no certain order within what their distances err by, 1e-6 or 1.4e-5 (search/distances.glsl), and
             // the seven bits that the keys lack, 1.6e-5.
             if (real(2) * p.h * real(0.9998) >= security) return;
-            if (test_plane(p)) cut(p, int(candidate_at(first + i)));
+            const int id = int(candidate_at(first + i));
+            if (test_plane(p, id)) cut(p, id);
             if (status != STATUS_CERTIFIED) return;
         }
         share();
@@ -161,6 +163,7 @@ void finish(uint cell, uint exponent) {
         if (lane == 2u) geometry[4u * cell + 2u] = mass_center.y;
         if (lane == 3u) geometry[4u * cell + 3u] = mass_center.z;
     }
+    if (status == STATUS_CERTIFIED && any_lane(met_tie)) keep_true_faces(used, faces, vertices);
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) length = write_row(cell, used);
     if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_NEEDS_EXACT;
     if (lane != 0u) return;

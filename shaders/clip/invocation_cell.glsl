@@ -1,8 +1,10 @@
 // One Voronoi cell in the private memory of an invocation: a simple polytope, every vertex on exactly three planes,
-// relative to its seed and in units of about the distance to its nearest neighbor.
+// relative to its seed and in units of about the distance to its nearest neighbor. The .comp declares `push`, with extent,
+// before.
 #ifndef VOTESS_CLIP_INVOCATION_CELL_GLSL
 #define VOTESS_CLIP_INVOCATION_CELL_GLSL
 
+#include "clip/exact_side.glsl"
 #include "clip/filter.glsl"
 #include "shared/interface.h"
 
@@ -25,13 +27,17 @@ uint vertex_planes[most_vertices];
 int vertex_count;
 
 uint killed[vertex_words];                       // vertices outside the plane tested last
+uint undecided[vertex_words];                    // those that the filter is not sure of
 uint edges_killed[most_planes * plane_words];    // bit b of row a: edge (a, b) of a killed vertex
 uint horizon[most_planes];                       // edges (a, b) with one vertex killed: a | b << 8
 uint status;
 real radius_squared;  // over all vertices, as of the last test
 real largest_error;   // at least that of any vertex
 
-Plane tested;  // last
+bool met_tie;         // a vertex lies on a plane that it is not of
+
+Plane tested;   // last
+int tested_id;  // the id of that
 
 void set_plane(uint slot, Plane p, int id) {
     plane_x[slot] = p.x;
@@ -79,6 +85,7 @@ void start_cell(real wall[6]) {
     }
     vertex_count = 0;
     largest_error = real(0);
+    met_tie = false;
     for (uint corner = 0u; corner < 8u; ++corner) {
         const uint x = corner & 1u, y = 2u + ((corner >> 1) & 1u), z = 4u + (corner >> 2);
         // det is the product of the three signs.
@@ -89,10 +96,27 @@ void start_cell(real wall[6]) {
     }
 }
 
+// Decides on the vertices that the filter leaves; true when any of them is outside.
+bool decide_exactly() {
+    bool cuts = false;
+    for (int w = 0; w < vertex_words; ++w)
+        for (uint rest = undecided[w]; rest != 0u; rest &= rest - 1u) {
+            const uint planes = vertex_planes[32 * w + findLSB(rest)];
+            const int side = exact_side(plane_id[plane_of(planes, 0)], plane_id[plane_of(planes, 1)],
+                                        plane_id[plane_of(planes, 2)], tested_id);
+            if (side == side_unknown) status = STATUS_NEEDS_EXACT;
+            if (side == 0) met_tie = true;
+            if (side != 1) continue;
+            killed[w] |= rest & (0u - rest);
+            cuts = true;
+        }
+    return cuts;
+}
+
 // Marks the vertices outside the new plane; true when there are any. The status changes when that is uncertain.
 bool test_plane() {
-    for (int w = 0; w < vertex_words; ++w) killed[w] = 0u;
-    bool cuts = false;
+    for (int w = 0; w < vertex_words; ++w) killed[w] = undecided[w] = 0u;
+    bool cuts = false, uncertain = false;
     real farthest = real(0);
     const real most = side_bound(tested, largest_error);
     for (int first = 0; first < vertex_count; first += side_by_side) {
@@ -117,11 +141,13 @@ bool test_plane() {
                 killed[v >> 5] |= 1u << (v & 31);
                 cuts = true;
             } else if (!(sides[i] < -bound)) {
-                status = STATUS_NEEDS_EXACT;
+                undecided[v >> 5] |= 1u << (v & 31);
+                uncertain = true;
             }
         }
     }
     radius_squared = farthest;
+    if (uncertain && decide_exactly()) cuts = true;
     return cuts;
 }
 
@@ -153,7 +179,7 @@ uint free_plane() {
 
 // Replaces the killed vertices by those of the new plane with the horizon: edge (a, b) of a killed vertex is on it iff
 // no killed vertex has (b, a).
-void cut(int id) {
+void cut() {
     for (int w = 0; w < vertex_words; ++w)
         for (uint rest = killed[w]; rest != 0u; rest &= rest - 1u) {
             const uint planes = vertex_planes[32 * w + findLSB(rest)];
@@ -212,7 +238,7 @@ void cut(int id) {
             return;
         }
     }
-    set_plane(slot, tested, id);
+    set_plane(slot, tested, tested_id);
     for (int i = 0; i < horizon_count; ++i) add_vertex(horizon[i] & 0xffu, horizon[i] >> 8, slot);
 }
 

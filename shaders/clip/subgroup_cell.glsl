@@ -4,6 +4,7 @@
 #ifndef VOTESS_CLIP_SUBGROUP_CELL_GLSL
 #define VOTESS_CLIP_SUBGROUP_CELL_GLSL
 
+#include "clip/exact_side.glsl"
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
 #include "invocations/subgroup.glsl"
@@ -21,6 +22,7 @@ uint vertex_planes[slots];
 uint alive, killed;         // a bit for each slot
 uint planes_used;           // all that are in use, and maybe more
 real largest_error, security;  // over all vertices; security: squared radius
+bool met_tie;               // a vertex of this lane lies on a plane that it is not of
 
 shared real4 plane_equation[SUBGROUP_PLANES * subgroups];  // n, h
 shared real plane_norm[SUBGROUP_PLANES * subgroups], plane_distance[SUBGROUP_PLANES * subgroups];
@@ -113,6 +115,7 @@ void start_cell() {
     }
     planes_used = 0x3fu;
     alive = 0u;
+    met_tie = false;
     [[unroll]] for (int s = 0; s < slots; ++s) {
         vertex_x[s] = vertex_y[s] = vertex_z[s] = vertex_error[s] = real(0);
         vertex_planes[s] = 0u;
@@ -129,8 +132,23 @@ void start_cell() {
     measure_radius_and_error();
 }
 
+// Decides on vertices of this lane that the filter is not sure of; false when that is not possible.
+bool decide_exactly(uint undecided, int id) {
+    bool decided = true;
+    [[dont_unroll]] for (; undecided != 0u; undecided &= undecided - 1u) {
+        uint planes = 0u;
+        [[unroll]] for (int s = 0; s < slots; ++s)
+            if (findLSB(undecided) == s) planes = vertex_planes[s];
+        const int side = exact_side(id_of(plane_of(planes, 0)), id_of(plane_of(planes, 1)), id_of(plane_of(planes, 2)), id);
+        decided = decided && side != side_unknown;
+        if (side == 0) met_tie = true;
+        if (side == 1) killed |= undecided & (0u - undecided);
+    }
+    return decided;
+}
+
 // Marks the vertices outside a plane; true when there are any. The status changes when that is uncertain.
-bool test_plane(Plane p) {
+bool test_plane(Plane p, int id) {
     const real most = side_bound(p, largest_error);
     real sides[slots];
     bool near = false;
@@ -147,7 +165,8 @@ bool test_plane(Plane p) {
         inside |= uint(sides[s] < -bound) << s;
     }
     killed = alive & outside;
-    if (any_lane((alive & ~(outside | inside)) != 0u)) {
+    const uint undecided = alive & ~(outside | inside);
+    if (any_lane(undecided != 0u) && any_lane(!decide_exactly(undecided, id))) {
         status = STATUS_NEEDS_EXACT;
         return false;
     }
@@ -160,6 +179,21 @@ uint planes_in_use() {
         if ((alive & (1u << s)) != 0u)
             for (int k = 0; k < 3; ++k) mine |= 1u << plane_of(vertex_planes[s], k);
     return all_bits(mine);
+}
+
+// Writes the planes of all vertices down and returns how many they are.
+uint list_vertices() {
+    share();
+    uint listed = 0u;
+    [[unroll]] for (int s = 0; s < slots; ++s) {
+        const bool is_alive = (alive & (1u << s)) != 0u;
+        uint count;
+        const uint at = listed + rank_among(is_alive, count);
+        if (is_alive) VERTEX_LIST(at) = vertex_planes[s];
+        listed += count;
+    }
+    share();
+    return listed;
 }
 
 // find_horizon() leaves it so; searches use the same memory.

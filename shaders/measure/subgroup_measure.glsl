@@ -52,15 +52,7 @@ Number area_of(uint plane) {
 // Afterwards the areas take the place of the planes.
 void measure_cell(uint used, uint vertices) {
     share_exact_planes(used);
-    uint listed = 0u;
-    [[unroll]] for (int s = 0; s < slots; ++s) {
-        const bool is_alive = (alive & (1u << s)) != 0u;
-        uint count;
-        const uint at = listed + rank_among(is_alive, count);
-        if (is_alive) VERTEX_LIST(at) = vertex_planes[s];
-        listed += count;
-    }
-    share();
+    list_vertices();
     Moments all = no_moments();
     Number areas_of_lane[planes_of_lane];
     [[unroll]] for (int i = 0; i < planes_of_lane; ++i) areas_of_lane[i] = number(0.0);

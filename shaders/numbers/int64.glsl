@@ -18,6 +18,18 @@ uvec2 negate64(uvec2 a) {
     return subtract64(uvec2(0), a);
 }
 
+// Of signed numbers, a and the second in two's complement.
+uvec2 times64(int a, int b) {
+    int high, low;
+    imulExtended(a, b, high, low);
+    return uvec2(uint(low), uint(high));
+}
+uvec2 times64(int a, uvec2 b) {
+    uint high, low;
+    umulExtended(uint(a), b.x, high, low);
+    return uvec2(low, high + uint(a) * b.y - (a < 0 ? b.x : 0u));
+}
+
 bool less64(uvec2 a, uvec2 b) {
     return a.y < b.y || (a.y == b.y && a.x < b.x);
 }

@@ -1,0 +1,57 @@
+// The faces of a finished cell of a subgroup that met ties.
+#ifndef VOTESS_CLIP_SUBGROUP_TIES_GLSL
+#define VOTESS_CLIP_SUBGROUP_TIES_GLSL
+
+#include "clip/exact_side.glsl"
+#include "clip/subgroup_cell.glsl"
+#include "invocations/subgroup.glsl"
+#include "search/subgroup_state.glsl"
+
+// Behind the list of vertices.
+#define EDGE_COUNT(plane) SCRATCH(2u * SUBGROUP_PLANES + (plane))
+
+// Two planes of a vertex, from the k-th on, in this order or the other one.
+uint edge_of(uint planes, int k) {
+    return plane_of(planes, k) | (plane_of(planes, k == 2 ? 0 : k + 1) << 8);
+}
+uint reversed_edge_of(uint planes, int k) {
+    return plane_of(planes, k == 2 ? 0 : k + 1) | (plane_of(planes, k) << 8);
+}
+
+// Leaves in `used` the planes of faces that have at least three edges of some length, and counts these faces, and the
+// vertices that differ. The two vertices of an edge are one when the one lies on the third plane of the other.
+void keep_true_faces(inout uint used, out uint faces, out uint vertices) {
+    const uint count = list_vertices();
+    for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes)) EDGE_COUNT(p) = 0u;
+    share();
+    bool decided = true;
+    for (uint v = lane; v < count; v += uint(lanes)) {
+        const uint planes = VERTEX_LIST(v);
+        uint thirds = 0u;  // of the other vertices on its three edges
+        for (uint w = 0u; w < count; ++w) {
+            const uint other = VERTEX_LIST(w);
+            for (int k = 0; k < 3; ++k)
+                for (int i = 0; i < 3; ++i)
+                    if (reversed_edge_of(other, i) == edge_of(planes, k)) thirds |= plane_of(other, (i + 2) % 3) << (8 * k);
+        }
+        [[dont_unroll]] for (int k = 0; k < 3; ++k) {
+            const int side = exact_side(id_of(plane_of(planes, 0)), id_of(plane_of(planes, 1)),
+                                        id_of(plane_of(planes, 2)), id_of(plane_of(thirds, k)));
+            decided = decided && side != side_unknown;
+            if (side != 0) atomicAdd(EDGE_COUNT(plane_of(planes, k)), 1u);
+        }
+    }
+    share();
+    uint edges = 0u, kept = 0u;
+    for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes))
+        if (((used >> p) & 1u) != 0u && EDGE_COUNT(p) >= 3u) {
+            edges += EDGE_COUNT(p);
+            kept |= 1u << p;
+        }
+    used = all_bits(kept);
+    faces = uint(bitCount(used));
+    vertices = sum(edges) / 2u + 2u - faces;  // Euler
+    if (any_lane(!decided)) status = STATUS_NEEDS_EXACT;
+}
+
+#endif
