@@ -37,7 +37,7 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     cells_.record_knn(commands_, passes);
     stamps_[1] = commands_.timestamp();
     label.emplace(commands_, "clip");
-    cells_.record_clip(commands_, passes, piece.second_tier);
+    cells_.record_clip(commands_, passes, piece.second_tier, piece.ties);
     stamps_[2] = commands_.timestamp();
     label.emplace(commands_, "download");
     if (job.neighbors) cells_.record_rows(commands_, passes);

@@ -169,12 +169,15 @@ void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
     recorder.barrier();
 }
 
-void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool second_tier) const {
+void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool second_tier, bool ties) const {
+    const auto clip_cells = [&](std::size_t tier) -> const vulkan::Pass& {
+        return ties ? *passes.clip_with_ties[tier] : passes.clip_cells[tier];
+    };
     const std::uint32_t lanes = passes.settings.subgroup_size;
     if (lanes == 0)
-        recorder.dispatch(passes.clip_cells[0], bindings_.list(), push_bytes(clip_), clip_.cell_count);
+        recorder.dispatch(clip_cells(0), bindings_.list(), push_bytes(clip_), clip_.cell_count);
     else
-        recorder.dispatch(passes.clip_cells[0], bindings_.list(), push_bytes(both_),
+        recorder.dispatch(clip_cells(0), bindings_.list(), push_bytes(both_),
                           std::uint64_t{clip_.cell_count} * lanes);
     recorder.barrier();
     if (!second_tier) return;
@@ -195,7 +198,7 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
     }
     ClipPush second = clip_;
     second.row_stride = todo_capacity_;
-    recorder.dispatch_indirect(passes.clip_cells[1], second_bindings_.list(), push_bytes(second),
+    recorder.dispatch_indirect(clip_cells(1), second_bindings_.list(), push_bytes(second),
                                slice(BINDING_CHUNK_STATE), offsetof(ChunkState, groups_x));
     recorder.barrier();
 }

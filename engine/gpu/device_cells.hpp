@@ -48,7 +48,7 @@ public:
                  std::uint32_t count);
     // With a subgroup per cell search is part of clip.
     void record_knn(Recorder& recorder, const Passes& passes) const;
-    void record_clip(Recorder& recorder, const Passes& passes, bool second_tier) const;
+    void record_clip(Recorder& recorder, const Passes& passes, bool second_tier, bool ties = false) const;
     // The rows one after the other, from entry row_base of the chunk's state on.
     void record_rows(Recorder& recorder, const Passes& passes) const;
 

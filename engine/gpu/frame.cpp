@@ -111,6 +111,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     gpu::PassSettings settings = gpu::usual_settings(device, options.k_init);
     settings.measure = options.geometry;
     settings.frames = true;
+    settings.tiers[1].ties = true;
     settings.most_walk_visits = std::min(settings.most_walk_visits, most_walk_visits);
     settings.images = state->is_periodic();
     state->passes.emplace(device, settings);

@@ -49,6 +49,8 @@ private:
     void collect(const Chunk& chunk, Schedule& schedule, double progress);
     // How many cells the next chunk should have, by the time that this one took; on the host's clock, it took at most
     // host_seconds.
+    // Cells left to the CPU that may have ties of small whole numbers.
+    [[nodiscard]] std::size_t uncertain_cells(const Chunk& chunk) const;
     [[nodiscard]] std::uint32_t paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const;
     void collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin, std::size_t end,
                       std::size_t first_entry);

@@ -7,8 +7,13 @@
 namespace votess::gpu {
 namespace {
 
-constexpr double hopeless = 0.9;  // share of the cells left to the CPU
+constexpr double hopeless = 0.9;    // share of the cells left to the CPU
+constexpr double many_ties = 0.02;  // share of uncertain ones, of which float32 and float64 leave far less without ties
 constexpr std::uint32_t most_skipped = 31, enough_to_judge = 256;
+
+bool is_many(std::uint64_t ties, std::uint64_t cells) {
+    return static_cast<double>(ties) > many_ties * static_cast<double>(cells);
+}
 
 }  // namespace
 
@@ -17,9 +22,10 @@ Schedule::Schedule(std::uint32_t seeds, std::uint32_t window) : seeds_(seeds), w
 std::optional<Piece> Schedule::next(std::uint32_t most) {
     if (first_ == seeds_) return std::nullopt;
     const std::uint32_t at = first_ % window_;
-    if (at == 0) begin_window();
+    if (at == 0 && !repeated_) begin_window();
+    repeated_ = false;
     const std::uint32_t rest = std::min(window_ - at, seeds_ - first_);
-    Piece piece{first_, rest, !leave_, trial_ && at == 0, second_tier_};
+    Piece piece{first_, rest, !leave_, trial_ && at == 0, second_tier_, ties_};
     if (piece.trial)
         piece.count = std::min(rest, trial_cells);
     else if (piece.on_device)  // tiles of the second tier's list begin with a piece
@@ -28,8 +34,15 @@ std::optional<Piece> Schedule::next(std::uint32_t most) {
     return piece;
 }
 
-void Schedule::note(const Piece& piece, std::size_t cells, std::size_t left_by_first, std::size_t left) {
-    const Tally tally{cells, left_by_first, left, piece.second_tier};
+bool Schedule::repeat_with_ties(const Piece& piece, std::size_t uncertain) {
+    if (!piece.trial || piece.ties || !is_many(uncertain, piece.count)) return false;
+    first_ = piece.first;
+    return ties_ = repeated_ = true;
+}
+
+void Schedule::note(const Piece& piece, std::size_t cells, std::size_t left_by_first, std::size_t left,
+                    std::size_t uncertain) {
+    const Tally tally{cells, left_by_first, left, uncertain, piece.second_tier, piece.ties};
     if (piece.trial) {
         judge_second_tier(tally);
         judge(tally);
@@ -40,15 +53,20 @@ void Schedule::note(const Piece& piece, std::size_t cells, std::size_t left_by_f
     sum.cells += tally.cells;
     sum.left_by_first += tally.left_by_first;
     sum.left += tally.left;
+    sum.uncertain += tally.uncertain;
     sum.second_tier = tally.second_tier;
+    sum.ties = tally.ties;
 }
 
 void Schedule::begin_window() {
     // Not the window before, which the device may be at.
     if (tallies_.size() >= 2 && tallies_[tallies_.size() - 2].cells > 0) {
         const Tally& done = tallies_[tallies_.size() - 2];
-        judge_second_tier(done);
-        if (skip_ == 0) judge(done);
+        if (!done.ties && is_many(done.uncertain, done.cells)) ties_ = true;
+        if (done.ties == ties_) {
+            judge_second_tier(done);
+            if (skip_ == 0) judge(done);
+        }
     }
     tallies_.emplace_back();
     leave_ = skipped_ < skip_;

@@ -175,7 +175,7 @@ void finish(uint slot, uint cell, uint exponent) {
         geometry[4u * cell + 2u] = mass_center.y;
         geometry[4u * cell + 3u] = mass_center.z;
     }
-    if (status == STATUS_CERTIFIED && met_tie) keep_true_faces(faces, vertices);
+    if (ties != 0u && status == STATUS_CERTIFIED && met_tie) keep_true_faces(faces, vertices);
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
         for (int w = 0; w < plane_words; ++w)
             for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {

@@ -3,9 +3,10 @@
 // (engine/exact/predicate.hpp); it may coincide with others then, and faces may have no area.
 //
 // A plane is 2 n.X = s, with n = q - p and s = |n|^2 for a bisector, n = +-e and s twice the distance for a wall of the box.
-// The vertex of a, b, c is v / (2 det), v = s_a n_b x n_c + s_b n_c x n_a + s_c n_a x n_b, and det > 0 as cells keep
-// them: it lies outside of d when n_d.v - s_d det > 0. With |n| < 2^11 an axis and s < 2^24 a component of v is below
-// 3 2^24 2^23, and everything fits 64 bits with a sign: 3 2^11 2^48.6 + 2^24 2^35.6 < 2^62.
+// By Cramer's rule the vertex of a, b, c, with det(a,b,c) > 0 as cells keep them, lies outside of d when
+//     s_a det(d,b,c) + s_b det(d,c,a) + s_c det(d,a,b) - s_d det(a,b,c) > 0 .
+// With |n| < 2^11 an axis and s < 2^24 cross products are below 2^23, as float32 has them exactly, determinants below
+// 3 2^34, and the sum is below 2^62.
 //
 // The .comp declares `push`, with extent, before.
 #ifndef VOTESS_CLIP_EXACT_SIDE_GLSL
@@ -15,70 +16,63 @@
 #include "clip/relative_to_seed.glsl"
 #include "numbers/int64.glsl"
 #include "search/seeds.glsl"
+#include "shared/interface.h"
+
+layout(constant_id = CONSTANT_TIES) const uint ties = 0u;
 
 const int side_unknown = 2;
-const uint most_offset = 1u << 11, most_square = 1u << 24;
+const float most_offset = 2048.0, most_square = 16777216.0;
 
-// Twice the distance of a wall of the box.
-uvec2 wall_square(uint wall) {
-    const uint axis = wall / 2u;
-    const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
-    return shift_left64((wall & 1u) != 0u ? subtract64(push.extent[axis], p) : p, 1u);
-}
-
-// Bits of the numbers that the plane is made of; what is zero in all of them may be left out.
+// Bits of the numbers that the plane is made of; what is zero in all of them is left out.
 uvec2 bits_of_plane(int id) {
-    if (id < 0) return wall_square(uint(-1 - id));
-    return subtract64(seeds_x[id], px) | subtract64(seeds_y[id], py) | subtract64(seeds_z[id], pz);
+    if (id >= 0) return subtract64(seeds_x[id], px) | subtract64(seeds_y[id], py) | subtract64(seeds_z[id], pz);
+    const uint wall = uint(-1 - id), axis = wall / 2u;
+    const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
+    const uvec2 distance = (wall & 1u) != 0u ? subtract64(push.extent[axis], p) : p;
+    return uvec2(distance.x << 1, (distance.y << 1) | (distance.x >> 31));
 }
 
-// q - p without its last `zeros` bits, which are zero.
-int small_difference(uvec2 q, uvec2 p, uint zeros, inout bool fits) {
-    bool lost = false;
-    const uvec2 d = shift_right64(subtract64(q, p), zeros, lost);
-    fits = fits && add64(d, uvec2(most_offset, 0u)).y == 0u && d.x + most_offset < 2u * most_offset;
-    return int(d.x);
-}
-
-// n and s.
-ivec4 small_plane(int id, uint zeros, inout bool fits) {
+// n and s. They are exact when they fit: differences of few bits are not rounded.
+vec4 small_plane(int id, float unit, inout bool fits) {
+    vec3 n = vec3(0.0);
+    float s = 0.0;
     if (id >= 0) {
-        const ivec3 n = ivec3(small_difference(seeds_x[id], px, zeros, fits), small_difference(seeds_y[id], py, zeros, fits),
-                              small_difference(seeds_z[id], pz, zeros, fits));
-        return ivec4(n, n.x * n.x + n.y * n.y + n.z * n.z);
+        n = vec3(rough_difference(seeds_x[id], px), rough_difference(seeds_y[id], py), rough_difference(seeds_z[id], pz)) *
+            unit;
+        s = dot(n, n);
+    } else {
+        const uint wall = uint(-1 - id), axis = wall / 2u;
+        const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
+        const bool upper = (wall & 1u) != 0u;
+        n[axis] = upper ? 1.0 : -1.0;
+        s = 2.0 * unit * abs(rough_difference(upper ? push.extent[axis] : uvec2(0), p));
     }
-    const uint wall = uint(-1 - id);
-    bool lost = false;
-    const uvec2 square = shift_right64(wall_square(wall), zeros, lost);
-    fits = fits && square.y == 0u && square.x < most_square;
-    ivec4 plane = ivec4(0, 0, 0, int(square.x));
-    plane[wall / 2u] = (wall & 1u) != 0u ? 1 : -1;
-    return plane;
+    fits = fits && max(max(abs(n.x), abs(n.y)), abs(n.z)) < most_offset && s < most_square;
+    return vec4(n, s);
 }
 
-// A component of v from those of n_b x n_c, n_c x n_a and n_a x n_b.
-uvec2 vertex_numerator(ivec3 squares, int bc, int ca, int ab) {
-    return add64(add64(times64(squares.x, bc), times64(squares.y, ca)), times64(squares.z, ab));
+// s det, from n and the cross product of the other two.
+uvec2 times_determinant(float s, vec3 n, vec3 others) {
+    const ivec3 a = ivec3(n), b = ivec3(others);
+    return times64(int(s), add64(add64(times64(a.x, b.x), times64(a.y, b.y)), times64(a.z, b.z)));
 }
 
 // On which side of plane d the vertex of planes a, b, c lies, det(na,nb,nc) > 0: 1 outside, -1 inside, 0 on it, or
 // side_unknown. Planes go by their ids.
 int exact_side(int a, int b, int c, int d) {
-    if (quantum > real(0) || min(min(a, b), min(c, d)) < -6) return side_unknown;
+    if (ties == 0u || quantum > real(0) || min(min(a, b), min(c, d)) < -6) return side_unknown;
     const uvec2 bits = bits_of_plane(a) | bits_of_plane(b) | bits_of_plane(c) | bits_of_plane(d);
     const uint zeros = uint(bits.x != 0u ? findLSB(bits.x) : 32 + findLSB(bits.y));
+    const float unit_of_planes = uintBitsToFloat((127u - zeros) << 23);
     bool fits = true;
-    const ivec4 pa = small_plane(a, zeros, fits), pb = small_plane(b, zeros, fits), pc = small_plane(c, zeros, fits),
-                pd = small_plane(d, zeros, fits);
+    const vec4 pa = small_plane(a, unit_of_planes, fits), pb = small_plane(b, unit_of_planes, fits),
+               pc = small_plane(c, unit_of_planes, fits), pd = small_plane(d, unit_of_planes, fits);
     if (!fits) return side_unknown;
-    const ivec3 ab = pa.yzx * pb.zxy - pa.zxy * pb.yzx, bc = pb.yzx * pc.zxy - pb.zxy * pc.yzx,
-                ca = pc.yzx * pa.zxy - pc.zxy * pa.yzx;
-    const ivec3 squares = ivec3(pa.w, pb.w, pc.w);
-    const uvec2 det = add64(add64(times64(pa.x, bc.x), times64(pa.y, bc.y)), times64(pa.z, bc.z));
-    uvec2 side = negate64(times64(pd.w, det));
-    side = add64(side, times64(pd.x, vertex_numerator(squares, bc.x, ca.x, ab.x)));
-    side = add64(side, times64(pd.y, vertex_numerator(squares, bc.y, ca.y, ab.y)));
-    side = add64(side, times64(pd.z, vertex_numerator(squares, bc.z, ca.z, ab.z)));
+    const vec3 bc = cross(pb.xyz, pc.xyz);
+    const uvec2 side = subtract64(add64(add64(times_determinant(pa.w, pd.xyz, bc),
+                                              times_determinant(pb.w, pd.xyz, cross(pc.xyz, pa.xyz))),
+                                        times_determinant(pc.w, pd.xyz, cross(pa.xyz, pb.xyz))),
+                                  times_determinant(pd.w, pa.xyz, bc));
     if ((side.x | side.y) == 0u) return 0;
     return int(side.y) < 0 ? -1 : 1;
 }

@@ -17,6 +17,17 @@ bool find_third_plane(uint v, uint w, out uint third) {
     return count == 1u;
 }
 
+// The vertices before v that may coincide with it.
+void find_near(int v) {
+    for (int w = 0; w < vertex_words; ++w) undecided[w] = 0u;
+    for (int w = 0; w < v; ++w) {
+        const real reach = vertex_error[v] + vertex_error[w];
+        if (abs(vertex_x[v] - vertex_x[w]) <= reach && abs(vertex_y[v] - vertex_y[w]) <= reach &&
+            abs(vertex_z[v] - vertex_z[w]) <= reach)
+            undecided[w >> 5] |= 1u << (w & 31);
+    }
+}
+
 // Leaves in use the planes of faces that have at least three edges of some length, and counts these faces, and the vertices
 // that differ. The two vertices of an edge are one when the one lies on the third plane of the other.
 void keep_true_faces(inout uint faces, inout uint vertices) {
@@ -24,22 +35,21 @@ void keep_true_faces(inout uint faces, inout uint vertices) {
     for (int v = 0; v < vertex_count; ++v) {
         const uint planes = vertex_planes[v];
         for (int k = 0; k < 3; ++k) ++horizon[plane_of(planes, k)];
-        for (int w = 0; w < v; ++w) {
-            const real reach = vertex_error[v] + vertex_error[w];
-            if (abs(vertex_x[v] - vertex_x[w]) > reach || abs(vertex_y[v] - vertex_y[w]) > reach ||
-                abs(vertex_z[v] - vertex_z[w]) > reach)
-                continue;
-            uint third;
-            if (!find_third_plane(planes, vertex_planes[w], third)) continue;
-            const int side = exact_side(plane_id[plane_of(planes, 0)], plane_id[plane_of(planes, 1)],
-                                        plane_id[plane_of(planes, 2)], plane_id[third]);
-            if (side == side_unknown) status = STATUS_NEEDS_EXACT;
-            if (side != 0) continue;
-            for (int k = 0; k < 3; ++k) {
-                const uint p = plane_of(planes, k), other = vertex_planes[w];
-                if (p == plane_of(other, 0) || p == plane_of(other, 1) || p == plane_of(other, 2)) --horizon[p];
+        find_near(v);
+        for (int w = 0; w < vertex_words; ++w)
+            for (uint rest = undecided[w]; rest != 0u; rest &= rest - 1u) {
+                const uint other = vertex_planes[32 * w + findLSB(rest)];
+                uint third;
+                if (!find_third_plane(planes, other, third)) continue;
+                const int side = exact_side(plane_id[plane_of(planes, 0)], plane_id[plane_of(planes, 1)],
+                                            plane_id[plane_of(planes, 2)], plane_id[third]);
+                if (side == side_unknown) status = STATUS_NEEDS_EXACT;
+                if (side != 0) continue;
+                for (int k = 0; k < 3; ++k) {
+                    const uint p = plane_of(planes, k);
+                    if (p == plane_of(other, 0) || p == plane_of(other, 1) || p == plane_of(other, 2)) --horizon[p];
+                }
             }
-        }
     }
     uint edges = 0u;  // twice
     faces = 0u;

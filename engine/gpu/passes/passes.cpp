@@ -46,7 +46,8 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
                            {CONSTANT_TIER, tier},
                            wanted_geometry(settings),
                            unit_roundoff(device),
-                           list_of_todo(settings)});
+                           list_of_todo(settings),
+                           {CONSTANT_TIES, limits.ties ? 1u : 0u}});
 }
 
 // What clip_subgroup.comp and its includes rely on: a set of planes is one word; the store of candidates takes two
@@ -80,7 +81,8 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
                             {CONSTANT_LOCKSTEP, adapter.lockstep ? 1u : 0u},
                             {CONSTANT_FIRST_COUNT, settings.first_count},
                             wanted_geometry(settings),
-                            unit_roundoff(device)},
+                            unit_roundoff(device),
+                            {CONSTANT_TIES, limits.ties ? 1u : 0u}},
                            settings.subgroup_size);
 }
 
@@ -136,6 +138,14 @@ Passes::Passes(Device& device, const PassSettings& s)
     upload_wrap = std::make_unique<Pass>(make<ImagesPush>(device, "upload_wrap", shaders::upload_wrap, s.local_size));
     upload_images =
         std::make_unique<Pass>(make<ImagesPush>(device, "upload_images", shaders::upload_images, s.local_size));
+}
+
+void Passes::make_with_ties(Device& device) {
+    if (clip_with_ties[0]) return;
+    PassSettings s = settings;
+    s.tiers[0].ties = s.tiers[1].ties = true;
+    clip_with_ties[0] = std::make_unique<Pass>(first_tier(device, s));
+    clip_with_ties[1] = std::make_unique<Pass>(gpu::clip_cells(device, s, 1));
 }
 
 }  // namespace votess::gpu

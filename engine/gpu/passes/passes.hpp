@@ -14,6 +14,7 @@ struct TierLimits {
     std::uint32_t planes = 32;    // alive at once; a multiple of 32
     std::uint32_t vertices = 64;  // alive at once; a multiple of 32
     bool float64 = false;         // clips in float64
+    bool ties = false;            // decides ties of small whole numbers; else the CPU does
     bool operator==(const TierLimits&) const = default;
 };
 
@@ -43,12 +44,15 @@ struct PassSettings {
 
 struct Passes {
     Passes(vulkan::Device& device, const PassSettings& settings);
+    // Makes those that decide ties.
+    void make_with_ties(vulkan::Device& device);
 
     PassSettings settings;
     vulkan::Pass upload;
     vulkan::Pass sort_key, sort_count, sort_scatter, sort_gather, scan_blocks, scan_add;
     vulkan::Pass knn_boxes, knn_search;
     vulkan::Pass clip_cells[2], clip_todo;  // clip_cells[0] searches too where subgroups make cells
+    std::unique_ptr<vulkan::Pass> clip_with_ties[2];  // null until they are made
     vulkan::Pass download_rows;
     std::unique_ptr<vulkan::Pass> download_cells, download_total, upload_wrap, upload_images;  // null: not wanted
 };
