@@ -177,8 +177,7 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
     if (lanes == 0)
         recorder.dispatch(clip_cells(0), bindings_.list(), push_bytes(clip_), clip_.cell_count);
     else
-        recorder.dispatch(clip_cells(0), bindings_.list(), push_bytes(both_),
-                          std::uint64_t{clip_.cell_count} * lanes);
+        recorder.dispatch(clip_cells(0), bindings_.list(), push_bytes(both_), std::uint64_t{clip_.cell_count} * lanes);
     recorder.barrier();
     if (!second_tier) return;
     const std::uint32_t tiles = blocks_of(todo_.cell_count, TILE_ITEMS);
@@ -198,8 +197,8 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
     }
     ClipPush second = clip_;
     second.row_stride = todo_capacity_;
-    recorder.dispatch_indirect(clip_cells(1), second_bindings_.list(), push_bytes(second),
-                               slice(BINDING_CHUNK_STATE), offsetof(ChunkState, groups_x));
+    recorder.dispatch_indirect(clip_cells(1), second_bindings_.list(), push_bytes(second), slice(BINDING_CHUNK_STATE),
+                               offsetof(ChunkState, groups_x));
     recorder.barrier();
 }
 

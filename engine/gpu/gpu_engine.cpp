@@ -204,6 +204,7 @@ void GpuEngine::clip_part(std::size_t index) {
                 started = &*chunks_[slot];
                 slot ^= 1;
                 if (running == nullptr) begun = std::chrono::steady_clock::now();
+                if (piece->ties) passes_->make_with_ties(*device_);
                 started->start(seeds_, *passes_, job, *piece);
             } else {
                 leave_to_cpu(piece->first, piece->count);
@@ -220,10 +221,19 @@ void GpuEngine::clip_part(std::size_t index) {
         running = started;
         if (running != nullptr && piece->trial) {  // what it tells is worth the wait
             running->wait();
-            take(*running, progress);
+            if (schedule.repeat_with_ties(*piece, uncertain_cells(*running)))
+                done -= piece->count;
+            else
+                take(*running, progress);
             running = nullptr;
         }
     }
+}
+
+std::size_t GpuEngine::uncertain_cells(const Chunk& chunk) const {
+    if (chunk.piece().ties || seeds_.state().lossy != 0) return 0;
+    return static_cast<std::size_t>(
+        std::ranges::count(chunk.info(), STATUS_NEEDS_EXACT, [](std::uint32_t info) { return info & 0xff; }));
 }
 
 std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const {
@@ -290,7 +300,7 @@ void GpuEngine::collect(const Chunk& chunk, Schedule& schedule, double progress)
     device_seconds_.knn += seconds.knn;
     device_seconds_.clip += seconds.clip;
     device_seconds_.download += seconds.download;
-    schedule.note(chunk.piece(), chunk.count() - beside, chunk.left_count(), left);
+    schedule.note(chunk.piece(), chunk.count() - beside, chunk.left_count(), left, uncertain_cells(chunk));
 }
 
 void GpuEngine::collect_lists(const Chunk& chunk, double progress) {

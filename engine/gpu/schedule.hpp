@@ -33,8 +33,8 @@ public:
     [[nodiscard]] std::optional<Piece> next(std::uint32_t most);
     // True when a trial met ties: it begins anew, and they are decided from here on.
     [[nodiscard]] bool repeat_with_ties(const Piece& piece, std::size_t uncertain);
-    // What became of a piece on the device: its cells, those that the first tier left, those left to the CPU, and those of
-    // the latter that are uncertain.
+    // What became of a piece on the device: its cells, those that the first tier left, those left to the CPU, and those
+    // of the latter that are uncertain.
     void note(const Piece& piece, std::size_t cells, std::size_t left_by_first, std::size_t left,
               std::size_t uncertain);
 

@@ -41,9 +41,10 @@ struct Units {
     }
 };
 
-// Moved out to where its sides are whole numbers of units, of boxes of about its size.
+// Moved out to where its sides are whole numbers of units, of boxes of about its size, and of few bits, so that their
+// distances from a lattice's seeds are small whole numbers too (shaders/clip/exact_side.glsl).
 inline Box whole_box(Box box, const std::array<bool, 3>& axes) {
-    constexpr int side_bits = 20;
+    constexpr int side_bits = 10;
     for (std::size_t k = 0; k < 3; ++k) {
         if (!axes[k]) continue;
         const double step = std::ldexp(1.0, std::ilogb(box.upper[k] - box.lower[k]) - side_bits);

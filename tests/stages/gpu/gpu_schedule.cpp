@@ -27,7 +27,7 @@ std::string run(std::uint32_t seeds, auto hard, test::Random random) {
         running.erase(running.begin());
         std::size_t left = 0;
         for (std::uint32_t i = piece.first; i < piece.first + piece.count; ++i) left += hard(i / 1024) ? 1 : 0;
-        schedule.note(piece, piece.count, left, left);
+        schedule.note(piece, piece.count, left, left, 0);
     };
     std::uint32_t next = 0;
     const auto most = [&] { return static_cast<std::uint32_t>(random.uniform(1024, 12000)); };
@@ -64,6 +64,31 @@ TEST_SUITE("gpu schedule") {
         CHECK(std::ranges::count(found, '2') == 2);
         CHECK(std::ranges::count(found, '1') == 2 * 4);
         CHECK(found.substr(20, 3) == "11c");
+    }
+
+    TEST_CASE("gpu schedule: a trial with many ties begins anew") {
+        Schedule schedule(3 * window, window);
+        const auto piece = [&] { return schedule.next(window).value(); };
+        const Piece trial = piece();
+        CHECK(trial.trial);
+        CHECK_FALSE(trial.ties);
+        CHECK_FALSE(schedule.repeat_with_ties(trial, 20));
+        CHECK(schedule.repeat_with_ties(trial, trial.count));
+        const Piece again = piece();
+        CHECK((again.first == 0 && again.count == trial.count && again.trial && again.ties));
+        CHECK_FALSE(schedule.repeat_with_ties(again, trial.count));
+        schedule.note(again, again.count, 0, 0, 0);
+        CHECK((piece().first == again.count && piece().ties));
+    }
+
+    TEST_CASE("gpu schedule: windows with many ties are noticed") {
+        Schedule schedule(5 * window, window);
+        std::string found;
+        while (const auto piece = schedule.next(window)) {
+            found += piece->ties ? 't' : '-';
+            schedule.note(*piece, piece->count, 0, 0, piece->ties ? 0 : piece->count / 10);
+        }
+        CHECK(found == "---ttt");  // a trial, two windows
     }
 
     TEST_CASE("gpu schedule: hopeless windows are noticed, and the end of them") {
