@@ -38,7 +38,7 @@ void print_best(const std::vector<GpuRow>& rows);
 // gpu-DEVICE-DATE.json, with local time.
 std::string gpu_file_name(const std::string& device);
 // frames: of JSON.
-void write(const std::string& file, const votess::DeviceInfo& device, unsigned threads,
-           const std::vector<GpuRow>& rows, const std::vector<std::string>& frames);
+void write(const std::string& file, const votess::DeviceInfo& device, unsigned threads, const std::vector<GpuRow>& rows,
+           const std::vector<std::string>& frames);
 
 }  // namespace bench
