@@ -1,9 +1,12 @@
-// Plan::resolve(): the cells that a recorded frame could not certify, by the exact clipper.
+// Plan::resolve(): the cells that a recorded frame could not certify, on the CPU, exactly.
 #include <algorithm>
+#include <cmath>
+#include <deque>
 #include <limits>
-#include <numeric>
+#include <vector>
 
-#include "cpu/cpu_clipper.hpp"
+#include "blocks/local_block.hpp"
+#include "domain/near_places.hpp"
 #include "gpu/frame.hpp"
 #include "input/options.hpp"
 
@@ -21,77 +24,143 @@ bool is_unresolved(std::uint32_t status) {
     }
 }
 
-// Some cells of a job; the others stay empty.
-votess::detail::Result clip_some(const Job& job, std::span<const std::int32_t> cells) {
-    cpu::CpuClipper clipper;
-    ResultBuilder builder;
-    votess::detail::Result result;
-    clipper.begin(job);
-    builder.begin(job, clipper.pool());
-    std::ranges::fill(builder.volumes(), 0);
-    std::ranges::fill(builder.centroids(), std::numeric_limits<double>::quiet_NaN());
-    clipper.clip(cells, builder, {0, 1});
-    clipper.set_empty(builder);
-    builder.set_duplicates(clipper.duplicate_of(), clipper.pool());
-    builder.finish(result, clipper.pool());
-    return result;
+// Seeds that the frame has left out are not there for the CPU either; nor are those that equal another, which keeps its
+// cell: they are nobody's neighbors.
+bool is_there(std::uint32_t status) {
+    return status != static_cast<std::uint32_t>(CellStatus::outside) &&
+           status != static_cast<std::uint32_t>(CellStatus::duplicate);
 }
 
+// Few cells are made from the seeds near them, and are right when no other seed can reach them: their neighbors among
+// some seeds that hold all that may cut them are their neighbors among all.
 template <class Real>
-Resolved resolve_cells(const PlanOptions& plan, std::span<const Real> seeds, std::span<const Cell> cells,
-                       const ResolveOptions& how) {
-    const std::size_t count = cells.size(), stride = plan.stride;
-    if (count > 0 && seeds.size() < (count - 1) * stride + 3)
-        throw Error(ErrorCode::invalid_argument, std::to_string(seeds.size()) + " numbers are too few for " +
-                                                     std::to_string(count) + " seeds with a stride of " +
-                                                     std::to_string(stride));
-    // Seeds that the frame has left out are not there for the CPU either; the others keep their order.
-    std::vector<std::int32_t> kept, unresolved;
-    std::vector<double> points;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (cells[i].status == static_cast<std::uint32_t>(CellStatus::outside)) continue;
-        if (is_unresolved(cells[i].status)) unresolved.push_back(static_cast<std::int32_t>(kept.size()));
-        kept.push_back(static_cast<std::int32_t>(i));
-        for (std::size_t k = 0; k < 3; ++k) points.push_back(seeds[i * stride + k]);
+class Resolver {
+public:
+    Resolver(const PlanOptions& plan, std::span<const Real> seeds, std::span<const Cell> cells,
+             const ResolveOptions& how)
+        : seeds_(seeds), cells_(cells), stride_(plan.stride) {
+        if (!cells.empty() && seeds.size() < (cells.size() - 1) * stride_ + 3)
+            throw Error(ErrorCode::invalid_argument, std::to_string(seeds.size()) + " numbers are too few for " +
+                                                         std::to_string(cells.size()) + " seeds with a stride of " +
+                                                         std::to_string(stride_));
+        options_.box = how.box.value_or(plan.box);
+        options_.list_walls = plan.list_walls;
+        options_.periodic = plan.periodic;
+        options_.threads = how.threads;
+        options_.want = {.neighbors = true, .volumes = true, .centroids = true};
     }
-    Resolved out;
-    out.indptr.push_back(0);
-    if (unresolved.empty()) return out;
 
-    Options options;
-    options.box = how.box.value_or(plan.box);
-    options.list_walls = plan.list_walls;
-    options.periodic = plan.periodic;
-    options.threads = how.threads;
-    options.want = {.neighbors = true, .volumes = true, .centroids = true};
-    const votess::detail::Result result = clip_some(validate({points, {}}, options), unresolved);
-    for (const std::int32_t cell : unresolved) {
-        const auto i = static_cast<std::size_t>(cell);
-        out.cells.push_back(static_cast<std::uint32_t>(kept[i]));
-        out.status.push_back(result.status[i]);
-        for (std::int64_t entry = result.indptr[i]; entry < result.indptr[i + 1]; ++entry) {
-            const std::int32_t id = result.indices[static_cast<std::size_t>(entry)];
-            out.indices.push_back(id < 0 ? id : kept[static_cast<std::size_t>(id)]);
+    Resolved resolve() {
+        std::vector<Open> open;
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < cells_.size(); ++i) {
+            if (is_there(cells_[i].status)) ++count;
+            if (is_unresolved(cells_[i].status)) open.push_back({i, open.size(), 0});
         }
-        if (!result.shifts.empty())
-            out.shifts.insert(out.shifts.end(), result.shifts.begin() + 3 * result.indptr[i],
-                              result.shifts.begin() + 3 * result.indptr[i + 1]);
-        out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
-        out.volumes.push_back(result.volumes[i]);
-        for (std::size_t k = 0; k < 3; ++k) out.centroids.push_back(result.centroids[3 * i + k]);
+        made_.resize(open.size());
+        const Job empty = validate({}, options_);
+        const double spacing = std::cbrt(empty.domain->volume / static_cast<double>(std::max<std::size_t>(count, 1)));
+        for (Open& cell : open) cell.distance = first_spacings * spacing;
+        // The second time the distances are those that the cells need, which become no more.
+        for (int round = 0; round < 2 && !open.empty() && open.size() < count / least_seeds_a_cell; ++round) {
+            NearPlaces near(*empty.domain, 0.5 * first_spacings * spacing);
+            for (const Open& cell : open) near.add(place(cell.seed, empty.scale), cell.distance);
+            if (near.share() > largest_share) break;
+            open = clip(open, [&](std::size_t i) { return near.holds(place(i, empty.scale)); });
+        }
+        if (!open.empty()) {
+            for (Open& cell : open) cell.distance = std::numeric_limits<double>::infinity();
+            clip(open, [](std::size_t) { return true; });
+        }
+        return gather();
     }
-    return out;
-}
+
+private:
+    static constexpr double first_spacings = 4;  // of the mean distance between seeds: more than most cells need
+    static constexpr std::size_t least_seeds_a_cell = 1000;
+    static constexpr double largest_share = 0.25;  // of the domain: sorting all is not much slower
+
+    struct Open {
+        std::size_t seed, number;  // of the frame; among the unresolved
+        double distance;           // up to which all seeds are looked at, times scale
+    };
+    struct Made {
+        std::size_t run, cell;
+    };
+
+    [[nodiscard]] exact::Point place(std::size_t i, double scale) const {
+        return {seeds_[i * stride_] * scale, seeds_[i * stride_ + 1] * scale, seeds_[i * stride_ + 2] * scale};
+    }
+    void add(blocks::Seeds& to, std::size_t i) const {
+        to.ids.push_back(static_cast<std::int64_t>(i));
+        for (std::size_t k = 0; k < 3; ++k) to.points.push_back(seeds_[i * stride_ + k]);
+    }
+
+    // Makes the cells, ascending, from the seeds that are chosen; returns those that others may reach.
+    std::vector<Open> clip(const std::vector<Open>& open, const auto& chosen) {
+        blocks::Run& run = runs_.emplace_back();
+        for (const Open& cell : open) add(run.seeds, cell.seed);
+        std::size_t next = 0;
+        for (std::size_t i = 0; i < cells_.size(); ++i) {
+            if (next < open.size() && open[next].seed == i)
+                ++next;
+            else if (is_there(cells_[i].status) && chosen(i))
+                add(run.seeds, i);
+        }
+        run.clip(options_, open.size());
+        std::vector<Open> rest;
+        for (std::size_t k = 0; k < open.size(); ++k) {
+            const double reach = run.reach_of(k, 0);
+            if (reach <= open[k].distance)
+                made_[open[k].number] = {runs_.size() - 1, k};
+            else
+                rest.push_back({open[k].seed, open[k].number, reach});
+        }
+        return rest;
+    }
+
+    [[nodiscard]] Resolved gather() const {
+        Resolved out;
+        out.indptr.push_back(0);
+        for (const Made& made : made_) {
+            const blocks::Run& run = runs_[made.run];
+            const votess::detail::Result& result = run.result;
+            const std::size_t i = made.cell;
+            const auto begin = static_cast<std::size_t>(result.indptr[i]);
+            const auto end = static_cast<std::size_t>(result.indptr[i + 1]);
+            out.cells.push_back(static_cast<std::uint32_t>(run.seeds.ids[i]));
+            out.status.push_back(result.status[i]);
+            for (std::size_t e = begin; e < end; ++e) {
+                const std::int32_t id = result.indices[e];
+                out.indices.push_back(id < 0 ? id
+                                             : static_cast<std::int32_t>(run.seeds.ids[static_cast<std::size_t>(id)]));
+            }
+            if (!result.shifts.empty())
+                out.shifts.insert(out.shifts.end(), result.shifts.begin() + 3 * begin, result.shifts.begin() + 3 * end);
+            out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
+            out.volumes.push_back(result.volumes[i]);
+            for (std::size_t k = 0; k < 3; ++k) out.centroids.push_back(result.centroids[3 * i + k]);
+        }
+        return out;
+    }
+
+    std::span<const Real> seeds_;
+    std::span<const Cell> cells_;
+    std::size_t stride_;
+    Options options_;
+    std::deque<blocks::Run> runs_;
+    std::vector<Made> made_;  // by the order of the unresolved
+};
 
 }  // namespace
 
 Resolved Plan::resolve(std::span<const float> seeds, std::span<const Cell> cells, const ResolveOptions& options) const {
-    return resolve_cells(state_->options, seeds, cells, options);
+    return Resolver<float>(state_->options, seeds, cells, options).resolve();
 }
 
 Resolved Plan::resolve(std::span<const double> seeds, std::span<const Cell> cells,
                        const ResolveOptions& options) const {
-    return resolve_cells(state_->options, seeds, cells, options);
+    return Resolver<double>(state_->options, seeds, cells, options).resolve();
 }
 
 }  // namespace votess::vulkan

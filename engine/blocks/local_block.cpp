@@ -58,6 +58,20 @@ void Run::clip(const Options& options, std::size_t first) {
     builder.finish(result, pool);
 }
 
+// Of all vertices of the cell: those that it did not find itself were found by a neighbor of the first ones.
+double Run::reach_of(std::size_t cell, double heaviest) const {
+    double power = powers[cell];
+    for (auto e = static_cast<std::size_t>(result.indptr[cell]); e < static_cast<std::size_t>(result.indptr[cell + 1]);
+         ++e) {
+        const std::int32_t neighbor = result.indices[e];
+        if (neighbor >= 0 && static_cast<std::size_t>(neighbor) < powers.size())
+            power = std::max(power, powers[static_cast<std::size_t>(neighbor)]);
+    }
+    const double weight = job.domain->weights.empty() ? 0 : job.domain->weights[cell];
+    const double square = std::max(0.0, power + weight);
+    return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - weight))) * reach_slack;
+}
+
 LocalBlock::LocalBlock(const Options& options, Seeds own, std::optional<TiledSeeds> tiled)
     : options_(options),
       count_(own.size()),
@@ -111,25 +125,6 @@ void LocalBlock::clip(std::vector<Outline> others, std::size_t number, Seeds giv
 
 double LocalBlock::weight_of(std::size_t cell) const {
     return job_.domain->weights.empty() ? 0 : job_.domain->weights[cell];
-}
-
-// Of all vertices of a cell: those that it did not find itself were found by a neighbor of this block.
-double LocalBlock::power_of(std::size_t cell) const {
-    double power = all_.powers[cell];
-    const auto& result = all_.result;
-    for (auto e = static_cast<std::size_t>(result.indptr[cell]); e < static_cast<std::size_t>(result.indptr[cell + 1]);
-         ++e) {
-        const std::int32_t neighbor = result.indices[e];
-        if (neighbor >= 0 && static_cast<std::size_t>(neighbor) < count_)
-            power = std::max(power, all_.powers[static_cast<std::size_t>(neighbor)]);
-    }
-    return power;
-}
-
-// No seed of at most that weight cuts the cell from farther away.
-double LocalBlock::reach_of(std::size_t cell, double heaviest) const {
-    const double weight = weight_of(cell), square = std::max(0.0, power_of(cell) + weight);
-    return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - weight))) * reach_slack;
 }
 
 // Bounds the reach of all cells, without a look at their neighbors.

@@ -62,6 +62,8 @@ struct Run {
     void prepare(const Options& options);
     // And finds the cells of the first ones.
     void clip(const Options& options, std::size_t first);
+    // Then: no seed of at most that weight cuts the cell from farther away.
+    [[nodiscard]] double reach_of(std::size_t cell, double heaviest) const;
 };
 
 // Cells that had to ask, and seeds among which are all neighbors that they will keep of what they had.
@@ -118,9 +120,7 @@ private:
 
     void ask();
     [[nodiscard]] std::vector<Unknown> unknown_near(std::size_t tile, double reach) const;
-    [[nodiscard]] double power_of(std::size_t cell) const;
     [[nodiscard]] double weight_of(std::size_t cell) const;
-    [[nodiscard]] double reach_of(std::size_t cell, double heaviest) const;
     [[nodiscard]] double longest_reach(double heaviest) const;
     [[nodiscard]] bool any_near(std::size_t tile, double reach) const;
     [[nodiscard]] cpu::Probe probe_of(std::size_t cell) const;

@@ -53,7 +53,7 @@ public:
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t cell = block_.tiled_.order[k];
             if (block_.all_.result.status[cell] != CellStatus::certified) continue;
-            farthest = std::max(farthest, reaches_[k - begin] = block_.reach_of(cell, heaviest_));
+            farthest = std::max(farthest, reaches_[k - begin] = block_.all_.reach_of(cell, heaviest_));
         }
         std::vector<Asking> asked;
         std::vector<Unknown> unknown = block_.unknown_near(tile, farthest);

@@ -38,6 +38,49 @@ TEST_SUITE("cases") {
         host.commands.end();
     }
 
+    // No frame is recorded: resolve() takes what the program gives.
+    TEST_CASE("gpu frame: few cells are resolved from the seeds near them") {
+        Host host;
+        for (const unsigned bits : {0u, 7u, 2u})
+            for (PointSet set : {test::uniform(20000, 20), test::clustered(20000, 21), test::uniform(30000, 22)}) {
+                CAPTURE(set.name);
+                CAPTURE(bits);
+                if (set.size() == 30000)  // a void, which cells reach across
+                    for (std::size_t i = 0; i < set.points.size(); i += 3)
+                        if (std::hypot(set.points[i] - 0.5, set.points[i + 1] - 0.5, set.points[i + 2] - 0.5) < 0.3)
+                            set.points[i] *= 0.1;
+                set.box.reset();
+                PlanOptions options = options_for(set);
+                options.periodic = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0};
+                options.list_walls = true;
+                const Plan plan(host.device(), options);
+                const auto t = on_cpu(set, options);
+                std::vector<Cell> cells(set.size());
+                test::Random random(23);
+                std::size_t left = 0;
+                for (std::size_t i = 0; i < set.size(); ++i) {
+                    cells[i].status = static_cast<std::uint32_t>(t.status()[i]);
+                    if (random.below(1500) != 0) continue;
+                    cells[i].status = static_cast<std::uint32_t>(CellStatus::needs_exact);
+                    ++left;
+                }
+                const Resolved some = plan.resolve(std::span<const double>(set.points), cells);
+                REQUIRE(left > 5);
+                REQUIRE(some.cells.size() == left);
+                for (std::size_t r = 0; r < left; ++r) {
+                    const std::size_t i = some.cells[r];
+                    CHECK(cells[i].status == static_cast<std::uint32_t>(CellStatus::needs_exact));
+                    CHECK(some.status[r] == t.status()[i]);
+                    CHECK(
+                        std::ranges::equal(std::span(some.indices)
+                                               .subspan(static_cast<std::size_t>(some.indptr[r]),
+                                                        static_cast<std::size_t>(some.indptr[r + 1] - some.indptr[r])),
+                                           t.neighbors(i)));
+                    CHECK(some.volumes[r] == doctest::Approx(t.volumes()[i]).epsilon(1e-13));
+                }
+            }
+    }
+
     TEST_CASE("gpu frame: periodic boxes, seeds up to a side outside") {
         Host host;
         const auto axes = [](unsigned bits) {
