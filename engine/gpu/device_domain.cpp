@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gpu/seeds/walls.hpp"
+
 namespace votess::gpu {
 namespace {
 
@@ -28,7 +30,24 @@ std::size_t seeds_inside(const Job& job) {
     return job.points.count() - static_cast<std::size_t>(std::ranges::count(job.outside, CellStatus::outside));
 }
 
+// Beyond walls, and so that no plane through corners of the domain's box goes through corners of this one.
+void leave_room(Box& box) {
+    constexpr std::array<double, 3> below{0.051, 0.063, 0.074}, above{0.084, 0.055, 0.067};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double side = box.upper[k] - box.lower[k];
+        box.lower[k] -= below[k] * side;
+        box.upper[k] += above[k] * side;
+    }
+}
+
 }  // namespace
+
+Box device_box(const Job& job) {
+    if (!has_device_walls(*job.domain)) return job.box;
+    Box box = job.box;
+    leave_room(box);
+    return whole_box(box, {true, true, true});
+}
 
 std::optional<ImageRange> image_range(const Job& job) {
     const Domain& domain = *job.domain;
@@ -38,6 +57,7 @@ std::optional<ImageRange> image_range(const Job& job) {
     ImageRange range;
     range.basis = domain.skewed ? &domain.reduced : &domain.edges;
     range.box = box_of_cell(job, *range.basis);
+    if (domain.has_cell_walls()) leave_room(range.box);
     for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t j = 0; j < 3; ++j)
             range.extended[k] = range.extended[k] || (domain.periodic[j] && range.basis->vector[j][k] != 0);
@@ -45,7 +65,7 @@ std::optional<ImageRange> image_range(const Job& job) {
         range.box.lower[k] -= margin;
         range.box.upper[k] += margin;
     }
-    range.box = whole_box(range.box, range.extended);
+    range.box = whole_box(range.box, domain.has_cell_walls() ? std::array{true, true, true} : range.extended);
 
     range.lower.fill(std::numeric_limits<double>::infinity());
     range.upper.fill(-std::numeric_limits<double>::infinity());
@@ -70,7 +90,7 @@ std::optional<ImageRange> image_range(const Job& job) {
 
 bool device_clips(const Job& job) {
     const Domain& domain = *job.domain;
-    if (domain.has_weights() || !domain.walls.empty() || domain.has_cell_walls()) return false;
+    if (domain.has_weights()) return false;
     return !domain.is_periodic() || image_range(job).has_value();
 }
 

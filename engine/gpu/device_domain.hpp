@@ -20,7 +20,10 @@ struct ImageRange {
 // Returns nothing when images would be many times the seeds: in long cells that lie across the axes.
 std::optional<ImageRange> image_range(const Job& job);
 
-// Boxes with walls and such periodic domains, with seeds that weigh the same.
+// The device's box of a domain that is not periodic.
+Box device_box(const Job& job);
+
+// All domains but such periodic ones, with seeds that weigh the same.
 bool device_clips(const Job& job);
 
 }  // namespace votess::gpu

@@ -11,6 +11,7 @@
 #include "core/ceil.hpp"
 #include "core/power_of_two.hpp"
 #include "gpu/passes/kernel_choice.hpp"
+#include "gpu/seeds/walls.hpp"
 #include "input/implied_wants.hpp"
 
 namespace votess::gpu {
@@ -51,6 +52,7 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     if (limits_.most_walk_visits != 0) s.most_walk_visits = limits_.most_walk_visits;
     s.tiers[0].float64 = measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
+    s.walls = has_device_walls(*job_.domain);
     s.areas = !lists_only_ && options.want.areas;
     if (const std::uint32_t size = limits_.local_size != 0 ? limits_.local_size : local_size_from_environment();
         size != 0) {
@@ -130,14 +132,19 @@ void GpuEngine::find_parts() {
         duplicate_of = clipper_.duplicate_of();
         duplicates_ = !duplicate_of.empty();
     }
-    parts_.emplace(job_, duplicate_of, Units::for_box(job_.box), periodic_ ? INDEX_MASK : most);
+    parts_.emplace(job_, duplicate_of, box_, periodic_ ? INDEX_MASK : most);
 }
 
 bool GpuEngine::find_domain() {
     periodic_.reset();
     if (!device_clips(job_)) return false;
-    if (job_.domain->is_periodic()) periodic_ = periodic_part(job_, most_seeds());
-    return periodic_ || !job_.domain->is_periodic();
+    if (job_.domain->is_periodic()) {
+        periodic_ = periodic_part(job_, most_seeds());
+        if (!periodic_) return false;
+    }
+    box_ = periodic_ ? periodic_->box : device_box(job_);
+    seeds_.set_walls(device_walls(job_, box_));
+    return true;
 }
 
 std::uint32_t GpuEngine::most_seeds() const {
@@ -151,7 +158,7 @@ void GpuEngine::upload_part(std::size_t index) {
         return;
     }
     part_ = parts_->get(index);
-    seeds_.upload(job_, part_.members, *passes_);
+    seeds_.upload(job_, part_.members, box_, *passes_);
 }
 
 void GpuEngine::sort_part() {

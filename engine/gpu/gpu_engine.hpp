@@ -79,6 +79,7 @@ private:
     std::optional<Parts> parts_;
     std::optional<PeriodicPart> periodic_;
     Part part_;
+    Box box_;                                 // of all parts
     bool device_clips_ = true;                // else the exact clipper takes all cells
     bool duplicates_ = false;                 // there are some, or there may be
     std::vector<std::int32_t> pending_;       // cells (input index) for the CPU

@@ -9,6 +9,7 @@
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
+#include "clip/walls.glsl"
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
 #include "numbers/int64.glsl"
@@ -39,16 +40,39 @@ real security() {
     return security_radius_squared(radius_squared, largest_error);
 }
 
+// Each goes up to the next wall that cuts, as with neighbors. One farther than all vertices cuts none off.
+void clip_by_walls() {
+    measure_radius_and_error();
+    const vec3 place = rough_place();
+    for (uint next = 0u;;) {
+        bool cuts = false;
+        for (; next < uint(walls.length()) && !cuts && status == STATUS_CERTIFIED; ++next) {
+            const uint w = wall_in_turn(next);
+            if (least_wall_distance(w, place) * 0.9999 > float(sqrt(radius_squared) + largest_error)) continue;
+            tested = wall_plane(w);
+            tested_id = first_wall - int(w);
+            cuts = test_plane();
+        }
+        if (!cuts || status != STATUS_CERTIFIED) return;
+        cut();
+        if (status != STATUS_CERTIFIED) return;
+    }
+}
+
 // Clips by the list's neighbors. What follows a neighbor lies in its bucket of squared distances or beyond; the first
 // ones have no order. True when the list is complete up to the security radius.
 bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
     uint next = 0u;
     measure_radius_and_error();
     real beyond = security();
+    // Walls wait until the box's far corners are gone; in the second tier until those of the walls are that are not the
+    // cell's, where more than three may meet.
+    bool walls_wait = has_walls != 0u;
+    uint end = walls_wait && tier == 0u ? min(count, 16u) : count;
     for (;;) {
         // Each goes up to the next plane that cuts; then all invocations cut side by side.
         bool cuts = false;
-        while (next < count && !cuts && status == STATUS_CERTIFIED) {
+        while (next < end && !cuts && status == STATUS_CERTIFIED) {
             const uint q = list[next * push.list_stride + column];
             ++next;
             if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
@@ -63,6 +87,13 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
             }
             cuts = test_plane();
             beyond = security();
+        }
+        if (walls_wait && !cuts && status == STATUS_CERTIFIED) {
+            walls_wait = false;
+            end = count;
+            clip_by_walls();
+            beyond = security();
+            continue;
         }
         if (!cuts || status != STATUS_CERTIFIED) break;
         cut();
@@ -165,6 +196,8 @@ void finish(uint slot, uint cell, uint exponent) {
     if (status == STATUS_CERTIFIED) {
         note_planes_in_use();
         for (int w = 0; w < plane_words; ++w) faces += uint(bitCount(planes_used[w]));
+        for (int p = 0; p < most_planes && has_walls != 0u; ++p)
+            if ((planes_used[p >> 5] & (1u << (p & 31))) != 0u && is_no_wall(plane_id[p])) status = STATUS_NEEDS_EXACT;
         if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
     }
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
@@ -183,7 +216,7 @@ void finish(uint slot, uint cell, uint exponent) {
                 const int id = plane_id[plane];
                 if (id < 0 && push.walls == 0u) continue;
                 if (want_geometry == 2u) areas[length * push.row_stride + slot] = not_negative(area[plane]);
-                rows[length * push.row_stride + slot] = id < 0 ? id : int(seed_input[id]);
+                rows[length * push.row_stride + slot] = id < 0 ? listed_wall(id) : int(seed_input[id]);
                 ++length;
             }
     }
@@ -232,7 +265,7 @@ void main() {
         exponent = nearest >= 1.0 ? (floatBitsToUint(nearest) >> 23) - 127u : 0u;
     }
     scale = uintBitsToFloat((127u - exponent) << 23);
-    quantum = state.lossy != 0u ? real(2.0 * scale) : real(0);
+    quantum = real(quantum_in_units(state.lossy) * scale);
     if (state.incomplete != 0u) {
         status = STATUS_CANDIDATES_EXHAUSTED;
     } else if (exponent < SMALLEST_CELL_EXPONENT) {

@@ -21,6 +21,7 @@
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
+#include "clip/walls.glsl"
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
 #include "invocations/subgroup.glsl"
@@ -43,10 +44,41 @@ void leave(uint cell) {
     row_place[cell] = cell;
 }
 
+// Clips by the walls that are no farther than some vertex; lanes look for them side by side.
+void clip_by_walls() {
+    const vec3 place = rough_place();
+    const uint count = uint(walls.length()), each = min(uint(lanes), 32u);
+    prepare_cuts();
+    for (uint first = 0u; first < count; first += each) {
+        const uint w = wall_in_turn(min(first + lane, count - 1u));
+        bool near = false;
+        if (lane < each && first + lane < count) {
+            // Half of the security radius is no less than the distance of any vertex.
+            near = !(least_wall_distance(w, place) * 1.9999 > float(sqrt(security)));
+            if (near) prepare_test(wall_plane(w));
+        }
+        share();
+        for (uint rest = all_bits(near ? 1u << lane : 0u); rest != 0u; rest &= rest - 1u) {
+            const uint i = uint(findLSB(rest));
+            Plane p = plane_to_test(i);
+            p.distance = p.h;
+            const int id = first_wall - int(wall_in_turn(first + i));
+            if (test_plane(p, id)) cut(p, id);
+            if (status != STATUS_CERTIFIED) return;
+        }
+        share();
+    }
+}
+
 // Clips by the candidates in the store, nearest first, up to the security radius.
-void clip_by_candidates() {
+void clip_by_candidates(inout bool walls_wait) {
     prepare_cuts();
     for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
+        if (walls_wait && first >= 16u) {  // the box's far corners are gone
+            walls_wait = false;
+            clip_by_walls();
+            if (status != STATUS_CERTIFIED) return;
+        }
         const uint end = min(candidate_count - first, uint(lanes));
         bool too_near = false;
         if (lane < end) {
@@ -82,7 +114,7 @@ bool find_unit(out uint exponent) {
         exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
     }
     scale = uintBitsToFloat((127u - exponent) << 23);
-    quantum = state.lossy != 0u ? real(2.0 * scale) : real(0);
+    quantum = real(quantum_in_units(state.lossy) * scale);
     return true;
 }
 
@@ -90,7 +122,7 @@ bool find_unit(out uint exponent) {
 // cut the cell. Returns the exponent of the unit of length.
 uint make_cell() {
     uint exponent = 0u;
-    bool started = false;
+    bool started = false, walls_wait = has_walls != 0u;
     const float bound = distance_to_bounds(px, py, pz);
     begin_search();
     for (uint searches = 0u; searches < SUBGROUP_SEARCHES; ++searches) {
@@ -109,7 +141,11 @@ uint make_cell() {
             if (status == STATUS_CERTIFIED) start_cell();
             if (status != STATUS_CERTIFIED) return exponent;
         }
-        if (candidate_count > 0u) clip_by_candidates();
+        if (candidate_count > 0u) clip_by_candidates(walls_wait);
+        if (walls_wait && started && status == STATUS_CERTIFIED) {
+            walls_wait = false;
+            clip_by_walls();
+        }
         if (status != STATUS_CERTIFIED) return exponent;
         const float known = min(done >= UNBOUNDED ? UNBOUNDED : done * reach_slack, bound);
         if (known >= UNBOUNDED) return exponent;
@@ -138,7 +174,7 @@ uint write_row(uint cell, uint used) {
         uint count;
         const uint at = (length + rank_among(listed, count)) * push.row_stride + cell;
         if (listed) {
-            rows[at] = id < 0 ? id : int(seed_input[id]);
+            rows[at] = id < 0 ? listed_wall(id) : int(seed_input[id]);
             if (want_geometry == 2u) areas[at] = not_negative(area_of(p));
         }
         length += count;
@@ -153,6 +189,10 @@ void finish(uint cell, uint exponent) {
         used = planes_in_use();
         faces = uint(bitCount(used));
         vertices = sum(uint(bitCount(alive)));
+        bool fault = false;
+        for (uint p = lane; p < SUBGROUP_PLANES && has_walls != 0u; p += uint(lanes))
+            fault = fault || ((used >> p & 1u) != 0u && is_no_wall(id_of(p)));
+        if (any_lane(fault)) status = STATUS_NEEDS_EXACT;
         if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
     }
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {

@@ -11,7 +11,8 @@
 // 1u of n and 4u of roundings, each of at most |n||x|; 5u of h and 3u of roundings.
 //
 // A coordinate that was rounded to units, to 1 + 2^-30 of them below it, moves each plane by at most `quantum` (|x| + 1):
-// n by less than sqrt(3) (1 + 2^-29) units, h by that times |n|, over |n|. The vertex moves by at most 3 condition times as much, to first order.
+// n by less than sqrt(3) (1 + 2^-29) units, h by that times |n|, over |n|. A wall of any direction is a plane with |n| = 1; rounding moves its h only, by at most
+// `quantum`, and h is right to 5u besides. The vertex moves by at most 3 condition times as much, to first order.
 //
 // Both bounds are of first order in u condition and in quantum condition. With these at most 5e-4 and 1e-3 what is left
 // out is less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01 times as much, for which there are factors of 1.05 and of 4 for 3; and
@@ -20,8 +21,14 @@
 #define VOTESS_CLIP_FILTER_GLSL
 
 #include "numbers/real.glsl"
+#include "shared/config.h"
 
 real quantum;
+
+// In units: what coordinates and walls that were rounded move a plane by (clip/walls.glsl).
+float quantum_in_units(uint lossy) {
+    return lossy == 0u ? 0.0 : ((lossy & LOSSY_WALLS) != 0u ? 4.0 : 2.0);
+}
 
 struct Plane {
     real x, y, z, h, norm;

@@ -13,6 +13,11 @@
 // the last for its sum with all others. The areas are right to volume_error 3 / R altogether: relative to the surface
 // that is better than the volume, which is at most surface R / 3.
 //
+// Planes that were rounded to units are those of a cell whose faces lie off by m = quantum (R + 1) at most
+// (clip/filter.glsl): its volume is off by m times the surface, which is at most that of the ball around, 4 pi R^2; its
+// areas by 4 m / sin(a,b) times the length of each edge, which is at most 2 R. An edge counts twice in the terms above, so
+// the areas are off by 0.04 m R of those altogether, R / 3 of which is to be less than the promise for the volume, too.
+//
 // The .comp declares `push`, with extent, before.
 #ifndef VOTESS_MEASURE_TETRAHEDRA_GLSL
 #define VOTESS_MEASURE_TETRAHEDRA_GLSL
@@ -20,6 +25,7 @@
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
+#include "clip/walls.glsl"
 #include "numbers/int64.glsl"
 #include "numbers/number.glsl"
 #include "search/seeds.glsl"
@@ -38,6 +44,14 @@ struct ExactPlane {
 };
 
 ExactPlane exact_wall(uint i) {
+    if (has_walls != 0u && i >= 6u) {
+        const WallPlane wall = walls[i - 6u];
+        Number n[3];
+        for (int k = 0; k < 3; ++k)
+            n[k] = times_power(number64(magnitude64(wall.normal[k])),
+                               wall_step * (is_negative(wall.normal[k]) ? -1.0 : 1.0));
+        return ExactPlane(Vector(n[0], n[1], n[2]), times_power(number64(wall_distance(wall)), scale));
+    }
     const Number zero = number(0.0), side = number((i & 1u) != 0u ? 1.0 : -1.0);
     const uint axis = i / 2u;
     const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
@@ -131,8 +145,9 @@ void conclude(Moments all) {
     mass_center = times(all.first, times(reciprocal(all.sum), number(0.25)));
     const float radius = sqrt(all.farthest);
     is_in_range = all.farthest < farthest_of_range;
+    const float moved = float(quantum) * (radius + 1.0) * radius * radius * (13.5 + 0.015 * all.error);
     // This is somewhat more than the bound, for the roundings in it.
-    volume_error = (number_unit + 8.0 * float(quantum)) * all.error * radius * radius * radius * 0.334;
+    volume_error = moved + number_unit * all.error * radius * radius * radius * 0.334;
 }
 
 // Areas of faces of next to no size may come out below zero.

@@ -13,6 +13,9 @@
 // RunState.lossy
 #define LOSSY_POINTS 1u
 #define LOSSY_BOX 2u
+#define LOSSY_WALLS 4u  // their places have been rounded
+
+#define WALL_BITS 62  // normals of walls of any direction are right to half of 2^-WALL_BITS
 
 // sort: a stable radix sort, 4 bits at a time, of keys that hold a Hilbert index of 20 bits per axis in two words.
 #define KEY_BITS_PER_AXIS 20

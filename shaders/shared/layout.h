@@ -141,6 +141,14 @@ struct Node {
     uvec2 upper[3];
 };
 
+// A wall of any direction, behind the run state: the normal, of length 1, and how far along it from the box's lower
+// corner in units the wall is, both times 2^WALL_BITS; roughly the same. Of no wall the rough one is far away.
+struct WallPlane {
+    uvec2 normal[3];
+    uvec2 offset[2];  // 128 bits, the low ones first, and a half in the units' place more
+    float rough[4];
+};
+
 // What the sort found out about the points.
 struct RunState {
     uint lossy;       // LOSSY_ bits: coordinates that are no whole number of units

@@ -45,6 +45,7 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
                            {CONSTANT_MOST_VERTICES, limits.vertices},
                            {CONSTANT_TIER, tier},
                            wanted_geometry(settings),
+                           {CONSTANT_WALLS, settings.walls ? 1u : 0u},
                            unit_roundoff(device),
                            list_of_todo(settings),
                            {CONSTANT_TIES, limits.ties ? 1u : 0u}});
@@ -81,6 +82,7 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
                             {CONSTANT_LOCKSTEP, adapter.lockstep ? 1u : 0u},
                             {CONSTANT_FIRST_COUNT, settings.first_count},
                             wanted_geometry(settings),
+                            {CONSTANT_WALLS, settings.walls ? 1u : 0u},
                             unit_roundoff(device),
                             {CONSTANT_TIES, limits.ties ? 1u : 0u}},
                            settings.subgroup_size);

@@ -26,6 +26,7 @@ struct PassSettings {
     bool measure = true;                     // volumes and centroids are wanted
     bool areas = false;                      // areas beside the rows are wanted too
     bool frames = false;                     // there are passes for recorded frames
+    bool walls = false;                      // there are walls of any direction
     bool images = false;                     // and for periodic ones, which have no areas
     std::uint32_t local_size = 64;           // work-groups of all passes that do not rely on a size
     // So many invocations make a cell of the first tier together, searching as they clip; 0: each makes one, from a

@@ -63,7 +63,7 @@ void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, s
     }
 }
 
-void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32_t images) {
+void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32_t images, std::uint32_t walls) {
     const std::uint32_t capacity = seeds + images;
     set_count(capacity);
     images_.capacity = images;
@@ -87,7 +87,15 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     bindings_.set(BINDING_SEED_INPUT, workspace.take_words(n, "seed input"));
     const VkDeviceSize nodes = level_first_[level_count_ - 1] + VkDeviceSize{1};
     bindings_.set(BINDING_NODES, workspace.take(nodes * sizeof(Node), "nodes"));
-    bindings_.set(BINDING_RUN_STATE, workspace.take(sizeof(RunState), "run state"));
+    state_and_walls_ = workspace.take(sizeof(RunState) + VkDeviceSize{walls} * sizeof(WallPlane), "run state");
+    set_walls(0);
+}
+
+void DeviceSeeds::set_walls(std::uint32_t count) {
+    walls_ = count;
+    Slice slice = state_and_walls_;
+    slice.size = sizeof(RunState) + VkDeviceSize{count} * sizeof(WallPlane);
+    bindings_.set(BINDING_RUN_STATE, slice);
 }
 
 void DeviceSeeds::set_count(std::uint32_t count) {
@@ -158,7 +166,8 @@ void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const 
 
 void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
     recorder.fill(run_state(), 0, sizeof(RunState), 0);
-    const std::uint32_t bits = (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0);
+    const std::uint32_t bits =
+        (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0) | (walls_ > 0 ? LOSSY_WALLS : 0);
     if (bits == 0) return;
     recorder.barrier();
     recorder.fill(run_state(), offsetof(RunState, lossy), 4, bits);

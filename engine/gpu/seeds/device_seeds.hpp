@@ -46,8 +46,10 @@ class DeviceSeeds {
 public:
     static constexpr VkDeviceSize coordinate_bytes = 8;
 
-    // Arrays for up to `capacity` seeds, and for the images of those of a periodic box.
-    void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0);
+    // Arrays for up to `capacity` seeds, for the images of those of a periodic box, and for walls of any direction.
+    void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0, std::uint32_t walls = 0);
+    // How many of the walls for which there is room there are.
+    void set_walls(std::uint32_t count);
     // Says how many seeds to record for from now on, with all places for images.
     void set_count(std::uint32_t count);
     void set_box(const Box& box);
@@ -94,7 +96,8 @@ private:
     Box box_;
     bool box_lossy_ = false;
     std::uint64_t extent_[3]{}, origin_[3]{};
-    Slice keys_[2], index_[2], counts_, image_counts_;
+    Slice keys_[2], index_[2], counts_, image_counts_, state_and_walls_;
+    std::uint32_t walls_ = 0;
     Scan scan_, image_scan_;
     ImagesPush images_{};
     std::array<std::uint32_t, MOST_LEVELS> level_first_{}, level_size_{};

@@ -12,8 +12,8 @@ constexpr double margin_spacings = 5;
 
 }  // namespace
 
-Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Units& units, std::uint32_t most_seeds)
-    : job_(job), units_(units), most_seeds_(std::max(most_seeds, 2u)) {
+Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t most_seeds)
+    : job_(job), box_(box), units_(Units::for_box(box)), most_seeds_(std::max(most_seeds, 2u)) {
     const std::size_t count = job.points.count();
     if (count <= most_seeds_ && job.outside.empty()) {
         ends_.assign(1, count);
@@ -113,13 +113,13 @@ Part Parts::get(std::size_t index) const {
 
     bool lossy = false;
     for (int k = 0; k < 3; ++k) {
-        const std::uint64_t origin = units_.of(job_.box.lower[k], lossy);
+        const std::uint64_t origin = units_.of(box_.lower[k], lossy);
         // Rounded towards the part, as if seeds had been rounded away from it.
-        if (box.lower[k] > job_.box.lower[k]) {
+        if (box.lower[k] > box_.lower[k]) {
             part.bounded |= 1u << k;
             part.lower[k] = units_.of(box.lower[k], lossy) - origin + 1;
         }
-        if (box.upper[k] < job_.box.upper[k]) {
+        if (box.upper[k] < box_.upper[k]) {
             part.bounded |= 8u << k;
             part.upper[k] = std::max<std::uint64_t>(units_.of(box.upper[k], lossy) - origin, 1) - 1;
         }

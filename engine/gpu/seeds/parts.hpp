@@ -24,7 +24,7 @@ class Parts {
 public:
     // At most `most_seeds` members a part. One part when all points fit; else duplicates are in none. Seeds outside of
     // the domain are in none at all.
-    Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Units& units, std::uint32_t most_seeds);
+    Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t most_seeds);
 
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
     [[nodiscard]] Part get(std::size_t index) const;
@@ -34,6 +34,7 @@ private:
     [[nodiscard]] Box bounds(std::size_t begin, std::size_t end) const;
 
     const Job& job_;
+    Box box_;  // the device's
     Units units_;
     std::uint32_t most_seeds_;
     std::vector<std::int32_t> order_;  // part by part; empty when all points are in one

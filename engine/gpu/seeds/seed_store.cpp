@@ -27,11 +27,15 @@ std::uint32_t SeedStore::most_seeds(const vulkan::Device& device, const vulkan::
 }
 
 void SeedStore::reserve(std::uint32_t count) {
-    if (count <= capacity_) return;
-    capacity_ = 0;
+    if (count <= capacity_ && walls_.size() <= wall_capacity_) return;
+    count = std::max(count, capacity_);
+    const auto walls = std::max(static_cast<std::uint32_t>(walls_.size()), wall_capacity_);
+    capacity_ = wall_capacity_ = 0;
     const VkDeviceSize n = count;
     buffers_.clear();
-    seeds_.reserve(buffers_, count);
+    seeds_.reserve(buffers_, count, 0, walls);
+    walls_host_ = {};
+    walls_host_ = memory_.buffer(VkDeviceSize{walls} * sizeof(WallPlane), MemoryKind::upload, "walls");
     for (Buffer& staging : staging_) {
         staging = {};
         staging = memory_.buffer(std::min(staging_bytes, n * 24), MemoryKind::upload, "staging");
@@ -39,14 +43,15 @@ void SeedStore::reserve(std::uint32_t count) {
     state_host_ = memory_.buffer(sizeof(RunState), MemoryKind::download, "run state, host");
     order_host_ = memory_.buffer(n * 4, MemoryKind::download, "seed input, host");
     capacity_ = count;
+    wall_capacity_ = walls;
 }
 
-void SeedStore::upload(const Job& job, std::span<const std::int32_t> members, const Passes& passes) {
+void SeedStore::upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes) {
     const auto& points = job.points;
     if (points.f32.empty())
-        upload({std::as_bytes(points.f64), 24, POINTS_FLOAT64, false}, members, job.box, passes);
+        upload({std::as_bytes(points.f64), 24, POINTS_FLOAT64, false}, members, box, passes);
     else
-        upload({std::as_bytes(points.f32), 12, POINTS_FLOAT32, false}, members, job.box, passes);
+        upload({std::as_bytes(points.f32), 12, POINTS_FLOAT32, false}, members, box, passes);
 }
 
 void SeedStore::upload(const PeriodicPart& periodic, const Passes& passes) {
@@ -61,10 +66,14 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     reserve(total);
     seeds_.set_count(total);
     seeds_.set_box(box);
+    seeds_.set_walls(static_cast<std::uint32_t>(walls_.size()));
+    std::ranges::copy(walls_, walls_host_.as<WallPlane>().begin());
+    walls_host_.flush();
     seconds_ = {};
 
     commands_.begin();
     seeds_.record_begin(commands_, points.lossy);
+    commands_.copy(walls_host_, 0, seeds_.run_state(), sizeof(RunState), walls_.size() * sizeof(WallPlane));
     commands_.barrier();
     commands_.end();
     commands_.submit();

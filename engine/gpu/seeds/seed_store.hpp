@@ -21,8 +21,10 @@ public:
     // Seeds for which all buffers stay within the device's limits.
     [[nodiscard]] static std::uint32_t most_seeds(const vulkan::Device& device, const vulkan::Memory& memory);
 
-    // members: input indices of the seeds to take; empty = all points.
-    void upload(const Job& job, std::span<const std::int32_t> members, const Passes& passes);
+    // Walls of any direction of the seeds that are uploaded from now on.
+    void set_walls(std::vector<WallPlane> walls) { walls_ = std::move(walls); }
+    // members: input indices of the seeds to take, in this box; empty = all points.
+    void upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
     // Seeds and images of a periodic domain.
     void upload(const PeriodicPart& periodic, const Passes& passes);
     // key_bits: per axis.
@@ -55,8 +57,9 @@ private:
 
     vulkan::Memory& memory_;
     OwnBuffers buffers_{memory_};
-    Buffer staging_[2], state_host_, order_host_;
-    std::uint32_t capacity_ = 0;
+    Buffer staging_[2], state_host_, order_host_, walls_host_;
+    std::uint32_t capacity_ = 0, wall_capacity_ = 0;
+    std::vector<WallPlane> walls_;
     DeviceSeeds seeds_;
     RunState state_{};
     Seconds seconds_;

@@ -39,6 +39,11 @@ struct Units {
         lossy = lossy || (-n >= 64 || (rounded << right) != mantissa);
         return static_cast<std::uint64_t>(rounded);
     }
+    // The same as a double, not modulo; of the bounds of the box.
+    [[nodiscard]] double floor_of(double value) const {
+        const double units = std::floor(std::ldexp(value, shift));
+        return units == 0 && value < 0 ? -1 : units;  // all bits may have fallen off
+    }
 };
 
 // Moved out to where its sides are whole numbers of units, of boxes of about its size, and of few bits, so that their

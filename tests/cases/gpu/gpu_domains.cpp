@@ -1,13 +1,11 @@
-// Domains on a Vulkan device: the answer of the CPU. Periodic boxes run there; walls of any direction and weights go to
-// the exact clipper.
+// Domains on a Vulkan device: the answer of the CPU. Weights go to the exact clipper.
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 #include <votess/votess.hpp>
 
-#include "oracle/half_spaces.hpp"
+#include "cases/gpu/gpu_domain_cases.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/gpu/gpu.hpp"
@@ -16,58 +14,13 @@
 namespace {
 
 using test::Coordinates;
+using test::Counts;
+using test::domain_options;
+using test::random_points;
 using votess::Options;
 
-Options domain_options() {
-    Options options = test::all_options(test::unit_box());
-    options.want.centroids = options.want.areas = true;
-    return options;
-}
-
-Coordinates random_points(std::size_t n, std::uint64_t seed, double lower = 0, double upper = 1) {
-    test::Random random(seed);
-    Coordinates points(3 * n);
-    for (double& x : points) x = random.uniform(lower, upper);
-    return points;
-}
-
-struct Counts {
-    std::uint64_t fallback = 0;
-    std::string failure;
-};
-
-Counts compare_kernel(const Coordinates& points, Options options, votess::gpu::Kernel kernel) {
-    const auto cpu = votess::tessellate(std::span<const double>(points), options);
-    options.device = test::device_name();
-    const test::UseKernel chosen(kernel);
-    const auto gpu = votess::tessellate(std::span<const double>(points), options);
-    Counts counts{gpu.stats().fallback_cells, test::check_domain(gpu)};
-    if (!counts.failure.empty()) return counts;
-    if (!std::ranges::equal(cpu.indptr(), gpu.indptr()) || !std::ranges::equal(cpu.indices(), gpu.indices()))
-        counts.failure = "rows differ";
-    else if (!std::ranges::equal(cpu.shifts(), gpu.shifts()))
-        counts.failure = "shifts differ";
-    else if (!std::ranges::equal(cpu.status(), gpu.status()))
-        counts.failure = "statuses differ";
-    for (std::size_t i = 0; i < cpu.size() && counts.failure.empty(); ++i) {
-        if (!(std::abs(cpu.volumes()[i] - gpu.volumes()[i]) <= 2e-5 * cpu.volumes()[i]))
-            counts.failure = "volume " + std::to_string(i) + " differs";
-        for (std::size_t k = 0; k < 3 && cpu.volumes()[i] > 0; ++k)
-            if (!(std::abs(cpu.centroids()[3 * i + k] - gpu.centroids()[3 * i + k]) <=
-                  1e-4 * std::cbrt(cpu.volumes()[i])))
-                counts.failure = "centroid " + std::to_string(i) + " differs";
-    }
-    return counts;
-}
-
-// With both kernels where seeds are few; the larger number of cells left to the CPU.
 Counts compare(const Coordinates& points, const Options& options) {
-    const Counts by_invocation = compare_kernel(points, options, votess::gpu::Kernel::invocation);
-    const std::size_t most = test::by_size(600, 60);  // coordinates: on software devices the other kernel is slow
-    if (!by_invocation.failure.empty() || points.size() > most) return by_invocation;
-    Counts by_subgroup = compare_kernel(points, options, test::by_subgroup());
-    by_subgroup.fallback = std::max(by_subgroup.fallback, by_invocation.fallback);
-    return by_subgroup;
+    return test::compare_domain(points, options);
 }
 
 }  // namespace

@@ -111,13 +111,14 @@ TEST_SUITE("stages") {
         table.vkCreatePipelineLayout = note_layout;
         table.vkCreateShaderModule = note_module;
         table.vkCreateComputePipelines = compare;
-        for (unsigned bits = 0; bits < 64; ++bits) {
+        for (unsigned bits = 0; bits < 128; ++bits) {
             const auto bit = [&](unsigned at) { return (bits >> at & 1) != 0; };
             PassSettings s = test::pass_settings();
             s.measure = bit(0);
             s.areas = bit(1);
             s.frames = bit(2);
             s.images = bit(3);
+            s.walls = bit(6);
             s.subgroup_size = bit(4) ? 32 : 0;
             s.tiers[0].float64 = bit(5) && device->has_float64();
             s.tiers[1].float64 = device->has_float64();

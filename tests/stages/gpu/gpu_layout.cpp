@@ -170,6 +170,12 @@ TEST_SUITE("stages") {
         const Words list_words = words_of(list.lengths, list.reach, list.bound);
         CHECK(sizeof list == 4 * list_words.size());
         CHECK(reader.buffer(shaders::test_layout_list, push_bytes(list)) == list_words);
+        const auto wall = filled<WallPlane>();
+        const Words wall_words = words_of(wall.normal, wall.offset, wall.rough);
+        CHECK(sizeof wall == 4 * wall_words.size());
+        CHECK(reader.buffer(shaders::test_layout_wall, push_bytes(wall)) == wall_words);
+        // They lie behind the run state.
+        static_assert(sizeof(RunState) % 8 == 0 && sizeof(WallPlane) % 8 == 0);
         // What an indirect dispatch reads.
         static_assert(offsetof(ChunkState, groups_y) == offsetof(ChunkState, groups_x) + 4);
         static_assert(offsetof(ChunkState, groups_z) == offsetof(ChunkState, groups_x) + 8);

@@ -75,7 +75,7 @@ void check_upload_of_floats(GpuStages& gpu, const std::vector<float>& points, co
     votess::Options options;
     options.box = box;
     const votess::Job job = votess::validate({{}, points}, options);
-    gpu.seeds.upload(job, {}, *gpu.passes);
+    gpu.seeds.upload(job, {}, job.box, *gpu.passes);
     check_upload(gpu, job);
 }
 
@@ -241,7 +241,7 @@ TEST_SUITE("stages") {
         std::vector<std::int32_t> members;
         for (const std::size_t i : test::permutation(1000, random)) members.push_back(static_cast<std::int32_t>(i));
         members.resize(333);
-        gpu.seeds.upload(job, members, *gpu.passes);
+        gpu.seeds.upload(job, members, job.box, *gpu.passes);
         REQUIRE(gpu.seeds.count() == 333);
         const auto units = gpu.coordinates(BINDING_POINTS_X);
         for (std::size_t m = 0; m < members.size(); ++m)

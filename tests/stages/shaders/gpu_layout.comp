@@ -165,6 +165,10 @@ void main() {
     put(state.lengths);
     put(state.reach);
     put(state.bound);
+#elif defined(WALL)
+    for (int k = 0; k < 3; ++k) put(state.normal[k]);
+    for (int k = 0; k < 2; ++k) put(state.offset[k]);
+    for (int k = 0; k < 4; ++k) put(state.rough[k]);
 #elif defined(NODE)
     for (int i = 0; i < 3; ++i) {
         put(nodes[i].lower);

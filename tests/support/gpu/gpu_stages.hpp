@@ -47,7 +47,7 @@ struct GpuStages {
         votess::Options options;
         options.box = set.box;
         votess::Job job = votess::validate({set.points, {}}, options);
-        seeds.upload(job, {}, *passes);
+        seeds.upload(job, {}, job.box, *passes);
         return job;
     }
     votess::Job upload_and_sort(const PointSet& set, std::uint32_t key_bits = KEY_BITS_PER_AXIS) {

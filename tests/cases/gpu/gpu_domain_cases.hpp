@@ -1,0 +1,69 @@
+// Domains on a Vulkan device against the CPU, with both kernels.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <votess/votess.hpp>
+
+#include "oracle/half_spaces.hpp"
+#include "support/check.hpp"
+#include "support/generators.hpp"
+#include "support/gpu/gpu.hpp"
+#include "support/random.hpp"
+
+namespace test {
+
+inline votess::Options domain_options() {
+    votess::Options options = all_options(unit_box());
+    options.want.centroids = options.want.areas = true;
+    return options;
+}
+
+inline Coordinates random_points(std::size_t n, std::uint64_t seed, double lower = 0, double upper = 1) {
+    Random random(seed);
+    Coordinates points(3 * n);
+    for (double& x : points) x = random.uniform(lower, upper);
+    return points;
+}
+
+struct Counts {
+    std::uint64_t fallback = 0;
+    std::string failure;
+};
+
+inline Counts compare_kernel(const Coordinates& points, votess::Options options, votess::gpu::Kernel kernel) {
+    const auto cpu = votess::tessellate(std::span<const double>(points), options);
+    options.device = device_name();
+    const UseKernel chosen(kernel);
+    const auto gpu = votess::tessellate(std::span<const double>(points), options);
+    Counts counts{gpu.stats().fallback_cells, check_domain(gpu)};
+    if (!counts.failure.empty()) return counts;
+    if (!std::ranges::equal(cpu.indptr(), gpu.indptr()) || !std::ranges::equal(cpu.indices(), gpu.indices()))
+        counts.failure = "rows differ";
+    else if (!std::ranges::equal(cpu.shifts(), gpu.shifts()))
+        counts.failure = "shifts differ";
+    else if (!std::ranges::equal(cpu.status(), gpu.status()))
+        counts.failure = "statuses differ";
+    for (std::size_t i = 0; i < cpu.size() && counts.failure.empty(); ++i) {
+        if (!(std::abs(cpu.volumes()[i] - gpu.volumes()[i]) <= 2 * tolerance(options) * cpu.volumes()[i]))
+            counts.failure = "volume " + std::to_string(i) + " differs";
+        for (std::size_t k = 0; k < 3 && cpu.volumes()[i] > 0; ++k)
+            if (!(std::abs(cpu.centroids()[3 * i + k] - gpu.centroids()[3 * i + k]) <=
+                  1e-4 * std::cbrt(cpu.volumes()[i])))
+                counts.failure = "centroid " + std::to_string(i) + " differs";
+    }
+    return counts;
+}
+
+// With both kernels where seeds are few; the larger number of cells left to the CPU.
+inline Counts compare_domain(const Coordinates& points, const votess::Options& options) {
+    const Counts by_invocation = compare_kernel(points, options, votess::gpu::Kernel::invocation);
+    const std::size_t most = by_size(600, 60);  // coordinates: on software devices the other kernel is slow
+    if (!by_invocation.failure.empty() || points.size() > most) return by_invocation;
+    Counts both = compare_kernel(points, options, by_subgroup());
+    both.fallback = std::max(both.fallback, by_invocation.fallback);
+    return both;
+}
+
+}  // namespace test
