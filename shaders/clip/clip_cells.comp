@@ -2,7 +2,8 @@
 // proves the cell complete. A cell that cannot be proven gets the status that says why. The second tier has larger
 // arrays, and goes on where the list ends.
 //
-// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64; else in sums of two float32.
+// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64, else in sums of two float32; DECIDES_TIES
+// has clip/exact_side.glsl.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -27,7 +28,9 @@ layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 
 #include "clip/invocation_cell.glsl"
+#ifdef DECIDES_TIES
 #include "clip/invocation_ties.glsl"
+#endif
 #include "measure/invocation_measure.glsl"
 #include "search/hierarchy.glsl"
 
@@ -208,7 +211,9 @@ void finish(uint slot, uint cell, uint exponent) {
         geometry[4u * cell + 2u] = mass_center.y;
         geometry[4u * cell + 3u] = mass_center.z;
     }
-    if (ties != 0u && status == STATUS_CERTIFIED && met_tie) keep_true_faces(faces, vertices);
+#ifdef DECIDES_TIES
+    if (status == STATUS_CERTIFIED && met_tie) keep_true_faces(faces, vertices);
+#endif
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
         for (int w = 0; w < plane_words; ++w)
             for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {

@@ -32,7 +32,9 @@
 layout(push_constant) uniform Push { CellsPush push; };
 
 #include "clip/subgroup_cell.glsl"
+#ifdef DECIDES_TIES
 #include "clip/subgroup_ties.glsl"
+#endif
 #include "measure/subgroup_measure.glsl"
 #include "search/distances.glsl"
 #include "search/subgroup_search.glsl"
@@ -203,7 +205,9 @@ void finish(uint cell, uint exponent) {
         if (lane == 2u) geometry[4u * cell + 2u] = mass_center.y;
         if (lane == 3u) geometry[4u * cell + 3u] = mass_center.z;
     }
-    if (ties != 0u && status == STATUS_CERTIFIED && any_lane(met_tie)) keep_true_faces(used, faces, vertices);
+#ifdef DECIDES_TIES
+    if (status == STATUS_CERTIFIED && any_lane(met_tie)) keep_true_faces(used, faces, vertices);
+#endif
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) length = write_row(cell, used);
     if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_NEEDS_EXACT;
     if (lane != 0u) return;

@@ -16,9 +16,6 @@
 #include "clip/relative_to_seed.glsl"
 #include "numbers/int64.glsl"
 #include "search/seeds.glsl"
-#include "shared/interface.h"
-
-layout(constant_id = CONSTANT_TIES) const uint ties = 0u;
 
 const int side_unknown = 2;
 const float most_offset = 2048.0, most_square = 16777216.0;
@@ -60,7 +57,7 @@ uvec2 times_determinant(float s, vec3 n, vec3 others) {
 // On which side of plane d the vertex of planes a, b, c lies, det(na,nb,nc) > 0: 1 outside, -1 inside, 0 on it, or
 // side_unknown. Planes go by their ids.
 int exact_side(int a, int b, int c, int d) {
-    if (ties == 0u || quantum > real(0) || min(min(a, b), min(c, d)) < -6) return side_unknown;
+    if (quantum > real(0) || min(min(a, b), min(c, d)) < -6) return side_unknown;
     const uvec2 bits = bits_of_plane(a) | bits_of_plane(b) | bits_of_plane(c) | bits_of_plane(d);
     const uint zeros = uint(bits.x != 0u ? findLSB(bits.x) : 32 + findLSB(bits.y));
     const float unit_of_planes = uintBitsToFloat((127u - zeros) << 23);

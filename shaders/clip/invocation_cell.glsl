@@ -4,7 +4,9 @@
 #ifndef VOTESS_CLIP_INVOCATION_CELL_GLSL
 #define VOTESS_CLIP_INVOCATION_CELL_GLSL
 
+#ifdef DECIDES_TIES
 #include "clip/exact_side.glsl"
+#endif
 #include "clip/filter.glsl"
 #include "shared/interface.h"
 
@@ -27,14 +29,16 @@ uint vertex_planes[most_vertices];
 int vertex_count;
 
 uint killed[vertex_words];                       // vertices outside the plane tested last
-uint undecided[vertex_words];                    // those that the filter is not sure of
 uint edges_killed[most_planes * plane_words];    // bit b of row a: edge (a, b) of a killed vertex
 uint horizon[most_planes];                       // edges (a, b) with one vertex killed: a | b << 8
 uint status;
 real radius_squared;  // over all vertices, as of the last test
 real largest_error;   // at least that of any vertex
 
-bool met_tie;         // a vertex lies on a plane that it is not of
+#ifdef DECIDES_TIES
+uint undecided[vertex_words];  // vertices that the filter is not sure of
+bool met_tie;                  // a vertex lies on a plane that it is not of
+#endif
 
 Plane tested;   // last
 int tested_id;  // the id of that
@@ -85,7 +89,9 @@ void start_cell(real wall[6]) {
     }
     vertex_count = 0;
     largest_error = real(0);
+#ifdef DECIDES_TIES
     met_tie = false;
+#endif
     for (uint corner = 0u; corner < 8u; ++corner) {
         const uint x = corner & 1u, y = 2u + ((corner >> 1) & 1u), z = 4u + (corner >> 2);
         // det is the product of the three signs.
@@ -96,6 +102,7 @@ void start_cell(real wall[6]) {
     }
 }
 
+#ifdef DECIDES_TIES
 // Decides on the vertices that the filter leaves; true when any of them is outside.
 bool decide_exactly() {
     bool cuts = false;
@@ -112,11 +119,16 @@ bool decide_exactly() {
         }
     return cuts;
 }
+#endif
 
 // Marks the vertices outside the new plane; true when there are any. The status changes when that is uncertain.
 bool test_plane() {
-    for (int w = 0; w < vertex_words; ++w) killed[w] = undecided[w] = 0u;
-    bool cuts = false, uncertain = false;
+    for (int w = 0; w < vertex_words; ++w) killed[w] = 0u;
+    bool cuts = false;
+#ifdef DECIDES_TIES
+    for (int w = 0; w < vertex_words; ++w) undecided[w] = 0u;
+    bool uncertain = false;
+#endif
     real farthest = real(0);
     const real most = side_bound(tested, largest_error);
     for (int first = 0; first < vertex_count; first += side_by_side) {
@@ -141,13 +153,19 @@ bool test_plane() {
                 killed[v >> 5] |= 1u << (v & 31);
                 cuts = true;
             } else if (!(sides[i] < -bound)) {
+#ifdef DECIDES_TIES
                 undecided[v >> 5] |= 1u << (v & 31);
                 uncertain = true;
+#else
+                status = STATUS_NEEDS_EXACT;
+#endif
             }
         }
     }
     radius_squared = farthest;
+#ifdef DECIDES_TIES
     if (uncertain && decide_exactly()) cuts = true;
+#endif
     return cuts;
 }
 

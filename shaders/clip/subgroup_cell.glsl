@@ -4,7 +4,9 @@
 #ifndef VOTESS_CLIP_SUBGROUP_CELL_GLSL
 #define VOTESS_CLIP_SUBGROUP_CELL_GLSL
 
+#ifdef DECIDES_TIES
 #include "clip/exact_side.glsl"
+#endif
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
 #include "invocations/subgroup.glsl"
@@ -22,7 +24,9 @@ uint vertex_planes[slots];
 uint alive, killed;         // a bit for each slot
 uint planes_used;           // all that are in use, and maybe more
 real largest_error, security;  // over all vertices; security: squared radius
-bool met_tie;               // a vertex of this lane lies on a plane that it is not of
+#ifdef DECIDES_TIES
+bool met_tie;  // a vertex of this lane lies on a plane that it is not of
+#endif
 
 shared real4 plane_equation[SUBGROUP_PLANES * subgroups];  // n, h
 shared real plane_norm[SUBGROUP_PLANES * subgroups], plane_distance[SUBGROUP_PLANES * subgroups];
@@ -115,7 +119,9 @@ void start_cell() {
     }
     planes_used = 0x3fu;
     alive = 0u;
+#ifdef DECIDES_TIES
     met_tie = false;
+#endif
     [[unroll]] for (int s = 0; s < slots; ++s) {
         vertex_x[s] = vertex_y[s] = vertex_z[s] = vertex_error[s] = real(0);
         vertex_planes[s] = 0u;
@@ -132,6 +138,7 @@ void start_cell() {
     measure_radius_and_error();
 }
 
+#ifdef DECIDES_TIES
 // Decides on vertices of this lane that the filter is not sure of; false when that is not possible.
 bool decide_exactly(uint undecided, int id) {
     bool decided = true;
@@ -146,6 +153,7 @@ bool decide_exactly(uint undecided, int id) {
     }
     return decided;
 }
+#endif
 
 // Marks the vertices outside a plane; true when there are any. The status changes when that is uncertain.
 bool test_plane(Plane p, int id) {
@@ -166,7 +174,11 @@ bool test_plane(Plane p, int id) {
     }
     killed = alive & outside;
     const uint undecided = alive & ~(outside | inside);
-    if (any_lane(undecided != 0u) && any_lane(!decide_exactly(undecided, id))) {
+    bool decided = !any_lane(undecided != 0u);
+#ifdef DECIDES_TIES
+    if (!decided) decided = !any_lane(!decide_exactly(undecided, id));
+#endif
+    if (!decided) {
         status = STATUS_NEEDS_EXACT;
         return false;
     }

@@ -15,9 +15,8 @@
 #define CONSTANT_SUBGROUPS 9      // clip_subgroup: subgroups of a work-group
 #define CONSTANT_LOCKSTEP 10      // clip_subgroup: 1 where lanes cannot run ahead of each other
 #define CONSTANT_FIRST_COUNT 11   // clip_subgroup: seeds that the first search aims at
-#define CONSTANT_TIES 12          // clip, clip_subgroup: 1 decides ties of small whole numbers
-#define CONSTANT_WALLS 13         // clip: 1 when there are walls of any direction
-#define CONSTANT_COUNT 14
+#define CONSTANT_WALLS 12         // clip: 1 when there are walls of any direction
+#define CONSTANT_COUNT 13
 
 // N is the number of points, M that of items being sorted or scanned, C that of cells of a chunk, T that of cells of
 // the second tier.

@@ -14,7 +14,7 @@ namespace {
 using test::Coordinates;
 using test::Random;
 
-constexpr int kinds = 8;
+constexpr int kinds = 10;
 
 // One point of a set of this kind and size, with coordinates of order one.
 std::array<double, 3> draw(int kind, int size, double jitter, Random& random) {
@@ -44,6 +44,22 @@ std::array<double, 3> draw(int kind, int size, double jitter, Random& random) {
             std::array<double, 3> p{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
             const double r = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) + 1e-3;
             for (auto& x : p) x = x / r * (1 + jitter * random.uniform(-1, 1));
+            return p;
+        }
+        case 8: {  // small whole numbers
+            const auto whole = [&] { return static_cast<double>(random.integer(0, size)); };
+            return {whole(), whole(), whole()};
+        }
+        case 9: {  // whole numbers on a sphere, a plane or a line
+            static constexpr std::array<std::array<double, 3>, 4> on_sphere{
+                {{9, 0, 0}, {8, 4, 1}, {7, 4, 4}, {6, 6, 3}}};
+            std::array<double, 3> p = on_sphere[random.below(4)];
+            std::swap(p[0], p[random.below(3)]);
+            std::swap(p[1], p[1 + random.below(2)]);
+            for (auto& x : p)
+                if (random.chance(0.5)) x = -x;
+            if (size > 4) p = {p[0], p[1], -p[0] - p[1]};
+            if (size == 6) p = {p[0], 2 * p[0], -3 * p[0]};
             return p;
         }
         default: {  // on walls of the unit box

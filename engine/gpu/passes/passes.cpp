@@ -35,11 +35,22 @@ vulkan::Constant list_of_todo(const PassSettings& settings) {
     return {CONSTANT_LIST_OF_TODO, settings.subgroup_size != 0 ? 1u : 0u};
 }
 
+struct Variants {
+    std::span<const std::uint32_t> float32, measured_float64, float64;
+};
+
+std::span<const std::uint32_t> of_numbers(const Device& device, const PassSettings& settings, const TierLimits& limits,
+                                          const Variants& variants) {
+    if (limits.float64) return variants.float64;
+    return device.has_float64() && settings.measure ? variants.measured_float64 : variants.float32;
+}
+
 Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier) {
     const TierLimits& limits = settings.tiers[tier];
-    const auto spirv =
-        limits.float64 ? shaders::clip_f64
-                       : (device.has_float64() && settings.measure ? shaders::clip_f32_measure_f64 : shaders::clip_f32);
+    using namespace shaders;
+    const auto spirv = of_numbers(device, settings, limits,
+                                  limits.ties ? Variants{clip_f32_ties, clip_f32_measure_f64_ties, clip_f64_ties}
+                                              : Variants{clip_f32, clip_f32_measure_f64, clip_f64});
     return make<ClipPush>(device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv, settings.local_size,
                           {{CONSTANT_MOST_PLANES, limits.planes},
                            {CONSTANT_MOST_VERTICES, limits.vertices},
@@ -47,8 +58,7 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
                            wanted_geometry(settings),
                            {CONSTANT_WALLS, settings.walls ? 1u : 0u},
                            unit_roundoff(device),
-                           list_of_todo(settings),
-                           {CONSTANT_TIES, limits.ties ? 1u : 0u}});
+                           list_of_todo(settings)});
 }
 
 // What clip_subgroup.comp and its includes rely on: a set of planes is one word; the store of candidates takes two
@@ -66,10 +76,11 @@ std::uint32_t shared_bytes(const PassSettings& settings) {
 
 Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
     const TierLimits& limits = settings.tiers[0];
-    const auto spirv = limits.float64
-                           ? shaders::clip_subgroup_f64
-                           : (device.has_float64() && settings.measure ? shaders::clip_subgroup_f32_measure_f64
-                                                                       : shaders::clip_subgroup_f32);
+    using namespace shaders;
+    const auto spirv = of_numbers(
+        device, settings, limits,
+        limits.ties ? Variants{clip_subgroup_f32_ties, clip_subgroup_f32_measure_f64_ties, clip_subgroup_f64_ties}
+                    : Variants{clip_subgroup_f32, clip_subgroup_f32_measure_f64, clip_subgroup_f64});
     const vulkan::Adapter& adapter = device.adapter();
     std::uint32_t subgroups =
         std::min(settings.subgroups, adapter.limits.maxComputeSharedMemorySize / shared_bytes(settings));
@@ -83,8 +94,7 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
                             {CONSTANT_FIRST_COUNT, settings.first_count},
                             wanted_geometry(settings),
                             {CONSTANT_WALLS, settings.walls ? 1u : 0u},
-                            unit_roundoff(device),
-                            {CONSTANT_TIES, limits.ties ? 1u : 0u}},
+                            unit_roundoff(device)},
                            settings.subgroup_size);
 }
 
