@@ -312,8 +312,10 @@ void ResultBuilder::place_rows(std::size_t first, std::span<const std::uint32_t>
         copy_entries(ids.data(), values, entry, static_cast<std::size_t>(begin), size);
         entry += size;
         if (k == lengths.size()) break;
-        if (lengths[k] == 0) ++k;
-        else if (size == 0) bug("a row is not as long as was said");
+        if (lengths[k] == 0)
+            ++k;
+        else if (size == 0)
+            bug("a row is not as long as was said");
     }
     if (entry != ids.size()) bug("rows and their lengths do not fit");
 }
@@ -322,8 +324,7 @@ void ResultBuilder::copy_entries(const std::int32_t* ids, const RowValues& value
                                  std::size_t count) {
     std::copy_n(ids + from, count, result_.indices.data() + to);
     if (want_areas_) std::copy_n(values.areas.data() + from, count, result_.face_areas.data() + to);
-    if (want_normals_)
-        std::copy_n(values.normals.data() + 3 * from, 3 * count, result_.face_normals.data() + 3 * to);
+    if (want_normals_) std::copy_n(values.normals.data() + 3 * from, 3 * count, result_.face_normals.data() + 3 * to);
     if (want_shifts_) std::copy_n(values.shifts.data() + 3 * from, 3 * count, result_.shifts.data() + 3 * to);
 }
 

@@ -1,5 +1,5 @@
-// votess_bench_host: what the host does with the cells that a device has made, in nanoseconds of its threads' time for a
-// cell. The cells are made up, so no device is needed; the code that takes them is that of the GPU engine.
+// votess_bench_host: what the host does with the cells that a device has made, in nanoseconds of its threads' time for
+// a cell. The cells are made up, so no device is needed; the code that takes them is that of the GPU engine.
 //   votess_bench_host [CELLS [SHARE]]    1e6 and 1e7 without; SHARE of the cells are left to the CPU, 0.003
 #include <algorithm>
 #include <chrono>

@@ -13,6 +13,18 @@ namespace {
 
 constexpr std::size_t block_cells = 4096;  // per task
 
+std::uint64_t& reason_of(FallbackReasons& reasons, std::uint32_t status) {
+    switch (status) {
+        case STATUS_NEEDS_EXACT:
+            return reasons.uncertain;
+        case STATUS_PLANE_OVERFLOW:
+        case STATUS_VERTEX_OVERFLOW:
+            return reasons.overflow;
+        default:
+            return reasons.exhausted;
+    }
+}
+
 }  // namespace
 
 LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, ThreadPool& pool,
@@ -22,18 +34,24 @@ LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const s
     pool.run(ceil_div(info.size(), block_cells), [&](std::size_t block, unsigned) {
         const std::size_t begin = block * block_cells, end = std::min(info.size(), begin + block_cells);
         std::vector<std::uint32_t> left;
+        FallbackReasons reasons;
         std::size_t beside = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t status = info[i] & 0xff;
             if (status == STATUS_CERTIFIED || status == STATUS_DUPLICATE) continue;
-            if (status == STATUS_OUTSIDE)
+            if (status == STATUS_OUTSIDE) {
                 ++beside;
-            else
-                left.push_back(order[i] & INDEX_MASK);
+                continue;
+            }
+            left.push_back(order[i] & INDEX_MASK);
+            ++reason_of(reasons, status);
         }
         const std::lock_guard lock(mutex);
         found.to_cpu += left.size();
         found.beside += beside;
+        found.reasons.uncertain += reasons.uncertain;
+        found.reasons.overflow += reasons.overflow;
+        found.reasons.exhausted += reasons.exhausted;
         members.insert(members.end(), left.begin(), left.end());
     });
     return found;
@@ -94,14 +112,14 @@ void HostCells::for_blocks_of(const DeviceRows& rows, const auto& task) const {
     s_.pool->run(blocks, [&](std::size_t block, unsigned) {
         const std::size_t entry = begins[block], entries = begins[block + 1] - entry;
         const std::size_t first = rows.first + block * block_cells;
-        const auto lengths = rows.lengths.subspan(block * block_cells, std::min(block_cells, count - block * block_cells));
+        const auto lengths =
+            rows.lengths.subspan(block * block_cells, std::min(block_cells, count - block * block_cells));
         std::vector<double> areas;
         if (s_.job->options.want.areas) {
             areas.reserve(entries);
             for (std::size_t c = 0; c < lengths.size(); ++c)
                 for (std::uint32_t k = 0; k < lengths[c]; ++k)
-                    areas.push_back(
-                        times_power_of_two(rows.areas[entry + areas.size()], 2 * exponent_of(first + c)));
+                    areas.push_back(times_power_of_two(rows.areas[entry + areas.size()], 2 * exponent_of(first + c)));
         }
         const auto shifts = rows.shifts.empty() ? rows.shifts : rows.shifts.subspan(3 * entry, 3 * entries);
         task(first, lengths, rows.ids.subspan(entry, entries), RowValues{areas, {}, shifts});

@@ -29,13 +29,14 @@ struct DeviceRows {
     std::size_t first = 0;                   // member
     std::span<const std::uint32_t> lengths;  // of each
     std::span<const std::int32_t> ids;
-    Numbers areas;                         // beside ids when they are wanted, in the squares of the cells' own units
-    std::span<const std::int8_t> shifts;   // 3 beside each id in a periodic domain
+    Numbers areas;                        // beside ids when they are wanted, in the squares of the cells' own units
+    std::span<const std::int8_t> shifts;  // 3 beside each id in a periodic domain
 };
 
 // What a chunk leaves.
 struct LeftCells {
     std::size_t to_cpu = 0;
+    FallbackReasons reasons;  // of these
     std::size_t beside = 0;  // seeds beside the part, which get no cell
 };
 // info, order: of the cells of a chunk, and the members that they belong to. Adds members left to the CPU to `members`.
