@@ -186,13 +186,14 @@ void GpuEngine::clip_part(std::size_t index) {
     job.bounded = part_.bounded;
     if (!part_.members.empty()) job.named_from = named_from();
     const auto most_entries = [&](std::uint32_t count) { return chunks_[0]->on_device().most_entries(count); };
-    download_.begin({.members = part_.own_count,
-                     .neighbors = job.neighbors,
-                     .measure = passes_->settings.measure,
-                     .areas = passes_->settings.areas,
-                     .shifts = periodic_.has_value(),
-                     .least_entries = std::max(most_entries(cells), 2 * most_entries(std::min(cells, Schedule::trial_cells))),
-                     .most_entries = limits_.most_entries});
+    download_.begin(
+        {.members = part_.own_count,
+         .neighbors = job.neighbors,
+         .measure = passes_->settings.measure,
+         .areas = passes_->settings.areas,
+         .shifts = periodic_.has_value(),
+         .least_entries = std::max(most_entries(cells), 2 * most_entries(std::min(cells, Schedule::trial_cells))),
+         .most_entries = limits_.most_entries});
 
     Schedule schedule(seeds_.count(), cells);
     bool first_batch = true;

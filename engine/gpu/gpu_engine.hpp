@@ -89,7 +89,7 @@ private:
     std::optional<PeriodicPart> periodic_;
     Part part_;
     Box box_;                            // of all parts
-    FallbackReasons reasons_;                 // of all that were pending
+    FallbackReasons reasons_;            // of all that were pending
     bool device_clips_ = true;           // else the exact clipper takes all cells
     bool duplicates_ = false;            // there are some, or there may be
     std::vector<std::int32_t> pending_;  // cells (input index) for the CPU

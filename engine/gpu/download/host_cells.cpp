@@ -95,7 +95,7 @@ void HostCells::finish(std::size_t first, std::size_t count, const Numbers& geom
             const auto i = static_cast<std::size_t>(input_of(member));
             const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff;
             result.face_counts()[i] = faces;
-            result.edge_counts()[i] = vertices / 2 * 3;  // three edges at every vertex
+            result.edge_counts()[i] = vertices + faces - 2;  // Euler
             result.vertex_counts()[i] = vertices;
         }
         result.count(counters);

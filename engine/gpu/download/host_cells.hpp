@@ -1,5 +1,5 @@
 // The host's share of a part's cells: what a device has measured gets the units of the input, and rows go to the result
-// builder. Knows no Vulkan, so that tools/bench/host.cpp can feed it with made-up cells.
+// builder. Knows no Vulkan, so that tools/bench/gpu/gpu_host.cpp can feed it with made-up cells.
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ struct DeviceRows {
 struct LeftCells {
     std::size_t to_cpu = 0;
     FallbackReasons reasons;  // of these
-    std::size_t beside = 0;  // seeds beside the part, which get no cell
+    std::size_t beside = 0;   // seeds beside the part, which get no cell
 };
 // info, order: of the cells of a chunk, and the members that they belong to. Adds members left to the CPU to `members`.
 LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, ThreadPool& pool,
