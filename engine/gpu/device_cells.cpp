@@ -10,6 +10,11 @@ namespace {
 
 using vulkan::push_bytes;
 
+constexpr std::uint32_t row_windows[ROW_WINDOWS]{BINDING_ROWS_OUT, BINDING_ROWS_OUT_1, BINDING_ROWS_OUT_2,
+                                                 BINDING_ROWS_OUT_3};
+constexpr std::uint32_t shift_windows[ROW_WINDOWS]{BINDING_SHIFTS_OUT, BINDING_SHIFTS_OUT_1, BINDING_SHIFTS_OUT_2,
+                                                   BINDING_SHIFTS_OUT_3};
+
 // How many cells of a tile the second tier takes. Small lists leave nearly all cells to it.
 std::uint32_t most_of_tile(std::uint32_t cells, const PassSettings& settings) {
     constexpr std::uint32_t ordinary_k = 64;
@@ -45,9 +50,9 @@ std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& sett
 }
 
 VkDeviceSize DeviceCells::bytes_per_cell(const PassSettings& s) {
-    // List, rows and rows out, of both tiers; then the words of reserve(), geometry twice, and areas beside the rows.
+    // List, rows of both tiers, the words of reserve(), geometry, and areas beside the rows.
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * (list_words(s) + 2 * planes + 10 + 2 * 2 * geometry_components + (s.areas ? 2 * 2 * planes : 0));
+    return 4 * (list_words(s) + planes + 10 + 2 * geometry_components + (s.areas ? 2 * planes : 0));
 }
 
 VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
@@ -83,7 +88,8 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     tiles_ = workspace.take_words(blocks_of(cells, TILE_ITEMS), "todo of tiles");
     todo_scan_.reserve(workspace, blocks_of(cells, TILE_ITEMS));
     // A cell of the second tier has no row in the first.
-    most_entries_ = first_rows + t * (settings.tiers[1].planes - settings.tiers[0].planes);
+    planes_ = settings.tiers[0].planes;
+    more_planes_ = settings.tiers[1].planes - planes_;
 }
 
 std::uint32_t DeviceCells::window_bits(const vulkan::Device& device) {
@@ -108,12 +114,15 @@ void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint3
                                std::uint32_t window_bits) {
     rows_.window_bits = window_bits;
     rows_.capacity = capacity;
-    set_windows({BINDING_ROWS_OUT, BINDING_ROWS_OUT_1, BINDING_ROWS_OUT_2, BINDING_ROWS_OUT_3}, rows);
+    set_windows(row_windows, rows);
     bindings_.set(BINDING_AREAS_OUT, areas);
+    rows_.shifts = 0;
+    set_windows(shift_windows, rows);  // something must be bound
 }
 
 void DeviceCells::set_shifts_out(const Slice& shifts) {
-    set_windows({BINDING_SHIFTS_OUT, BINDING_SHIFTS_OUT_1, BINDING_SHIFTS_OUT_2, BINDING_SHIFTS_OUT_3}, shifts);
+    rows_.shifts = 1;
+    set_windows(shift_windows, shifts);
 }
 
 void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job,
@@ -127,7 +136,9 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     knn_.first_cell = clip_.first_cell = first;
     knn_.cell_count = clip_.cell_count = rows_.cell_count = count;
     knn_.seed_count = clip_.seed_count = seeds.count();
-    knn_.own_count = clip_.own_count = rows_.own_count = job.own_count;
+    knn_.own_count = clip_.own_count = job.own_count;
+    rows_.first_cell = first;
+    rows_.named_from = job.named_from;
     knn_.level_count = clip_.level_count = static_cast<std::uint32_t>(seeds.level_first().size());
     std::ranges::copy(seeds.level_first(), knn_.level_first);
     std::ranges::copy(seeds.level_first(), clip_.level_first);
@@ -207,7 +218,9 @@ void DeviceCells::record_rows(Recorder& recorder, const Passes& passes) const {
     recorder.copy(slice(BINDING_ROW_LENGTH), 0, slice(BINDING_ROW_OFFSETS), 0, VkDeviceSize{count} * 4);
     recorder.barrier();
     scan_.record(recorder, passes, slice(BINDING_ROW_OFFSETS), count);
-    recorder.dispatch(passes.download_rows, bindings_.list(), push_bytes(rows_), count);
+    const bool named = rows_.named_from < INDEX_MASK;
+    recorder.dispatch(named ? *passes.download_named_rows : passes.download_rows, bindings_.list(), push_bytes(rows_),
+                      count);
 }
 
 }  // namespace votess::gpu

@@ -2,6 +2,7 @@
 // for the second half of knn, for clip and for download.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "gpu/seeds/device_seeds.hpp"
@@ -17,6 +18,8 @@ struct ChunkJob {
     // Bounds in units, from the box's lower corner, within which all seeds are known; see KnnPush.
     std::uint64_t lower[3]{}, upper[3]{};
     std::uint32_t bounded = 0;
+    // Ids from here on are in rows by the name that the seeds have for them.
+    std::uint32_t named_from = INDEX_MASK;
 };
 
 // Cells of a chunk: so many as are wanted, 0 = as suits the device, at most `seeds` and what its limits allow.
@@ -37,7 +40,7 @@ public:
     // Where the rows go, and the areas beside them; for that many entries. Windows of 2^window_bits of them are bound.
     void set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
                       std::uint32_t window_bits = most_window_bits);
-    // Beside the rows, in as many windows.
+    // Beside the rows, in as many windows; after set_rows_out(), without which none are wanted.
     void set_shifts_out(const Slice& shifts);
     static constexpr std::uint32_t most_window_bits = 31;
     // The largest that the device can bind.
@@ -53,8 +56,10 @@ public:
     void record_rows(Recorder& recorder, const Passes& passes) const;
 
     [[nodiscard]] std::uint32_t capacity() const { return cells_; }
-    // Entries that the rows of all cells have room for.
-    [[nodiscard]] VkDeviceSize most_entries() const { return most_entries_; }
+    // Entries that the rows of so many cells may have.
+    [[nodiscard]] VkDeviceSize most_entries(std::uint32_t cells) const {
+        return VkDeviceSize{cells} * planes_ + VkDeviceSize{std::min(cells, todo_capacity_)} * more_planes_;
+    }
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
     [[nodiscard]] Slice slice(std::uint32_t binding) const { return bindings_.get(binding); }
 
@@ -62,7 +67,7 @@ private:
     void set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], const Slice& rows);
 
     std::uint32_t cells_ = 0, todo_capacity_ = 0, most_of_tile_ = 0;
-    VkDeviceSize most_entries_ = 0;
+    std::uint32_t planes_ = 0, more_planes_ = 0;  // of a cell, and of one of the second tier beyond
     Scan scan_, todo_scan_;
     Slice tiles_;  // of cells left to the second tier
     Bindings bindings_, second_bindings_;

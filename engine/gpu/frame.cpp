@@ -22,7 +22,7 @@ constexpr VkDeviceSize geometry_bytes = 16;  // of a cell: vec4
 constexpr double volume_tolerance = 0.5e-5;
 constexpr std::uint32_t most_walk_visits = 2000;  // a frame waits for its slowest cell; resolve() makes what is left
 constexpr double margin_spacings = 3.4;           // of the mean distance between seeds: most uniform cells need less
-constexpr std::uint32_t most_of_all = 1u << 27;  // seeds: rows have 32 bits for their entries, images 27 for their seed
+constexpr std::uint32_t most_of_all = 1u << 27;   // seeds: rows have 32 bits for their entries
 
 [[noreturn]] void refuse(const std::string& what) {
     throw Error(ErrorCode::invalid_argument, what);
@@ -276,6 +276,7 @@ void detail::FrameState::record_cells(std::uint32_t count) {
         if (!plan->options.periodic[k]) continue;
         job.bounded |= 9u << k;
         job.upper[k] = seeds_.extent()[k];
+        job.named_from = count;
     }
     // Images are sorted among the seeds, and make no cells.
     for (std::uint32_t first = 0; first < seeds_.count();) {
@@ -301,7 +302,7 @@ void detail::FrameState::record_cells(std::uint32_t count) {
         recorder_.dispatch(*passes.download_cells, outputs_.list(), push_bytes(push), cells);
         recorder_.barrier();
         if (job.neighbors) {
-            recorder_.dispatch(*passes.download_total, outputs_.list(), push_bytes(push), 1);
+            recorder_.dispatch(passes.download_total, outputs_.list(), push_bytes(push), 1);
             recorder_.barrier();
         }
         first += cells;

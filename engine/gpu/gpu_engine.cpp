@@ -4,12 +4,9 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <string>
 
-#include "core/ceil.hpp"
-#include "core/power_of_two.hpp"
 #include "gpu/passes/kernel_choice.hpp"
 #include "gpu/seeds/walls.hpp"
 #include "input/implied_wants.hpp"
@@ -17,30 +14,22 @@
 namespace votess::gpu {
 namespace {
 
-constexpr std::size_t block_cells = 4096;  // per task of the host
-
-std::uint64_t& reason_of(FallbackReasons& reasons, std::uint32_t status) {
-    switch (status) {
-        case STATUS_NEEDS_EXACT:
-            return reasons.uncertain;
-        case STATUS_PLANE_OVERFLOW:
-        case STATUS_VERTEX_OVERFLOW:
-            return reasons.overflow;
-        default:
-            return reasons.exhausted;
-    }
-}
-
-void add(FallbackReasons& sum, const FallbackReasons& some) {
-    sum.uncertain += some.uncertain;
-    sum.overflow += some.overflow;
-    sum.exhausted += some.exhausted;
+// As names have it, see SHIFT_NONE.
+std::uint32_t shift_word(const std::array<std::int8_t, 3>& shift) {
+    std::uint32_t word = 0;
+    for (const std::int8_t k : shift) word = (word << 8) | static_cast<std::uint32_t>(k + 128);
+    return word;
 }
 
 }  // namespace
 
 GpuEngine::GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipper, const EngineLimits& limits)
-    : device_(std::move(device)), memory_(*device_), clipper_(clipper), limits_(limits), seeds_(*device_, memory_) {}
+    : device_(std::move(device)),
+      memory_(*device_),
+      clipper_(clipper),
+      limits_(limits),
+      seeds_(*device_, memory_),
+      download_(*device_, memory_) {}
 
 PassSettings GpuEngine::pass_settings(const Options& options) const {
     const bool float64 = device_->has_float64();
@@ -113,6 +102,7 @@ void GpuEngine::begin(const Job& job) {
     // A run that was stopped may have left the device at work.
     for (auto& chunk : chunks_)
         if (chunk) chunk->wait();
+    download_.wait();
     lists_only_ = needs_polytopes(job_.options.want);
     clipper_.begin(job_);
     result_.begin(job_, clipper_.pool());
@@ -148,17 +138,24 @@ bool GpuEngine::find_domain() {
 }
 
 std::uint32_t GpuEngine::most_seeds() const {
-    return limits_.most_seeds != 0 ? limits_.most_seeds : SeedStore::most_seeds(*device_, memory_);
+    return limits_.most_seeds != 0 ? limits_.most_seeds : SeedStore::most_seeds(*device_, memory_, !lists_only_);
 }
 
 void GpuEngine::upload_part(std::size_t index) {
     if (periodic_) {
         part_ = periodic_->part;
         seeds_.upload(*periodic_, *passes_);
-        return;
+    } else {
+        part_ = parts_->get(index);
+        seeds_.upload(job_, part_.members, box_, *passes_);
     }
-    part_ = parts_->get(index);
-    seeds_.upload(job_, part_.members, box_, *passes_);
+    if (part_.members.empty()) return;
+    const std::uint32_t first = named_from();
+    seeds_.upload_names(static_cast<std::uint32_t>(part_.members.size()) - first, [&](std::uint32_t i) {
+        const std::size_t member = std::size_t{first} + i;
+        return uvec2(static_cast<std::uint32_t>(part_.members[member]),
+                     periodic_ ? shift_word(periodic_->shifts[member]) : SHIFT_NONE);
+    });
 }
 
 void GpuEngine::sort_part() {
@@ -187,19 +184,31 @@ void GpuEngine::clip_part(std::size_t index) {
     std::copy_n(part_.lower, 3, job.lower);
     std::copy_n(part_.upper, 3, job.upper);
     job.bounded = part_.bounded;
+    if (!part_.members.empty()) job.named_from = named_from();
+    const auto most_entries = [&](std::uint32_t count) { return chunks_[0]->on_device().most_entries(count); };
+    download_.begin(
+        {.members = part_.own_count,
+         .neighbors = job.neighbors,
+         .measure = passes_->settings.measure,
+         .areas = passes_->settings.areas,
+         .shifts = periodic_.has_value(),
+         .least_entries = std::max(most_entries(cells), 2 * most_entries(std::min(cells, Schedule::trial_cells))),
+         .most_entries = limits_.most_entries});
 
     Schedule schedule(seeds_.count(), cells);
+    bool first_batch = true;
     Chunk* running = nullptr;
     const bool last_part = index + 1 == parts_->size();
     std::size_t slot = 0;
     std::uint32_t most = cells;
     std::size_t done = 0;                           // seeds given to the device or left to the CPU
     auto begun = std::chrono::steady_clock::now();  // when the device began with the running chunk
-    const auto take = [&](const Chunk& chunk, double progress) {
+    const auto take = [&](Chunk& chunk) {
+        chunk.wait();
         const auto now = std::chrono::steady_clock::now();
         most = paced_cells(chunk, std::chrono::duration<double>(now - begun).count(), cells);
         begun = now;
-        collect(chunk, schedule, progress);
+        collect(chunk, schedule);
     };
     for (;;) {
         const std::optional<Piece> piece = schedule.next(most);
@@ -208,33 +217,45 @@ void GpuEngine::clip_part(std::size_t index) {
         if (piece) {
             done += piece->count;
             if (piece->on_device) {
-                started = &*chunks_[slot];
+                Chunk& next = *chunks_[slot];
+                // A trial that is repeated with ties leaves its first rows where they are.
+                const VkDeviceSize needed = most_entries(piece->count) * (piece->trial && !piece->ties ? 2 : 1);
+                if (running != nullptr && !download_.has_room(most_entries(running->count()) + needed)) {
+                    take(*running);
+                    running = nullptr;
+                }
+                if (!download_.has_room(needed)) {
+                    take_batch(false);
+                    download_.begin_batch();
+                    first_batch = false;
+                }
+                started = &next;
                 slot ^= 1;
                 if (running == nullptr) begun = std::chrono::steady_clock::now();
                 if (piece->ties) passes_->make_with_ties(*device_);
-                started->start(seeds_, *passes_, job, *piece);
+                started->start(seeds_, *passes_, job, *piece, download_.on_device());
             } else {
                 leave_to_cpu(piece->first, piece->count);
             }
         }
         // The CPU's share of the chunks before, beside the device's work on this one; the last share comes at the end.
-        const double progress = clipping.at(done_cells_, job_.points.count());
+        const double progress = progress_now();
         if (started != nullptr || done < seeds_.count() || !last_part) clip_pending(progress);
         Progress::require(progress_.going_on(progress));
-        if (running != nullptr) {
-            running->wait();
-            take(*running, progress);
-        }
+        if (running != nullptr) take(*running);
         running = started;
         if (running != nullptr && piece->trial) {  // what it tells is worth the wait
             running->wait();
-            if (schedule.repeat_with_ties(*piece, uncertain_cells(*running)))
+            if (schedule.repeat_with_ties(*piece, uncertain_cells(*running))) {
+                download_.set_entries(running->entries());
                 done -= piece->count;
-            else
-                take(*running, progress);
+            } else {
+                take(*running);
+            }
             running = nullptr;
         }
     }
+    take_batch(first_batch && is_in_input_order());
 }
 
 std::size_t GpuEngine::uncertain_cells(const Chunk& chunk) const {
@@ -256,151 +277,54 @@ std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, double host_seconds, st
         std::clamp<double>(chunk.count() * growth, std::min(most, Schedule::trial_cells), most));
 }
 
-void GpuEngine::collect(const Chunk& chunk, Schedule& schedule, double progress) {
+void GpuEngine::collect(const Chunk& chunk, Schedule& schedule) {
     const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
-    const auto infos = chunk.info();
-    const auto lengths = chunk.row_lengths();
-    const std::size_t blocks = ceil_div(chunk.count(), block_cells);
-    auto& cells = chunk_inputs_;
-    auto& row_begin = row_begin_;
-    cells.resize(chunk.count());
-    row_begin.assign(blocks + 1, 0);
-    for (std::uint32_t i = 0; i < chunk.count(); ++i) {
-        cells[i] = input_of(order[i] & INDEX_MASK);
-        row_begin[i / block_cells + 1] += lengths[i];
-    }
-    for (std::size_t b = 0; b < blocks; ++b) row_begin[b + 1] += row_begin[b];
-
-    std::mutex mutex;
-    std::size_t left = 0, beside = 0;
-    clipper_.pool().run(blocks, [&](std::size_t block, unsigned) {
-        const std::size_t begin = block * block_cells, end = std::min<std::size_t>(chunk.count(), begin + block_cells);
-        CellCounters counters;
-        std::vector<std::int32_t> pending;
-        FallbackReasons reasons;
-        std::size_t outside = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t info = infos[i], status = info & 0xff;
-            if (status == STATUS_CERTIFIED) {
-                if (lists_only_) continue;
-                counters.faces += (info >> INFO_FACES_SHIFT) & 0xff;
-                collect_cell(chunk, static_cast<std::uint32_t>(i), cells[i]);
-            } else if (status == STATUS_OUTSIDE) {
-                ++outside;
-            } else if (status != STATUS_DUPLICATE) {
-                pending.push_back(cells[i]);
-                ++reason_of(reasons, status);
-            }
-        }
-        result_.count(counters);
-        if (job_.options.want.neighbors && !lists_only_) collect_rows(chunk, cells, begin, end, row_begin[block]);
-        const std::lock_guard lock(mutex);
-        left += pending.size();
-        beside += outside;
-        pending_.insert(pending_.end(), pending.begin(), pending.end());
-        add(reasons_, reasons);
-    });
-    if (lists_only_) collect_lists(chunk, progress);
-    done_cells_ += chunk.count() - beside;
-
+    left_.clear();
+    const LeftCells found = find_left_cells(chunk.info(), order, clipper_.pool(), left_);
+    for (const std::uint32_t member : left_) pending_.push_back(input_of(member));
+    reasons_.uncertain += found.reasons.uncertain;
+    reasons_.overflow += found.reasons.overflow;
+    reasons_.exhausted += found.reasons.exhausted;
+    const std::size_t own = chunk.count() - found.beside;
+    done_cells_ += own;
+    download_.set_entries(chunk.entries());
     const auto seconds = chunk.seconds();
     device_seconds_.knn += seconds.knn;
     device_seconds_.clip += seconds.clip;
     device_seconds_.download += seconds.download;
-    schedule.note(chunk.piece(), chunk.count() - beside, chunk.left_count(), left, uncertain_cells(chunk));
+    schedule.note(chunk.piece(), own, chunk.left_count(), found.to_cpu, uncertain_cells(chunk));
 }
 
-void GpuEngine::collect_lists(const Chunk& chunk, double progress) {
-    const auto infos = chunk.info();
-    const auto lengths = chunk.row_lengths();
-    const std::size_t size = std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
-    const std::span<const std::int32_t> rows = chunk.rows(size);
-    listed_cells_.clear();
-    listed_lengths_.clear();
-    listed_ids_.clear();
-    listed_shifts_.clear();
-    for (std::size_t i = 0, entry = 0; i < chunk.count(); entry += lengths[i++]) {
-        if ((infos[i] & 0xff) != STATUS_CERTIFIED) continue;
-        listed_cells_.push_back(chunk_inputs_[i]);
-        listed_lengths_.push_back(lengths[i]);
-        for (const std::int32_t id : rows.subspan(entry, lengths[i])) {
-            listed_ids_.push_back(id < 0 || part_.members.empty() ? id : input_of(static_cast<std::uint32_t>(id)));
-            if (!periodic_) continue;
-            listed_shifts_.push_back({});
-            if (id >= 0)
-                listed_shifts_.back() = periodic_->shift_in_row(static_cast<std::uint32_t>(id), chunk_inputs_[i]);
-        }
-    }
-    const StageClock::Within fallback(*clock_, &StageSeconds::fallback);
-    clipper_.clip_listed({listed_cells_, listed_lengths_, listed_ids_, listed_shifts_}, result_, {progress, progress});
-}
-
-// Takes the rows of the chunk's cells begin .. end - 1, which begin at entry `first_entry`.
-void GpuEngine::collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin,
-                             std::size_t end, std::size_t first_entry) {
-    const auto lengths = chunk.row_lengths().subspan(begin, end - begin);
-    const std::size_t size = std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
-    std::vector<std::int32_t> named;
-    std::vector<double> areas;
-    std::span<const std::int32_t> rows = chunk.rows(first_entry + size).subspan(first_entry);
-    if (job_.options.want.areas) {
-        areas.reserve(size);
-        for (std::size_t i = begin; i < end; ++i) {
-            const int exponent =
-                static_cast<int>(chunk.info()[i] >> INFO_EXPONENT_SHIFT) - seeds_.on_device().units().shift;
-            for (std::uint32_t k = 0; k < lengths[i - begin]; ++k)
-                areas.push_back(times_power_of_two(chunk.area(first_entry + areas.size()), 2 * exponent));
-        }
-    }
-    std::vector<std::int8_t> shifts;
-    if (!part_.members.empty()) {  // the device knows them by other names, and another order
-        struct Entry {
-            std::int32_t id;
-            std::array<std::int8_t, 3> shift;
-            double area;
-        };
-        std::vector<Entry> row;
-        named.assign(rows.begin(), rows.end());
-        if (periodic_) shifts.resize(3 * size);
-        for (std::size_t at = 0, i = 0; i < lengths.size(); at += lengths[i++]) {
-            row.clear();
-            for (std::size_t e = at; e < at + lengths[i]; ++e) {
-                Entry entry{named[e], {}, areas.empty() ? 0 : areas[e]};
-                if (named[e] >= 0) entry.id = input_of(static_cast<std::uint32_t>(named[e]));
-                if (named[e] >= 0 && periodic_)
-                    entry.shift = periodic_->shift_in_row(static_cast<std::uint32_t>(named[e]), cells[begin + i]);
-                row.push_back(entry);
-            }
-            std::ranges::sort(row, {}, [](const Entry& entry) { return std::pair(entry.id, entry.shift); });
-            for (std::size_t k = 0; k < row.size(); ++k) {
-                named[at + k] = row[k].id;
-                if (!areas.empty()) areas[at + k] = row[k].area;
-                if (periodic_)
-                    std::ranges::copy(row[k].shift, shifts.begin() + static_cast<std::ptrdiff_t>(3 * (at + k)));
-            }
-        }
-        rows = named;
-    }
-    result_.copy_rows(cells.subspan(begin, end - begin), lengths, rows, {areas, {}, shifts});
-}
-
-void GpuEngine::collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input) {
-    const std::uint32_t info = chunk.info()[cell];
-    const auto i = static_cast<std::size_t>(input);
+void GpuEngine::take_batch(bool all_cells) {
+    const StageClock::Within stage(*clock_, &StageSeconds::download);
     const Want& want = job_.options.want;
-    const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - seeds_.on_device().units().shift;
-    if (want.volumes) result_.volumes()[i] = times_power_of_two(chunk.geometry(cell, 0), 3 * exponent);
-    if (want.centroids)
-        for (std::uint32_t k = 0; k < 3; ++k)
-            result_.centroids()[3 * i + k] = job_.points[3 * i + k] +
-                                             (periodic_ && !periodic_->wraps.empty() ? periodic_->wraps[i][k] : 0) +
-                                             times_power_of_two(chunk.geometry(cell, 1 + k), exponent);
-    if (want.counts) {
-        const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff, faces = (info >> INFO_FACES_SHIFT) & 0xff;
-        result_.face_counts()[i] = faces;
-        result_.edge_counts()[i] = vertices + faces - 2;  // Euler
-        result_.vertex_counts()[i] = vertices;
+    download_.read_cells(*passes_);
+    const HostCells cells({.job = &job_,
+                           .result = &result_,
+                           .pool = &clipper_.pool(),
+                           .members = is_in_input_order() ? std::span<std::int32_t>() : std::span(part_.members),
+                           .wraps = periodic_ ? std::span(periodic_->wraps) : std::span<std::array<double, 3>>(),
+                           .shift = seeds_.on_device().units().shift,
+                           .info = download_.info()});
+    if (lists_only_) {
+        download_.read_rows(*passes_, [&](const DeviceRows& rows) {
+            const StageClock::Within fallback(*clock_, &StageSeconds::fallback);
+            cells.clip(rows, clipper_, {progress_now(), progress_now()});
+        });
+        return;
     }
+    if (passes_->settings.measure)
+        download_.read_geometry([&](std::size_t first, std::size_t count, const Numbers& geometry) {
+            cells.finish(first, count, geometry);
+        });
+    else
+        cells.finish(0, part_.own_count, {});
+    if (!want.neighbors) return;
+    if (all_cells) {
+        clip_pending(clipping.end);
+        result_.settle(download_.lengths(), clipper_.pool());
+    }
+    download_.read_rows(*passes_, [&](const DeviceRows& rows) { all_cells ? cells.place(rows) : cells.keep(rows); });
 }
 
 void GpuEngine::leave_to_cpu(std::uint32_t first, std::uint32_t count) {

@@ -10,6 +10,7 @@
 #include "engine.hpp"
 #include "exact_clipper.hpp"
 #include "gpu/chunk.hpp"
+#include "gpu/download/part_download.hpp"
 #include "gpu/passes/passes.hpp"
 #include "gpu/seeds/parts.hpp"
 #include "gpu/seeds/seed_store.hpp"
@@ -19,7 +20,8 @@ namespace votess::gpu {
 
 // What tests vary beyond the options. 0 = as the device allows.
 struct EngineLimits {
-    std::uint32_t most_seeds = 0;  // on the device at once
+    std::uint32_t most_seeds = 0;    // on the device at once
+    std::uint32_t most_entries = 0;  // of rows, on the device at once
     std::uint32_t local_size = 0;
     std::uint32_t most_walk_visits = 0;
     double chunk_seconds = 0;  // that the device may take for a chunk; the next one has as many cells
@@ -45,23 +47,29 @@ private:
     void upload_part(std::size_t index);
     void sort_part();
     void clip_part(std::size_t index);
-    // Takes over the cells of a finished chunk; those not certified are added to the pending ones.
-    void collect(const Chunk& chunk, Schedule& schedule, double progress);
+    // Adds the cells that a finished chunk leaves to the pending ones.
+    void collect(const Chunk& chunk, Schedule& schedule);
+    // Takes over the cells that are on the device. all_cells: no others come, but for the CPU's.
+    void take_batch(bool all_cells);
     // How many cells the next chunk should have, by the time that this one took; on the host's clock, it took at most
     // host_seconds.
     // Cells left to the CPU that may have ties of small whole numbers.
     [[nodiscard]] std::size_t uncertain_cells(const Chunk& chunk) const;
     [[nodiscard]] std::uint32_t paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const;
-    void collect_rows(const Chunk& chunk, std::span<const std::int32_t> cells, std::size_t begin, std::size_t end,
-                      std::size_t first_entry);
-    // The chunk's certified cells as lists, for the CPU to make polytopes of.
-    void collect_lists(const Chunk& chunk, double progress);
-    void collect_cell(const Chunk& chunk, std::uint32_t cell, std::int32_t input);
     void leave_to_cpu(std::uint32_t first, std::uint32_t count);
     void clip_pending(double progress);
     [[nodiscard]] std::int32_t input_of(std::uint32_t member) const {
         return part_.members.empty() ? static_cast<std::int32_t>(member) : part_.members[member];
     }
+    // Whether the part's own members are all seeds, in their order.
+    [[nodiscard]] bool is_in_input_order() const {
+        return parts_->size() == 1 && part_.own_count == job_.points.count();
+    }
+    // Members from here on have names; those before are called as in the input, and not shifted.
+    [[nodiscard]] std::uint32_t named_from() const {
+        return is_in_input_order() && (!periodic_ || periodic_->moves.empty()) ? part_.own_count : 0;
+    }
+    [[nodiscard]] double progress_now() const { return clipping.at(done_cells_, job_.points.count()); }
     void finish(detail::Result& result);
     void check_messages();
 
@@ -71,6 +79,7 @@ private:
     EngineLimits limits_;
     std::optional<Passes> passes_;
     SeedStore seeds_;
+    PartDownload download_;
     std::optional<Chunk> chunks_[2];
 
     Job job_;
@@ -79,18 +88,13 @@ private:
     std::optional<Parts> parts_;
     std::optional<PeriodicPart> periodic_;
     Part part_;
-    Box box_;                                 // of all parts
-    bool device_clips_ = true;                // else the exact clipper takes all cells
-    bool duplicates_ = false;                 // there are some, or there may be
-    std::vector<std::int32_t> pending_;       // cells (input index) for the CPU
-    FallbackReasons reasons_;                 // of all that were pending
-    std::vector<std::int32_t> chunk_inputs_;  // of the cells of the chunk being collected
-    std::vector<std::size_t> row_begin_;      // of its blocks of cells
-    // The device gives lists only, and the CPU's clipper makes the cells from them.
-    bool lists_only_ = false;
-    std::vector<std::int32_t> listed_cells_, listed_ids_;
-    std::vector<std::uint32_t> listed_lengths_;
-    std::vector<std::array<std::int8_t, 3>> listed_shifts_;
+    Box box_;                            // of all parts
+    FallbackReasons reasons_;            // of all that were pending
+    bool device_clips_ = true;           // else the exact clipper takes all cells
+    bool duplicates_ = false;            // there are some, or there may be
+    std::vector<std::int32_t> pending_;  // cells (input index) for the CPU
+    std::vector<std::uint32_t> left_;    // members that the chunk being collected leaves
+    bool lists_only_ = false;            // the device gives lists, and the CPU's clipper makes the cells from them
     std::size_t done_cells_ = 0;
     StageClock* clock_ = nullptr;  // of the run
     Chunk::Seconds device_seconds_;

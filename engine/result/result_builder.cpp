@@ -75,6 +75,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     if (job.arrays != nullptr && job.arrays->status.capacity() > result_.status.capacity())
         result_ = std::move(*job.arrays);
     blocks_.clear();
+    settled_ = false;
     memory_.reset(std::clamp(8 * count, least_segment, most_segment));
     counters_ = {};
     want_neighbors_ = want.neighbors;
@@ -235,10 +236,7 @@ void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, T
 
 void ResultBuilder::finish(detail::Result& result, ThreadPool& pool) {
     check_status(pool);
-    if (want_neighbors_) {
-        sum_lengths(pool);
-        place_rows(pool);
-    }
+    if (!settled_) settle({}, pool);
     mesh_.finish(result_, pool);
     if (min_face_ > 0 || min_area_ > 0) counters_.faces -= drop_small_faces(result_, min_face_, min_area_);
     finish_stats(result_.stats, pool);
@@ -264,27 +262,70 @@ void ResultBuilder::check_status(ThreadPool& pool) const {
     if (first < status.size()) bug("cell " + std::to_string(first) + " was left over");
 }
 
-// Lengths become the places where rows begin.
-void ResultBuilder::sum_lengths(ThreadPool& pool) {
-    auto& indptr = result_.indptr;
-    std::vector<std::int64_t> begins(ceil_div(indptr.size(), task_cells) + 1, 0);
-    for_blocks(pool, indptr.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
-        begins[block + 1] = std::accumulate(indptr.data() + begin, indptr.data() + end, std::int64_t{0});
-    });
-    std::partial_sum(begins.begin(), begins.end(), begins.begin());
-    for_blocks(pool, indptr.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
-        std::int64_t sum = begins[block];
-        for (std::size_t i = begin; i < end; ++i) indptr[i] = sum += indptr[i];
-    });
-}
-
-void ResultBuilder::place_rows(ThreadPool& pool) {
+void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& pool) {
+    settled_ = true;
+    if (!want_neighbors_) return;
+    sum_lengths(later, pool);
     const auto size = static_cast<std::size_t>(result_.indptr[result_.indptr.size() - 1]);
     result_.indices.resize_uninitialized(size);
     result_.face_areas.resize_uninitialized(want_areas_ ? size : 0);
     result_.face_normals.resize_uninitialized(want_normals_ ? 3 * size : 0);
     result_.shifts.resize_uninitialized(want_shifts_ ? 3 * size : 0);
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_block(blocks_[index]); });
+}
+
+// Lengths become the places where rows begin.
+void ResultBuilder::sum_lengths(std::span<const std::uint32_t> later, ThreadPool& pool) {
+    auto& indptr = result_.indptr;
+    const std::size_t count = indptr.size() - 1;
+    if (!later.empty() && later.size() != count) bug("cells and the lengths of later rows do not fit");
+    std::vector<std::int64_t> begins(ceil_div(count, task_cells) + 1, 0);
+    for_blocks(pool, count, [&](std::size_t block, std::size_t begin, std::size_t end) {
+        std::int64_t sum = std::accumulate(indptr.data() + begin + 1, indptr.data() + end + 1, std::int64_t{0});
+        if (!later.empty()) sum += static_cast<std::int64_t>(sum_of(later.subspan(begin, end - begin)));
+        begins[block + 1] = sum;
+    });
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    for_blocks(pool, count, [&](std::size_t block, std::size_t begin, std::size_t end) {
+        std::int64_t sum = begins[block];
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t length = later.empty() ? 0 : later[i];
+            if (length != 0 && indptr[i + 1] != 0) bug("cell " + std::to_string(i) + " has two rows");
+            indptr[i + 1] = sum += indptr[i + 1] + length;
+        }
+    });
+}
+
+void ResultBuilder::place_rows(std::size_t first, std::span<const std::uint32_t> lengths,
+                               std::span<const std::int32_t> ids, const RowValues& values) {
+    check_values(values, ids.size());
+    const std::int64_t* const indptr = result_.indptr.data() + first;
+    if (!settled_ || first + lengths.size() >= result_.indptr.size()) bug("rows come at the wrong time");
+    std::size_t entry = 0;
+    for (std::size_t k = 0; k < lengths.size();) {
+        // Rows up to the next cell that has one from elsewhere go together.
+        const std::int64_t begin = indptr[k];
+        std::size_t size = 0;
+        for (; k < lengths.size() && indptr[k + 1] - begin == static_cast<std::int64_t>(size + lengths[k]); ++k)
+            size += lengths[k];
+        if (size > ids.size() - entry) bug("rows and their lengths do not fit");
+        copy_entries(ids.data(), values, entry, static_cast<std::size_t>(begin), size);
+        entry += size;
+        if (k == lengths.size()) break;
+        if (lengths[k] == 0)
+            ++k;
+        else if (size == 0)
+            bug("a row is not as long as was said");
+    }
+    if (entry != ids.size()) bug("rows and their lengths do not fit");
+}
+
+void ResultBuilder::copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
+                                 std::size_t count) {
+    std::copy_n(ids + from, count, result_.indices.data() + to);
+    if (want_areas_) std::copy_n(values.areas.data() + from, count, result_.face_areas.data() + to);
+    if (want_normals_) std::copy_n(values.normals.data() + 3 * from, 3 * count, result_.face_normals.data() + 3 * to);
+    if (want_shifts_) std::copy_n(values.shifts.data() + 3 * from, 3 * count, result_.shifts.data() + 3 * to);
 }
 
 void ResultBuilder::place_block(const Block& block) {
@@ -301,12 +342,7 @@ void ResultBuilder::place_block(const Block& block) {
         }
         const std::int64_t begin = indptr[cells[k]];
         const auto length = static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin);
-        std::copy_n(block.ids.data() + entry, length, result_.indices.data() + begin);
-        const RowValues& values = block.values;
-        if (want_areas_) std::copy_n(values.areas.data() + entry, length, result_.face_areas.data() + begin);
-        if (want_normals_)
-            std::copy_n(values.normals.data() + 3 * entry, 3 * length, result_.face_normals.data() + 3 * begin);
-        if (want_shifts_) std::copy_n(values.shifts.data() + 3 * entry, 3 * length, result_.shifts.data() + 3 * begin);
+        copy_entries(block.ids.data(), block.values, entry, static_cast<std::size_t>(begin), length);
         entry += length;
     }
 }

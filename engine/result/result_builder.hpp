@@ -68,8 +68,16 @@ public:
     // NaN.
     void set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool);
 
-    // Puts the rows into place and fills everything of the result but stats.device and stats.seconds, which it leaves
-    // alone. The builder keeps no array of the result, but its own memory, for the next begin().
+    // For engines that have rows in the order of the input: puts the rows that wait into place, beside room for later
+    // ones. later: N lengths, 0 for cells with a row that waits; or none. No other call adds rows from here on.
+    void settle(std::span<const std::uint32_t> later, ThreadPool& pool);
+    // From any thread, after settle(). The rows of the cells from `first` on, one after the other, and their lengths as
+    // settle() was told.
+    void place_rows(std::size_t first, std::span<const std::uint32_t> lengths, std::span<const std::int32_t> ids,
+                    const RowValues& values = {});
+
+    // Settles where that has not been done, and fills everything of the result but stats.device and stats.seconds,
+    // which it leaves alone. The builder keeps no array of the result, but its own memory, for the next begin().
     void finish(detail::Result& result, ThreadPool& pool);
 
 private:
@@ -88,15 +96,18 @@ private:
     template <class T>
     [[nodiscard]] std::span<const T> keep_copy(std::span<const T> values);
     void check_status(ThreadPool& pool) const;
-    void sum_lengths(ThreadPool& pool);
-    void place_rows(ThreadPool& pool);
+    void sum_lengths(std::span<const std::uint32_t> later, ThreadPool& pool);
     void place_block(const Block& block);
+    // Copies rows, or one, that begin at these entries.
+    void copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
+                      std::size_t count);
     void finish_stats(Stats& stats, ThreadPool& pool) const;
 
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
+    bool settled_ = false;
     double min_face_ = 0, min_area_ = 0;
     double box_volume_ = 0;
-    detail::Result result_;  // indptr[i + 1] holds the length of row i until finish()
+    detail::Result result_;  // indptr[i + 1] holds the length of row i until settle()
     std::mutex mutex_;       // of what follows
     Arena memory_;
     std::vector<Block> blocks_;

@@ -1,7 +1,7 @@
 // download: puts the rows of a chunk one after the other, each in ascending order.
 //
-// Variants: AREAS puts areas beside the rows; any Number moves as two words. SHIFTS gives images the index of their seed
-// and puts shifts beside the rows, which are in the order of both.
+// Variants: AREAS puts areas beside the rows, which have one window; any Number moves as two words. NAMES gives ids their
+// name and puts shifts beside the rows, which are in the order of both.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "download/row_fits.glsl"
@@ -17,15 +17,20 @@ layout(std430, binding = BINDING_SECOND_ROWS) readonly buffer SecondRows { int s
 layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_ROWS_OUT) writeonly buffer RowsOut { int rows_out[]; };
+#ifndef AREAS
 layout(std430, binding = BINDING_ROWS_OUT_1) writeonly buffer RowsOut1 { int rows_out_1[]; };
 layout(std430, binding = BINDING_ROWS_OUT_2) writeonly buffer RowsOut2 { int rows_out_2[]; };
 layout(std430, binding = BINDING_ROWS_OUT_3) writeonly buffer RowsOut3 { int rows_out_3[]; };
-#ifdef SHIFTS
-layout(std430, binding = BINDING_IMAGE_HOME) readonly buffer ImageHome { uint image_home[]; };
+#endif
+#ifdef NAMES
+layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_NAMES) readonly buffer Names { uvec2 names[]; };
 layout(std430, binding = BINDING_SHIFTS_OUT) writeonly buffer ShiftsOut { uint shifts_out[]; };
+#ifndef AREAS
 layout(std430, binding = BINDING_SHIFTS_OUT_1) writeonly buffer ShiftsOut1 { uint shifts_out_1[]; };
 layout(std430, binding = BINDING_SHIFTS_OUT_2) writeonly buffer ShiftsOut2 { uint shifts_out_2[]; };
 layout(std430, binding = BINDING_SHIFTS_OUT_3) writeonly buffer ShiftsOut3 { uint shifts_out_3[]; };
+#endif
 #endif
 #ifdef AREAS
 layout(std430, binding = BINDING_AREAS) readonly buffer Areas { uvec2 areas[]; };
@@ -39,20 +44,27 @@ int entry(uint place, uint i) {
                                            : rows[i * push.row_stride + column];
 }
 
-#ifdef SHIFTS
-// A neighbor: its seed, and by which shift.
-ivec2 named(int id) {
-    if (id < int(push.own_count)) return ivec2(id, SHIFT_NONE);
-    const uint home = image_home[uint(id) - push.own_count];
-    return ivec2(int(home >> SHIFT_BITS), int(home & ((1u << SHIFT_BITS) - 1u)));
+#ifdef NAMES
+// A neighbor: its seed, or a wall, and by which shift.
+struct Name {
+    int id;
+    uint shift;
+};
+Name named(int id) {
+    if (id < 0 || uint(id) < push.named_from) return Name(id, SHIFT_NONE);
+    const uvec2 name = names[uint(id) - push.named_from];
+    return Name(int(name.x), name.y);
 }
-bool before(ivec2 a, ivec2 b) {
-    return a.x < b.x || (a.x == b.x && a.y < b.y);
+bool before(Name a, Name b) {
+    return a.id < b.id || (a.id == b.id && a.shift < b.shift);
 }
 
-void put_shift(uint place, int code) {
-    const uvec3 shift = uvec3(code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1) & 0xffu;
-    const uint packed = shift.x | (shift.y << 8) | (shift.z << 16);
+void put_shift(uint place, uint shift, uint from) {
+    const uvec3 bytes = (uvec3(shift >> 16, shift >> 8, shift) - uvec3(from >> 16, from >> 8, from)) & 0xffu;
+    const uint packed = bytes.x | (bytes.y << 8) | (bytes.z << 16);
+#ifdef AREAS
+    shifts_out[place] = packed;
+#else
     const uint window = place >> push.window_bits, at = place & ((1u << push.window_bits) - 1u);
     if (window == 0u)
         shifts_out[at] = packed;
@@ -62,10 +74,14 @@ void put_shift(uint place, int code) {
         shifts_out_2[at] = packed;
     else
         shifts_out_3[at] = packed;
+#endif
 }
 #endif
 
 void put(uint place, int id) {
+#ifdef AREAS
+    rows_out[place] = id;
+#else
     const uint window = place >> push.window_bits, at = place & ((1u << push.window_bits) - 1u);
     if (window == 0u)
         rows_out[at] = id;
@@ -75,6 +91,7 @@ void put(uint place, int id) {
         rows_out_2[at] = id;
     else
         rows_out_3[at] = id;
+#endif
 }
 
 void main() {
@@ -83,15 +100,18 @@ void main() {
     const uint length = row_length[cell], place = row_place[cell];
     if (!row_fits(chunk.row_base, row_offsets[cell], length, push.capacity)) return;
     const uint offset = chunk.row_base + row_offsets[cell];
+#ifdef NAMES
+    const uint own = named(int(seed_input[push.first_cell + cell] & INDEX_MASK)).shift;
+#endif
     for (uint i = 0u; i < length; ++i) {
         const int id = entry(place, i);
         uint rank = 0u;
-#ifdef SHIFTS
-        const ivec2 mine = named(id);
+#ifdef NAMES
+        const Name mine = named(id);
         for (uint j = 0u; j < length; ++j)
             if (before(named(entry(place, j)), mine)) ++rank;
-        put(offset + rank, mine.x);
-        put_shift(offset + rank, mine.y);
+        put(offset + rank, mine.id);
+        if (push.shifts != 0u) put_shift(offset + rank, mine.id < 0 ? own : mine.shift, own);
 #else
         for (uint j = 0u; j < length; ++j)
             if (entry(place, j) < id) ++rank;

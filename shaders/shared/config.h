@@ -61,9 +61,11 @@
 // clip: where a row is; rows of the second tier have the bit set.
 #define SECOND_TIER_BIT 0x80000000u
 
-// Shifts of periodic images: (sx + 1) 9 + (sy + 1) 3 + (sz + 1), in their lexicographic order.
-#define SHIFT_BITS 5
-#define SHIFT_NONE 13
+// Shifts of periodic images, in one word of their lexicographic order: x + 128, y + 128 and z + 128, a byte each.
+#define SHIFT_NONE 0x808080u
+
+// download: entries of the rows that an invocation brings to their place.
+#define GATHER_ENTRIES 4
 
 // download: rows out may be larger than what a shader can see at once.
 #define ROW_WINDOWS 4

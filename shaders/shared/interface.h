@@ -58,11 +58,21 @@
 #define BINDING_ROWS_OUT_1 34
 #define BINDING_ROWS_OUT_2 35
 #define BINDING_ROWS_OUT_3 36
-#define BINDING_IMAGE_HOME 37  // uint: seed << SHIFT_BITS | shift of each image
+#define BINDING_NAMES 37       // uvec2: input index and shift, see SHIFT_NONE, of images or members
 #define BINDING_SHIFTS_OUT 38  // int8 x y z 0, beside ROWS_OUT and in as many windows
 #define BINDING_SHIFTS_OUT_1 39
 #define BINDING_SHIFTS_OUT_2 40
 #define BINDING_SHIFTS_OUT_3 41
-#define BINDING_COUNT 42
+// The cells of a part, by member; P is the number of its own members.
+#define BINDING_PART_INFO 42      // P uint, as INFO
+#define BINDING_PART_LENGTH 43    // P uint: of the row that is among the rows out
+#define BINDING_PART_BEGIN 44     // P uint: entry of the rows out with which it begins
+#define BINDING_PART_OFFSETS 45   // P uint: sums of the lengths before
+#define BINDING_PART_GEOMETRY 46  // P x 4, as GEOMETRY
+// Rows of some of them, in their order.
+#define BINDING_SLICE_ROWS 47    // int
+#define BINDING_SLICE_AREAS 48   // beside the rows
+#define BINDING_SLICE_SHIFTS 49  // int8 x y z, without gaps, beside the rows
+#define BINDING_COUNT 50
 
 #endif

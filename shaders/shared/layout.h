@@ -116,12 +116,24 @@ struct TodoPush {
 };
 
 struct RowsPush {
+    uint first_cell;
     uint cell_count;
     uint row_stride;         // of the first tier
     uint second_row_stride;  // of the second tier
     uint capacity;           // entries of the rows out
     uint window_bits;        // of the windows through which they are seen
-    uint own_count;          // input indices from here on are images
+    uint named_from;         // ids from here on have names
+    uint shifts;             // 1: shifts are wanted, from the cell's own
+};
+
+struct GatherPush {
+    uint first_cell;   // member
+    uint cell_count;   // of the slice
+    uint first_entry;  // sum of the lengths before
+    uint entry_count;  // of the slice
+    uint window_bits;  // as in RowsPush
+    uint areas;        // 1: wanted
+    uint shifts;       // 1: wanted
 };
 
 struct FramePush {
@@ -131,7 +143,7 @@ struct FramePush {
     uint neighbors;  // 1: there are rows
     uint geometry;   // 1: there are volumes and centroids
     int shift;       // as in UploadPush
-    uint own_count;  // as in RowsPush
+    uint own_count;  // as in KnnPush
 };
 
 // A node of the hierarchy: bounds of the seeds below it, in units. Without seeds its lower bounds are the largest

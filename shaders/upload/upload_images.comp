@@ -10,7 +10,7 @@
 
 layout(std430, binding = BINDING_SCAN_DATA) readonly buffer Offsets { uint offsets[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
-layout(std430, binding = BINDING_IMAGE_HOME) writeonly buffer ImageHome { uint image_home[]; };
+layout(std430, binding = BINDING_NAMES) writeonly buffer Names { uvec2 names[]; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
 
 uvec2 moved(uvec2 x, int by, int axis) {
@@ -25,12 +25,13 @@ void put_image(uint place, uint seed, uint number) {
     const uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
     for (int code = 0; code < 27; ++code) {
         const int a = code / 9 - 1, b = code / 3 % 3 - 1, c = code % 3 - 1;
-        if (code == SHIFT_NONE || !has_image(x, a, 0) || !has_image(y, b, 1) || !has_image(z, c, 2)) continue;
+        const uint shift = uint((a + 128) << 16 | (b + 128) << 8 | (c + 128));
+        if (shift == SHIFT_NONE || !has_image(x, a, 0) || !has_image(y, b, 1) || !has_image(z, c, 2)) continue;
         if (number-- != 0u) continue;
         points_x[push.count + place] = moved(x, a, 0);
         points_y[push.count + place] = moved(y, b, 1);
         points_z[push.count + place] = moved(z, c, 2);
-        image_home[place] = (seed << SHIFT_BITS) | uint(code);
+        names[place] = uvec2(seed, shift);
         return;
     }
 }

@@ -64,6 +64,52 @@ TEST_SUITE("stages") {
         CHECK(result.indptr[count] == 7);
     }
 
+    TEST_CASE("result builder: rows in the order of the input go around those that waited") {
+        const std::vector<float> points(3 * 7);
+        votess::Job job;
+        job.domain = std::make_shared<const votess::Domain>();
+        job.points.f32 = points;
+        job.options.want = {.neighbors = true, .volumes = false};
+        ThreadPool pool(2);
+        const std::vector<std::int32_t> waiting{0, 3, 4};
+        const auto make = [&](const std::vector<std::uint32_t>& later, auto&& place) {
+            ResultBuilder builder;
+            builder.begin(job, pool);
+            builder.add_rows(waiting, std::vector<std::uint32_t>{1, 2, 1}, std::vector<std::int32_t>{-1, -2, -3, -4});
+            votess::detail::Result result;
+            builder.settle(later, pool);
+            place(builder);
+            builder.finish(result, pool);
+            return result;
+        };
+        const std::vector<std::uint32_t> later{0, 2, 1, 0, 0, 0, 3};
+        const std::vector<std::int32_t> ids{11, 12, 21, 61, 62, 63};
+        const auto all = make(later, [&](ResultBuilder& builder) {
+            builder.place_rows(2, std::span(later).subspan(2), std::span(ids).subspan(2));
+            builder.place_rows(0, std::span(later).first(2), std::span(ids).first(2));
+        });
+        CHECK(std::ranges::equal(all.indices, std::vector<std::int32_t>{-1, 11, 12, 21, -2, -3, -4, 61, 62, 63}));
+        CHECK(std::ranges::equal(all.indptr, std::vector<std::int64_t>{0, 1, 3, 4, 6, 7, 7, 10}));
+        const auto refused = [&](const std::vector<std::uint32_t>& told, std::size_t first, std::size_t count,
+                                 std::size_t entries, const std::vector<std::uint32_t>& lengths) {
+            try {
+                make(told, [&](ResultBuilder& builder) {
+                    builder.place_rows(first, std::span(lengths).subspan(first, count), std::span(ids).first(entries));
+                });
+            } catch (const votess::Error& error) {
+                return error.code() == votess::ErrorCode::internal;
+            }
+            return false;
+        };
+        CHECK(!refused(later, 0, 7, 6, later));
+        CHECK(refused({1, 2, 1, 0, 0, 0, 3}, 0, 1, 0, later));  // a cell with two rows
+        CHECK(refused({0, 2}, 0, 1, 0, later));
+        CHECK(refused(later, 0, 7, 5, later));
+        CHECK(refused(later, 0, 3, 4, later));
+        CHECK(refused(later, 0, 7, 6, {0, 1, 2, 0, 0, 0, 3}));
+        CHECK(refused(later, 3, 5, 3, {0, 0, 0, 0, 0, 0, 3, 0}));
+    }
+
     TEST_CASE("result builder: the sum of volumes is that of any number of threads, and right to its last digits") {
         const std::size_t count = 300000;
         const std::vector<double> points(3 * count);

@@ -103,11 +103,13 @@ Pass first_tier(Device& device, const PassSettings& settings) {
 }
 
 Pass download_rows(Device& device, const PassSettings& settings) {
-    if (settings.images)
-        return make<RowsPush>(device, "download_rows shifts", shaders::download_rows_shifts, settings.local_size);
-    if (settings.areas)
-        return make<RowsPush>(device, "download_rows areas", shaders::download_rows_areas, settings.local_size);
-    return make<RowsPush>(device, "download_rows", shaders::download_rows, settings.local_size);
+    const auto spirv = settings.areas ? shaders::download_rows_areas : shaders::download_rows;
+    return make<RowsPush>(device, "download_rows", spirv, settings.local_size);
+}
+
+Pass download_named_rows(Device& device, const PassSettings& settings) {
+    const auto spirv = settings.areas ? shaders::download_rows_names_areas : shaders::download_rows_names;
+    return make<RowsPush>(device, "download_rows names", spirv, settings.local_size);
 }
 
 }  // namespace
@@ -140,12 +142,19 @@ Passes::Passes(Device& device, const PassSettings& s)
           make<KnnPush>(device, "knn_search", shaders::knn_search, s.local_size, {{CONSTANT_K, s.k}, list_of_todo(s)})),
       clip_cells{first_tier(device, s), gpu::clip_cells(device, s, 1)},
       clip_todo(make<TodoPush>(device, "clip_todo", shaders::clip_todo, TILE_GROUP)),
-      download_rows(gpu::download_rows(device, s)) {
-    if (!s.frames) return;
+      download_rows(gpu::download_rows(device, s)),
+      download_total(make<FramePush>(device, "download_total", shaders::download_total, 1)) {
+    if (!s.frames || s.images) download_named_rows = std::make_unique<Pass>(gpu::download_named_rows(device, s));
+    if (!s.frames) {
+        download_place =
+            std::make_unique<Pass>(make<FramePush>(device, "download_place", shaders::download_place, s.local_size));
+        download_gather =
+            std::make_unique<Pass>(make<GatherPush>(device, "download_gather", shaders::download_gather, s.local_size));
+        return;
+    }
     download_cells = std::make_unique<Pass>(make<FramePush>(
         device, "download_cells", device.has_float64() ? shaders::download_cells_f64 : shaders::download_cells_f32,
         s.local_size));
-    download_total = std::make_unique<Pass>(make<FramePush>(device, "download_total", shaders::download_total, 1));
     if (!s.images) return;
     upload_wrap = std::make_unique<Pass>(make<ImagesPush>(device, "upload_wrap", shaders::upload_wrap, s.local_size));
     upload_images =

@@ -25,9 +25,9 @@ struct PassSettings {
     std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
     bool measure = true;                     // volumes and centroids are wanted
     bool areas = false;                      // areas beside the rows are wanted too
-    bool frames = false;                     // there are passes for recorded frames
+    bool frames = false;                     // there are passes for recorded frames instead of parts
     bool walls = false;                      // there are walls of any direction
-    bool images = false;                     // and for periodic ones, which have no areas
+    bool images = false;                     // and for periodic ones
     std::uint32_t local_size = 64;           // work-groups of all passes that do not rely on a size
     // So many invocations make a cell of the first tier together, searching as they clip; 0: each makes one, from a
     // list.
@@ -54,8 +54,10 @@ struct Passes {
     vulkan::Pass knn_boxes, knn_search;
     vulkan::Pass clip_cells[2], clip_todo;            // clip_cells[0] searches too where subgroups make cells
     std::unique_ptr<vulkan::Pass> clip_with_ties[2];  // null until they are made
-    vulkan::Pass download_rows;
-    std::unique_ptr<vulkan::Pass> download_cells, download_total, upload_wrap, upload_images;  // null: not wanted
+    vulkan::Pass download_rows, download_total;
+    // Null: not wanted.
+    std::unique_ptr<vulkan::Pass> download_named_rows, download_place, download_gather;
+    std::unique_ptr<vulkan::Pass> download_cells, upload_wrap, upload_images;
 };
 
 }  // namespace votess::gpu

@@ -68,7 +68,7 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     set_count(capacity);
     images_.capacity = images;
     if (images > 0) {
-        bindings_.set(BINDING_IMAGE_HOME, workspace.take_words(images, "image home"));
+        reserve_names(workspace, images);
         image_counts_ = workspace.take_words(seeds, "image counts");
         image_scan_.reserve(workspace, seeds);
     }
@@ -96,6 +96,10 @@ void DeviceSeeds::set_walls(std::uint32_t count) {
     Slice slice = state_and_walls_;
     slice.size = sizeof(RunState) + VkDeviceSize{count} * sizeof(WallPlane);
     bindings_.set(BINDING_RUN_STATE, slice);
+}
+
+void DeviceSeeds::reserve_names(Workspace& workspace, std::uint32_t count) {
+    bindings_.set(BINDING_NAMES, workspace.take(count * VkDeviceSize{sizeof(uvec2)}, "names"));
 }
 
 void DeviceSeeds::set_count(std::uint32_t count) {

@@ -50,6 +50,8 @@ public:
     void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0, std::uint32_t walls = 0);
     // How many of the walls for which there is room there are.
     void set_walls(std::uint32_t count);
+    // For names of up to `count` seeds, where they have others than their index.
+    void reserve_names(Workspace& workspace, std::uint32_t count);
     // Says how many seeds to record for from now on, with all places for images.
     void set_count(std::uint32_t count);
     void set_box(const Box& box);

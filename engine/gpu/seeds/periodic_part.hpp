@@ -21,15 +21,6 @@ struct PeriodicPart {
     std::vector<std::array<double, 3>> wraps;  // by seed: what carries it into the domain; empty when none is moved
     // By seed: from there into the cell where the device has it, which rows do not count; empty when none is moved.
     std::vector<std::array<std::int8_t, 3>> moves;
-
-    // The shift of a member in the row of a seed.
-    [[nodiscard]] std::array<std::int8_t, 3> shift_in_row(std::uint32_t member, std::int32_t seed) const {
-        std::array<std::int8_t, 3> shift = shifts[member];
-        if (moves.empty()) return shift;
-        for (std::size_t j = 0; j < 3; ++j)
-            shift[j] = static_cast<std::int8_t>(shift[j] - moves[static_cast<std::size_t>(seed)][j]);
-        return shift;
-    }
 };
 
 // It returns nothing when there is no image_range(), it holds more than `most_seeds`, or shifts are too large for rows.

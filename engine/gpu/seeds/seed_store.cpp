@@ -4,6 +4,8 @@
 #include <cstring>
 #include <optional>
 
+#include "gpu/download/device_results.hpp"
+
 namespace votess::gpu {
 namespace {
 
@@ -16,14 +18,16 @@ constexpr VkDeviceSize staging_bytes = VkDeviceSize{8} << 20;
 SeedStore::SeedStore(vulkan::Device& device, vulkan::Memory& memory)
     : memory_(memory), commands_(device, 4), uploads_{Commands(device, 2), Commands(device, 2)} {}
 
-std::uint32_t SeedStore::most_seeds(const vulkan::Device& device, const vulkan::Memory& memory) {
+std::uint32_t SeedStore::most_seeds(const vulkan::Device& device, const vulkan::Memory& memory, bool measure) {
     const auto range = std::min<VkDeviceSize>(device.adapter().limits.maxStorageBufferRange, memory.max_buffer_bytes());
     // Seven seeds have at most one node on level 0 and a seventh of that above.
     const VkDeviceSize by_nodes = range / sizeof(Node) * 7 - 8 * MOST_LEVELS;
-    // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, and as much again is free.
-    const VkDeviceSize by_memory = device.adapter().device_memory / 2 / 84;
+    // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, 8 of names, and what is
+    // kept of the cells. That is half of the memory; a quarter each is for chunks and for rows.
+    const VkDeviceSize by_memory = device.adapter().device_memory / 2 / (92 + DeviceResults::bytes_per_member(measure));
+    const VkDeviceSize by_geometry = range / (measure ? DeviceResults::geometry_bytes : 1);
     return static_cast<std::uint32_t>(
-        std::min({range / DeviceSeeds::coordinate_bytes, by_nodes, by_memory, VkDeviceSize{INDEX_MASK}}));
+        std::min({range / DeviceSeeds::coordinate_bytes, by_geometry, by_nodes, by_memory, VkDeviceSize{INDEX_MASK}}));
 }
 
 void SeedStore::reserve(std::uint32_t count) {
@@ -78,9 +82,48 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     commands_.end();
     commands_.submit();
 
-    const std::size_t point_bytes = points.bytes_each;
+    const std::size_t each = points.bytes_each;
     const std::byte* const bytes = points.bytes.data();
-    const auto slice = static_cast<std::uint32_t>(staging_[0].size() / point_bytes);
+    stream(
+        total, each,
+        [&](std::byte* to, std::uint32_t first, std::uint32_t count) {
+            if (members.empty()) {
+                std::memcpy(to, bytes + std::size_t{first} * each, std::size_t{count} * each);
+                return;
+            }
+            for (std::uint32_t i = 0; i < count; ++i)
+                std::memcpy(to + std::size_t{i} * each, bytes + static_cast<std::size_t>(members[first + i]) * each,
+                            each);
+        },
+        [&](Commands& commands, const Slice& staging, std::uint32_t first, std::uint32_t count) {
+            seeds_.record_upload(commands, passes, {staging, points.format}, first, count);
+        });
+    commands_.wait();
+}
+
+void SeedStore::upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name) {
+    if (count > name_capacity_ || name_capacity_ == 0) {
+        name_capacity_ = 0;
+        name_buffers_.clear();
+        seeds_.reserve_names(name_buffers_, count);
+        name_capacity_ = std::max(count, 1u);
+    }
+    stream(
+        count, sizeof(uvec2),
+        [&](std::byte* to, std::uint32_t first, std::uint32_t of_slice) {
+            for (std::uint32_t i = 0; i < of_slice; ++i) {
+                const uvec2 value = name(first + i);
+                std::memcpy(to + sizeof value * i, &value, sizeof value);
+            }
+        },
+        [&](Commands& commands, const Slice& staging, std::uint32_t first, std::uint32_t of_slice) {
+            commands.copy(staging, 0, seeds_.bindings().get(BINDING_NAMES), VkDeviceSize{first} * sizeof(uvec2),
+                          VkDeviceSize{of_slice} * sizeof(uvec2));
+        });
+}
+
+void SeedStore::stream(std::uint32_t total, std::size_t bytes_each, const auto& write, const auto& record) {
+    const auto slice = static_cast<std::uint32_t>(staging_[0].size() / bytes_each);
     struct Stamps {
         std::uint32_t begin = 0, end = 0;
         bool used = false;
@@ -94,14 +137,7 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     for (std::uint32_t first = 0, count = 0; first < total; first += count, slot ^= 1) {
         count = std::min(slice, total - first);
         collect(slot);
-        std::byte* to = staging_[slot].mapped().data();
-        if (members.empty()) {
-            std::memcpy(to, bytes + std::size_t{first} * point_bytes, std::size_t{count} * point_bytes);
-        } else {
-            for (std::uint32_t i = 0; i < count; ++i)
-                std::memcpy(to + std::size_t{i} * point_bytes,
-                            bytes + static_cast<std::size_t>(members[first + i]) * point_bytes, point_bytes);
-        }
+        write(staging_[slot].mapped().data(), first, count);
         staging_[slot].flush();
         Commands& commands = uploads_[slot];
         commands.begin();
@@ -109,7 +145,7 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
             const auto label = commands.label("upload");
             stamps[slot].begin = commands.timestamp();
             commands.barrier();
-            seeds_.record_upload(commands, passes, {staging_[slot], points.format}, first, count);
+            record(commands, staging_[slot], first, count);
             stamps[slot].end = commands.timestamp();
             stamps[slot].used = true;
         }
@@ -118,7 +154,6 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     }
     collect(0);
     collect(1);
-    commands_.wait();
 }
 
 void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "gpu/passes/commands.hpp"
@@ -19,7 +20,8 @@ public:
     SeedStore(vulkan::Device& device, vulkan::Memory& memory);
 
     // Seeds for which all buffers stay within the device's limits.
-    [[nodiscard]] static std::uint32_t most_seeds(const vulkan::Device& device, const vulkan::Memory& memory);
+    [[nodiscard]] static std::uint32_t most_seeds(const vulkan::Device& device, const vulkan::Memory& memory,
+                                                  bool measure);
 
     // Walls of any direction of the seeds that are uploaded from now on.
     void set_walls(std::vector<WallPlane> walls) { walls_ = std::move(walls); }
@@ -27,6 +29,8 @@ public:
     void upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
     // Seeds and images of a periodic domain.
     void upload(const PeriodicPart& periodic, const Passes& passes);
+    // Names for ids in rows: `count` of them, which name(i) tells in order.
+    void upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name);
     // key_bits: per axis.
     void sort(const Passes& passes, std::uint32_t key_bits);
     void build_hierarchy(const Passes& passes);
@@ -54,11 +58,14 @@ private:
 
     void upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
     void reserve(std::uint32_t count);
+    // Hands items over in slices, two of which are in flight: write(to, first, count) puts them where record(commands,
+    // staging, first, count) finds them.
+    void stream(std::uint32_t total, std::size_t bytes_each, const auto& write, const auto& record);
 
     vulkan::Memory& memory_;
-    OwnBuffers buffers_{memory_};
+    OwnBuffers buffers_{memory_}, name_buffers_{memory_};
     Buffer staging_[2], state_host_, order_host_, walls_host_;
-    std::uint32_t capacity_ = 0, wall_capacity_ = 0;
+    std::uint32_t capacity_ = 0, name_capacity_ = 0, wall_capacity_ = 0;
     std::vector<WallPlane> walls_;
     DeviceSeeds seeds_;
     RunState state_{};

@@ -110,11 +110,13 @@ void Buffer::flush() const {
     check(device.table().vkFlushMappedMemoryRanges(device.handle(), 1, &whole), "vkFlushMappedMemoryRanges");
 }
 
-void Buffer::invalidate() const {
-    if (mapped_.empty() || block_->coherent) return;
-    const VkMappedMemoryRange whole = range();
+void Buffer::invalidate(VkDeviceSize bytes) const {
+    if (mapped_.empty() || block_->coherent || bytes == 0) return;
     Device& device = memory_->device_;
-    check(device.table().vkInvalidateMappedMemoryRanges(device.handle(), 1, &whole), "vkInvalidateMappedMemoryRanges");
+    VkMappedMemoryRange part = range();
+    const VkDeviceSize atom = std::max<VkDeviceSize>(device.adapter().limits.nonCoherentAtomSize, 1);
+    if (bytes < part.size) part.size = round_up(bytes, atom);  // the size of the buffer's memory is a multiple too
+    check(device.table().vkInvalidateMappedMemoryRanges(device.handle(), 1, &part), "vkInvalidateMappedMemoryRanges");
 }
 
 Memory::Memory(Device& device, VkDeviceSize block_bytes)

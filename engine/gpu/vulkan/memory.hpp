@@ -53,7 +53,7 @@ public:
     // flush() goes between the host's writing and submit, invalidate() between the wait and the host's reading. Where
     // memory is coherent they do nothing.
     void flush() const;
-    void invalidate() const;
+    void invalidate(VkDeviceSize bytes = VK_WHOLE_SIZE) const;  // from the front on, as far as they are to be read
 
 private:
     friend class Memory;

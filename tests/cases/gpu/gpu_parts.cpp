@@ -68,6 +68,23 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("gpu: rows of a few chunks at a time on the device") {
+        test::Gpu gpu;
+        Options options = test::all_options();
+        options.chunk_size = 50;
+        for (const std::uint32_t most : {1u, 4000u}) {
+            CAPTURE(most);
+            test::GpuRunner runner(gpu, {.most_entries = most});
+            for (const PointSet& set : {test::uniform(600, 81), test::with_duplicates(500, 90, 82)})
+                CHECK(compare(runner, set, options) == "");
+            Options periodic = options;
+            periodic.periodic = {true, true, true};
+            CHECK(compare(runner, test::uniform(400, 83), periodic) == "");
+            test::GpuRunner parts(gpu, {.most_seeds = 300, .most_entries = most});
+            CHECK(compare(parts, test::uniform(500, 84), options) == "");
+        }
+    }
+
     TEST_CASE("gpu: parts spare the CPU most cells") {
         test::Gpu gpu;
         test::GpuRunner runner(gpu, {.most_seeds = test::reduced() ? 2000u : 5000u});

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "gpu/chunk.hpp"
+#include "gpu/download/part_download.hpp"
 #include "gpu/passes/kernel_choice.hpp"
 #include "support/check.hpp"
 #include "support/gpu/gpu.hpp"
@@ -36,6 +37,31 @@ struct Wanted {
     std::uint32_t chunk = 0;  // cells; 0 = all
 };
 
+// What a batch brings, by member.
+struct DownloadedCells {
+    std::vector<std::size_t> begins{0};
+    std::vector<std::int32_t> rows;
+    std::vector<double> geometry;
+
+    DownloadedCells(GpuStages& gpu, votess::gpu::PartDownload& download, bool neighbors) {
+        download.read_cells(*gpu.passes);
+        for (const std::uint32_t length : download.lengths()) begins.push_back(begins.back() + length);
+        if (neighbors)
+            download.read_rows(*gpu.passes, [&](const votess::gpu::DeviceRows& slice) {
+                REQUIRE(begins[slice.first] == rows.size());
+                rows.insert(rows.end(), slice.ids.begin(), slice.ids.end());
+            });
+        if (gpu.passes->settings.measure)
+            download.read_geometry([&](std::size_t first, std::size_t count, const votess::gpu::Numbers& numbers) {
+                REQUIRE(4 * first == geometry.size());
+                for (std::size_t i = 0; i < 4 * count; ++i) geometry.push_back(numbers[i]);
+            });
+    }
+    [[nodiscard]] std::span<const std::int32_t> row(std::size_t member, std::size_t length) const {
+        return std::span(rows).subspan(begins[member], length);
+    }
+};
+
 // Clips all cells of a set and checks the certified ones.
 Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {}) {
     CAPTURE(set.name);
@@ -53,20 +79,27 @@ Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {
     job.own_count = n;
     job.volume_tolerance = 0.5e-5;
     Chunk chunk(*gpu.gpu.device, gpu.memory, size, gpu.passes->settings);
+    votess::gpu::PartDownload download(*gpu.gpu.device, gpu.memory);
+    download.begin({.members = n,
+                    .neighbors = wanted.neighbors,
+                    .measure = gpu.passes->settings.measure,
+                    .least_entries = chunk.on_device().most_entries(size)});
     Counts counts{};
     for (std::uint32_t first = 0; first < n; first += size) {
         const std::uint32_t count = std::min(size, n - first);
-        chunk.start(gpu.seeds, *gpu.passes, job, {.first = first, .count = count, .second_tier = wanted.second_tier});
+        download.begin_batch();
+        chunk.start(gpu.seeds, *gpu.passes, job, {.first = first, .count = count, .second_tier = wanted.second_tier},
+                    download.on_device());
         chunk.wait();
         REQUIRE(chunk.info().size() == count);
-        std::size_t total = 0, left = 0;
-        for (const std::uint32_t length : chunk.row_lengths()) total += length;
-        const auto rows = chunk.rows(wanted.neighbors ? total : 0);
-        std::size_t at = 0;
+        const DownloadedCells cells(gpu, download, wanted.neighbors);
+        CHECK((!wanted.neighbors || chunk.entries() == cells.rows.size()));
+        std::size_t left = 0;
         for (std::uint32_t c = 0; c < count; ++c) {
             const std::uint32_t info = chunk.info()[c], status = info & 0xff;
             const std::uint32_t input = order[first + c] & INDEX_MASK;
-            const std::size_t length = chunk.row_lengths()[c];
+            const std::size_t length = download.lengths()[input];
+            REQUIRE(download.info()[input] == info);
             REQUIRE(status < counts.size());
             ++counts[status];
             REQUIRE(((order[first + c] & DUPLICATE_BIT) != 0) == (status == STATUS_DUPLICATE));
@@ -76,14 +109,14 @@ Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {
             CAPTURE(input);
             REQUIRE((info >> INFO_FACES_SHIFT & 0xff) == cpu.face_counts()[input]);
             REQUIRE((info >> INFO_VERTICES_SHIFT & 0xff) == cpu.vertex_counts()[input]);
-            if (wanted.neighbors) REQUIRE(std::ranges::equal(rows.subspan(at, length), cpu.neighbors(input)));
-            at += length;
+            if (wanted.neighbors) REQUIRE(std::ranges::equal(cells.row(input, length), cpu.neighbors(input)));
             if (!gpu.passes->settings.measure) continue;
             const int exponent = static_cast<int>(info >> INFO_EXPONENT_SHIFT) - gpu.seeds.on_device().units().shift;
-            const double volume = std::ldexp(chunk.geometry(c, 0), 3 * exponent), exact = cpu.volumes()[input];
+            const double volume = std::ldexp(cells.geometry[4 * input], 3 * exponent), exact = cpu.volumes()[input];
             REQUIRE(std::abs(volume - exact) <= 1e-5 * exact);
             for (std::uint32_t a = 0; a < 3; ++a) {
-                const double centroid = set.points[3 * input + a] + std::ldexp(chunk.geometry(c, 1 + a), exponent);
+                const double centroid =
+                    set.points[3 * input + a] + std::ldexp(cells.geometry[4 * input + 1 + a], exponent);
                 // Certified cells are no needles: their volume tells their size.
                 REQUIRE(std::abs(centroid - cpu.centroids()[3 * input + a]) <=
                         1e-4 * std::cbrt(exact) + 1e-15 * std::abs(centroid));

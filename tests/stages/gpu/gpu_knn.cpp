@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gpu/chunk.hpp"
+#include "gpu/download/part_download.hpp"
 #include "support/check.hpp"
 #include "support/gpu/gpu_stages.hpp"
 #include "support/random.hpp"
@@ -114,7 +115,10 @@ ChunkJob whole_job(std::uint32_t own_count) {
 
 Lists search(GpuStages& gpu, std::uint32_t k, const ChunkJob& job, std::uint32_t first, std::uint32_t count) {
     Chunk chunk(*gpu.gpu.device, gpu.memory, count, gpu.passes->settings);
-    chunk.start(gpu.seeds, *gpu.passes, job, {.first = first, .count = count, .second_tier = false});
+    votess::gpu::PartDownload download(*gpu.gpu.device, gpu.memory);
+    download.begin({.members = job.own_count, .least_entries = chunk.on_device().most_entries(count)});
+    chunk.start(gpu.seeds, *gpu.passes, job, {.first = first, .count = count, .second_tier = false},
+                download.on_device());
     chunk.wait();
     return {k, count, gpu.read<std::uint32_t>(chunk.on_device().slice(BINDING_LIST), std::size_t{k} * count),
             gpu.read<votess::gpu::ListInfo>(chunk.on_device().slice(BINDING_LIST_INFO), count),

@@ -133,8 +133,12 @@ TEST_SUITE("stages") {
               words_of(todo.cell_count, todo.most_of_tile, todo.group, todo.places));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
-              words_of(rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity, rows.window_bits,
-                       rows.own_count));
+              words_of(rows.first_cell, rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity,
+                       rows.window_bits, rows.named_from, rows.shifts));
+        const auto gather = filled<GatherPush>();
+        check("GatherPush", shaders::test_layout_gather, gather,
+              words_of(gather.first_cell, gather.cell_count, gather.first_entry, gather.entry_count, gather.window_bits,
+                       gather.areas, gather.shifts));
     }
 
     TEST_CASE("gpu layout: of recorded frames") {

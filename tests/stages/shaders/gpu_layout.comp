@@ -121,12 +121,22 @@ void main() {
     put(push.group);
     put(push.places);
 #elif defined(ROWS)
+    put(push.first_cell);
     put(push.cell_count);
     put(push.row_stride);
     put(push.second_row_stride);
     put(push.capacity);
     put(push.window_bits);
-    put(push.own_count);
+    put(push.named_from);
+    put(push.shifts);
+#elif defined(GATHER)
+    put(push.first_cell);
+    put(push.cell_count);
+    put(push.first_entry);
+    put(push.entry_count);
+    put(push.window_bits);
+    put(push.areas);
+    put(push.shifts);
 #elif defined(FRAME)
     put(push.first_cell);
     put(push.cell_count);

@@ -1,0 +1,157 @@
+#include "gpu/download/host_cells.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <mutex>
+#include <numeric>
+
+#include "core/ceil.hpp"
+#include "core/power_of_two.hpp"
+
+namespace votess::gpu {
+namespace {
+
+constexpr std::size_t block_cells = 4096;  // per task
+
+std::uint64_t& reason_of(FallbackReasons& reasons, std::uint32_t status) {
+    switch (status) {
+        case STATUS_NEEDS_EXACT:
+            return reasons.uncertain;
+        case STATUS_PLANE_OVERFLOW:
+        case STATUS_VERTEX_OVERFLOW:
+            return reasons.overflow;
+        default:
+            return reasons.exhausted;
+    }
+}
+
+}  // namespace
+
+LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, ThreadPool& pool,
+                          std::vector<std::uint32_t>& members) {
+    std::mutex mutex;  // of what follows
+    LeftCells found;
+    pool.run(ceil_div(info.size(), block_cells), [&](std::size_t block, unsigned) {
+        const std::size_t begin = block * block_cells, end = std::min(info.size(), begin + block_cells);
+        std::vector<std::uint32_t> left;
+        FallbackReasons reasons;
+        std::size_t beside = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t status = info[i] & 0xff;
+            if (status == STATUS_CERTIFIED || status == STATUS_DUPLICATE) continue;
+            if (status == STATUS_OUTSIDE) {
+                ++beside;
+                continue;
+            }
+            left.push_back(order[i] & INDEX_MASK);
+            ++reason_of(reasons, status);
+        }
+        const std::lock_guard lock(mutex);
+        found.to_cpu += left.size();
+        found.beside += beside;
+        found.reasons.uncertain += reasons.uncertain;
+        found.reasons.overflow += reasons.overflow;
+        found.reasons.exhausted += reasons.exhausted;
+        members.insert(members.end(), left.begin(), left.end());
+    });
+    return found;
+}
+
+double Numbers::operator[](std::size_t i) const {
+    if (float64) {
+        double value = 0;
+        std::memcpy(&value, bytes.data() + i * each, sizeof value);
+        return value;
+    }
+    float halves[2];
+    std::memcpy(halves, bytes.data() + i * each, sizeof halves);
+    return static_cast<double>(halves[0]) + static_cast<double>(halves[1]);
+}
+
+void HostCells::measure(std::size_t member, const Numbers& geometry) const {
+    const Job& job = *s_.job;
+    const Want& want = job.options.want;
+    const auto i = static_cast<std::size_t>(input_of(member));
+    const int exponent = exponent_of(member);
+    if (want.volumes) s_.result->volumes()[i] = times_power_of_two(geometry[0], 3 * exponent);
+    if (!want.centroids) return;
+    for (std::size_t k = 0; k < 3; ++k)
+        s_.result->centroids()[3 * i + k] = job.points[3 * i + k] + (s_.wraps.empty() ? 0 : s_.wraps[i][k]) +
+                                            times_power_of_two(geometry[1 + k], exponent);
+}
+
+void HostCells::finish(std::size_t first, std::size_t count, const Numbers& geometry) const {
+    ResultBuilder& result = *s_.result;
+    const Want& want = s_.job->options.want;
+    s_.pool->run(ceil_div(count, block_cells), [&](std::size_t block, unsigned) {
+        const std::size_t begin = first + block * block_cells, end = std::min(first + count, begin + block_cells);
+        CellCounters counters;
+        for (std::size_t member = begin; member < end; ++member) {
+            if (!is_certified(member)) continue;
+            const std::uint32_t info = s_.info[member], faces = (info >> INFO_FACES_SHIFT) & 0xff;
+            counters.faces += faces;
+            if (want.volumes || want.centroids) measure(member, geometry.from((member - first) * numbers_each));
+            if (!want.counts) continue;
+            const auto i = static_cast<std::size_t>(input_of(member));
+            const std::uint32_t vertices = (info >> INFO_VERTICES_SHIFT) & 0xff;
+            result.face_counts()[i] = faces;
+            result.edge_counts()[i] = vertices + faces - 2;  // Euler
+            result.vertex_counts()[i] = vertices;
+        }
+        result.count(counters);
+    });
+}
+
+void HostCells::for_blocks_of(const DeviceRows& rows, const auto& task) const {
+    const std::size_t count = rows.lengths.size(), blocks = ceil_div(count, block_cells);
+    std::vector<std::size_t> begins(blocks + 1, 0);
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const auto of_block = rows.lengths.subspan(b * block_cells, std::min(block_cells, count - b * block_cells));
+        begins[b + 1] = std::accumulate(of_block.begin(), of_block.end(), begins[b]);
+    }
+    s_.pool->run(blocks, [&](std::size_t block, unsigned) {
+        const std::size_t entry = begins[block], entries = begins[block + 1] - entry;
+        const std::size_t first = rows.first + block * block_cells;
+        const auto lengths =
+            rows.lengths.subspan(block * block_cells, std::min(block_cells, count - block * block_cells));
+        std::vector<double> areas;
+        if (s_.job->options.want.areas) {
+            areas.reserve(entries);
+            for (std::size_t c = 0; c < lengths.size(); ++c)
+                for (std::uint32_t k = 0; k < lengths[c]; ++k)
+                    areas.push_back(times_power_of_two(rows.areas[entry + areas.size()], 2 * exponent_of(first + c)));
+        }
+        const auto shifts = rows.shifts.empty() ? rows.shifts : rows.shifts.subspan(3 * entry, 3 * entries);
+        task(first, lengths, rows.ids.subspan(entry, entries), RowValues{areas, {}, shifts});
+    });
+}
+
+void HostCells::place(const DeviceRows& rows) const {
+    for_blocks_of(rows, [&](std::size_t first, const auto& lengths, const auto& ids, const RowValues& values) {
+        s_.result->place_rows(first, lengths, ids, values);
+    });
+}
+
+void HostCells::keep(const DeviceRows& rows) const {
+    for_blocks_of(rows, [&](std::size_t first, const auto& lengths, const auto& ids, const RowValues& values) {
+        std::array<std::int32_t, block_cells> cells;
+        for (std::size_t c = 0; c < lengths.size(); ++c) cells[c] = input_of(first + c);
+        s_.result->copy_rows(std::span(cells).first(lengths.size()), lengths, ids, values);
+    });
+}
+
+void HostCells::clip(const DeviceRows& rows, ExactClipper& clipper, const Share& share) const {
+    std::vector<std::int32_t> cells;
+    std::vector<std::uint32_t> lengths;
+    for (std::size_t c = 0; c < rows.lengths.size(); ++c) {
+        if (!is_certified(rows.first + c)) continue;
+        cells.push_back(input_of(rows.first + c));
+        lengths.push_back(rows.lengths[c]);
+    }
+    using Shift = std::array<std::int8_t, 3>;
+    static_assert(sizeof(Shift) == 3);
+    const std::span shifts(reinterpret_cast<const Shift*>(rows.shifts.data()), rows.shifts.size() / 3);
+    clipper.clip_listed({cells, lengths, rows.ids, shifts}, *s_.result, share);
+}
+
+}  // namespace votess::gpu

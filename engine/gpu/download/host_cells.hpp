@@ -1,0 +1,88 @@
+// The host's share of a part's cells: what a device has measured gets the units of the input, and rows go to the result
+// builder. Knows no Vulkan, so that tools/bench/gpu/gpu_host.cpp can feed it with made-up cells.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "exact_clipper.hpp"
+#include "result/result_builder.hpp"
+#include "shared/config.h"
+
+namespace votess::gpu {
+
+// An array of Number, see shaders/numbers/number.glsl.
+struct Numbers {
+    std::span<const std::byte> bytes;
+    bool float64 = true;
+
+    static constexpr std::size_t each = 8;  // bytes
+    [[nodiscard]] double operator[](std::size_t i) const;
+    [[nodiscard]] Numbers from(std::size_t first) const { return {bytes.subspan(first * each), float64}; }
+};
+
+// Rows of consecutive members, one after the other.
+struct DeviceRows {
+    std::size_t first = 0;                   // member
+    std::span<const std::uint32_t> lengths;  // of each
+    std::span<const std::int32_t> ids;
+    Numbers areas;                        // beside ids when they are wanted, in the squares of the cells' own units
+    std::span<const std::int8_t> shifts;  // 3 beside each id in a periodic domain
+};
+
+// What a chunk leaves.
+struct LeftCells {
+    std::size_t to_cpu = 0;
+    FallbackReasons reasons;  // of these
+    std::size_t beside = 0;   // seeds beside the part, which get no cell
+};
+// info, order: of the cells of a chunk, and the members that they belong to. Adds members left to the CPU to `members`.
+LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, ThreadPool& pool,
+                          std::vector<std::uint32_t>& members);
+
+// Cells in the order of their part's members.
+class HostCells {
+public:
+    static constexpr std::size_t numbers_each = 4;  // of the geometry of a cell: volume and centroid
+
+    // What all calls rely on, and which must outlive them. members: input indices; empty when they are 0, 1 ...
+    struct Source {
+        const Job* job = nullptr;
+        ResultBuilder* result = nullptr;
+        ThreadPool* pool = nullptr;
+        std::span<const std::int32_t> members;
+        std::span<const std::array<double, 3>> wraps;  // by input index: what a centroid is moved by; or empty
+        int shift = 0;                                 // Units::shift
+        std::span<const std::uint32_t> info;           // by member, see INFO_ in config.h
+    };
+    explicit HostCells(const Source& source) : s_(source) {}
+
+    // Volumes, centroids and counts of the certified cells among `count` members from `first` on. geometry: of these,
+    // when any is wanted.
+    void finish(std::size_t first, std::size_t count, const Numbers& geometry) const;
+    // Copies rows to where they stay, after ResultBuilder::settle(); members must be 0, 1 ...
+    void place(const DeviceRows& rows) const;
+    // Gives rows to the builder, where they wait.
+    void keep(const DeviceRows& rows) const;
+    // Has the exact clipper make the certified cells from their rows.
+    void clip(const DeviceRows& rows, ExactClipper& clipper, const Share& share) const;
+
+private:
+    [[nodiscard]] std::int32_t input_of(std::size_t member) const {
+        return s_.members.empty() ? static_cast<std::int32_t>(member) : s_.members[member];
+    }
+    [[nodiscard]] bool is_certified(std::size_t member) const { return (s_.info[member] & 0xff) == STATUS_CERTIFIED; }
+    [[nodiscard]] int exponent_of(std::size_t member) const {
+        return static_cast<int>(s_.info[member] >> INFO_EXPONENT_SHIFT) - s_.shift;
+    }
+    void measure(std::size_t member, const Numbers& geometry) const;
+    // task(begin, end, values, entries): some of the rows at a time, on all threads, with what belongs to them.
+    void for_blocks_of(const DeviceRows& rows, const auto& task) const;
+
+    Source s_;
+};
+
+}  // namespace votess::gpu

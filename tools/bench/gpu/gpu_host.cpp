@@ -1,0 +1,131 @@
+// votess_bench_host: what the host does with the cells that a device has made, in nanoseconds of its threads' time for
+// a cell. The cells are made up, so no device is needed; the code that takes them is that of the GPU engine.
+//   votess_bench_host [CELLS [SHARE]]    1e6 and 1e7 without; SHARE of the cells are left to the CPU, 0.003
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <random>
+
+#include "domain/domain.hpp"
+#include "gpu/download/host_cells.hpp"
+
+namespace {
+
+using namespace votess;
+
+// Seconds since the start of the program.
+struct Moment {
+    double wall, threads;
+};
+
+Moment now() {
+    timespec spent{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &spent);
+    return {std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
+            static_cast<double>(spent.tv_sec) + 1e-9 * static_cast<double>(spent.tv_nsec)};
+}
+
+// What a device would hand over; 15.5 neighbors a cell.
+struct MadeUp {
+    std::size_t count;
+    std::vector<std::uint32_t> order, sorted_info, info, lengths;
+    std::vector<std::int32_t> ids, left;
+    std::vector<double> geometry, points;
+
+    MadeUp(std::size_t n, double share_left) : count(n), order(n), sorted_info(n), info(n), lengths(n) {
+        std::mt19937_64 random(1);
+        std::uniform_int_distribution<std::uint32_t> faces(10, 21);
+        std::uniform_real_distribution<double> uniform;
+        for (std::size_t i = 0; i < n; ++i) {
+            const bool is_left = uniform(random) < share_left;
+            order[i] = static_cast<std::uint32_t>(i);
+            lengths[i] = is_left ? 0 : faces(random);
+            info[i] = is_left ? STATUS_NEEDS_EXACT
+                              : (lengths[i] << INFO_FACES_SHIFT) | (27u << INFO_VERTICES_SHIFT) |
+                                    (55u << INFO_EXPONENT_SHIFT);
+            if (is_left) left.push_back(static_cast<std::int32_t>(i));
+            for (std::uint32_t k = 0; k < lengths[i]; ++k)
+                ids.push_back(static_cast<std::int32_t>(ids.size() * 2654435761u % n));
+            for (int k = 0; k < 4; ++k) geometry.push_back(uniform(random));
+            for (int k = 0; k < 3; ++k) points.push_back(uniform(random));
+        }
+        std::ranges::shuffle(order, random);
+        for (std::size_t s = 0; s < n; ++s) sorted_info[s] = info[order[s]];
+    }
+};
+
+constexpr std::size_t chunk_cells = std::size_t{1} << 20, slice_cells = std::size_t{1} << 18;
+
+void run(const MadeUp& cells, unsigned threads) {
+    ThreadPool pool(threads);
+    ResultBuilder result;
+    Job job;
+    job.domain = std::make_shared<const Domain>();
+    job.points.f64 = cells.points;
+    job.options.want = {.neighbors = true, .volumes = true, .centroids = true};
+    const std::vector<std::int32_t> row_of_left(16, 0);
+    const std::span<const std::uint32_t> lengths = cells.lengths;
+
+    std::vector<Moment> moments{now()};
+    const auto done = [&] { moments.push_back(now()); };
+    result.begin(job, pool);
+    done();
+    std::vector<std::uint32_t> left;
+    for (std::size_t first = 0; first < cells.count; first += chunk_cells) {
+        const std::size_t count = std::min(chunk_cells, cells.count - first);
+        gpu::find_left_cells(std::span(cells.sorted_info).subspan(first, count),
+                             std::span(cells.order).subspan(first, count), pool, left);
+    }
+    done();
+    // The CPU's own clipper would do this.
+    for (const std::int32_t i : cells.left) {
+        result.add_rows(std::span(&i, 1), std::array{16u}, row_of_left);
+        result.volumes()[static_cast<std::size_t>(i)] = 1;
+    }
+    const Moment clipped = now();
+    const gpu::HostCells host({&job, &result, &pool, {}, {}, 61, cells.info});
+    for (std::size_t first = 0; first < cells.count; first += slice_cells) {
+        const std::size_t count = std::min(slice_cells, cells.count - first);
+        host.finish(first, count, {std::as_bytes(std::span(cells.geometry).subspan(4 * first, 4 * count)), true});
+    }
+    const Moment measured = now();
+    result.settle(lengths, pool);
+    const Moment settled = now();
+    for (std::size_t first = 0, entry = 0; first < cells.count; first += slice_cells) {
+        const std::size_t count = std::min(slice_cells, cells.count - first);
+        std::size_t entries = 0;
+        for (const std::uint32_t length : lengths.subspan(first, count)) entries += length;
+        host.place({first, lengths.subspan(first, count), std::span(cells.ids).subspan(entry, entries), {}, {}});
+        entry += entries;
+    }
+    const Moment placed = now();
+    detail::Result finished;
+    result.finish(finished, pool);
+    const Moment end = now();
+    const auto each = [&](double seconds) { return 1e9 * seconds / static_cast<double>(cells.count); };
+    const auto part = [&](const Moment& from, const Moment& to) { return each(to.threads - from.threads); };
+    const double all = part(moments[0], end) - part(moments[2], clipped);
+    const double wall = (end.wall - moments[0].wall) - (clipped.wall - moments[2].wall);
+    std::printf("%9zu %7u %7.1f %7.1f %8.1f %7.1f %6.1f %7.1f %7.1f %11.1f\n", cells.count, threads,
+                part(moments[0], moments[1]), part(moments[1], moments[2]), part(clipped, measured),
+                part(measured, settled), part(settled, placed), part(placed, end), all,
+                1e-6 * static_cast<double>(cells.count) / wall);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::vector<double> sizes{1e6, 1e7};
+    if (argc > 1) sizes = {std::strtod(argv[1], nullptr)};
+    const double share_left = argc > 2 ? std::strtod(argv[2], nullptr) : 0.003;
+    std::printf("ns of threads' time a cell, and million cells a second\n");
+    std::printf("    cells threads   begin collect geometry lengths   rows  finish     all  Mcells/s\n");
+    for (const double size : sizes) {
+        const MadeUp cells(static_cast<std::size_t>(size), share_left);
+        for (const unsigned threads : {1u, 2u})
+            for (int repeat = 0; repeat < 3; ++repeat) run(cells, threads);
+    }
+    return 0;
+}
