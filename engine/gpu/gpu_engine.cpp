@@ -80,7 +80,7 @@ void GpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     } else {
         pending_.resize(job_.points.count());
         std::iota(pending_.begin(), pending_.end(), 0);
-        reasons_.domain = pending_.size();
+        pending_why_.assign(pending_.size(), &FallbackReasons::domain);
     }
     clock.enter(&StageSeconds::fallback);
     clip_pending(clipping.end);
@@ -94,6 +94,7 @@ void GpuEngine::begin(const Job& job) {
     progress_.report(0);
     device_seconds_ = {};
     pending_.clear();
+    pending_why_.clear();
     reasons_ = {};
     duplicates_ = false;
     done_cells_ = 0;
@@ -281,10 +282,10 @@ void GpuEngine::collect(const Chunk& chunk, Schedule& schedule) {
     const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
     left_.clear();
     const LeftCells found = find_left_cells(chunk.info(), order, clipper_.pool(), left_);
-    for (const std::uint32_t member : left_) pending_.push_back(input_of(member));
-    reasons_.uncertain += found.reasons.uncertain;
-    reasons_.overflow += found.reasons.overflow;
-    reasons_.exhausted += found.reasons.exhausted;
+    for (const LeftCell& cell : left_) {
+        pending_.push_back(input_of(cell.member));
+        pending_why_.push_back(cell.reason);
+    }
     const std::size_t own = chunk.count() - found.beside;
     done_cells_ += own;
     download_.set_entries(chunk.entries());
@@ -333,7 +334,7 @@ void GpuEngine::leave_to_cpu(std::uint32_t first, std::uint32_t count) {
         ++done_cells_;
         if ((member & DUPLICATE_BIT) != 0) continue;
         pending_.push_back(input_of(member));
-        ++reasons_.skipped;
+        pending_why_.push_back(&FallbackReasons::skipped);
     }
 }
 
@@ -341,7 +342,12 @@ void GpuEngine::clip_pending(double progress) {
     if (pending_.empty()) return;
     const StageClock::Within fallback(*clock_, &StageSeconds::fallback);
     clipper_.clip(pending_, result_, {progress, progress});
+    const auto duplicate_of = clipper_.duplicate_of();  // these turned out to have no cell
+    for (std::size_t k = 0; k < pending_.size(); ++k)
+        if (duplicate_of.empty() || duplicate_of[static_cast<std::size_t>(pending_[k])] < 0)
+            ++(reasons_.*pending_why_[k]);
     pending_.clear();
+    pending_why_.clear();
 }
 
 void GpuEngine::finish(detail::Result& result) {

@@ -88,13 +88,14 @@ private:
     std::optional<Parts> parts_;
     std::optional<PeriodicPart> periodic_;
     Part part_;
-    Box box_;                            // of all parts
-    FallbackReasons reasons_;            // of all that were pending
-    bool device_clips_ = true;           // else the exact clipper takes all cells
-    bool duplicates_ = false;            // there are some, or there may be
-    std::vector<std::int32_t> pending_;  // cells (input index) for the CPU
-    std::vector<std::uint32_t> left_;    // members that the chunk being collected leaves
-    bool lists_only_ = false;            // the device gives lists, and the CPU's clipper makes the cells from them
+    Box box_;                                                    // of all parts
+    FallbackReasons reasons_;                                    // of all that were pending
+    bool device_clips_ = true;                                   // else the exact clipper takes all cells
+    bool duplicates_ = false;                                    // there are some, or there may be
+    std::vector<std::int32_t> pending_;                          // cells (input index) for the CPU
+    std::vector<std::uint64_t FallbackReasons::*> pending_why_;  // beside these
+    std::vector<LeftCell> left_;                                 // of the chunk being collected
+    bool lists_only_ = false;  // the device gives lists, and the CPU's clipper makes the cells from them
     std::size_t done_cells_ = 0;
     StageClock* clock_ = nullptr;  // of the run
     Chunk::Seconds device_seconds_;

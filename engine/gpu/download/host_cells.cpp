@@ -13,28 +13,27 @@ namespace {
 
 constexpr std::size_t block_cells = 4096;  // per task
 
-std::uint64_t& reason_of(FallbackReasons& reasons, std::uint32_t status) {
+std::uint64_t FallbackReasons::*reason_of(std::uint32_t status) {
     switch (status) {
         case STATUS_NEEDS_EXACT:
-            return reasons.uncertain;
+            return &FallbackReasons::uncertain;
         case STATUS_PLANE_OVERFLOW:
         case STATUS_VERTEX_OVERFLOW:
-            return reasons.overflow;
+            return &FallbackReasons::overflow;
         default:
-            return reasons.exhausted;
+            return &FallbackReasons::exhausted;
     }
 }
 
 }  // namespace
 
 LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, ThreadPool& pool,
-                          std::vector<std::uint32_t>& members) {
+                          std::vector<LeftCell>& left) {
     std::mutex mutex;  // of what follows
     LeftCells found;
     pool.run(ceil_div(info.size(), block_cells), [&](std::size_t block, unsigned) {
         const std::size_t begin = block * block_cells, end = std::min(info.size(), begin + block_cells);
-        std::vector<std::uint32_t> left;
-        FallbackReasons reasons;
+        std::vector<LeftCell> of_block;
         std::size_t beside = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t status = info[i] & 0xff;
@@ -43,16 +42,12 @@ LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const s
                 ++beside;
                 continue;
             }
-            left.push_back(order[i] & INDEX_MASK);
-            ++reason_of(reasons, status);
+            of_block.push_back({order[i] & INDEX_MASK, reason_of(status)});
         }
         const std::lock_guard lock(mutex);
-        found.to_cpu += left.size();
+        found.to_cpu += of_block.size();
         found.beside += beside;
-        found.reasons.uncertain += reasons.uncertain;
-        found.reasons.overflow += reasons.overflow;
-        found.reasons.exhausted += reasons.exhausted;
-        members.insert(members.end(), left.begin(), left.end());
+        left.insert(left.end(), of_block.begin(), of_block.end());
     });
     return found;
 }

@@ -36,12 +36,15 @@ struct DeviceRows {
 // What a chunk leaves.
 struct LeftCells {
     std::size_t to_cpu = 0;
-    FallbackReasons reasons;  // of these
-    std::size_t beside = 0;   // seeds beside the part, which get no cell
+    std::size_t beside = 0;  // seeds beside the part, which get no cell
 };
-// info, order: of the cells of a chunk, and the members that they belong to. Adds members left to the CPU to `members`.
+struct LeftCell {
+    std::uint32_t member;
+    std::uint64_t FallbackReasons::*reason;
+};
+// info, order: of the cells of a chunk, and the members that they belong to. Adds those left to the CPU to `left`.
 LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, ThreadPool& pool,
-                          std::vector<std::uint32_t>& members);
+                          std::vector<LeftCell>& left);
 
 // Cells in the order of their part's members.
 class HostCells {

@@ -72,7 +72,7 @@ void run(const MadeUp& cells, unsigned threads) {
     const auto done = [&] { moments.push_back(now()); };
     result.begin(job, pool);
     done();
-    std::vector<std::uint32_t> left;
+    std::vector<gpu::LeftCell> left;
     for (std::size_t first = 0; first < cells.count; first += chunk_cells) {
         const std::size_t count = std::min(chunk_cells, cells.count - first);
         gpu::find_left_cells(std::span(cells.sorted_info).subspan(first, count),
