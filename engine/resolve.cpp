@@ -43,7 +43,10 @@ public:
             throw Error(ErrorCode::invalid_argument, std::to_string(seeds.size()) + " numbers are too few for " +
                                                          std::to_string(cells.size()) + " seeds with a stride of " +
                                                          std::to_string(stride_));
-        options_.box = how.box.value_or(plan.box);
+        if (plan.cell)
+            options_.cell = how.cell.value_or(*plan.cell);
+        else
+            options_.box = how.box.value_or(plan.box);
         options_.list_walls = plan.list_walls;
         options_.periodic = plan.periodic;
         options_.threads = how.threads;

@@ -40,6 +40,11 @@ std::shared_ptr<gpu::vulkan::Instance> adopt(const HostInstance& host, bool debu
     return gpu::vulkan::Instance::adopt({host.instance, host.get_instance_proc_addr, host.api_version, debug_utils});
 }
 
+void check_cell(const TriclinicBox& cell) {
+    if (cell.periodic != std::array{true, true, true})
+        throw Error(ErrorCode::unsupported, "cell: in recorded frames a triclinic box must repeat along all its edges");
+}
+
 void check(const PlanOptions& options) {
     if (options.most_seeds == 0 || options.most_seeds > most_of_all)
         refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(most_of_all));
@@ -49,7 +54,16 @@ void check(const PlanOptions& options) {
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
                " is neither float32 nor float64");
     check_k_init(options.k_init);
-    check_box(options.box);
+    if (!options.cell) {
+        check_box(options.box);
+        return;
+    }
+    const Box none;
+    if (options.box.lower != none.lower || options.box.upper != none.upper)
+        refuse("box and cell are both given: the cell is a box by itself, give one of them");
+    if (options.periodic != std::array<bool, 3>{})
+        refuse("cell and periodic contradict each other: the cell says itself along which edges it repeats");
+    check_cell(*options.cell);
 }
 
 // Returns how far around the box seeds get images.
@@ -60,6 +74,16 @@ double margin_of(const PlanOptions& options, const Box& box, std::uint32_t count
     return margin_spacings * spacing;
 }
 
+gpu::CellImages images_of(const PlanOptions& options, const TriclinicBox& cell, std::uint32_t count) {
+    double volume = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+        volume += cell.a[k] * (cell.b[l] * cell.c[m] - cell.b[m] * cell.c[l]);
+    }
+    const double margin = margin_spacings * std::cbrt(std::abs(volume) / std::max(count, 1u));
+    return gpu::cell_images(cell, options.margin > 0 ? options.margin : margin);
+}
+
 // Places for images: a quarter more than uniform seeds have.
 std::uint32_t usual_images(const PlanOptions& options) {
     const double margin = margin_of(options, options.box, options.most_seeds);
@@ -67,6 +91,11 @@ std::uint32_t usual_images(const PlanOptions& options) {
     for (std::size_t k = 0; k < 3; ++k) {
         const double side = options.box.upper[k] - options.box.lower[k];
         if (options.periodic[k]) larger *= 1 + 2 * std::min(margin / side, 1.0);
+    }
+    if (options.cell) {
+        const gpu::CellImages images = images_of(options, *options.cell, options.most_seeds);
+        larger = 1 / images.volume;
+        for (std::size_t k = 0; k < 3; ++k) larger *= images.box.upper[k] - images.box.lower[k];
     }
     return static_cast<std::uint32_t>(std::min(1.25 * (larger - 1) * options.most_seeds + 1000, 1.0 * most_of_all));
 }
@@ -114,6 +143,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     settings.tiers[1].ties = true;
     settings.most_walk_visits = std::min(settings.most_walk_visits, most_walk_visits);
     settings.images = state->is_periodic();
+    settings.triclinic = options.cell.has_value();
     state->passes.emplace(device, settings);
     if (state->is_periodic()) state->images = options.most_images != 0 ? options.most_images : usual_images(options);
     if (state->images > most_of_all)
@@ -139,7 +169,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     sizes.indices = options.neighbors ? VkDeviceSize{state->entries} * 4 : 0;
     sizes.geometry = options.geometry ? n * geometry_bytes : 0;
     sizes.shifts = state->is_periodic() ? sizes.indices : 0;
-    if (state->is_periodic())  // refuses the box now
+    if (state->is_periodic() && !options.cell)  // refuses the box now
         gpu::DeviceSeeds().set_periodic_box(options.box, options.periodic,
                                             margin_of(options, options.box, options.most_seeds));
     gpu::PartOfBuffer workspace(device, VK_NULL_HANDLE, 0);
@@ -176,6 +206,10 @@ void Frame::record(VkCommandBuffer commands, const RecordOptions& options) const
     if (options.count > most)
         refuse("count = " + std::to_string(options.count) + " is more than most_seeds = " + std::to_string(most));
     if (options.box) check_box(*options.box);
+    const bool triclinic = state_->plan->options.cell.has_value();
+    if (triclinic ? options.box.has_value() : options.cell.has_value())
+        refuse(triclinic ? "a box is given, where the plan has a cell" : "a cell is given, where the plan has none");
+    if (options.cell) check_cell(*options.cell);
     state_->record(commands, options);
 }
 
@@ -211,7 +245,7 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
         outputs_.set(binding, cells_.slice(binding));
     outputs_.set(BINDING_SEED_INPUT, seeds_.seed_input());
     // All descriptor sets are made here: a recording of fewer seeds needs no other.
-    record(VK_NULL_HANDLE, {.count = plan->options.most_seeds, .box = {}, .timestamps = {}});
+    record(VK_NULL_HANDLE, {.count = plan->options.most_seeds, .box = {}, .cell = {}, .timestamps = {}});
 }
 
 void detail::FrameState::record(VkCommandBuffer commands, const RecordOptions& options) {
@@ -232,7 +266,9 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
             recorder_.write_timestamp(options.timestamps.pool, options.timestamps.first + slot);
     };
     const Box box = options.box.value_or(plan->options.box);
-    if (plan->is_periodic())
+    if (plan->options.cell)
+        seeds_.set_cell(images_of(plan->options, options.cell.value_or(*plan->options.cell), options.count));
+    else if (plan->is_periodic())
         seeds_.set_periodic_box(box, plan->options.periodic, margin_of(plan->options, box, options.count));
     else
         seeds_.set_box(box);
@@ -272,6 +308,13 @@ void detail::FrameState::record_cells(std::uint32_t count) {
     job.walls = plan->options.list_walls;
     job.volume_tolerance = volume_tolerance;
     job.own_count = count;
+    for (std::size_t k = 0; k < 3 && plan->options.cell; ++k) {
+        constexpr std::uint64_t rounded = 2 * MOST_STEPS_APART;  // images may be beside their places by less
+        job.bounded |= 9u << k;
+        job.lower[k] = rounded;
+        job.upper[k] = seeds_.extent()[k] - rounded;
+        job.named_from = count;
+    }
     for (std::size_t k = 0; k < 3; ++k) {
         if (!plan->options.periodic[k]) continue;
         job.bounded |= 9u << k;

@@ -16,7 +16,7 @@ struct PlanState {
     std::uint32_t chunk_cells = 0;
     std::uint32_t entries = 0;  // of the rows
     std::uint32_t images = 0;   // places for them
-    [[nodiscard]] bool is_periodic() const { return options.periodic != std::array<bool, 3>{}; }
+    [[nodiscard]] bool is_periodic() const { return options.cell || options.periodic != std::array<bool, 3>{}; }
     BufferSizes sizes;
 };
 

@@ -25,8 +25,10 @@
 
 real quantum;
 
-// In units: what coordinates and walls that were rounded move a plane by (clip/walls.glsl).
+// In units: what coordinates and walls that were rounded move a plane by (clip/walls.glsl). Rounded vectors of a lattice
+// put an image half a unit beside its place for each step, that is at most MOST_STEPS_APART / 2, times sqrt(3).
 float quantum_in_units(uint lossy) {
+    if ((lossy & LOSSY_IMAGES) != 0u) return float(MOST_STEPS_APART);
     return lossy == 0u ? 0.0 : ((lossy & LOSSY_WALLS) != 0u ? 4.0 : 2.0);
 }
 

@@ -14,8 +14,14 @@
 #define LOSSY_POINTS 1u
 #define LOSSY_BOX 2u
 #define LOSSY_WALLS 4u  // their places have been rounded
+#define LOSSY_IMAGES 16u  // vectors of a triclinic box have been rounded
 
 #define WALL_BITS 62  // normals of walls of any direction are right to half of 2^-WALL_BITS
+
+// Triclinic boxes of frames: bits of a fraction behind the point; the most steps along the edges, in sum, that lie
+// between a seed and what bounds its cell.
+#define FRACTION_BITS 60
+#define MOST_STEPS_APART 128
 
 // sort: a stable radix sort, 4 bits at a time, of keys that hold a Hilbert index of 20 bits per axis in two words.
 #define KEY_BITS_PER_AXIS 20

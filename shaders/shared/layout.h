@@ -161,6 +161,19 @@ struct WallPlane {
     float rough[4];
 };
 
+// A triclinic box, from the lower corner of the box around it and its images; numbers in two's complement.
+struct LatticeData {
+    uvec2 vector[9];   // a, b, c in units, to nearest
+    uvec2 dual[9];     // rows: a fraction is dual . (x - origin) / 2^(to_fraction + FRACTION_BITS)
+    uvec2 origin[3];
+    uvec2 unsure;      // so near to a whole number a fraction may be beyond it
+    uint to_fraction;  // 33 to 63
+    uint zeros;        // bit 3 j + k: the dual of edge j is exactly 0 along axis k
+    uint lossy;        // 1: vectors were rounded
+    int least[3];      // steps along the edges that bring images
+    int last[3];
+};
+
 // What the sort found out about the points.
 struct RunState {
     uint lossy;       // LOSSY_ bits: coordinates that are no whole number of units

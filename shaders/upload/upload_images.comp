@@ -1,18 +1,35 @@
 // upload: puts the images of all seeds behind the seeds. Places that are left get no coordinates; when there are too few
 // places, all stay empty and no cell is certified.
+//
+// Variant: TRICLINIC, as in upload_wrap.comp.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
 #include "numbers/int64.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
+#ifdef TRICLINIC
+#include "upload/lattice.glsl"
+#else
 #include "upload/images.glsl"
+#endif
 
 layout(std430, binding = BINDING_SCAN_DATA) readonly buffer Offsets { uint offsets[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
 layout(std430, binding = BINDING_NAMES) writeonly buffer Names { uvec2 names[]; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
 
+#ifdef TRICLINIC
+void put_image(uint place, uint seed, uint number) {
+    uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
+    ivec3 shift;
+    count_images(x, y, z, number, shift);
+    points_x[push.count + place] = x;
+    points_y[push.count + place] = y;
+    points_z[push.count + place] = z;
+    names[place] = uvec2(seed, uint((shift.x + 128) << 16 | (shift.y + 128) << 8 | (shift.z + 128)));
+}
+#else
 uvec2 moved(uvec2 x, int by, int axis) {
     return by == 0 ? x : (by < 0 ? subtract64(x, push.side[axis]) : add64(x, push.side[axis]));
 }
@@ -35,6 +52,7 @@ void put_image(uint place, uint seed, uint number) {
         return;
     }
 }
+#endif
 
 void main() {
     const uint place = linear_invocation();

@@ -1,14 +1,35 @@
 // upload: brings seeds into the periodic box, by whole sides, and counts the images of each.
+//
+// Variant: TRICLINIC does so in a triclinic box. Where it is not sure on which side of a face a seed lies, no cell is
+// certified: rows would tell shifts from another place.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
 #include "numbers/int64.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
+#ifdef TRICLINIC
+#include "upload/lattice.glsl"
+#else
 #include "upload/images.glsl"
+#endif
 
 layout(std430, binding = BINDING_SCAN_DATA) writeonly buffer Counts { uint counts[]; };
 
+#ifdef TRICLINIC
+layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
+
+void wrap(inout uvec2 x, inout uvec2 y, inout uvec2 z) {
+    bool unsure = false;
+    const bool exact = state.lossy == 0u;
+    const int a = steps_below(x, y, z, 0u, exact, unsure), b = steps_below(x, y, z, 1u, exact, unsure);
+    const int c = steps_below(x, y, z, 2u, exact, unsure);
+    x = moved(x, -a, -b, -c, 0u);
+    y = moved(y, -a, -b, -c, 1u);
+    z = moved(z, -a, -b, -c, 2u);
+    if (unsure) state.incomplete = 1u;
+}
+#else
 // Upload has refused seeds that are farther away than a side, both rounded as doubles; so it may be nearly two sides.
 uvec2 wrapped(uvec2 x, int axis) {
     if (!is_periodic(axis)) return x;
@@ -20,14 +41,22 @@ uvec2 wrapped(uvec2 x, int axis) {
     return add64(from, push.lower[axis]);
 }
 
+void wrap(inout uvec2 x, inout uvec2 y, inout uvec2 z) {
+    x = wrapped(x, 0);
+    y = wrapped(y, 1);
+    z = wrapped(z, 2);
+}
+#endif
+
 void main() {
     const uint seed = linear_invocation();
     if (seed >= push.count) return;
     uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
     if (x.y != NO_COORDINATE) {
-        points_x[seed] = x = wrapped(x, 0);
-        points_y[seed] = y = wrapped(y, 1);
-        points_z[seed] = z = wrapped(z, 2);
+        wrap(x, y, z);
+        points_x[seed] = x;
+        points_y[seed] = y;
+        points_z[seed] = z;
     }
     counts[seed] = images_of(x, y, z);
 }

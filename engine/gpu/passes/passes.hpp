@@ -28,6 +28,7 @@ struct PassSettings {
     bool frames = false;                     // there are passes for recorded frames instead of parts
     bool walls = false;                      // there are walls of any direction
     bool images = false;                     // and for periodic ones
+    bool triclinic = false;                  // whose boxes are triclinic
     std::uint32_t local_size = 64;           // work-groups of all passes that do not rely on a size
     // So many invocations make a cell of the first tier together, searching as they clip; 0: each makes one, from a
     // list.

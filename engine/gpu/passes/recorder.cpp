@@ -136,6 +136,13 @@ void Recorder::fill(const Slice& buffer, VkDeviceSize offset, VkDeviceSize bytes
     device_.table().vkCmdFillBuffer(buffer_, buffer.handle, buffer.offset + offset, bytes, word);
 }
 
+void Recorder::write(const Slice& buffer, std::span<const std::byte> bytes) {
+    expect_open("write");
+    if (bytes.size() > buffer.size) misuse("Commands::write beyond the end of a buffer");
+    if (buffer_ == VK_NULL_HANDLE) return;
+    device_.table().vkCmdUpdateBuffer(buffer_, buffer.handle, buffer.offset, bytes.size(), bytes.data());
+}
+
 VkDescriptorBufferInfo Recorder::descriptor(const Pass& pass, std::uint32_t binding,
                                             std::span<const BufferBinding> buffers) const {
     const auto wrong = [&](const std::string& what) {

@@ -69,6 +69,7 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     images_.capacity = images;
     if (images > 0) {
         reserve_names(workspace, images);
+        bindings_.set(BINDING_LATTICE, workspace.take(sizeof(LatticeData), "lattice"));
         image_counts_ = workspace.take_words(seeds, "image counts");
         image_scan_.reserve(workspace, seeds);
     }
@@ -153,6 +154,13 @@ void DeviceSeeds::set_periodic_box(const Box& box, const std::array<bool, 3>& pe
     }
 }
 
+void DeviceSeeds::set_cell(const CellImages& cell) {
+    set_box(cell.box);
+    box_ = cell.allowed;
+    lattice_ = cell.data;
+    for (int k = 0; k < 3; ++k) images_.extent[k] = words(extent_[k]);
+}
+
 void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const Slice& header,
                                 std::uint32_t count) const {
     ImagesPush push = images_;
@@ -170,8 +178,11 @@ void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const 
 
 void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
     recorder.fill(run_state(), 0, sizeof(RunState), 0);
-    const std::uint32_t bits =
-        (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0) | (walls_ > 0 ? LOSSY_WALLS : 0);
+    if (images_.capacity > 0)
+        recorder.write(bindings_.get(BINDING_LATTICE), std::as_bytes(std::span(&lattice_, 1)));
+    const std::uint32_t bits = (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0) |
+                               (walls_ > 0 ? LOSSY_WALLS : 0) |
+                               (lattice_.lossy != 0 ? LOSSY_POINTS | LOSSY_IMAGES : 0);
     if (bits == 0) return;
     recorder.barrier();
     recorder.fill(run_state(), offsetof(RunState, lossy), 4, bits);

@@ -8,6 +8,7 @@
 
 #include "gpu/passes/passes.hpp"
 #include "gpu/passes/recorder.hpp"
+#include "gpu/seeds/cell_images.hpp"
 #include "gpu/seeds/units.hpp"
 #include "gpu/workspace.hpp"
 #include "shared/interface.h"
@@ -59,6 +60,9 @@ public:
     // of the box are no whole numbers of units.
     void set_periodic_box(const Box& box, const std::array<bool, 3>& periodic, double margin);
 
+    // The box of seeds and images around a triclinic one.
+    void set_cell(const CellImages& cell);
+
     // Forgets what is known about points; to be followed by a barrier. lossy: points that are rounded already.
     void record_begin(Recorder& recorder, bool lossy) const;
     // Points of the raw array become those from `first` on. check: those outside of the box get no cell.
@@ -102,6 +106,7 @@ private:
     std::uint32_t walls_ = 0;
     Scan scan_, image_scan_;
     ImagesPush images_{};
+    LatticeData lattice_{};
     std::array<std::uint32_t, MOST_LEVELS> level_first_{}, level_size_{};
     std::uint32_t level_count_ = 0;
     Bindings bindings_;

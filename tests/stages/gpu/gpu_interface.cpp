@@ -119,6 +119,7 @@ TEST_SUITE("stages") {
             s.frames = bit(2);
             s.images = bit(3);
             s.walls = bit(6);
+            s.triclinic = bit(0);
             s.subgroup_size = bit(4) ? 32 : 0;
             s.tiers[0].float64 = bit(5) && device->has_float64();
             s.tiers[1].float64 = device->has_float64();

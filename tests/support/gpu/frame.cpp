@@ -9,10 +9,10 @@
 namespace test::frame {
 
 void run(Host& host, std::span<const Target* const> targets, std::uint32_t count,
-         const std::optional<votess::Box>& box) {
+         const std::optional<votess::Box>& box, const std::optional<votess::TriclinicBox>& cell) {
     host.commands.begin();
     host.commands.barrier();
-    for (const Target* target : targets) target->frame.record(host.commands.handle(), {.count = count, .box = box});
+    for (const Target* target : targets) target->frame.record(host.commands.handle(), {.count = count, .box = box, .cell = cell});
     host.commands.barrier_to_host();
     host.commands.end();
     host.commands.submit();
@@ -29,7 +29,8 @@ void run(Host& host, const Target& target, std::uint32_t count) {
 }
 
 template <class Real>
-Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box) {
+Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box,
+             const std::optional<votess::TriclinicBox>& cell) {
     Rows all;
     const std::uint32_t stride = plan.options().stride;
     const auto seeds = target.seeds.as<Real>();
@@ -48,7 +49,7 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
         all.volumes.push_back(g[3]);
         for (std::size_t k = 0; k < 3; ++k) all.centroids.push_back(double{seeds[i * stride + k]} + double{g[k]});
     }
-    const Resolved more = plan.resolve(std::span<const Real>(seeds), target.cell(count), {.box = box, .threads = 0});
+    const Resolved more = plan.resolve(std::span<const Real>(seeds), target.cell(count), {.box = box, .cell = cell, .threads = 0});
     for (std::size_t r = 0; r < more.cells.size(); ++r) {
         const std::size_t i = more.cells[r];
         CHECK(all.rows[i].empty());
@@ -63,8 +64,10 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
     return all;
 }
 
-template Rows collect<float>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&);
-template Rows collect<double>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&);
+template Rows collect<float>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&,
+                              const std::optional<votess::TriclinicBox>&);
+template Rows collect<double>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&,
+                              const std::optional<votess::TriclinicBox>&);
 
 std::string compare(const Rows& rows, const votess::Tessellation& t) {
     for (std::size_t i = 0; i < t.size(); ++i) {
@@ -128,6 +131,8 @@ PlanOptions options_for(const PointSet& set) {
 
 votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan) {
     votess::Options options = test::all_options(plan.box);
+    if (plan.cell) options.box.reset();
+    options.cell = plan.cell;
     options.list_walls = plan.list_walls;
     options.periodic = plan.periodic;
     options.device = "cpu";

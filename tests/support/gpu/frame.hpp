@@ -82,7 +82,7 @@ struct Target {
 };
 
 void run(Host& host, std::span<const Target* const> targets, std::uint32_t count,
-         const std::optional<votess::Box>& box = {});
+         const std::optional<votess::Box>& box = {}, const std::optional<votess::TriclinicBox>& cell = {});
 void run(Host& host, const Target& target, std::uint32_t count);
 
 struct Rows {
@@ -94,7 +94,8 @@ struct Rows {
 
 // The frame, with what resolve() adds; Real is the type of its seeds.
 template <class Real>
-Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box = {});
+Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box = {},
+             const std::optional<votess::TriclinicBox>& cell = {});
 
 // One line on the first difference.
 std::string compare(const Rows& rows, const votess::Tessellation& t);
