@@ -92,9 +92,9 @@ struct PlanOptions {
     // stay unresolved, all cells where the places are too few (see Header::images).
     std::array<bool, 3> periodic{};
     // Instead of box and periodic: a triclinic box that repeats along all its edges. Seeds up to as much outside of its
-    // bounds as they are long are wrapped into it, by vectors that are rounded to 2^-61 of the longest side at most; cells
-    // for which that matters stay unresolved. All cells do where a seed is so near to a face that it may be on either
-    // side of it.
+    // bounds as they are long are wrapped into it, by vectors that are rounded to 2^-61 of the longest side at most;
+    // cells for which that matters stay unresolved. All cells do where a seed is so near to a face that it may be on
+    // either side of it.
     std::optional<TriclinicBox> cell{};
     double margin = 0;              // length, at most 0.99 sides count; 0 = 3.4 mean distances between seeds
     std::uint32_t most_images = 0;  // 0 = a quarter more than uniform seeds have
@@ -171,10 +171,10 @@ struct Timestamps {
 };
 
 struct RecordOptions {
-    std::uint32_t count = 0;   // seeds of this frame, at most most_seeds
-    std::optional<Box> box{};  // of this frame; default: the plan's
+    std::uint32_t count = 0;             // seeds of this frame, at most most_seeds
+    std::optional<Box> box{};            // of this frame; default: the plan's
     std::optional<TriclinicBox> cell{};  // of this frame, where the plan has one
-    Timestamps timestamps{};   // none while pool is null
+    Timestamps timestamps{};             // none while pool is null
 };
 
 namespace detail {
@@ -196,7 +196,8 @@ public:
     // queue, at any stage, for any access; not to the host, which needs its own barrier.
     //
     // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds, an empty or inverted box, a box
-    // where the plan has a cell or the other way round; unsupported: a periodic box as Plan() refuses. Then nothing was recorded.
+    // where the plan has a cell or the other way round; unsupported: a periodic box as Plan() refuses. Then nothing was
+    // recorded.
     void record(VkCommandBuffer commands, const RecordOptions& options) const;
 
 private:
@@ -207,7 +208,7 @@ private:
 struct ResolveOptions {
     std::optional<Box> box{};  // with which the frame was recorded; default: the plan's
     std::optional<TriclinicBox> cell{};
-    unsigned threads = 0;      // as Options::threads
+    unsigned threads = 0;  // as Options::threads
 };
 
 // The cells that were left to the CPU, made exactly.
@@ -224,8 +225,8 @@ struct Resolved {
 // Immutable, safe to use from several threads. All pipelines are made here.
 class VOTESS_API Plan {
 public:
-    // Throws Error: invalid_argument, also for a cell beside a box or periodic axes; unsupported (limits of the device, a
-    // periodic box with bounds of very different size such as 1e-30 and 1, a cell that leans or is thin so much that
+    // Throws Error: invalid_argument, also for a cell beside a box or periodic axes; unsupported (limits of the device,
+    // a periodic box with bounds of very different size such as 1e-30 and 1, a cell that leans or is thin so much that
     // images lie more than three edges away, or that does not repeat along all edges; the message says which);
     // out_of_memory, device_lost.
     Plan(const HostDevice& device, const PlanOptions& options);

@@ -13,7 +13,7 @@
 // RunState.lossy
 #define LOSSY_POINTS 1u
 #define LOSSY_BOX 2u
-#define LOSSY_WALLS 4u  // their places have been rounded
+#define LOSSY_WALLS 4u    // their places have been rounded
 #define LOSSY_IMAGES 16u  // vectors of a triclinic box have been rounded
 
 #define WALL_BITS 62  // normals of walls of any direction are right to half of 2^-WALL_BITS

@@ -73,7 +73,7 @@
 #define BINDING_SLICE_ROWS 47    // int
 #define BINDING_SLICE_AREAS 48   // beside the rows
 #define BINDING_SLICE_SHIFTS 49  // int8 x y z, without gaps, beside the rows
-#define BINDING_LATTICE 50  // LatticeData of a frame in a triclinic box
+#define BINDING_LATTICE 50       // LatticeData of a frame in a triclinic box
 #define BINDING_COUNT 51
 
 #endif

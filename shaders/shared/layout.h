@@ -163,8 +163,8 @@ struct WallPlane {
 
 // A triclinic box, from the lower corner of the box around it and its images; numbers in two's complement.
 struct LatticeData {
-    uvec2 vector[9];   // a, b, c in units, to nearest
-    uvec2 dual[9];     // rows: a fraction is dual . (x - origin) / 2^(to_fraction + FRACTION_BITS)
+    uvec2 vector[9];  // a, b, c in units, to nearest
+    uvec2 dual[9];    // rows: a fraction is dual . (x - origin) / 2^(to_fraction + FRACTION_BITS)
     uvec2 origin[3];
     uvec2 unsure;      // so near to a whole number a fraction may be beyond it
     uint to_fraction;  // 33 to 63

@@ -156,9 +156,11 @@ Passes::Passes(Device& device, const PassSettings& s)
         device, "download_cells", device.has_float64() ? shaders::download_cells_f64 : shaders::download_cells_f32,
         s.local_size));
     if (!s.images) return;
-    upload_wrap = std::make_unique<Pass>(make<ImagesPush>(device, "upload_wrap", s.triclinic ? shaders::upload_wrap_triclinic : shaders::upload_wrap, s.local_size));
-    upload_images =
-        std::make_unique<Pass>(make<ImagesPush>(device, "upload_images", s.triclinic ? shaders::upload_images_triclinic : shaders::upload_images, s.local_size));
+    upload_wrap = std::make_unique<Pass>(make<ImagesPush>(
+        device, "upload_wrap", s.triclinic ? shaders::upload_wrap_triclinic : shaders::upload_wrap, s.local_size));
+    upload_images = std::make_unique<Pass>(
+        make<ImagesPush>(device, "upload_images",
+                         s.triclinic ? shaders::upload_images_triclinic : shaders::upload_images, s.local_size));
 }
 
 void Passes::make_with_ties(Device& device) {

@@ -9,10 +9,10 @@
 namespace votess::gpu {
 namespace {
 
-constexpr int most_steps = 3;              // along an edge, to an image
-constexpr double most_fraction = 7;        // of seeds as given
-constexpr double least_margin = 0x1p-16;   // of the longest side: more than rounding takes seeds out of the box
-constexpr double slack = 0.01;             // of fractions, see gpu/seeds/periodic_part.cpp
+constexpr int most_steps = 3;             // along an edge, to an image
+constexpr double most_fraction = 7;       // of seeds as given
+constexpr double least_margin = 0x1p-16;  // of the longest side: more than rounding takes seeds out of the box
+constexpr double slack = 0.01;            // of fractions, see gpu/seeds/periodic_part.cpp
 constexpr int fraction_bits = FRACTION_BITS;
 
 [[noreturn]] void refuse() {
@@ -65,7 +65,8 @@ void find_steps(const Domain& domain, double scale, double margin, CellImages& o
     }
     const auto allowed = fractions_of(domain, out.allowed, scale);
     const double most_margin = 2 * domain.covering_radius / scale;
-    for (double m = std::clamp(margin, longest * least_margin, std::max(most_margin, longest * least_margin));; m *= 0.8) {
+    for (double m = std::clamp(margin, longest * least_margin, std::max(most_margin, longest * least_margin));;
+         m *= 0.8) {
         if (m < longest * least_margin) m = longest * least_margin;
         out.box = bounds;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -95,7 +96,8 @@ CellImages cell_images(const TriclinicBox& cell, double margin) {
     double largest = 0;
     for (const auto* numbers : {&cell.origin, &cell.a, &cell.b, &cell.c})
         for (const double x : *numbers) {
-            if (!std::isfinite(x)) throw Error(ErrorCode::invalid_argument, "cell: it holds numbers that are not finite");
+            if (!std::isfinite(x))
+                throw Error(ErrorCode::invalid_argument, "cell: it holds numbers that are not finite");
             largest = std::max(largest, std::abs(x));
         }
     if (largest == 0) throw Error(ErrorCode::invalid_argument, "cell: all numbers are 0");
@@ -123,8 +125,8 @@ CellImages cell_images(const TriclinicBox& cell, double margin) {
         }
     }
     // A fraction is the sum of products with the dual, over 2^(to_fraction + fraction_bits). Its error: of the dual, as
-    // Basis knows it; of the dual's rounding to half, times coordinates below 2^63; of coordinates and origin, two units
-    // at most; of the last shift.
+    // Basis knows it; of the dual's rounding to half, times coordinates below 2^63; of coordinates and origin, two
+    // units at most; of the last shift.
     const int dual_shift = COORDINATE_BITS - 1 - std::ilogb(largest_dual);
     const int to_fraction = dual_shift - exponent + units.shift - fraction_bits;
     if (to_fraction <= 32 || to_fraction >= 64) refuse();

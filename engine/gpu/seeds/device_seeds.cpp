@@ -178,11 +178,9 @@ void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const 
 
 void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
     recorder.fill(run_state(), 0, sizeof(RunState), 0);
-    if (images_.capacity > 0)
-        recorder.write(bindings_.get(BINDING_LATTICE), std::as_bytes(std::span(&lattice_, 1)));
+    if (images_.capacity > 0) recorder.write(bindings_.get(BINDING_LATTICE), std::as_bytes(std::span(&lattice_, 1)));
     const std::uint32_t bits = (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0) |
-                               (walls_ > 0 ? LOSSY_WALLS : 0) |
-                               (lattice_.lossy != 0 ? LOSSY_POINTS | LOSSY_IMAGES : 0);
+                               (walls_ > 0 ? LOSSY_WALLS : 0) | (lattice_.lossy != 0 ? LOSSY_POINTS | LOSSY_IMAGES : 0);
     if (bits == 0) return;
     recorder.barrier();
     recorder.fill(run_state(), offsetof(RunState, lossy), 4, bits);

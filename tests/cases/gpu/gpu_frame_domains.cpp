@@ -118,9 +118,8 @@ TEST_SUITE("cases") {
             const Rows rows = collect<double>(plan, target, set.size(), {}, cell);
             for (std::size_t i = 0; i < t.size(); ++i) {
                 CHECK(std::ranges::equal(rows.rows[i], t.neighbors(i)));
-                CHECK(std::ranges::equal(rows.shifts[i],
-                                         t.shifts().subspan(3 * static_cast<std::size_t>(t.indptr()[i]),
-                                                            3 * t.neighbors(i).size())));
+                CHECK(std::ranges::equal(rows.shifts[i], t.shifts().subspan(3 * static_cast<std::size_t>(t.indptr()[i]),
+                                                                            3 * t.neighbors(i).size())));
             }
             return target.head().unresolved;
         };

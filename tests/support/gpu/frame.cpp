@@ -8,11 +8,12 @@
 
 namespace test::frame {
 
-void run(Host& host, std::span<const Target* const> targets, std::uint32_t count,
-         const std::optional<votess::Box>& box, const std::optional<votess::TriclinicBox>& cell) {
+void run(Host& host, std::span<const Target* const> targets, std::uint32_t count, const std::optional<votess::Box>& box,
+         const std::optional<votess::TriclinicBox>& cell) {
     host.commands.begin();
     host.commands.barrier();
-    for (const Target* target : targets) target->frame.record(host.commands.handle(), {.count = count, .box = box, .cell = cell});
+    for (const Target* target : targets)
+        target->frame.record(host.commands.handle(), {.count = count, .box = box, .cell = cell});
     host.commands.barrier_to_host();
     host.commands.end();
     host.commands.submit();
@@ -49,7 +50,8 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
         all.volumes.push_back(g[3]);
         for (std::size_t k = 0; k < 3; ++k) all.centroids.push_back(double{seeds[i * stride + k]} + double{g[k]});
     }
-    const Resolved more = plan.resolve(std::span<const Real>(seeds), target.cell(count), {.box = box, .cell = cell, .threads = 0});
+    const Resolved more =
+        plan.resolve(std::span<const Real>(seeds), target.cell(count), {.box = box, .cell = cell, .threads = 0});
     for (std::size_t r = 0; r < more.cells.size(); ++r) {
         const std::size_t i = more.cells[r];
         CHECK(all.rows[i].empty());
@@ -65,7 +67,7 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
 }
 
 template Rows collect<float>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&,
-                              const std::optional<votess::TriclinicBox>&);
+                             const std::optional<votess::TriclinicBox>&);
 template Rows collect<double>(const Plan&, const Target&, std::size_t, const std::optional<votess::Box>&,
                               const std::optional<votess::TriclinicBox>&);
 
