@@ -50,7 +50,7 @@ public:
         options_.list_walls = plan.list_walls;
         options_.periodic = plan.periodic;
         options_.threads = how.threads;
-        options_.want = {.neighbors = true, .volumes = true, .centroids = true};
+        options_.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = plan.areas};
     }
 
     Resolved resolve() {
@@ -140,6 +140,8 @@ private:
             }
             if (!result.shifts.empty())
                 out.shifts.insert(out.shifts.end(), result.shifts.begin() + 3 * begin, result.shifts.begin() + 3 * end);
+            if (!result.face_areas.empty())
+                out.areas.insert(out.areas.end(), result.face_areas.begin() + begin, result.face_areas.begin() + end);
             out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
             out.volumes.push_back(result.volumes[i]);
             for (std::size_t k = 0; k < 3; ++k) out.centroids.push_back(result.centroids[3 * i + k]);

@@ -139,6 +139,7 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     knn_.own_count = clip_.own_count = job.own_count;
     rows_.first_cell = first;
     rows_.named_from = job.named_from;
+    rows_.shift = seeds.units().shift;
     knn_.level_count = clip_.level_count = static_cast<std::uint32_t>(seeds.level_first().size());
     std::ranges::copy(seeds.level_first(), knn_.level_first);
     std::ranges::copy(seeds.level_first(), clip_.level_first);

@@ -54,6 +54,7 @@ void check(const PlanOptions& options) {
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
                " is neither float32 nor float64");
     check_k_init(options.k_init);
+    if (options.areas && !options.neighbors) refuse("areas lie beside the rows: neighbors must be wanted too");
     if (!options.cell) {
         check_box(options.box);
         return;
@@ -138,7 +139,8 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     state->options = options;
     gpu::vulkan::Device& device = *state->device;
     gpu::PassSettings settings = gpu::usual_settings(device, options.k_init);
-    settings.measure = options.geometry;
+    settings.measure = options.geometry || options.areas;
+    settings.areas = options.areas;
     settings.frames = true;
     settings.tiers[1].ties = true;
     settings.most_walk_visits = std::min(settings.most_walk_visits, most_walk_visits);
@@ -152,8 +154,9 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
 
     const VkDeviceSize n = options.most_seeds;
     constexpr std::uint32_t usual_row = 20;
-    // Rows are seen through windows.
-    const std::uint64_t most_entries = std::uint64_t{ROW_WINDOWS} << gpu::DeviceCells::window_bits(device);
+    // Rows are seen through windows, with areas through one.
+    const std::uint64_t most_entries = std::uint64_t{options.areas ? 1u : ROW_WINDOWS}
+                                       << gpu::DeviceCells::window_bits(device);
     if (options.most_entries > most_entries)
         throw Error(ErrorCode::unsupported, "most_entries = " + std::to_string(options.most_entries) +
                                                 " is more than the " + std::to_string(most_entries) +
@@ -168,6 +171,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     sizes.cells = n * sizeof(Cell);
     sizes.indices = options.neighbors ? VkDeviceSize{state->entries} * 4 : 0;
     sizes.geometry = options.geometry ? n * geometry_bytes : 0;
+    sizes.areas = options.areas ? sizes.indices : 0;
     sizes.shifts = state->is_periodic() ? sizes.indices : 0;
     if (state->is_periodic() && !options.cell)  // refuses the box now
         gpu::DeviceSeeds().set_periodic_box(options.box, options.periodic,
@@ -234,7 +238,8 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings);
     // Passes bind something in place of arrays that are not wanted.
     const auto wanted = [&](const gpu::Slice& array) { return array ? array : header_; };
-    cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")), header_, plan->entries,
+    cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")),
+                        wanted(slice(buffers.areas, sizes.areas, "areas")), plan->entries,
                         gpu::DeviceCells::window_bits(*plan->device));
     if (plan->is_periodic()) cells_.set_shifts_out(wanted(slice(buffers.shifts, sizes.shifts, "shifts")));
     outputs_.set(BINDING_HEADER, header_);

@@ -102,6 +102,7 @@ struct PlanOptions {
     std::uint32_t stride = 3;        // numbers from one seed to the next, at least 3: 4 for a vec4
     bool neighbors = true;           // rows of neighbors
     bool geometry = true;            // volumes and centroids
+    bool areas = false;              // of the faces in the rows, beside them
     bool list_walls = false;         // list the wall ids -1 .. -6 in the rows too
     std::uint32_t most_entries = 0;  // of all rows together; 0 = 20 a seed. See Header::entries
     std::uint32_t chunk_size = 0;    // cells worked on at once: more workspace, more speed. 0 = automatic: 2^20 on GPUs
@@ -133,6 +134,8 @@ struct BufferSizes {
     // N x 4 float32: centroid relative to the seed, and volume; 0 for cells without. The relative error of a volume is
     // at most 1e-5. Choose a unit of length with which volumes are in the range of float32.
     VkDeviceSize geometry = 0;
+    // float32: beside each entry of indices the area of that face, right to 1e-5 of the cell's surface or so.
+    VkDeviceSize areas = 0;
     // Periodic: beside each entry of indices 4 int8, its shift (sx, sy, sz) and 0: as Tessellation::shifts(). Rows are
     // ordered by id, then shift.
     VkDeviceSize shifts = 0;
@@ -159,7 +162,7 @@ struct Cell {
 };
 
 struct Buffers {
-    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{}, shifts{};
+    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{}, areas{}, shifts{};
 };
 
 // Where to note times: `slots` consecutive queries of a timestamp pool from `first` on, which the program has reset.
@@ -190,10 +193,10 @@ public:
     // Records all stages: upload, sort, knn, clip, download.
     //
     // Expected before: writes to the seeds are visible to compute shaders (stage COMPUTE_SHADER, access SHADER_READ);
-    // no other use of the workspace and of what is written (header, cells, indices, geometry, shifts) is pending; they
-    // are written at COMPUTE_SHADER and TRANSFER stages.
-    // Promised after: the last commands are a barrier that makes what was written visible to all later commands on the
-    // queue, at any stage, for any access; not to the host, which needs its own barrier.
+    // no other use of the workspace and of what is written (header, cells, indices, geometry, areas, shifts) is
+    // pending; they are written at COMPUTE_SHADER and TRANSFER stages. Promised after: the last commands are a barrier
+    // that makes what was written visible to all later commands on the queue, at any stage, for any access; not to the
+    // host, which needs its own barrier.
     //
     // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds, an empty or inverted box, a box
     // where the plan has a cell or the other way round; unsupported: a periodic box as Plan() refuses. Then nothing was
@@ -218,6 +221,7 @@ struct Resolved {
     std::vector<std::int64_t> indptr;   // R+1
     std::vector<std::int32_t> indices;  // indptr[R]: rows, ids ascend, walls first
     std::vector<std::int8_t> shifts;    // 3 indptr[R] of a periodic plan, else empty
+    std::vector<double> areas;          // indptr[R] of a plan with areas, else empty
     std::vector<double> volumes;        // R
     std::vector<double> centroids;      // 3R, absolute
 };
@@ -225,10 +229,10 @@ struct Resolved {
 // Immutable, safe to use from several threads. All pipelines are made here.
 class VOTESS_API Plan {
 public:
-    // Throws Error: invalid_argument, also for a cell beside a box or periodic axes; unsupported (limits of the device,
-    // a periodic box with bounds of very different size such as 1e-30 and 1, a cell that leans or is thin so much that
-    // images lie more than three edges away, or that does not repeat along all edges; the message says which);
-    // out_of_memory, device_lost.
+    // Throws Error: invalid_argument, also for a cell beside a box or periodic axes, or areas without neighbors;
+    // unsupported (limits of the device, a periodic box with bounds of very different size such as 1e-30 and 1, a cell
+    // that leans or is thin so much that images lie more than three edges away, or that does not repeat along all
+    // edges; the message says which); out_of_memory, device_lost.
     Plan(const HostDevice& device, const PlanOptions& options);
 
     [[nodiscard]] const BufferSizes& sizes() const noexcept;

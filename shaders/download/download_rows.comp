@@ -1,7 +1,8 @@
 // download: puts the rows of a chunk one after the other, each in ascending order.
 //
 // Variants: AREAS puts areas beside the rows, which have one window; any Number moves as two words. NAMES gives ids their
-// name and puts shifts beside the rows, which are in the order of both.
+// name and puts shifts beside the rows, which are in the order of both. FRAME, with AREAS, makes float32 of them, in units
+// of length as given; GEOMETRY_FLOAT64 as in download_cells.comp.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "download/row_fits.glsl"
@@ -33,9 +34,28 @@ layout(std430, binding = BINDING_SHIFTS_OUT_3) writeonly buffer ShiftsOut3 { uin
 #endif
 #endif
 #ifdef AREAS
-layout(std430, binding = BINDING_AREAS) readonly buffer Areas { uvec2 areas[]; };
-layout(std430, binding = BINDING_SECOND_AREAS) readonly buffer SecondAreas { uvec2 second_areas[]; };
-layout(std430, binding = BINDING_AREAS_OUT) writeonly buffer AreasOut { uvec2 areas_out[]; };
+#ifdef FRAME
+#include "numbers/number.glsl"
+layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
+#define AREA_IN Number
+#define AREA_OUT float
+#else
+#define AREA_IN uvec2
+#define AREA_OUT uvec2
+#endif
+layout(std430, binding = BINDING_AREAS) readonly buffer Areas { AREA_IN areas[]; };
+layout(std430, binding = BINDING_SECOND_AREAS) readonly buffer SecondAreas { AREA_IN second_areas[]; };
+layout(std430, binding = BINDING_AREAS_OUT) writeonly buffer AreasOut { AREA_OUT areas_out[]; };
+
+// In two steps: devices may flush a power of two below float32's range.
+AREA_OUT area_out(AREA_IN area, uint cell) {
+#ifdef FRAME
+    const int exponent = int(info[cell] >> INFO_EXPONENT_SHIFT) - push.shift;
+    return ldexp(ldexp(rounded(area), exponent), exponent);
+#else
+    return area;
+#endif
+}
 #endif
 
 int entry(uint place, uint i) {
@@ -120,9 +140,9 @@ void main() {
 #ifdef AREAS
         const uint column = place & ~SECOND_TIER_BIT;
         if ((place & SECOND_TIER_BIT) != 0u)
-            areas_out[offset + rank] = second_areas[i * push.second_row_stride + column];
+            areas_out[offset + rank] = area_out(second_areas[i * push.second_row_stride + column], cell);
         else
-            areas_out[offset + rank] = areas[i * push.row_stride + column];
+            areas_out[offset + rank] = area_out(areas[i * push.row_stride + column], cell);
 #endif
     }
 }

@@ -124,6 +124,7 @@ struct RowsPush {
     uint window_bits;        // of the windows through which they are seen
     uint named_from;         // ids from here on have names
     uint shifts;             // 1: shifts are wanted, from the cell's own
+    int shift;               // of areas in frames, as in UploadPush
 };
 
 struct GatherPush {

@@ -102,13 +102,22 @@ Pass first_tier(Device& device, const PassSettings& settings) {
     return settings.subgroup_size != 0 ? clip_by_subgroup(device, settings) : clip_cells(device, settings, 0);
 }
 
+std::span<const std::uint32_t> rows_with_areas(const Device& device, bool frames) {
+    if (!frames) return shaders::download_rows_areas;
+    return device.has_float64() ? shaders::download_frame_areas_f64 : shaders::download_frame_areas_f32;
+}
+std::span<const std::uint32_t> named_rows_with_areas(const Device& device, bool frames) {
+    if (!frames) return shaders::download_rows_names_areas;
+    return device.has_float64() ? shaders::download_frame_names_areas_f64 : shaders::download_frame_names_areas_f32;
+}
+
 Pass download_rows(Device& device, const PassSettings& settings) {
-    const auto spirv = settings.areas ? shaders::download_rows_areas : shaders::download_rows;
+    const auto spirv = settings.areas ? rows_with_areas(device, settings.frames) : shaders::download_rows;
     return make<RowsPush>(device, "download_rows", spirv, settings.local_size);
 }
 
 Pass download_named_rows(Device& device, const PassSettings& settings) {
-    const auto spirv = settings.areas ? shaders::download_rows_names_areas : shaders::download_rows_names;
+    const auto spirv = settings.areas ? named_rows_with_areas(device, settings.frames) : shaders::download_rows_names;
     return make<RowsPush>(device, "download_rows names", spirv, settings.local_size);
 }
 

@@ -134,7 +134,7 @@ TEST_SUITE("stages") {
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
               words_of(rows.first_cell, rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity,
-                       rows.window_bits, rows.named_from, rows.shifts));
+                       rows.window_bits, rows.named_from, rows.shifts, rows.shift));
         const auto gather = filled<GatherPush>();
         check("GatherPush", shaders::test_layout_gather, gather,
               words_of(gather.first_cell, gather.cell_count, gather.first_entry, gather.entry_count, gather.window_bits,

@@ -129,6 +129,7 @@ void main() {
     put(push.window_bits);
     put(push.named_from);
     put(push.shifts);
+    put(push.shift);
 #elif defined(GATHER)
     put(push.first_cell);
     put(push.cell_count);

@@ -20,7 +20,7 @@ void run(Host& host, std::span<const Target* const> targets, std::uint32_t count
     host.commands.wait();
     for (const Target* target : targets)
         for (const vk::Buffer* buffer :
-             {&target->header, &target->cells, &target->indices, &target->geometry, &target->shifts})
+             {&target->header, &target->cells, &target->indices, &target->geometry, &target->areas, &target->shifts})
             buffer->invalidate();
 }
 

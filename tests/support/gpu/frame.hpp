@@ -45,7 +45,7 @@ struct Host {
 
 // Buffers of a frame, which the host can see.
 struct Target {
-    vk::Buffer seeds, workspace, header, cells, indices, geometry, shifts;
+    vk::Buffer seeds, workspace, header, cells, indices, geometry, areas, shifts;
     Frame frame;
 
     Target(Host& host, const Plan& plan) {
@@ -57,6 +57,7 @@ struct Target {
         cells = visible(sizes.cells);
         indices = visible(sizes.indices);
         geometry = visible(sizes.geometry);
+        areas = visible(sizes.areas);
         shifts = visible(sizes.shifts);
         frame = plan.frame({.seeds = {seeds.handle()},
                             .workspace = {workspace.handle()},
@@ -64,6 +65,7 @@ struct Target {
                             .cells = {cells.handle()},
                             .indices = {indices.handle()},
                             .geometry = {geometry.handle()},
+                            .areas = {areas.handle()},
                             .shifts = {shifts.handle()}});
     }
 

@@ -1,0 +1,222 @@
+// Frames in triclinic boxes and with areas, and few cells that resolve() makes from the seeds near them.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <vector>
+#include <votess/vulkan.hpp>
+
+#include "support/generators.hpp"
+#include "support/gpu/frame.hpp"
+#include "support/random.hpp"
+
+using namespace test::frame;
+using test::PointSet;
+
+TEST_SUITE("cases") {
+    TEST_CASE("gpu frame: triclinic boxes, two frames in flight with moving seeds") {
+        Host host;
+        const double third = 1.0 / 3;
+        const std::vector<votess::TriclinicBox> cells{
+            {{-0.3, 0.1, 0.7}, {1, 0, 0}, {0.45, 1, 0}, {-0.45, 0.45, 1}},
+            {{0, 0, 0}, {third, 0.1, 0}, {0, 0.7 * third, -0.05}, {0.02, 0.1, 1.1}},
+            {{2, 2, 2}, {0, 1, 0}, {1, 0, 0}, {0, 0.25, 0.3}}};
+        for (const votess::TriclinicBox& cell : cells)
+            for (const bool by_subgroup : {false, true}) {
+                if (by_subgroup && &cell != &cells.front()) continue;
+                std::optional<test::UseKernel> kernel;
+                if (by_subgroup) kernel.emplace(test::by_subgroup());
+                const std::size_t n = test::by_size(500, 150);
+                PlanOptions options;
+                options.most_seeds = static_cast<std::uint32_t>(n);
+                options.format = SeedFormat::float64;
+                options.most_entries = 64 * options.most_seeds;
+                options.cell = cell;
+                const Plan plan(host.device(), options);
+                Target first(host, plan), second(host, plan);
+                const Target* const both[] = {&first, &second};
+                test::Random random(31);
+                for (int frame = 0; frame < 2; ++frame) {
+                    PointSet sets[2];
+                    for (int t = 0; t < 2; ++t) {
+                        for (std::size_t i = 0; i < n; ++i) {
+                            const double f[3] = {random.uniform(-0.2, 1.2), random.uniform(-0.2, 1.2),
+                                                 random.uniform(-0.2, 1.2)};
+                            for (std::size_t k = 0; k < 3; ++k)
+                                sets[t].points.push_back(cell.origin[k] + f[0] * cell.a[k] + f[1] * cell.b[k] +
+                                                         f[2] * cell.c[k]);
+                        }
+                    }
+                    first.write<double>(sets[0].points, 3);
+                    second.write<double>(sets[1].points, 3);
+                    run(host, both, options.most_seeds);
+                    for (int t = 0; t < 2; ++t) {
+                        const Target& target = *both[t];
+                        check_header(target.head(), target.cell(n));
+                        CHECK(target.head().outside == 0);
+                        CHECK(target.head().unresolved < n / 5);
+                        Rows rows = collect<double>(plan, target, n);
+                        const auto expected = on_cpu(sets[t], options);
+                        // The library's centroids lie in the box, by the way of the seed.
+                        for (std::size_t i = 0; i < n; ++i)
+                            if (target.cell(n)[i].status == 0)
+                                std::copy_n(expected.centroids().begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
+                                            rows.centroids.begin() + static_cast<std::ptrdiff_t>(3 * i));
+                        CHECK(compare(rows, expected) == "");
+                    }
+                }
+            }
+    }
+
+    TEST_CASE("gpu frame: areas beside the rows") {
+        Host host;
+        const PointSet set = test::uniform(300, 33);
+        for (const unsigned mode : {0u, 1u, 2u}) {
+            CAPTURE(mode);
+            std::optional<test::UseKernel> kernel;
+            if (mode == 1) kernel.emplace(test::by_subgroup());
+            host.float64 = mode != 0;
+            PlanOptions options = options_for(set);
+            options.areas = options.list_walls = true;
+            options.geometry = mode != 0;
+            options.chunk_size = 100;
+            if (mode == 2) options.box = test::unit_box(), options.periodic = {true, true, false};
+            const Plan plan(host.device(), options);
+            Target target(host, plan);
+            target.write<double>(set.points, 3);
+            run(host, target, options.most_seeds);
+            CHECK(target.head().certified > 200);
+            const auto t = on_cpu(set, options);
+            std::vector<Cell> cells(target.cell(set.size()).begin(), target.cell(set.size()).end());
+            const Resolved more = plan.resolve(std::span<const double>(set.points), cells);
+            std::size_t r = 0;
+            for (std::size_t i = 0; i < set.size(); ++i) {
+                const auto expected =
+                    t.face_areas().subspan(static_cast<std::size_t>(t.indptr()[i]), t.neighbors(i).size());
+                std::vector<double> found;
+                if (cells[i].status == 0) {
+                    const auto areas = target.areas.as<float>().subspan(cells[i].row_begin, cells[i].row_length);
+                    found.assign(areas.begin(), areas.end());
+                } else if (r < more.cells.size() && more.cells[r] == i) {
+                    found.assign(more.areas.begin() + more.indptr[r], more.areas.begin() + more.indptr[r + 1]);
+                    ++r;
+                }
+                REQUIRE(found.size() == expected.size());
+                const double surface = std::accumulate(expected.begin(), expected.end(), 0.0);
+                for (std::size_t e = 0; e < found.size(); ++e)
+                    CHECK(std::abs(found[e] - expected[e]) <= 1e-5 * surface);
+            }
+            CHECK(r == more.cells.size());
+        }
+        PlanOptions options = options_for(set);
+        options.areas = true;
+        options.neighbors = false;
+        CHECK(test::error_of([&] { Plan(host.device(), options); }) == votess::ErrorCode::invalid_argument);
+    }
+
+    TEST_CASE("gpu frame: seeds on the faces of a triclinic box, and beyond what is wrapped; a cell of each frame") {
+        Host host;
+        PointSet set = test::uniform(200, 32);
+        set.box.reset();
+        PlanOptions options;
+        options.most_seeds = 200;
+        options.format = SeedFormat::float64;
+        options.most_entries = 64 * options.most_seeds;
+        options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.25, 1, 0}, {0, 0.125, 1}};
+        for (std::size_t i = 0; i < set.size(); ++i) {
+            double* const x = set.points.data() + 3 * i;
+            x[1] += 0.125 * x[2], x[0] += 0.25 * (x[1] - 0.125 * x[2]);
+        }
+        const Plan plan(host.device(), options);
+        Target target(host, plan);
+        const auto check_frame = [&](const std::optional<votess::TriclinicBox>& cell) {
+            target.write<double>(set.points, 3);
+            const Target* const one[] = {&target};
+            run(host, one, options.most_seeds, {}, cell);
+            check_header(target.head(), target.cell(set.size()));
+            PlanOptions used = options;
+            if (cell) used.cell = cell;
+            const auto t = on_cpu(set, used);
+            const Rows rows = collect<double>(plan, target, set.size(), {}, cell);
+            for (std::size_t i = 0; i < t.size(); ++i) {
+                CHECK(std::ranges::equal(rows.rows[i], t.neighbors(i)));
+                CHECK(std::ranges::equal(rows.shifts[i], t.shifts().subspan(3 * static_cast<std::size_t>(t.indptr()[i]),
+                                                                            3 * t.neighbors(i).size())));
+            }
+            return target.head().unresolved;
+        };
+        CHECK(check_frame({}) < 40);
+        CHECK(check_frame(votess::TriclinicBox{{0.1, 0, 0}, {1, 0, 0}, {0.2, 1, 0}, {0, 0.1, 1}}) < 40);
+        set.points[2] = 0;  // on a face for sure
+        CHECK(check_frame({}) < 40);
+        set.points[5] = 1;  // on the one across from it, not for sure
+        CHECK(check_frame({}) == options.most_seeds);
+        set.points[5] = 4;
+        target.write<double>(set.points, 3);
+        run(host, target, options.most_seeds);
+        CHECK(target.head().outside == 1);
+
+        const auto code_of = [&](auto change) {
+            PlanOptions changed = options;
+            change(changed);
+            return test::error_of([&] { Plan(host.device(), changed); });
+        };
+        using votess::ErrorCode;
+        CHECK(code_of([](PlanOptions& o) { o.box = test::unit_box(); }) == ErrorCode::invalid_argument);
+        CHECK(code_of([](PlanOptions& o) { o.periodic[1] = true; }) == ErrorCode::invalid_argument);
+        CHECK(code_of([](PlanOptions& o) { o.cell->c = o.cell->a; }) == ErrorCode::invalid_argument);
+        CHECK(code_of([](PlanOptions& o) { o.cell->periodic[2] = false; }) == ErrorCode::unsupported);
+        CHECK(code_of([](PlanOptions& o) { o.cell->c = {20, 3, 1}; }) == ErrorCode::unsupported);
+        host.commands.begin();
+        CHECK(test::error_of([&] {
+                  target.frame.record(host.commands.handle(), {.count = 1, .box = test::unit_box()});
+              }) == ErrorCode::invalid_argument);
+        host.commands.end();
+    }
+
+    // No frame is recorded: resolve() takes what the program gives.
+    TEST_CASE("gpu frame: few cells are resolved from the seeds near them") {
+        Host host;
+        for (const unsigned bits : {0u, 7u, 2u})
+            for (PointSet set : {test::uniform(20000, 20), test::clustered(20000, 21), test::uniform(30000, 22)}) {
+                CAPTURE(set.name);
+                CAPTURE(bits);
+                if (set.size() == 30000)  // a void, which cells reach across
+                    for (std::size_t i = 0; i < set.points.size(); i += 3)
+                        if (std::hypot(set.points[i] - 0.5, set.points[i + 1] - 0.5, set.points[i + 2] - 0.5) < 0.3)
+                            set.points[i] *= 0.1;
+                set.box.reset();
+                PlanOptions options = options_for(set);
+                options.periodic = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0};
+                options.list_walls = true;
+                const Plan plan(host.device(), options);
+                const auto t = on_cpu(set, options);
+                std::vector<Cell> cells(set.size());
+                test::Random random(23);
+                std::size_t left = 0;
+                for (std::size_t i = 0; i < set.size(); ++i) {
+                    cells[i].status = static_cast<std::uint32_t>(t.status()[i]);
+                    if (random.below(1500) != 0) continue;
+                    cells[i].status = static_cast<std::uint32_t>(CellStatus::needs_exact);
+                    ++left;
+                }
+                const Resolved some = plan.resolve(std::span<const double>(set.points), cells);
+                REQUIRE(left > 5);
+                REQUIRE(some.cells.size() == left);
+                for (std::size_t r = 0; r < left; ++r) {
+                    const std::size_t i = some.cells[r];
+                    CHECK(cells[i].status == static_cast<std::uint32_t>(CellStatus::needs_exact));
+                    CHECK(some.status[r] == t.status()[i]);
+                    CHECK(
+                        std::ranges::equal(std::span(some.indices)
+                                               .subspan(static_cast<std::size_t>(some.indptr[r]),
+                                                        static_cast<std::size_t>(some.indptr[r + 1] - some.indptr[r])),
+                                           t.neighbors(i)));
+                    CHECK(some.volumes[r] == doctest::Approx(t.volumes()[i]).epsilon(1e-13));
+                }
+            }
+    }
+}
