@@ -132,7 +132,7 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
         knn_.upper[k] = words(job.upper[k]);
         clip_.extent[k] = words(seeds.extent()[k]);
     }
-    knn_.bounded = job.bounded;
+    knn_.bounded = clip_.bounded = job.bounded;
     knn_.first_cell = clip_.first_cell = first;
     knn_.cell_count = clip_.cell_count = rows_.cell_count = count;
     knn_.seed_count = clip_.seed_count = seeds.count();

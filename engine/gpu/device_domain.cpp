@@ -5,13 +5,24 @@
 #include <limits>
 
 #include "gpu/seeds/walls.hpp"
+#include "gpu/seeds/weight_units.hpp"
 
 namespace votess::gpu {
 namespace {
 
 constexpr double margin_spacings = 4;                  // of the mean distance between seeds
+constexpr double most_heavier = 8;                     // in squares of half of that, where images by weight end
 constexpr double most_shifts = 1000;                   // tried for each seed
 constexpr double most_images = 16, few_members = 1e5;  // images for each seed, where seeds are not few
+
+// How far around the domain images count: the farthest seed that cuts a cell whose vertices are within two spacings of
+// its own. Much heavier ones leave few cells.
+double margin_of(const Domain& domain, double spacing) {
+    const double radius = 0.5 * margin_spacings * spacing;
+    if (!domain.has_weights()) return 2 * radius;
+    const double heavier = domain.largest_weight - *std::ranges::min_element(domain.weights);
+    return radius + std::sqrt(radius * radius + std::min(heavier, most_heavier * radius * radius));
+}
 
 // The bounds of the cell that a basis spans at the domain's origin.
 Box box_of_cell(const Job& job, const Basis& basis) {
@@ -53,7 +64,7 @@ std::optional<ImageRange> image_range(const Job& job) {
     const Domain& domain = *job.domain;
     const auto count = static_cast<double>(std::max<std::size_t>(seeds_inside(job), 1));
     const double spacing = std::cbrt(domain.volume / count);
-    const double margin = std::min(margin_spacings * spacing, 2 * domain.covering_radius) / job.scale;
+    const double margin = std::min(margin_of(domain, spacing), 2 * domain.covering_radius) / job.scale;
     ImageRange range;
     range.basis = domain.skewed ? &domain.reduced : &domain.edges;
     range.box = box_of_cell(job, *range.basis);
@@ -66,6 +77,7 @@ std::optional<ImageRange> image_range(const Job& job) {
         range.box.upper[k] += margin;
     }
     range.box = whole_box(range.box, domain.has_cell_walls() ? std::array{true, true, true} : range.extended);
+    if (domain.has_weights() && !weight_units(domain, Units::for_box(range.box), job.scale)) return std::nullopt;
 
     range.lower.fill(std::numeric_limits<double>::infinity());
     range.upper.fill(-std::numeric_limits<double>::infinity());
@@ -90,8 +102,9 @@ std::optional<ImageRange> image_range(const Job& job) {
 
 bool device_clips(const Job& job) {
     const Domain& domain = *job.domain;
-    if (domain.has_weights()) return false;
-    return !domain.is_periodic() || image_range(job).has_value();
+    if (domain.has_weights() && has_device_walls(domain)) return false;
+    if (domain.is_periodic()) return image_range(job).has_value();
+    return !domain.has_weights() || weight_units(domain, Units::for_box(job.box), job.scale).has_value();
 }
 
 }  // namespace votess::gpu

@@ -23,7 +23,7 @@ std::optional<ImageRange> image_range(const Job& job);
 // The device's box of a domain that is not periodic.
 Box device_box(const Job& job);
 
-// All domains but such periodic ones, with seeds that weigh the same.
+// All domains but such periodic ones; in those with walls of any direction, seeds that weigh the same.
 bool device_clips(const Job& job);
 
 }  // namespace votess::gpu

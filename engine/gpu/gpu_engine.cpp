@@ -43,6 +43,7 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
     s.walls = has_device_walls(*job_.domain);
     s.areas = !lists_only_ && options.want.areas;
+    s.weights = job_.domain->has_weights();
     if (const std::uint32_t size = limits_.local_size != 0 ? limits_.local_size : local_size_from_environment();
         size != 0) {
         s.local_size = size;
@@ -145,7 +146,7 @@ std::uint32_t GpuEngine::most_seeds() const {
 void GpuEngine::upload_part(std::size_t index) {
     if (periodic_) {
         part_ = periodic_->part;
-        seeds_.upload(*periodic_, *passes_);
+        seeds_.upload(*periodic_, job_, *passes_);
     } else {
         part_ = parts_->get(index);
         seeds_.upload(job_, part_.members, box_, *passes_);
@@ -260,7 +261,7 @@ void GpuEngine::clip_part(std::size_t index) {
 }
 
 std::size_t GpuEngine::uncertain_cells(const Chunk& chunk) const {
-    if (chunk.piece().ties || seeds_.state().lossy != 0) return 0;
+    if (chunk.piece().ties || seeds_.state().lossy != 0 || job_.domain->has_weights()) return 0;
     return static_cast<std::size_t>(
         std::ranges::count(chunk.info(), STATUS_NEEDS_EXACT, [](std::uint32_t info) { return info & 0xff; }));
 }
@@ -351,7 +352,9 @@ void GpuEngine::clip_pending(double progress) {
 }
 
 void GpuEngine::finish(detail::Result& result) {
-    clipper_.set_empty(result_);
+    // It sorts the seeds of a power diagram to find those at one place.
+    if (!job_.domain->has_weights() || !device_clips_ || duplicates_ || !job_.outside.empty())
+        clipper_.set_empty(result_);
     if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;

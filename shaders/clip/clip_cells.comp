@@ -10,6 +10,7 @@
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
+#include "clip/unit_of_length.glsl"
 #include "clip/walls.glsl"
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
@@ -27,6 +28,7 @@ layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo
 layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 
+#include "clip/first_walls.glsl"
 #include "clip/invocation_cell.glsl"
 #ifdef DECIDES_TIES
 #include "clip/invocation_ties.glsl"
@@ -35,12 +37,34 @@ layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState
 #include "search/hierarchy.glsl"
 
 void test_next(uint q) {
-    tested = bisector(difference(seeds_x[q], px), difference(seeds_y[q], py), difference(seeds_z[q], pz));
+    const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);
+    if (weighted != 0u)
+        tested = bisector(x, y, z, lighter_by(seeds_w[q]));
+    else
+        tested = bisector(x, y, z);
     tested_id = int(q);
 }
 
 real security() {
     return security_radius_squared(radius_squared, largest_error);
+}
+
+real radius() {
+    return (sqrt(radius_squared) + largest_error) * real(1.00001);
+}
+
+// True when the tested seed is to be left out; the status changes when it is too near to tell.
+bool is_left_out() {
+    if (!is_too_near(tested)) return false;
+    if (weighted == 0u || !cannot_cut(tested, radius())) status = STATUS_NEEDS_EXACT;
+    return true;
+}
+
+// Whether nothing that is not known, at this squared distance in units or beyond, can cut the cell.
+bool is_secure_from(float bound) {
+    if (bound >= UNBOUNDED) return true;
+    return is_secure(real(bound * scale * scale),
+                     weighted != 0u ? cutting_distance_squared(radius(), most_heavier) : security());
 }
 
 // Each goes up to the next wall that cuts, as with neighbors. One farther than all vertices cuts none off.
@@ -64,7 +88,7 @@ void clip_by_walls() {
 
 // Clips by the list's neighbors. What follows a neighbor lies in its bucket of squared distances or beyond; the first
 // ones have no order. True when the list is complete up to the security radius.
-bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
+bool clip_by_list(uint column, uint count, uint unsorted, float reach, float bound) {
     uint next = 0u;
     measure_radius_and_error();
     real beyond = security();
@@ -80,11 +104,8 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
             ++next;
             if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
             test_next(q);
-            if (is_too_near(tested)) {
-                status = STATUS_NEEDS_EXACT;
-                break;
-            }
-            if (next > unsorted && real(2) * tested.h * real(BUCKET_SLACK) >= beyond) {
+            if (is_left_out()) continue;
+            if (next > unsorted && rank_of(tested) * real(BUCKET_SLACK) >= beyond) {
                 next = count;
                 break;
             }
@@ -102,9 +123,10 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach) {
         cut();
         if (status != STATUS_CERTIFIED) break;
     }
-    if (status != STATUS_CERTIFIED || reach >= UNBOUNDED) return true;
+    if (status != STATUS_CERTIFIED || (weighted == 0u && reach >= UNBOUNDED)) return true;
     measure_radius_and_error();
-    return is_secure(real(reach * scale * scale), security());
+    if (weighted != 0u && !is_secure_from(bound)) return false;
+    return reach >= UNBOUNDED || is_secure(real(reach * scale * scale), security());
 }
 
 real gap(uvec2 p, uvec2 lower, uvec2 upper) {
@@ -118,6 +140,11 @@ bool in_reach(uint level, uint node, real security) {
     if (box.lower[0].y == NO_COORDINATE) return false;
     const real gx = gap(px, box.lower[0], box.upper[0]), gy = gap(py, box.lower[1], box.upper[1]),
                gz = gap(pz, box.lower[2], box.upper[2]);
+    real heavier = real(0);
+    if (weighted != 0u) {
+        heavier = heavier_by(lighter_by(node_weights[push.level_first[level] + node]));
+        security = cutting_distance_squared(radius(), heavier);
+    }
     if (is_secure(gx * gx + gy * gy + gz * gz, security)) return false;
     const real lower_x = difference(box.lower[0], px), upper_x = difference(box.upper[0], px);
     const real lower_y = difference(box.lower[1], py), upper_y = difference(box.upper[1], py);
@@ -127,7 +154,7 @@ bool in_reach(uint level, uint node, real security) {
         for (int i = 0; i < side_by_side; ++i) {
             const int v = first + i;
             const bool near = is_in_reach(vertex_x[v], vertex_y[v], vertex_z[v], vertex_error[v], lower_x, upper_x,
-                                          lower_y, upper_y, lower_z, upper_z);
+                                          lower_y, upper_y, lower_z, upper_z, heavier);
             reached = reached || (v < vertex_count && near);
         }
         if (reached) return true;
@@ -150,10 +177,9 @@ void clip_by_group(uint group, uint self, real listed) {
         if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
         test_next(q);
         // A seed that is surely in the list is done; one that may be in it is a face already, or is tested twice.
-        if (real(2) * tested.h < listed || is_plane_of_cell(int(q))) continue;
-        if (is_too_near(tested)) {
-            status = STATUS_NEEDS_EXACT;
-        } else if (test_plane() && status == STATUS_CERTIFIED) {
+        const real rank = real(2) * tested.h + (weighted != 0u ? real(2e-5) * size_of(tested) : real(0));
+        if (rank < listed || is_plane_of_cell(int(q)) || is_left_out()) continue;
+        if (test_plane() && status == STATUS_CERTIFIED) {
             cut();
             changed = true;
         }
@@ -163,7 +189,8 @@ void clip_by_group(uint group, uint self, real listed) {
 
 // Goes on where the list ended: through all boxes that can hold a seed that cuts the cell, near ones first.
 void clip_by_walk(uint self, float reach, float bound) {
-    const real listed = real(reach * scale * scale) * real(0.9999);  // distances in lists are right to 1.4e-5
+    real listed = real(reach * scale * scale);
+    if (weighted == 0u) listed *= real(0.9999);  // distances in lists are right to 1.4e-5
     uint visits = 0u, node = self / GROUP_SEEDS;
     clip_by_group(node, self, listed);
     for (uint level = 0u; level + 1u < push.level_count; ++level) {
@@ -190,8 +217,7 @@ void clip_by_walk(uint self, float reach, float bound) {
         node >>= FAN_BITS;
     }
     measure_radius_and_error();
-    if (bound < UNBOUNDED && !is_secure(real(bound * scale * scale), security()))
-        status = STATUS_CANDIDATES_EXHAUSTED;
+    if (!is_secure_from(bound)) status = STATUS_CANDIDATES_EXHAUSTED;
 }
 
 void finish(uint slot, uint cell, uint exponent) {
@@ -237,6 +263,19 @@ void finish(uint slot, uint cell, uint exponent) {
     row_place[cell] = tier == 0u ? slot : slot | SECOND_TIER_BIT;
 }
 
+float distance_along_axes(uint q) {
+    return max(abs(rough_difference(seeds_x[q], px)),
+               max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz))));
+}
+
+float nearest_of_group(uint self) {
+    float nearest = UNBOUNDED;
+    const uint first = self & ~(GROUP_SEEDS - 1u), end = min(push.seed_count, first + GROUP_SEEDS);
+    for (uint q = first; q < end; ++q)
+        if (q != self && seeds_x[q].y != NO_COORDINATE) nearest = min(nearest, distance_along_axes(q));
+    return nearest;
+}
+
 void main() {
     const uint slot = linear_invocation();
     uint cell = slot;
@@ -250,6 +289,7 @@ void main() {
     px = seeds_x[self];
     py = seeds_y[self];
     pz = seeds_z[self];
+    if (weighted != 0u) pw = seeds_w[self];
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
         status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;
         finish(slot, cell, 0u);
@@ -260,26 +300,24 @@ void main() {
     const ListInfo found = list_info[column];
     const uint count = found.lengths & 0xffffu, unsorted = found.lengths >> 16;
     uint exponent = COORDINATE_BITS - 1;
-    if (count > 0u) {
+    if (count > 0u || weighted != 0u) {
         float nearest = UNBOUNDED;  // right but for the width of a bucket
-        for (uint i = 0u; i < max(unsorted, 1u); ++i) {
-            const uint q = list[i * push.list_stride + column];
-            nearest = min(nearest, max(abs(rough_difference(seeds_x[q], px)),
-                                       max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz)))));
-        }
+        // In the order of ranks any may be the nearest.
+        for (uint i = 0u; i < (weighted != 0u ? count : max(unsorted, 1u)); ++i)
+            nearest = min(nearest, distance_along_axes(list[i * push.list_stride + column]));
+        if (weighted != 0u) nearest = min(min(nearest, nearest_of_group(self)), exp2(COORDINATE_BITS - 1));
         exponent = nearest >= 1.0 ? (floatBitsToUint(nearest) >> 23) - 127u : 0u;
     }
-    scale = uintBitsToFloat((127u - exponent) << 23);
-    quantum = real(quantum_in_units(state.lossy) * scale);
+    set_unit_of_length(exponent, push.level_first[push.level_count - 1u]);
     if (state.incomplete != 0u) {
         status = STATUS_CANDIDATES_EXHAUSTED;
     } else if (exponent < SMALLEST_CELL_EXPONENT) {
         status = STATUS_NEEDS_EXACT;
     } else {
-        start_cell(real[6](real(difference(px, uvec2(0))), difference(push.extent[0], px), difference(py, uvec2(0)),
-                           difference(push.extent[1], py), difference(pz, uvec2(0)), difference(push.extent[2], pz)));
-        if (status == STATUS_CERTIFIED && !clip_by_list(column, count, unsorted, found.reach)) {
-            if (tier == 0u)
+        start_cell(real[6](start_wall(0u), start_wall(1u), start_wall(2u), start_wall(3u), start_wall(4u), start_wall(5u)));
+        if (status == STATUS_CERTIFIED && !clip_by_list(column, count, unsorted, found.reach, found.bound)) {
+            // One heavy seed, anywhere, keeps ranks from being proof: boxes know by their own weights.
+            if (tier == 0u && weighted == 0u)
                 status = STATUS_CANDIDATES_EXHAUSTED;
             else
                 clip_by_walk(self, found.reach, found.bound);

@@ -21,6 +21,7 @@
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
+#include "clip/unit_of_length.glsl"
 #include "clip/walls.glsl"
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
@@ -85,8 +86,17 @@ void clip_by_candidates(inout bool walls_wait) {
         bool too_near = false;
         if (lane < end) {
             const uint q = candidate_at(first + lane);
-            const Plane p = bisector(difference(seeds_x[q], px), difference(seeds_y[q], py), difference(seeds_z[q], pz));
+            const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);
+            Plane p;
+            if (weighted != 0u)
+                p = bisector(x, y, z, lighter_by(seeds_w[q]));
+            else
+                p = bisector(x, y, z);
             too_near = is_too_near(p);
+            if (weighted != 0u && too_near && cannot_cut(p, radius_of_all)) {
+                too_near = false;
+                p = Plane(real(0), real(0), real(0), real(1e-30), real(0), real(0));  // which cuts nothing either
+            }
             prepare_test(p);
         }
         share();
@@ -98,7 +108,7 @@ void clip_by_candidates(inout bool walls_wait) {
             const Plane p = plane_to_test(i);
             // Two seeds have no certain order within what their distances err by, 1e-6 or 1.4e-5 (search/distances.glsl), and
             // the seven bits that the keys lack, 1.6e-5.
-            if (real(2) * p.h * real(0.9998) >= security) return;
+            if (rank_of(p) * real(0.9998) >= security) return;
             const int id = int(candidate_at(first + i));
             if (test_plane(p, id)) cut(p, id);
             if (status != STATUS_CERTIFIED) return;
@@ -111,13 +121,18 @@ void clip_by_candidates(inout bool walls_wait) {
 bool find_unit(out uint exponent) {
     exponent = COORDINATE_BITS - 1;
     if (candidate_count > 0u) {
-        const float nearest = distance_at(0u);
+        const float nearest = weighted != 0u ? smallest(nearest_square) : distance_at(0u);
         if (coarse && nearest < coarse_order_from) return false;
         exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
     }
-    scale = uintBitsToFloat((127u - exponent) << 23);
-    quantum = real(quantum_in_units(state.lossy) * scale);
+    set_unit_of_length(exponent, weighted != 0u ? root_node() : 0u);
     return true;
+}
+
+// In a power diagram: whether nothing at this squared distance in units or beyond can cut the cell.
+bool is_secure_from(float bound) {
+    return bound >= UNBOUNDED ||
+           is_secure(real(bound * scale * scale), cutting_distance_squared(radius_of_all, most_heavier));
 }
 
 // Searches and clips in turn, outwards, until all seeds within the security radius were seen or none is left that can
@@ -149,17 +164,22 @@ uint make_cell() {
             clip_by_walls();
         }
         if (status != STATUS_CERTIFIED) return exponent;
-        const float known = min(done >= UNBOUNDED ? UNBOUNDED : done * reach_slack, bound);
-        if (known >= UNBOUNDED) return exponent;
+        bool complete = false;
+        if (weighted != 0u)
+            complete = done >= UNBOUNDED || (started && is_secure(real(done * scale * scale), security));
+        if (complete && is_secure_from(bound)) return exponent;
+        if (complete) break;
+        const float known = weighted != 0u ? done : min(done >= UNBOUNDED ? UNBOUNDED : done * reach_slack, bound);
+        if (weighted == 0u && known >= UNBOUNDED) return exponent;
         float needed = UNBOUNDED;
         if (started) {
-            if (is_secure(real(known * scale * scale), security)) return exponent;
+            if (weighted == 0u && is_secure(real(known * scale * scale), security)) return exponent;
             needed = min(float(security) / (scale * scale) * 1.001, UNBOUNDED);
             vec3 down, up;
             measure_reach(down, up);
-            set_reach(down / scale, up / scale);
+            set_reach(down / scale, up / scale, weighted != 0u ? float(radius_of_all) / scale : 0.0);
         }
-        if (known >= bound) break;
+        if (weighted == 0u && known >= bound) break;
         search_on(needed);
     }
     status = STATUS_CANDIDATES_EXHAUSTED;
@@ -236,6 +256,7 @@ void main() {
     px = seeds_x[self];
     py = seeds_y[self];
     pz = seeds_z[self];
+    if (weighted != 0u) pw = seeds_w[self];
     uint exponent = 0u;
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count)
         status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;

@@ -19,7 +19,8 @@ shared uint sums[TILE_GROUP];
 bool is_left(uint cell) {
     if (cell >= push.cell_count) return false;
     const uint status = info[cell] & 0xffu;
-    return status != STATUS_CERTIFIED && status != STATUS_DUPLICATE && status != STATUS_OUTSIDE;
+    return status != STATUS_CERTIFIED && status != STATUS_DUPLICATE && status != STATUS_EMPTY &&
+           status != STATUS_OUTSIDE;
 }
 
 void main() {

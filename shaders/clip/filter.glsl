@@ -2,28 +2,41 @@
 // the distance to its nearest neighbor.
 //
 // A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to
-// 5u. With P = |na||nb||nc|, d = h/|n| and condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
+// 5u. In a power diagram h = (|n|^2 + w) / 2, where the seed is lighter by w than the cell's: h may be small or below 0,
+// and is right to 6u of H = (|n|^2 + |w|) / 2, which is h without weights. With P = |na||nb||nc|, d = H/|n| and condition
+// P / det(na,nb,nc), Cramer's rule gives the vertex X to
 //     |x - X| <= u (condition (13.9 (da + db + dc) + 9.3 |x|) + 6 |x|):
 // a numerator's terms are right to 12u (5 of h, 4 of a cross product, 3 of the sum), its products of absolute values at
-// most 1.155 h_a |nb||nc|; the determinant is right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division
-// may err by 2.5 units in the last place, 5u. The test of a plane is right to
-//     |n| (|x - X| + 6u |x|) + 10 u h :
-// 1u of n and 4u of roundings, each of at most |n||x|; 5u of h and 3u of roundings.
+// most 1.155 H_a |nb||nc|; the determinant is right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division
+// may err by 2.5 units in the last place, 5u. With 6u of h the terms are right to 13u, for which there is 15.1. The test of
+// a plane is right to
+//     |n| (|x - X| + 6u |x|) + 10 u H :
+// 1u of n and 4u of roundings, each of at most |n||x|; 6u of H and 3u of roundings.
 //
 // A coordinate that was rounded to units, to 1 + 2^-30 of them below it, moves each plane by at most `quantum` (|x| + 1):
-// n by less than sqrt(3) (1 + 2^-29) units, h by that times |n|, over |n|. A wall of any direction is a plane with |n| = 1; rounding moves its h only, by at most
-// `quantum`, and h is right to 5u besides. The vertex moves by at most 3 condition times as much, to first order.
+// n by less than sqrt(3) (1 + 2^-29) units, h by that times |n|, over |n|. A wall of any direction is a plane with |n| = 1;
+// rounding moves its h only, by at most `quantum`, and h is right to 5u besides. A weight that was rounded moves h by less
+// than half a unit of weight, and the plane by 0.57 of one; there is 0.6 of it in `quantum`. The vertex moves by at most 3
+// condition times as much, to first order.
 //
 // Both bounds are of first order in u condition and in quantum condition. With these at most 5e-4 and 1e-3 what is left
 // out is less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01 times as much, for which there are factors of 1.05 and of 4 for 3; and
 // the determinant has the right sign. A test inside its bound makes the cell uncertain: nothing is decided by rounding.
+//
+// The rank of a seed is 2 h = |n|^2 + w, the squared distance where weights are equal. It cuts a vertex X off when
+// |n - X|^2 + w < |X|^2, that is, when its rank is less than 2 n.X. With R the farthest vertex and A, `heavier`, by which a
+// weight exceeds the cell's at most, such a seed is nearer than D = R + sqrt(R^2 + A), of a rank less than 2 R D = D^2 - A.
 #ifndef VOTESS_CLIP_FILTER_GLSL
 #define VOTESS_CLIP_FILTER_GLSL
 
 #include "numbers/real.glsl"
+#include "numbers/weights.glsl"
 #include "shared/config.h"
 
 real quantum;
+// In a power diagram, in squared units of the cell:
+real weight_quantum;  // 0 unless a weight was rounded
+real most_heavier;    // A over all seeds
 
 // In units: what coordinates and walls that were rounded move a plane by (clip/walls.glsl). Rounded vectors of a lattice
 // put an image half a unit beside its place for each step, that is at most MOST_STEPS_APART / 2, times sqrt(3).
@@ -34,7 +47,7 @@ float quantum_in_units(uint lossy) {
 
 struct Plane {
     real x, y, z, h, norm;
-    real distance;  // h / norm
+    real distance;  // H / norm
 };
 
 struct Vertex {
@@ -57,9 +70,38 @@ Plane bisector(real x, real y, real z) {
     return Plane(x, y, z, real(0.5) * square, norm, real(0.5) * norm);
 }
 
+// The same for a seed that is lighter by w.
+Plane bisector(real x, real y, real z, real w) {
+    precise const real square = fma(x, x, fma(y, y, z * z));
+    precise const real twice = fma(x, x, fma(y, y, fma(z, z, w)));
+    const real norm = sqrt(square);
+    return Plane(x, y, z, real(0.5) * twice, norm, real(0.5) * (square + abs(w)) / norm);
+}
+
+// H of the bisector with this h and norm, as w is the difference of |n|^2 and 2 h.
+real size_of(Plane p) {
+    return weighted != 0u ? max(p.h, p.norm * p.norm - p.h) : p.h;
+}
+
+// H / norm of a plane of the cell. For walls it is more than that at times.
+real distance_of(real h, real norm) {
+    return weighted != 0u ? max(h / norm, norm - h / norm) : h / norm;
+}
+
 // Whether the seed is equal in units, or nearer than the neighbor that the cell's unit of length was taken from.
 bool is_too_near(Plane p) {
-    return !(p.h > real(0.4));
+    return weighted != 0u ? !(p.norm > real(0.895)) : !(p.h > real(0.4));
+}
+
+// Of a seed that is too near: whether it surely cuts off nothing within the radius. `quantum` is more than n moves by.
+bool cannot_cut(Plane p, real radius) {
+    return p.h - real(1e-5) * size_of(p) - weight_quantum - p.norm * quantum >
+           (p.norm + quantum) * radius * real(1.0001);
+}
+
+// At most the rank of the bisector's seed as searches find it, by 3e-6 of 2 H (search/power.glsl).
+real rank_of(Plane p) {
+    return weighted != 0u ? real(2) * p.h - real(2e-5) * size_of(p) : real(2) * p.h;
 }
 
 // It is positive outside. A fused fma only leaves roundings out.
@@ -70,18 +112,40 @@ real side_of(Plane p, real x, real y, real z) {
 
 // A bound of the error of side_of() for a vertex with this error; with the largest error, for all vertices.
 real side_bound(Plane p, real error) {
-    precise const real bound = fma(p.norm, error, real(10.5) * unit * p.h);
+    precise const real bound = fma(p.norm, error, real(10.5) * unit * size_of(p));
     return bound;
+}
+
+// At least by how much a seed is heavier than the cell's that is lighter by this, as rounded.
+real heavier_by(real lighter) {
+    return real(1e-5) * abs(lighter) - lighter + weight_quantum;
+}
+
+// At least the squared distance of any seed that cuts a cell with vertices within the radius and is heavier than the
+// cell's by at most this; 0 when none does. What is not a number is no bound.
+real cutting_distance_squared(real radius, real heavier) {
+    const real square = radius * radius * real(1.00001) + heavier;
+    if (square <= real(0)) return real(0);
+    const real distance = radius + sqrt(square);
+    return distance * distance * real(1.0001);
 }
 
 // At least the squared security radius: a seed cuts a vertex X off when it is nearer to it than the cell's own, which
 // is within 2|X| <= 2 (|x| + error) of that one. The rest is more than the roundings of a square, a root and a product.
+//
+// In a power diagram, at least the rank that a search finds of any seed that cuts the cell. That errs by 3e-6 (|n|^2 + |w|),
+// where |n|^2 <= 2 R D + A and |w| <= max(A, 2 R D), and by a unit where a weight was rounded.
 real security_radius_squared(real radius_squared, real largest_error) {
+    if (weighted != 0u) {
+        const real radius = real(1.00001) * (sqrt(radius_squared) + largest_error);
+        const real distance = radius + sqrt(radius * radius + most_heavier);
+        return real(2.0001) * radius * distance + real(1e-5) * most_heavier + real(2) * weight_quantum;
+    }
     const real radius = real(2.00002) * (sqrt(radius_squared) + largest_error);
     return radius * radius;
 }
 
-// Whether no seed at this squared distance, right to 1e-5, or beyond can cut the cell.
+// Whether no seed at this squared distance, right to 1e-5, or beyond can cut the cell; in a power diagram, of this rank.
 bool is_secure(real squared_distance, real security) {
     return squared_distance * real(0.99999) >= security;
 }
@@ -93,11 +157,23 @@ real reach_of_vertex(real x, real y, real z, real error) {
     return (sqrt(fma(x, x, fma(y, y, z * z))) + real(2) * error) * real(1.00001);
 }
 
+// The same for seeds that are heavier by at most this: sqrt(|X|^2 + heavier), or less than 0 where there are none. What
+// it is compared with errs by 3u of |x| too, and moves by less than a quantum, of which each error has two to spare.
+real reach_of_vertex(real x, real y, real z, real error, real heavier) {
+    const real length = sqrt(fma(x, x, fma(y, y, z * z))) + error;
+    const real square = length * length * real(1.00001) + heavier;
+    return square <= real(0) ? real(-1) : (sqrt(square) + error) * real(1.00001) + real(1e-5) * length;
+}
+
 // Whether a box, its bounds relative to the seed, reaches into that ball.
 bool is_in_reach(real x, real y, real z, real error, real lower_x, real upper_x, real lower_y, real upper_y,
-                 real lower_z, real upper_z) {
+                 real lower_z, real upper_z, real heavier) {
     const real dx = max(max(lower_x - x, x - upper_x), real(0)), dy = max(max(lower_y - y, y - upper_y), real(0)),
                dz = max(max(lower_z - z, z - upper_z), real(0));
+    if (weighted != 0u) {
+        const real radius = reach_of_vertex(x, y, z, error, heavier);
+        return !(radius < real(0)) && !(dx * dx + dy * dy + dz * dz > radius * radius);
+    }
     const real radius = reach_of_vertex(x, y, z, error);
     return dx * dx + dy * dy + dz * dz <= radius * radius;
 }
@@ -135,8 +211,9 @@ bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
     precise const real length = sqrt(fma(x, x, fma(y, y, z * z)));
     precise const real condition = product * inverse;
     precise const real distances = a.distance + b.distance + c.distance;
+    const real of_distances = weighted != 0u ? real(15.1) : real(13.9);
     precise const real rounding =
-        unit * fma(condition, fma(real(13.9), distances, real(9.3) * length), real(12) * length) * real(1.05);
+        unit * fma(condition, fma(of_distances, distances, real(9.3) * length), real(12) * length) * real(1.05);
     vertex = Vertex(x, y, z, fma(quantum, fma(real(4), condition, real(1)) * (length + real(1)), rounding));
     return det * real(0.0005) > product * max(unit, real(0.5) * quantum);
 }

@@ -55,7 +55,7 @@ void set_plane(uint slot, Plane p, int id) {
 
 Plane plane_at(uint slot) {
     const real h = plane_h[slot], norm = plane_norm[slot];
-    return Plane(plane_x[slot], plane_y[slot], plane_z[slot], h, norm, h / norm);
+    return Plane(plane_x[slot], plane_y[slot], plane_z[slot], h, norm, distance_of(h, norm));
 }
 
 // Appends the vertex of planes a, b, c.
@@ -195,9 +195,19 @@ uint free_plane() {
     return uint(most_planes);
 }
 
+bool all_are_killed() {
+    int count = 0;
+    for (int w = 0; w < vertex_words; ++w) count += bitCount(killed[w]);
+    return count == vertex_count;
+}
+
 // Replaces the killed vertices by those of the new plane with the horizon: edge (a, b) of a killed vertex is on it iff
 // no killed vertex has (b, a).
 void cut() {
+    if (weighted != 0u && all_are_killed()) {  // no interior; perhaps it has none of its own
+        status = state.suspects == 0u ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
+        return;
+    }
     for (int w = 0; w < vertex_words; ++w)
         for (uint rest = killed[w]; rest != 0u; rest &= rest - 1u) {
             const uint planes = vertex_planes[32 * w + findLSB(rest)];

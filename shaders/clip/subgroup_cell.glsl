@@ -1,6 +1,6 @@
 // One Voronoi cell of a subgroup, as in clip/invocation_cell.glsl; but every lane holds a few of the vertices, and the
-// planes are in shared memory. A free vertex lies in the seed itself, which no plane cuts off. The .comp declares `push`,
-// with extent, before.
+// planes are in shared memory. A free vertex lies in the seed itself, which no plane cuts off but in a power diagram. The
+// .comp declares `push`, with extent and bounded, before.
 #ifndef VOTESS_CLIP_SUBGROUP_CELL_GLSL
 #define VOTESS_CLIP_SUBGROUP_CELL_GLSL
 
@@ -8,6 +8,7 @@
 #include "clip/exact_side.glsl"
 #endif
 #include "clip/filter.glsl"
+#include "clip/first_walls.glsl"
 #include "clip/relative_to_seed.glsl"
 #include "invocations/subgroup.glsl"
 #include "search/subgroup_state.glsl"
@@ -23,7 +24,8 @@ real vertex_error[slots];
 uint vertex_planes[slots];
 uint alive, killed;         // a bit for each slot
 uint planes_used;           // all that are in use, and maybe more
-real largest_error, security;  // over all vertices; security: squared radius
+real largest_error, security;  // over all vertices; security: squared radius, or in a power diagram rank
+real radius_of_all;            // in a power diagram, at least the distance of any vertex
 #ifdef DECIDES_TIES
 bool met_tie;  // a vertex of this lane lies on a plane that it is not of
 #endif
@@ -63,7 +65,8 @@ void prepare_test(Plane p) {
 Plane plane_to_test(uint i) {
     const uint at = uint(lanes) * SUBGROUP + i;
     const real4 e = test_equation[at];
-    return Plane(e.x, e.y, e.z, e.w, test_norm[at], real(0.5) * test_norm[at]);
+    return Plane(e.x, e.y, e.z, e.w, test_norm[at],
+                 weighted != 0u ? distance_of(e.w, test_norm[at]) : real(0.5) * test_norm[at]);
 }
 
 void measure_radius_and_error() {
@@ -81,6 +84,7 @@ void measure_radius_and_error() {
     largest_error = largest(error);
 #endif
     security = security_radius_squared(radius_squared, largest_error);
+    if (weighted != 0u) radius_of_all = (sqrt(radius_squared) + largest_error) * real(1.00001);
 }
 
 // How far the balls around vertices that go through the seed reach along the axes, at least: down and up.
@@ -112,8 +116,7 @@ void start_cell() {
     if (lane < 6u) {
         const uint axis = lane / 2u;
         const real side = (lane & 1u) != 0u ? real(1) : real(-1);
-        const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
-        const real wall = (lane & 1u) != 0u ? difference(push.extent[axis], p) : difference(p, uvec2(0));
+        const real wall = start_wall(lane);
         set_plane(lane, Plane(axis == 0u ? side : real(0), axis == 1u ? side : real(0), axis == 2u ? side : real(0), wall,
                               real(1), wall), -1 - int(lane));
     }
@@ -258,6 +261,10 @@ uint find_horizon() {
 
 // Replaces the killed vertices by those of the new plane with the horizon.
 void cut(Plane p, int id) {
+    if (weighted != 0u && !any_lane((alive & ~killed) != 0u)) {  // no interior; perhaps it has none of its own
+        status = state.suspects == 0u ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
+        return;
+    }
     const uint horizon_count = find_horizon();
     if (horizon_count == 0u) {
         status = STATUS_NEEDS_EXACT;

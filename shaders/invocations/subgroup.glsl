@@ -83,6 +83,13 @@ float smallest(float number) {
     return all;
 }
 
+uint smallest(uint number) {
+    put(number);
+    uint all = number;
+    for (uint i = 0u; i < uint(lanes); ++i) all = min(all, exchange[i]);
+    return all;
+}
+
 float sum(float value) {
     put(floatBitsToUint(value));
     float all = 0.0;
@@ -150,6 +157,10 @@ float largest(float number) {
 
 float smallest(float number) {
     return uintBitsToFloat(subgroupMin(floatBitsToUint(number) & 0x7fffffffu));
+}
+
+uint smallest(uint number) {
+    return subgroupMin(number);
 }
 
 float sum(float value) {

@@ -18,6 +18,11 @@
 // areas by 4 m / sin(a,b) times the length of each edge, which is at most 2 R. An edge counts twice in the terms above, so
 // the areas are off by 0.04 m R of those altogether, R / 3 of which is to be less than the promise for the volume, too.
 //
+// In a power diagram h is right to 15u of H, which may be more than h <= R |n|. With R at least all H/|n| too the terms
+// are right to u R^3 (72/sin + 86 condition + 21), two an edge: beta |n_b| <= R / sin to 63u R / sin^2, X to u R (86 condition
+// + 6). Twice the bound above is more than that. The seed may be far from its cell, and the centroid err by 2 R times the
+// relative error of the volume: that is held to twice the tolerance of the cell's size.
+//
 // The .comp declares `push`, with extent, before.
 #ifndef VOTESS_MEASURE_TETRAHEDRA_GLSL
 #define VOTESS_MEASURE_TETRAHEDRA_GLSL
@@ -28,19 +33,23 @@
 #include "clip/walls.glsl"
 #include "numbers/int64.glsl"
 #include "numbers/number.glsl"
+#include "search/seed_weights.glsl"
 #include "search/seeds.glsl"
 
-// q - p in units of the cell, in the numbers that measure it.
-Number exact_difference(uvec2 q, uvec2 p) {
+// q - p times a power of two, or in units of the cell, in the numbers that measure it.
+Number exact_difference(uvec2 q, uvec2 p, float power_of_two) {
     const uvec2 d = subtract64(q, p);
     const bool negative = (d.y & 0x80000000u) != 0u;
     const uvec2 m = negative ? negate64(d) : d;
-    return times_power(number64(m), negative ? -scale : scale);
+    return times_power(number64(m), negative ? -power_of_two : power_of_two);
+}
+Number exact_difference(uvec2 q, uvec2 p) {
+    return exact_difference(q, p, scale);
 }
 
 struct ExactPlane {
     Vector n;
-    Number foot;  // n.x = foot |n|^2; of bisectors 1/2
+    Number foot;  // n.x = foot |n|^2; of bisectors 1/2, with weights 1/2 + w / (2 |n|^2)
 };
 
 ExactPlane exact_wall(uint i) {
@@ -60,9 +69,11 @@ ExactPlane exact_wall(uint i) {
 }
 
 ExactPlane exact_bisector(uint q) {
-    return ExactPlane(Vector(exact_difference(seeds_x[q], px), exact_difference(seeds_y[q], py),
-                             exact_difference(seeds_z[q], pz)),
-                      number(0.5));
+    const Vector n = Vector(exact_difference(seeds_x[q], px), exact_difference(seeds_y[q], py),
+                            exact_difference(seeds_z[q], pz));
+    if (weighted == 0u) return ExactPlane(n, number(0.5));
+    const Number lighter = exact_difference(pw, seeds_w[q], weight_scale);
+    return ExactPlane(n, times(number(0.5), plus(number(1.0), times(lighter, reciprocal(dot(n, n))))));
 }
 
 struct Moments {
@@ -74,6 +85,7 @@ struct Moments {
 Number volume;
 Vector mass_center;
 float volume_error;
+float centroid_error, length_of_cell;  // in a power diagram; the error is to be divided by the volume
 bool is_in_range;
 
 Moments no_moments() {
@@ -83,6 +95,12 @@ Moments no_moments() {
 
 // A plane of the cell that is measured; defined where the planes are kept.
 ExactPlane exact_plane_at(uint plane);
+
+// (H / |n|)^2, see clip/filter.glsl.
+float squared_size(float foot, float square) {
+    const float size = max(foot, 1.0 - foot);
+    return size * size * square;
+}
 
 // The vertex of three planes.
 Vector exact_vertex(ExactPlane a, ExactPlane b, ExactPlane c, inout Moments all) {
@@ -94,6 +112,11 @@ Vector exact_vertex(ExactPlane a, ExactPlane b, ExactPlane c, inout Moments all)
     const Vector vertex = times(sum, inverse_det);
     const vec3 near_vertex = vec3(rounded(vertex.x), rounded(vertex.y), rounded(vertex.z));
     all.farthest = max(all.farthest, dot(near_vertex, near_vertex));
+    if (weighted != 0u) {
+        all.farthest = max(all.farthest, squared_size(rounded(a.foot), rounded(square_a)));
+        all.farthest = max(all.farthest, squared_size(rounded(b.foot), rounded(square_b)));
+        all.farthest = max(all.farthest, squared_size(rounded(c.foot), rounded(square_c)));
+    }
     const float norms = sqrt(rounded(square_a)) * sqrt(rounded(square_b)) * sqrt(rounded(square_c));
     all.error += 306.0 * (norms * rounded(inverse_det)) + 150.0;
     return vertex;
@@ -148,6 +171,10 @@ void conclude(Moments all) {
     const float moved = float(quantum) * (radius + 1.0) * radius * radius * (13.5 + 0.015 * all.error);
     // This is somewhat more than the bound, for the roundings in it.
     volume_error = moved + number_unit * all.error * radius * radius * radius * 0.334;
+    if (weighted == 0u) return;
+    volume_error *= 2.0;
+    length_of_cell = pow(max(rounded(volume), 0.0), 1.0 / 3.0);
+    centroid_error = volume_error * radius;
 }
 
 // Areas of faces of next to no size may come out below zero.
@@ -156,7 +183,9 @@ Number not_negative(Number area) {
 }
 
 bool is_measured(float tolerance) {
-    return volume_error <= tolerance * rounded(volume) && is_in_range;
+    const bool is_centroid_right =
+        weighted == 0u || centroid_error <= tolerance * rounded(volume) * length_of_cell;
+    return volume_error <= tolerance * rounded(volume) && is_in_range && is_centroid_right;
 }
 
 #endif

@@ -4,6 +4,9 @@
 // farthest neighbor of interest; sorted along a Hilbert curve, what is near comes early. Neighbors are collected as
 // they come. When the store is full, the farther half is forgotten. In the end they are sorted by distance into
 // buckets a sixteenth of an octave wide; within a bucket the order is free. The first bucket takes whatever is nearer.
+//
+// In a power diagram ranks take the place of squared distances, see search/power.glsl. They may be below 0, where all of
+// them are in the first bucket; when that alone is more than the list holds, the higher half of it is forgotten.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -17,6 +20,7 @@ layout(constant_id = CONSTANT_K) const int k = 64;
 layout(constant_id = CONSTANT_LIST_OF_TODO) const uint list_of_todo = 0u;
 layout(push_constant) uniform Push { KnnPush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
 layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
@@ -25,13 +29,16 @@ layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInf
 #include "search/distances.glsl"
 #include "search/hierarchy.glsl"
 
-#define BUCKET_OF(d) (max(int((floatBitsToUint(d) >> BUCKET_SHIFT) - lowest_bucket), 0))
+uint self;
+uvec2 px, py, pz, pw;
+
+#include "search/power.glsl"
+
+#define BUCKET_OF(d) (max(int((floatBitsToUint(weighted != 0u ? max(d, 0.0) : d) >> BUCKET_SHIFT) - lowest_bucket), 0))
 
 const int store = 2 * k;
 const int buckets = 64;
 
-uint self;
-uvec2 px, py, pz;
 int size = 0;
 float distances[store];
 uint indices[store];
@@ -84,6 +91,32 @@ void forget_far_ones() {
     }
 }
 
+// The most of least rank, k or a few less.
+void forget_high_ranks() {
+    uint low = 0u, high = ordered(worst);  // at most k are below the one, more than k below the other
+    for (int below = 0; below < k - k / 8 && high - low > 1u;) {
+        const uint middle = low + (high - low) / 2u;
+        int count = 0;
+        for (int i = 0; i < size; ++i) count += ordered(distances[i]) < middle ? 1 : 0;
+        if (count > k) {
+            high = middle;
+        } else {
+            low = middle;
+            below = count;
+        }
+    }
+    worst = of_ordered(low);
+    int kept = 0;
+    for (int i = 0; i < size; ++i) {
+        const float rank = distances[i];
+        if (rank < worst) {
+            indices[kept] = indices[i];
+            distances[kept++] = rank;
+        }
+    }
+    size = kept;
+}
+
 void visit_group(uint group) {
     const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
     for (uint seed = group * GROUP_SEEDS; seed < end; ++seed) {
@@ -99,11 +132,16 @@ void visit_group(uint group) {
             dy = rough_difference(seeds_y[seed], py);
             dz = rough_difference(seeds_z[seed], pz);
         }
-        const float d = dx * dx + dy * dy + dz * dz;
+        float d = dx * dx + dy * dy + dz * dz;
+        if (weighted != 0u) d = rank_at(d, rough_lighter_by(seeds_w[seed]));
         if (!(d < worst)) continue;
         distances[size] = d;
         indices[size++] = seed;
-        if (size == store) forget_far_ones();
+        if (size < store) continue;
+        if (weighted != 0u)
+            forget_high_ranks();
+        else
+            forget_far_ones();
     }
 }
 
@@ -120,7 +158,9 @@ bool is_near(uint level, uint node) {
         dy = gap(py, nodes[n].lower[1], nodes[n].upper[1]);
         dz = gap(pz, nodes[n].lower[2], nodes[n].upper[2]);
     }
-    return (dx * dx + dy * dy + dz * dz) * box_slack < worst;
+    const float d = dx * dx + dy * dy + dz * dz;
+    if (weighted != 0u) return least_rank(d, rough_lighter_by(node_weights[n])) < worst;
+    return d * box_slack < worst;
 }
 
 // Visits everything near below a node.
@@ -151,8 +191,10 @@ void search() {
 }
 
 float expected_reach() {
-    return push.level_count < 3u ? UNBOUNDED
-                                 : expected_reach_in(nodes[push.level_first[1] + self / (GROUP_SEEDS * FAN)], k);
+    if (push.level_count < 3u) return UNBOUNDED;
+    const uint around = push.level_first[1] + self / (GROUP_SEEDS * FAN);
+    const float reach = expected_reach_in(nodes[around], k);
+    return weighted != 0u ? reach + max(rough_lighter_by(node_weights[around]), 0.0) : reach;
 }
 
 void main() {
@@ -173,8 +215,12 @@ void main() {
         return;
     }
 
+    if (weighted != 0u) {
+        pw = seeds_w[self];
+        set_weight_unit(state.weight_exponent);
+    }
     worst = expected_reach();
-    bool fine = false;
+    bool fine = weighted != 0u;
     for (int attempt = 0; attempt < 4;) {
         coarse = !fine && worst >= coarse_from;
         size = 0;
@@ -196,6 +242,10 @@ void main() {
 
     // The list takes buckets that fit into it whole.
     count_by_bucket();
+    if (weighted != 0u && counts[0] > k) {
+        forget_high_ranks();
+        count_by_bucket();
+    }
     const int in_first_bucket = counts[0];
     int listed = 0, fitting = 0;
     for (; fitting < buckets; ++fitting) {
@@ -206,7 +256,8 @@ void main() {
             break;
         }
     }
-    float reach = (fitting == buckets ? worst : (fitting == 0 ? 0.0 : bucket_end(fitting - 1))) * reach_slack;
+    float reach = fitting == buckets ? worst : (fitting == 0 ? 0.0 : bucket_end(fitting - 1));
+    if (weighted == 0u) reach *= reach_slack;
     if (worst >= UNBOUNDED && fitting == buckets) reach = UNBOUNDED;
     for (int i = 0; i < size; ++i) {
         const int b = BUCKET_OF(distances[i]);
@@ -216,10 +267,12 @@ void main() {
         places[b] = place + 1;
     }
     const float bound = distance_to_bounds(px, py, pz);
-    if (truncated) reach = 0.0;
+    const float none = weighted != 0u ? -UNBOUNDED : 0.0;
+    if (truncated) reach = none;
     if (loops_were_cut_short(2u + (push.seed_count >> 31))) {
-        reach = 0.0;
+        reach = none;
         listed = 0;
     }
-    list_info[column] = ListInfo(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), min(reach, bound), bound);
+    if (weighted == 0u) reach = min(reach, bound);
+    list_info[column] = ListInfo(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), reach, bound);
 }

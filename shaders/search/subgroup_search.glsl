@@ -5,6 +5,9 @@
 //
 // The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
 // buckets taken by atomics would.
+//
+// In a power diagram ranks take the place of squared distances, from the least that there may be, below 0, to what no seed
+// that can cut the cell has. What its weight, or the largest one of its box, keeps from cutting the cell is left out.
 // The .comp declares `push` (CellsPush) before.
 #ifndef VOTESS_SEARCH_SUBGROUP_SEARCH_GLSL
 #define VOTESS_SEARCH_SUBGROUP_SEARCH_GLSL
@@ -13,6 +16,7 @@
 #include "invocations/subgroup.glsl"
 #include "numbers/int64.glsl"
 #include "search/distances.glsl"
+#include "search/power.glsl"
 #include "search/seeds.glsl"
 #include "search/subgroup_state.glsl"
 #include "shared/interface.h"
@@ -30,6 +34,11 @@ float nearest_beyond;  // at most the squared distance of any seed that this lan
 // sphere lies beyond them.
 vec3 reach_lower, reach_upper;
 uint node_count, group_count;
+// In a power diagram, in units:
+float reach_radius;    // at least the distance of any vertex
+float first_reach;     // of the first search
+float nearest_square;  // of the seeds that this lane looked at
+float rounded_weight;  // a unit of weight when some were rounded
 
 const uint lanes_each = FAN;  // lanes for a box, and for a group, as GROUP_SEEDS == FAN
 const uint side_by_side = uint(lanes) / lanes_each;
@@ -52,7 +61,12 @@ uint candidate_at(uint i) {
 }
 
 float distance_at(uint i) {
-    return uintBitsToFloat(candidate_key[SUBGROUP_STORE * SUBGROUP + SORTED(i)] & ~key_place_mask);
+    const uint key = candidate_key[SUBGROUP_STORE * SUBGROUP + SORTED(i)] & ~key_place_mask;
+    return weighted != 0u ? of_ordered(key) : uintBitsToFloat(key);
+}
+
+uint root_node() {
+    return LEVEL_FIRST(push.level_count - 1u);
 }
 
 void begin_search() {
@@ -69,7 +83,16 @@ void begin_search() {
     next = UNBOUNDED;
     if (push.level_count >= 3u)
         next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count);
-    coarse = next >= coarse_from;
+    coarse = weighted == 0u && next >= coarse_from;
+    if (weighted == 0u) return;
+    set_weight_unit(state.weight_exponent);
+    rounded_weight = state.lossy_weights != 0u ? weight_unit : 0.0;
+    nearest_square = UNBOUNDED;
+    reach_radius = exp2(float(COORDINATE_BITS + 1));  // beyond the box
+    done = least_rank(0.0, rough_lighter_by(node_weights[root_node()]));
+    if (next < UNBOUNDED)
+        next += max(rough_lighter_by(node_weights[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)]), 0.0);
+    first_reach = next;
 }
 
 void search_again_finely() {
@@ -79,7 +102,8 @@ void search_again_finely() {
 
 // Bounds of the balls around vertices that go through the seed: lengths in units, along each axis, down and up. An
 // offset that is compared with them is right to 3 roundings of itself, 4e-7; by high words alone to 2^32 units more.
-void set_reach(vec3 down, vec3 up) {
+void set_reach(vec3 down, vec3 up, float radius) {
+    reach_radius = radius * 1.0001;
     const float slack = coarse ? 3.5e10 : 0.0;  // 2^35
     reach_lower = -(down * 1.0001 + slack);
     reach_upper = up * 1.0001 + slack;
@@ -87,7 +111,10 @@ void set_reach(vec3 down, vec3 up) {
 
 // Sets the next search outwards, at most to where no seed can cut the cell.
 void search_on(float needed) {
-    next = min(needed, done * (candidate_count < 16u ? 4.0 : 2.0));
+    if (weighted != 0u)
+        next = min(needed, done + max(abs(done), first_reach) * (candidate_count < 16u ? 3.0 : 1.0));
+    else
+        next = min(needed, done * (candidate_count < 16u ? 4.0 : 2.0));
     if (!(next < UNBOUNDED)) next = UNBOUNDED;
 }
 
@@ -99,11 +126,26 @@ vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
     return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
 }
 
+// Whether a seed may cut the cell that lies between these bounds, at this squared distance or beyond, and is lighter by no
+// less than this. Where it is heavier by A, a vertex ball is larger by no more than sqrt(A), see set_reach().
+bool may_cut(vec3 lower, vec3 upper, float square, float lighter) {
+    float further = 0.0;
+    bool none = false;
+    if (weighted != 0u) {
+        const float heavier = 1e-5 * abs(lighter) - lighter + rounded_weight;
+        further = sqrt(max(heavier, 0.0)) * 1.0001;
+        none = square >= float(cutting_distance_squared(real(reach_radius), real(heavier)));
+    }
+    const bool above = any(greaterThan(lower, reach_upper + further)), below = any(lessThan(upper, reach_lower - further));
+    return !(none || above || below);
+}
+
 // The lanes do the same in the next two functions, without branches, whatever they find.
 
 // Whether a box may hold candidates.
 bool is_near(uint level, uint node) {
-    const Node box = node_at(LEVEL_FIRST(level) + node);
+    const uint n = LEVEL_FIRST(level) + node;
+    const Node box = node_at(n);
     vec3 lower, upper;
     if (coarse) {
         lower = coarse_offset_of(box.lower[0], box.lower[1], box.lower[2]);
@@ -113,10 +155,12 @@ bool is_near(uint level, uint node) {
         upper = fine_offset_of(box.upper[0], box.upper[1], box.upper[2]);
     }
     const bool empty = box.lower[0].y == NO_COORDINATE;
-    const bool above = any(greaterThan(lower, reach_upper)), below = any(lessThan(upper, reach_lower));
     const vec3 gap = max(max(lower, -upper), vec3(0.0));
-    const float d = dot(gap, gap) * box_slack;
-    const bool near = d < next, possible = !(empty || above || below);
+    float d = dot(gap, gap) * box_slack, lighter = 0.0;
+    if (weighted != 0u) lighter = rough_lighter_by(node_weights[n]);
+    const bool possible = !empty && may_cut(lower, upper, d, lighter);
+    if (weighted != 0u) d = least_rank(dot(gap, gap), lighter);
+    const bool near = d < next;
     nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
     return possible && near;
 }
@@ -133,8 +177,14 @@ bool is_candidate(uint seed, out float d) {
     precise const float square = at.x * at.x + at.y * at.y + at.z * at.z;
     d = square;
     const bool none = seed == self || x.y == NO_COORDINATE;
-    const bool above = any(greaterThan(at, reach_upper)), below = any(lessThan(at, reach_lower));
-    const bool possible = !(none || above || below), near = d < next;
+    float lighter = 0.0;
+    if (weighted != 0u) lighter = rough_lighter_by(seeds_w[seed]);
+    const bool possible = !none && may_cut(at, at, square * box_slack, lighter);
+    if (weighted != 0u) {
+        nearest_square = min(nearest_square, none ? UNBOUNDED : square);
+        d = rank_at(square, lighter);
+    }
+    const bool near = d < next;
     nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
     const bool fresh = d >= done;
     return possible && near && fresh;
@@ -167,7 +217,7 @@ bool look_into_groups() {
     uint count;
     const uint place = candidate_count + rank_among(candidate, count);
     if (candidate && place < SUBGROUP_STORE) {
-        candidate_key[SUBGROUP_STORE * SUBGROUP + place] = (floatBitsToUint(d) & ~key_place_mask) | place;
+        candidate_key[SUBGROUP_STORE * SUBGROUP + place] = ((weighted != 0u ? ordered(d) : floatBitsToUint(d)) & ~key_place_mask) | place;
         candidate_seed[SUBGROUP_STORE * SUBGROUP + place] = seed;
     }
     candidate_count = min(candidate_count + count, SUBGROUP_STORE + 1u);
@@ -246,6 +296,11 @@ bool search() {
     nearest_beyond = UNBOUNDED;
     const bool complete = collect();
     if (status != STATUS_CERTIFIED) return false;
+    if (complete && weighted != 0u) {
+        const float beyond = of_ordered(smallest(ordered(nearest_beyond)));
+        done = beyond >= UNBOUNDED ? UNBOUNDED : max(next, beyond);
+        return true;
+    }
     if (complete) {
         const float beyond = smallest(nearest_beyond);
         done = beyond >= UNBOUNDED ? UNBOUNDED : max(next, beyond * reach_slack);

@@ -23,6 +23,10 @@
 #define FRACTION_BITS 60
 #define MOST_STEPS_APART 128
 
+// Weights, in a power diagram, are whole numbers below 2^62 of 2^RunState.weight_exponent squared units; the lightest
+// has 0.
+#define WEIGHT_BITS 62
+
 // sort: a stable radix sort, 4 bits at a time, of keys that hold a Hilbert index of 20 bits per axis in two words.
 #define KEY_BITS_PER_AXIS 20
 #define KEY_WORD_BITS 30
@@ -83,6 +87,7 @@
 #define STATUS_VERTEX_OVERFLOW 3u
 #define STATUS_CANDIDATES_EXHAUSTED 4u
 #define STATUS_DUPLICATE 5u
+#define STATUS_EMPTY 6u
 #define STATUS_OUTSIDE 7u
 
 // Cell info word: status, faces, vertices, binary exponent of the cell's unit of length.

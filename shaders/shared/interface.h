@@ -16,7 +16,8 @@
 #define CONSTANT_LOCKSTEP 10      // clip_subgroup: 1 where lanes cannot run ahead of each other
 #define CONSTANT_FIRST_COUNT 11   // clip_subgroup: seeds that the first search aims at
 #define CONSTANT_WALLS 12         // clip: 1 when there are walls of any direction
-#define CONSTANT_COUNT 13
+#define CONSTANT_WEIGHTS 13       // sort, knn, clip: 1 in a power diagram
+#define CONSTANT_COUNT 14
 
 // N is the number of points, M that of items being sorted or scanned, C that of cells of a chunk, T that of cells of
 // the second tier.
@@ -74,6 +75,9 @@
 #define BINDING_SLICE_AREAS 48   // beside the rows
 #define BINDING_SLICE_SHIFTS 49  // int8 x y z, without gaps, beside the rows
 #define BINDING_LATTICE 50       // LatticeData of a frame in a triclinic box
-#define BINDING_COUNT 51
+#define BINDING_POINTS_W 51      // N uvec2, weights, input order; this and the next two only in a power diagram
+#define BINDING_SEEDS_W 52       // N uvec2, sorted order
+#define BINDING_NODE_WEIGHTS 53  // uvec2, beside NODES: the largest weight below a node
+#define BINDING_COUNT 54
 
 #endif

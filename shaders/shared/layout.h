@@ -86,6 +86,7 @@ struct ClipPush {
     uint neighbors;          // 1: rows are wanted
     float volume_tolerance;  // relative
     uint most_visits;        // boxes looked at in a walk before it gives up
+    uint bounded;            // as in KnnPush
     uint level_count;
     uint level_first[MOST_LEVELS];
 };
@@ -177,16 +178,18 @@ struct LatticeData {
 
 // What the sort found out about the points.
 struct RunState {
-    uint lossy;       // LOSSY_ bits: coordinates that are no whole number of units
-    uint suspects;    // 1: there may be duplicates that were not marked
-    uint duplicates;  // marked
-    uint incomplete;  // 1: images are missing
+    uint lossy;           // LOSSY_ bits: coordinates that are no whole number of units
+    uint suspects;        // 1: there may be duplicates that were not marked
+    uint duplicates;      // marked
+    uint incomplete;      // 1: images are missing
+    int weight_exponent;  // see WEIGHT_BITS
+    uint lossy_weights;   // 1: some weights have been rounded
 };
 
 // What knn tells about a cell's list.
 struct ListInfo {
     uint lengths;  // of the list; in the high half, of its first bucket, which is not sorted
-    float reach;   // squared distance in units up to which the list is complete
+    float reach;   // squared distance in units up to which the list is complete; in a power diagram, rank
     float bound;   // squared distance to where nothing is known about seeds
 };
 

@@ -1,8 +1,10 @@
-// sort: puts coordinates into sorted order. Of equal points the one of lowest index stays; the others are marked, and put
-// where no search finds them.
+// sort: puts coordinates into sorted order. Of equal points the one of lowest index stays, in a power diagram the
+// heaviest; the others are marked, and put where no search finds them.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
+#include "numbers/int64.glsl"
+#include "numbers/weights.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
 
@@ -16,7 +18,22 @@ layout(std430, binding = BINDING_SEEDS_X) writeonly buffer SeedsX { uvec2 seeds_
 layout(std430, binding = BINDING_SEEDS_Y) writeonly buffer SeedsY { uvec2 seeds_y[]; };
 layout(std430, binding = BINDING_SEEDS_Z) writeonly buffer SeedsZ { uvec2 seeds_z[]; };
 layout(std430, binding = BINDING_SEED_INPUT) writeonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_POINTS_W) readonly buffer PointsW { uvec2 points_w[]; };
+layout(std430, binding = BINDING_SEEDS_W) writeonly buffer SeedsW { uvec2 seeds_w[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
+
+bool at_same_place(uint a, uint b) {
+    return points_x[a] == points_x[b] && points_y[a] == points_y[b] && points_z[a] == points_z[b];
+}
+
+// Whether the point, of the lowest index or not, is one that another at its place leaves no cell. In a power diagram the
+// heaviest of a place has the cell, of those the first. `unsure` becomes true where rounding may have made them equal.
+bool gives_way_to(uint other, uint point, bool first, inout bool unsure) {
+    if (weighted == 0u) return true;
+    if (points_w[other] != points_w[point]) return less64(points_w[point], points_w[other]);
+    unsure = unsure || state.lossy_weights != 0u;
+    return !first;
+}
 
 void main() {
     const uint seed = linear_invocation();
@@ -25,7 +42,7 @@ void main() {
     uvec2 x = points_x[point], y = points_y[point], z = points_z[point];
 
     // The sort is stable: among equal keys the indices ascend, and what equals this point lies before it.
-    bool duplicate = false;
+    bool duplicate = false, unsure = false;
     const bool outside = x.y == NO_COORDINATE;
     const uvec2 key = keys[seed];
     for (uint back = 1u; back <= seed && !duplicate && !outside; ++back) {
@@ -35,9 +52,20 @@ void main() {
             break;
         }
         const uint other = index[seed - back];
-        duplicate = points_x[other] == x && points_y[other] == y && points_z[other] == z;
+        duplicate = at_same_place(other, point) && gives_way_to(other, point, false, unsure);
     }
-    if (duplicate && (state.lossy & LOSSY_POINTS) != 0u) {  // equal in units, perhaps not as given
+    // A heavier one may lie behind it too.
+    for (uint on = 1u; weighted != 0u && seed + on < push.count && !duplicate && !outside; ++on) {
+        if (keys[seed + on] != key) break;
+        if (on > MOST_LOOK_BACK) {
+            atomicOr(state.suspects, 1u);
+            break;
+        }
+        const uint other = index[seed + on];
+        duplicate = at_same_place(other, point) && gives_way_to(other, point, true, unsure);
+    }
+    unsure = unsure || (duplicate && (state.lossy & LOSSY_POINTS) != 0u);
+    if (unsure) {  // equal in units, perhaps not as given
         atomicOr(state.suspects, 1u);
         duplicate = false;
     }
@@ -48,5 +76,6 @@ void main() {
     seeds_x[seed] = x;
     seeds_y[seed] = y;
     seeds_z[seed] = z;
+    if (weighted != 0u) seeds_w[seed] = points_w[point];
     seed_input[seed] = duplicate ? point | DUPLICATE_BIT : point;
 }

@@ -134,9 +134,72 @@ std::string judge(votess::Tessellator& tessellator, const Coordinates& points, v
     return gpu_refusal.empty() ? test::check_same(gpu, cpu, points, test::tolerance(options)) : "";
 }
 
+// Weights for a set, of kinds that bury no seed or most of them.
+std::vector<double> make_weights(const test::PointSet& set, Random& random) {
+    double size = 0;
+    for (const double x : set.points) size = std::max(size, std::abs(x - set.points[0]));
+    const std::size_t n = set.points.size() / 3;
+    const double spacing = size / std::cbrt(static_cast<double>(n)), square = spacing * spacing;
+    const int kind = static_cast<int>(random.below(7)), steps = static_cast<int>(random.integer(1, 6));
+    const double factor = std::ldexp(square, static_cast<int>(random.integer(-12, 6)));
+    const double offset = std::ldexp(square, static_cast<int>(random.integer(0, 50)));
+    std::vector<double> weights(n);
+    for (double& w : weights) {
+        const double any = random.uniform(0, 1);
+        switch (kind) {
+            case 0:
+                w = factor * any;
+                break;
+            case 1:  // as of balls of up to some radius
+                w = factor * any * any;
+                break;
+            case 2:
+                w = offset + factor * any;
+                break;
+            case 3:
+                w = -factor * any;
+                break;
+            case 4:  // ties on grids of so many steps
+                w = size * size * static_cast<double>(random.below(4)) / (steps * steps);
+                break;
+            case 5:
+                w = random.chance(0.5) ? factor : 0;
+                break;
+            default:
+                w = random.chance(0.1) ? 100 * factor : random.chance(0.02) ? -1e6 * factor : factor * any;
+        }
+    }
+    if (random.chance(0.2)) weights[random.below(n)] = std::ldexp(square, static_cast<int>(random.integer(0, 12)));
+    return weights;
+}
+
 }  // namespace
 
 TEST_SUITE("fuzz") {
+    TEST_CASE("gpu: small power diagrams equal the CPU") {
+        const auto first = test::environment("VOTESS_FUZZ_SEED", 1);
+        const auto sets = test::environment("VOTESS_FUZZ_SETS", test::by_size(200, 40));
+        votess::Tessellator tessellator;
+        int failures = 0;
+        for (std::uint64_t seed = first; seed < first + sets && failures < 5; ++seed) {
+            const test::PointSet set = make(seed);
+            Random random(seed + 1000000);
+            const std::vector<double> weights = make_weights(set, random);
+            votess::Options options = test::all_options(set.box);
+            options.weights = weights;
+            options.list_walls = seed % 3 != 0;
+            const std::uint64_t quarter = (seed - first) * 4 / std::max<std::uint64_t>(sets, 1);
+            options.k_init = quarter == 0 ? 12 : 0;
+            options.precision = quarter == 3 ? test::double_precision() : votess::Precision::single;
+            const test::UseKernel chosen((seed - first) * 8 / sets % 2 == 0 ? test::by_subgroup()
+                                                                            : votess::gpu::Kernel::invocation);
+            if (set.box && random.chance(0.3)) options.periodic = {true, random.chance(0.7), random.chance(0.7)};
+            const std::string wrong = judge(tessellator, set.points, options);
+            failures += wrong.empty() ? 0 : 1;
+            CHECK_MESSAGE(wrong.empty(), "seed " << seed << ": " << wrong);
+        }
+    }
+
     TEST_CASE("gpu: small sets equal the CPU") {
         const auto first = test::environment("VOTESS_FUZZ_SEED", 1);
         const auto sets = test::environment("VOTESS_FUZZ_SETS", test::by_size(200, 40));

@@ -37,7 +37,7 @@ LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const s
         std::size_t beside = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t status = info[i] & 0xff;
-            if (status == STATUS_CERTIFIED || status == STATUS_DUPLICATE) continue;
+            if (status == STATUS_CERTIFIED || status == STATUS_DUPLICATE || status == STATUS_EMPTY) continue;
             if (status == STATUS_OUTSIDE) {
                 ++beside;
                 continue;
@@ -82,8 +82,13 @@ void HostCells::finish(std::size_t first, std::size_t count, const Numbers& geom
         const std::size_t begin = first + block * block_cells, end = std::min(first + count, begin + block_cells);
         CellCounters counters;
         for (std::size_t member = begin; member < end; ++member) {
-            if (!is_certified(member)) continue;
-            const std::uint32_t info = s_.info[member], faces = (info >> INFO_FACES_SHIFT) & 0xff;
+            const std::uint32_t info = s_.info[member], status = info & 0xff;
+            if (status == STATUS_EMPTY) {
+                ++counters.empty_cells;
+                result.set_empty(static_cast<std::size_t>(input_of(member)), CellStatus::empty);
+            }
+            if (status != STATUS_CERTIFIED) continue;
+            const std::uint32_t faces = (info >> INFO_FACES_SHIFT) & 0xff;
             counters.faces += faces;
             if (want.volumes || want.centroids) measure(member, geometry.from((member - first) * numbers_each));
             if (!want.counts) continue;

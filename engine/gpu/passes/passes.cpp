@@ -45,6 +45,10 @@ std::span<const std::uint32_t> of_numbers(const Device& device, const PassSettin
     return device.has_float64() && settings.measure ? variants.measured_float64 : variants.float32;
 }
 
+vulkan::Constant has_weights(const PassSettings& settings) {
+    return {CONSTANT_WEIGHTS, settings.weights ? 1u : 0u};
+}
+
 Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier) {
     const TierLimits& limits = settings.tiers[tier];
     using namespace shaders;
@@ -58,7 +62,8 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
                            wanted_geometry(settings),
                            {CONSTANT_WALLS, settings.walls ? 1u : 0u},
                            unit_roundoff(device),
-                           list_of_todo(settings)});
+                           list_of_todo(settings),
+                           has_weights(settings)});
 }
 
 // What clip_subgroup.comp and its includes rely on: a set of planes is one word; the store of candidates takes two
@@ -94,7 +99,8 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
                             {CONSTANT_FIRST_COUNT, settings.first_count},
                             wanted_geometry(settings),
                             {CONSTANT_WALLS, settings.walls ? 1u : 0u},
-                            unit_roundoff(device)},
+                            unit_roundoff(device),
+                            has_weights(settings)},
                            settings.subgroup_size);
 }
 
@@ -143,16 +149,19 @@ Passes::Passes(Device& device, const PassSettings& s)
       sort_key(make<KeyPush>(device, "sort_key", shaders::sort_key, s.local_size)),
       sort_count(make<SortPush>(device, "sort_count", shaders::sort_count, TILE_GROUP)),
       sort_scatter(make<SortPush>(device, "sort_scatter", shaders::sort_scatter, TILE_GROUP)),
-      sort_gather(make<KeyPush>(device, "sort_gather", shaders::sort_gather, s.local_size)),
+      sort_gather(make<KeyPush>(device, "sort_gather", shaders::sort_gather, s.local_size, {has_weights(s)})),
       scan_blocks(make<ScanPush>(device, "scan_blocks", shaders::scan_blocks, TILE_GROUP)),
       scan_add(make<ScanPush>(device, "scan_add", shaders::scan_add, s.local_size)),
-      knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes, s.local_size)),
-      knn_search(
-          make<KnnPush>(device, "knn_search", shaders::knn_search, s.local_size, {{CONSTANT_K, s.k}, list_of_todo(s)})),
+      knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes, s.local_size, {has_weights(s)})),
+      knn_search(make<KnnPush>(device, "knn_search", shaders::knn_search, s.local_size,
+                               {{CONSTANT_K, s.k}, list_of_todo(s), has_weights(s)})),
       clip_cells{first_tier(device, s), gpu::clip_cells(device, s, 1)},
       clip_todo(make<TodoPush>(device, "clip_todo", shaders::clip_todo, TILE_GROUP)),
       download_rows(gpu::download_rows(device, s)),
       download_total(make<FramePush>(device, "download_total", shaders::download_total, 1)) {
+    if (s.weights)
+        upload_weights =
+            std::make_unique<Pass>(make<UploadPush>(device, "upload_weights", shaders::upload_weights, s.local_size));
     if (!s.frames || s.images) download_named_rows = std::make_unique<Pass>(gpu::download_named_rows(device, s));
     if (!s.frames) {
         download_place =

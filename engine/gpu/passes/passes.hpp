@@ -25,6 +25,7 @@ struct PassSettings {
     std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
     bool measure = true;                     // volumes and centroids are wanted
     bool areas = false;                      // areas beside the rows are wanted too
+    bool weights = false;                    // of a power diagram
     bool frames = false;                     // there are passes for recorded frames instead of parts
     bool walls = false;                      // there are walls of any direction
     bool images = false;                     // and for periodic ones
@@ -58,7 +59,7 @@ struct Passes {
     vulkan::Pass download_rows, download_total;
     // Null: not wanted.
     std::unique_ptr<vulkan::Pass> download_named_rows, download_place, download_gather;
-    std::unique_ptr<vulkan::Pass> download_cells, upload_wrap, upload_images;
+    std::unique_ptr<vulkan::Pass> download_cells, upload_weights, upload_wrap, upload_images;
 };
 
 }  // namespace votess::gpu

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <optional>
 
 namespace votess::gpu {
 namespace {
@@ -63,7 +62,8 @@ void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, s
     }
 }
 
-void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32_t images, std::uint32_t walls) {
+void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32_t images, std::uint32_t walls,
+                          bool weights) {
     const std::uint32_t capacity = seeds + images;
     set_count(capacity);
     images_.capacity = images;
@@ -90,6 +90,13 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     bindings_.set(BINDING_NODES, workspace.take(nodes * sizeof(Node), "nodes"));
     state_and_walls_ = workspace.take(sizeof(RunState) + VkDeviceSize{walls} * sizeof(WallPlane), "run state");
     set_walls(0);
+    // Without weights passes bind something in place of these arrays, and leave it alone.
+    const auto weights_of = [&](std::uint32_t binding, VkDeviceSize each, const char* name) {
+        bindings_.set(binding, weights ? workspace.take(each * coordinate_bytes, name) : run_state());
+    };
+    weights_of(BINDING_POINTS_W, n, "points, weights");
+    weights_of(BINDING_SEEDS_W, n, "seeds, weights");
+    weights_of(BINDING_NODE_WEIGHTS, nodes, "nodes, weights");
 }
 
 void DeviceSeeds::set_walls(std::uint32_t count) {
@@ -178,12 +185,35 @@ void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const 
 
 void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
     recorder.fill(run_state(), 0, sizeof(RunState), 0);
+    if (weights_ && weights_->exponent != 0) {
+        recorder.barrier();
+        recorder.fill(run_state(), offsetof(RunState, weight_exponent), 4,
+                      static_cast<std::uint32_t>(weights_->exponent));
+    }
     if (images_.capacity > 0) recorder.write(bindings_.get(BINDING_LATTICE), std::as_bytes(std::span(&lattice_, 1)));
     const std::uint32_t bits = (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0) |
                                (walls_ > 0 ? LOSSY_WALLS : 0) | (lattice_.lossy != 0 ? LOSSY_POINTS | LOSSY_IMAGES : 0);
     if (bits == 0) return;
     recorder.barrier();
     recorder.fill(run_state(), offsetof(RunState, lossy), 4, bits);
+}
+
+void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
+                                 std::uint32_t count) const {
+    UploadPush push{};
+    bool lossy = false;
+    push.origin[0] = words(Units{weights_->shift}.of(weights_->least, lossy));
+    push.lower[0] = words(ordered_bits(weights_->least));
+    push.upper[0] = words(ordered_bits(weights_->largest));
+    push.first = first;
+    push.count = count;
+    push.shift = weights_->shift;
+    push.format = raw.format;
+    push.stride = raw.stride;
+    Bindings bindings = bindings_;
+    bindings.set(BINDING_RAW, raw.slice);
+    recorder.dispatch(*passes.upload_weights, bindings.list(), push_bytes(push), count);
+    recorder.barrier();
 }
 
 void DeviceSeeds::record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,

@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "gpu/passes/passes.hpp"
 #include "gpu/passes/recorder.hpp"
 #include "gpu/seeds/cell_images.hpp"
 #include "gpu/seeds/units.hpp"
+#include "gpu/seeds/weight_units.hpp"
 #include "gpu/workspace.hpp"
 #include "shared/interface.h"
 #include "shared/layout.h"
@@ -47,8 +49,10 @@ class DeviceSeeds {
 public:
     static constexpr VkDeviceSize coordinate_bytes = 8;
 
-    // Arrays for up to `capacity` seeds, for the images of those of a periodic box, and for walls of any direction.
-    void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0, std::uint32_t walls = 0);
+    // Arrays for up to `capacity` seeds, for the images of those of a periodic box, and for walls of any direction;
+    // weights: for these too.
+    void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0, std::uint32_t walls = 0,
+                 bool weights = false);
     // How many of the walls for which there is room there are.
     void set_walls(std::uint32_t count);
     // For names of up to `count` seeds, where they have others than their index.
@@ -62,6 +66,8 @@ public:
 
     // The box of seeds and images around a triclinic one.
     void set_cell(const CellImages& cell);
+    // From now on the seeds have such weights; none: they have no weights.
+    void set_weights(const std::optional<WeightUnits>& weights) { weights_ = weights; }
 
     // Forgets what is known about points; to be followed by a barrier. lossy: points that are rounded already.
     void record_begin(Recorder& recorder, bool lossy) const;
@@ -73,6 +79,9 @@ public:
     };
     void record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                        std::uint32_t count) const;
+    // The same for weights, one number a seed. Those that are not finite count as the least.
+    void record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
+                        std::uint32_t count) const;
     // After the upload of `count` seeds: brings them into the periodic box, and adds images at their places.
     void record_images(Recorder& recorder, const Passes& passes, const Slice& header, std::uint32_t count) const;
     // key_bits: per axis.
@@ -99,6 +108,7 @@ private:
 
     std::uint32_t count_ = 0;
     Units units_;
+    std::optional<WeightUnits> weights_;
     Box box_;
     bool box_lossy_ = false;
     std::uint64_t extent_[3]{}, origin_[3]{};

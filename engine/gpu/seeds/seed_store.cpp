@@ -30,14 +30,15 @@ std::uint32_t SeedStore::most_seeds(const vulkan::Device& device, const vulkan::
         std::min({range / DeviceSeeds::coordinate_bytes, by_geometry, by_nodes, by_memory, VkDeviceSize{INDEX_MASK}}));
 }
 
-void SeedStore::reserve(std::uint32_t count) {
-    if (count <= capacity_ && walls_.size() <= wall_capacity_) return;
+void SeedStore::reserve(std::uint32_t count, bool weights) {
+    if (count <= capacity_ && walls_.size() <= wall_capacity_ && weights <= has_weights_) return;
+    has_weights_ = weights;
     count = std::max(count, capacity_);
     const auto walls = std::max(static_cast<std::uint32_t>(walls_.size()), wall_capacity_);
     capacity_ = wall_capacity_ = 0;
     const VkDeviceSize n = count;
     buffers_.clear();
-    seeds_.reserve(buffers_, count, 0, walls);
+    seeds_.reserve(buffers_, count, 0, walls, weights);
     walls_host_ = {};
     walls_host_ = memory_.buffer(VkDeviceSize{walls} * sizeof(WallPlane), MemoryKind::upload, "walls");
     for (Buffer& staging : staging_) {
@@ -53,26 +54,28 @@ void SeedStore::reserve(std::uint32_t count) {
 void SeedStore::upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes) {
     const auto& points = job.points;
     if (points.f32.empty())
-        upload({std::as_bytes(points.f64), 24, POINTS_FLOAT64, false}, members, box, passes);
+        upload({std::as_bytes(points.f64), 24, POINTS_FLOAT64, false}, members, box, passes, job, members);
     else
-        upload({std::as_bytes(points.f32), 12, POINTS_FLOAT32, false}, members, box, passes);
+        upload({std::as_bytes(points.f32), 12, POINTS_FLOAT32, false}, members, box, passes, job, members);
 }
 
-void SeedStore::upload(const PeriodicPart& periodic, const Passes& passes) {
+void SeedStore::upload(const PeriodicPart& periodic, const Job& job, const Passes& passes) {
     const auto bytes = std::as_bytes(std::span(periodic.coordinates));
-    upload({bytes, 24, POINTS_UNITS, periodic.lossy}, {}, periodic.box, passes);
+    upload({bytes, 24, POINTS_UNITS, periodic.lossy}, {}, periodic.box, passes, job, periodic.part.members);
 }
 
 void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box,
-                       const Passes& passes) {
+                       const Passes& passes, const Job& job, std::span<const std::int32_t> members_of_weights) {
     const auto total =
         static_cast<std::uint32_t>(members.empty() ? points.bytes.size() / points.bytes_each : members.size());
-    reserve(total);
+    const Domain& domain = *job.domain;
+    reserve(total, domain.has_weights());
     seeds_.set_count(total);
     seeds_.set_box(box);
     seeds_.set_walls(static_cast<std::uint32_t>(walls_.size()));
     std::ranges::copy(walls_, walls_host_.as<WallPlane>().begin());
     walls_host_.flush();
+    seeds_.set_weights(weight_units(domain, seeds_.units(), job.scale));
     seconds_ = {};
 
     commands_.begin();
@@ -81,7 +84,15 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     commands_.barrier();
     commands_.end();
     commands_.submit();
+    upload_pieces(points, members, total, false, passes);
+    if (domain.has_weights())
+        upload_pieces({std::as_bytes(std::span(domain.weights)), 8, POINTS_FLOAT64, false}, members_of_weights, total,
+                      true, passes);
+    commands_.wait();
+}
 
+void SeedStore::upload_pieces(const RawPoints& points, std::span<const std::int32_t> members, std::uint32_t total,
+                              bool weights, const Passes& passes) {
     const std::size_t each = points.bytes_each;
     const std::byte* const bytes = points.bytes.data();
     stream(
@@ -96,9 +107,11 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
                             each);
         },
         [&](Commands& commands, const Slice& staging, std::uint32_t first, std::uint32_t count) {
-            seeds_.record_upload(commands, passes, {staging, points.format}, first, count);
+            if (weights)
+                seeds_.record_weights(commands, passes, {staging, points.format, 1}, first, count);
+            else
+                seeds_.record_upload(commands, passes, {staging, points.format}, first, count);
         });
-    commands_.wait();
 }
 
 void SeedStore::upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name) {

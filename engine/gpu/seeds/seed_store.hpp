@@ -28,7 +28,7 @@ public:
     // members: input indices of the seeds to take, in this box; empty = all points.
     void upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
     // Seeds and images of a periodic domain.
-    void upload(const PeriodicPart& periodic, const Passes& passes);
+    void upload(const PeriodicPart& periodic, const Job& job, const Passes& passes);
     // Names for ids in rows: `count` of them, which name(i) tells in order.
     void upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name);
     // key_bits: per axis.
@@ -56,8 +56,12 @@ private:
         bool lossy;            // already rounded
     };
 
-    void upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
-    void reserve(std::uint32_t count);
+    void upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box, const Passes& passes,
+                const Job& job, std::span<const std::int32_t> members_of_weights);
+    // Copies what the members have to the device, in pieces, and records what makes points, or weights, of each.
+    void upload_pieces(const RawPoints& points, std::span<const std::int32_t> members, std::uint32_t total,
+                       bool weights, const Passes& passes);
+    void reserve(std::uint32_t count, bool weights);
     // Hands items over in slices, two of which are in flight: write(to, first, count) puts them where record(commands,
     // staging, first, count) finds them.
     void stream(std::uint32_t total, std::size_t bytes_each, const auto& write, const auto& record);
@@ -66,6 +70,7 @@ private:
     OwnBuffers buffers_{memory_}, name_buffers_{memory_};
     Buffer staging_[2], state_host_, order_host_, walls_host_;
     std::uint32_t capacity_ = 0, name_capacity_ = 0, wall_capacity_ = 0;
+    bool has_weights_ = false;
     std::vector<WallPlane> walls_;
     DeviceSeeds seeds_;
     RunState state_{};

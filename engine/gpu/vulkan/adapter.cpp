@@ -9,7 +9,7 @@
 namespace votess::gpu::vulkan {
 namespace {
 
-constexpr std::uint32_t least_storage_buffers = 16;  // clip_cells has the most
+constexpr std::uint32_t least_storage_buffers = 18;  // clip_cells has the most
 constexpr std::uint32_t least_push_bytes = 128;
 constexpr std::uint32_t least_invocations = TILE_GROUP;
 

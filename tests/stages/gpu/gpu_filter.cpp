@@ -20,13 +20,14 @@ namespace {
 using Wide = __int128;
 using Offset = std::array<Wide, 3>;  // from the cell's seed, in sixteenths of a unit
 
-constexpr std::size_t words_each = 16;  // of a case, see the shader
-constexpr Wide fractions = 16;
+constexpr std::size_t words_each = 21;  // of a case, see the shader
+constexpr int fractions_each = 16;
+constexpr Wide fractions = fractions_each;
 struct CountPush {
     std::uint32_t count;
 };
 
-enum Bits : std::uint32_t { vertex = 1, outside = 2, inside = 4, out_of_box = 8, secure = 16, out_of_reach = 32 };
+enum Bits : std::uint32_t { vertex = 1, outside = 2, inside = 4, pruned = 0xf8 };
 
 struct Case {
     std::array<Offset, 4>
@@ -35,6 +36,9 @@ struct Case {
     bool lossy = false;
     std::array<Wide, 3> origin;  // the cell's seed, in sixteenths too; whole units where nothing is lossy
     double distance = 0;         // about, of the last seed to the sphere, over its radius
+    // In a power diagram: by how much the seeds are heavier, in sixteenths of a unit, 2^weight_exponent squared units.
+    std::array<Wide, 4> heavier{};
+    int weight_exponent = 0;
 };
 
 using Vector = std::array<double, 3>;
@@ -71,6 +75,7 @@ struct Family {
     // Half of the vertices are of three planes nearly through one line: how far, and about one over their condition.
     double narrowest = 1e-3, widest = 1;
     int most_exponent = 57;
+    bool weights = false;
 };
 
 Case random_case(test::Random& random, const Family& family) {
@@ -98,7 +103,7 @@ Case random_case(test::Random& random, const Family& family) {
         return along;
     };
     // As seen from the sphere's center; none may be nearer to the cell's own seed than the unit of length.
-    const auto place = [&](bool last) {
+    const auto place = [&](bool last, double size) {
         for (;;) {
             const Vector any = random_vector(random);
             Vector u = any;
@@ -113,7 +118,7 @@ Case random_case(test::Random& random, const Family& family) {
             }
             u = unit(u);
             Vector from_seed;
-            for (std::size_t k = 0; k < 3; ++k) from_seed[k] = radius * (to_center[k] + u[k]);
+            for (std::size_t k = 0; k < 3; ++k) from_seed[k] = radius * to_center[k] + size * u[k];
             if (dot(from_seed, from_seed) > length * length) return u;
             base = random_vector(random);
         }
@@ -126,9 +131,16 @@ Case random_case(test::Random& random, const Family& family) {
     const double unsure = std::max(family.float64 ? 0x1p-53 : 0x1p-24, c.lossy ? 1 / length : 0) / narrow;
     c.distance =
         random.chance(0.3) ? log_uniform(random, 1e-19, 1e-2) : std::min(unsure * log_uniform(random, 0.1, 1000), 0.1);
+    c.weight_exponent = family.weights ? std::max(2 * std::ilogb(radius) + 8 - 56, 0) : 0;
     for (std::size_t i = 0; i < 4; ++i) {
-        const Vector u = place(i == 3);
-        const double at = i < 3 ? radius : radius * (1 + (random.chance(0.5) ? c.distance : -c.distance));
+        // The sphere on which seeds of this weight have the same power.
+        double size = radius;
+        if (family.weights && random.chance(0.8)) do {
+                size = radius * log_uniform(random, 0.05, 8);
+            } while (size < 0.8 * length && radius - size < 1.05 * length);
+        const Vector u = place(i == 3, size);
+        const double at = i < 3 ? size : size * (1 + (random.chance(0.5) ? c.distance : -c.distance));
+        if (size != radius) c.heavier[i] = rounded(std::ldexp((size - radius) * (size + radius), -c.weight_exponent));
         for (std::size_t k = 0; k < 3; ++k) c.seed[i][k] = rounded(radius * to_center[k]) + rounded(at * u[k]);
     }
     for (auto& x : c.origin) {
@@ -147,7 +159,12 @@ std::array<std::uint64_t, words_each> words(const Case& c) {
         for (std::size_t i = 0; i < 4; ++i)
             all[3 + 3 * i + k] = static_cast<std::uint64_t>((c.origin[k] + c.seed[i][k]) / fractions);
     }
-    all[15] = static_cast<std::uint64_t>(c.exponent) | std::uint64_t{c.lossy} << 32;
+    all[15] = static_cast<std::uint64_t>(c.exponent) | std::uint64_t{c.lossy} << 32 |
+              static_cast<std::uint64_t>(c.weight_exponent) << 33;
+    constexpr Wide own_weight = (Wide{1} << 60) * fractions + 7;  // rounded down too, by other sixteenths
+    all[16] = static_cast<std::uint64_t>(own_weight / fractions);
+    for (std::size_t i = 0; i < 4; ++i)
+        all[17 + i] = static_cast<std::uint64_t>((own_weight - (c.lossy ? 0 : 7) + c.heavier[i]) / fractions);
     return all;
 }
 
@@ -168,7 +185,8 @@ struct Signs {
     int side;         // of the vertex; +1 when the last seed cuts it off
 };
 
-// The bisectors are n.x = n.n / 2; expanding the determinant of four rows (n, n.n) by its last column.
+// The bisectors are n.x = n.n / 2, less half of what the seed is heavier; expanding the determinant of four rows (n,
+// n.n) by its last column.
 Signs exact_signs(const Case& c) {
     mpz_class n[4][3], square[4];
     for (std::size_t i = 0; i < 4; ++i)
@@ -176,22 +194,24 @@ Signs exact_signs(const Case& c) {
             n[i][k] = whole(c.seed[i][k]);
             square[i] += n[i][k] * n[i][k];
         }
+    for (std::size_t i = 0; i < 4; ++i) square[i] -= (whole(c.heavier[i]) * fractions_each) << c.weight_exponent;
     const mpz_class det = determinant(n[0], n[1], n[2]);
     const mpz_class side = square[0] * determinant(n[1], n[2], n[3]) - square[1] * determinant(n[0], n[2], n[3]) +
                            square[2] * determinant(n[0], n[1], n[3]) - square[3] * det;
     return {sgn(det), sgn(side) * sgn(det)};
 }
 
-std::vector<std::uint32_t> verdicts_on(test::Gpu& gpu, const std::vector<Case>& cases, bool float64) {
+std::vector<std::uint32_t> verdicts_on(test::Gpu& gpu, const std::vector<Case>& cases, const Family& family) {
     const auto count = static_cast<std::uint32_t>(cases.size());
     Memory memory(*gpu.device, 1 << 20);
     PassInfo info;
     info.name = "test_filter";
-    info.spirv = float64 ? votess::gpu::shaders::test_filter_f64 : votess::gpu::shaders::test_filter_f32;
+    info.spirv = family.float64 ? votess::gpu::shaders::test_filter_f64 : votess::gpu::shaders::test_filter_f32;
     info.push_bytes = sizeof(CountPush);
     info.local_size = 64;
     info.constants = {
-        {CONSTANT_UNIT_ROUNDOFF, std::bit_cast<std::uint32_t>(gpu.device->rounds_to_nearest() ? 0x1p-24f : 0x1p-23f)}};
+        {CONSTANT_UNIT_ROUNDOFF, std::bit_cast<std::uint32_t>(gpu.device->rounds_to_nearest() ? 0x1p-24f : 0x1p-23f)},
+        {CONSTANT_WEIGHTS, family.weights ? 1u : 0u}};
     const Pass pass(*gpu.device, info);
     const Buffer in = memory.buffer(count * words_each * 8, MemoryKind::upload, "cases");
     const Buffer out = memory.buffer(count * 4, MemoryKind::download, "verdicts");
@@ -225,17 +245,17 @@ Counts judge(test::Gpu& gpu, const Family& family, std::uint64_t seed) {
     for (std::size_t done = 0; done < all; done += batch) {
         std::vector<Case> cases(std::min(batch, all));
         for (Case& c : cases) c = random_case(random, family);
-        const auto verdicts = verdicts_on(gpu, cases, family.float64);
+        const auto verdicts = verdicts_on(gpu, cases, family);
         for (std::size_t i = 0; i < cases.size(); ++i) {
             const std::uint32_t verdict = verdicts[i];
             if ((verdict & vertex) == 0) continue;
             ++counts.vertices;
             counts.decided += (verdict & (outside | inside)) != 0;
-            counts.pruned += (verdict & (out_of_box | secure | out_of_reach)) != 0;
+            counts.pruned += (verdict & pruned) != 0;
             const Signs exact = exact_signs(cases[i]);
             const bool wrong = exact.orientation <= 0 || ((verdict & outside) != 0 && exact.side <= 0) ||
                                ((verdict & inside) != 0 && exact.side >= 0) ||
-                               ((verdict & (out_of_box | secure | out_of_reach)) != 0 && exact.side > 0);
+                               ((verdict & pruned) != 0 && exact.side > 0);
             if (!wrong) continue;
             if (counts.wrong++ == 0) {
                 counts.first = "verdict " + std::to_string(verdict) + ", orientation " +
@@ -255,10 +275,12 @@ TEST_SUITE("stages") {
         test::Gpu gpu;
         for (const bool float64 : {false, true}) {
             if (float64 && !gpu.device->has_float64()) continue;
-            for (const bool lossy : {false, true}) {
+            for (const unsigned bits : {0u, 1u, 2u, 3u}) {
+                const bool lossy = (bits & 1) != 0, weights = (bits & 2) != 0;
                 CAPTURE(float64);
                 CAPTURE(lossy);
-                const Counts counts = judge(gpu, {float64, lossy, float64 ? 1e-12 : 1e-4}, 11);
+                CAPTURE(weights);
+                const Counts counts = judge(gpu, {float64, lossy, float64 ? 1e-12 : 1e-4, 1, 57, weights}, 11);
                 CHECK_MESSAGE(counts.wrong == 0, counts.first);
                 // Both happen: what is decided, and what is not.
                 CHECK(counts.vertices > test::by_size(200000, 2000));

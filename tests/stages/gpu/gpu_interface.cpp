@@ -122,6 +122,7 @@ TEST_SUITE("stages") {
             s.triclinic = bit(0);
             s.subgroup_size = bit(4) ? 32 : 0;
             s.tiers[0].float64 = bit(5) && device->has_float64();
+            s.weights = bit(6);
             s.tiers[1].float64 = device->has_float64();
             CAPTURE(bits);
             const votess::gpu::Passes passes(*device, s);
@@ -132,7 +133,7 @@ TEST_SUITE("stages") {
         CHECK(calls.all_constants.size() == CONSTANT_COUNT);
         CHECK(*calls.all_constants.rbegin() == CONSTANT_COUNT - 1);
         // Adapter::missing() asks for so many.
-        CHECK(calls.most_bindings == 16);
+        CHECK(calls.most_bindings == 18);
     }
 
     TEST_CASE("gpu interface: a pass with other constants than its shader's is refused") {
@@ -146,10 +147,11 @@ TEST_SUITE("stages") {
                                                                    .constants = std::move(constants)});
             });
         };
-        CHECK(!with({{CONSTANT_K, 64}, {CONSTANT_LIST_OF_TODO, 0}}));
+        CHECK(!with({{CONSTANT_K, 64}, {CONSTANT_LIST_OF_TODO, 0}, {CONSTANT_WEIGHTS, 0}}));
         CHECK(with({}) == votess::ErrorCode::internal);
         CHECK(with({{CONSTANT_K, 64}}) == votess::ErrorCode::internal);
-        CHECK(with({{CONSTANT_K, 64}, {CONSTANT_LIST_OF_TODO, 0}, {CONSTANT_TIER, 0}}) == votess::ErrorCode::internal);
-        CHECK(with({{CONSTANT_K, 64}, {CONSTANT_K, 64}}) == votess::ErrorCode::internal);
+        CHECK(with({{CONSTANT_K, 64}, {CONSTANT_LIST_OF_TODO, 0}, {CONSTANT_TIER, 0}, {CONSTANT_WEIGHTS, 0}}) ==
+              votess::ErrorCode::internal);
+        CHECK(with({{CONSTANT_K, 64}, {CONSTANT_K, 64}, {CONSTANT_WEIGHTS, 0}}) == votess::ErrorCode::internal);
     }
 }

@@ -122,7 +122,7 @@ TEST_SUITE("stages") {
         check("ClipPush", shaders::test_layout_clip, clip,
               words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.list_stride,
                        clip.row_stride, clip.walls, clip.neighbors, clip.volume_tolerance, clip.most_visits,
-                       clip.level_count, clip.level_first));
+                       clip.bounded, clip.level_count, clip.level_first));
         const auto cells = filled<CellsPush>();
         check("CellsPush", shaders::test_layout_cells, cells,
               words_of(cells.extent, cells.lower, cells.upper, cells.bounded, cells.first_cell, cells.cell_count,
@@ -162,7 +162,8 @@ TEST_SUITE("stages") {
     TEST_CASE("gpu layout: states") {
         Reader reader;
         const auto run = filled<RunState>();
-        const Words run_words = words_of(run.lossy, run.suspects, run.duplicates, run.incomplete);
+        const Words run_words =
+            words_of(run.lossy, run.suspects, run.duplicates, run.incomplete, run.weight_exponent, run.lossy_weights);
         CHECK(sizeof run == 4 * run_words.size());
         CHECK(reader.buffer(shaders::test_layout_run, push_bytes(run)) == run_words);
         const auto chunk = filled<ChunkState>();

@@ -98,6 +98,7 @@ void main() {
     put(push.neighbors);
     put(push.volume_tolerance);
     put(push.most_visits);
+    put(push.bounded);
     put(push.level_count);
     for (int i = 0; i < MOST_LEVELS; ++i) put(push.level_first[i]);
 #elif defined(CELLS)
@@ -151,6 +152,8 @@ void main() {
     put(state.suspects);
     put(state.duplicates);
     put(state.incomplete);
+    put(state.weight_exponent);
+    put(state.lossy_weights);
 #elif defined(CHUNK)
     put(state.todo_count);
     put(state.groups_x);

@@ -1,0 +1,26 @@
+// Weights of a power diagram as whole numbers, see WEIGHT_BITS in shaders/shared/config.h.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "domain/domain.hpp"
+#include "gpu/seeds/units.hpp"
+
+namespace votess::gpu {
+
+struct WeightUnits {
+    int shift = 0;     // a weight times 2^shift is in units
+    int exponent = 0;  // a unit is 2^exponent squared units of length: 0 to 66
+    // Those below the least have a cell nowhere in a box of these units of length, and count as the least.
+    double least = 0, largest = 0;
+
+    // Of weights between these. scale: of the lengths that the weights are of, over those that `units` are of. Returns
+    // nothing when doubles as large are too coarse.
+    static std::optional<WeightUnits> of(double lightest, double heaviest, const Units& units, double scale);
+};
+
+// Those of the domain, all of the same units; nothing too where there are no weights.
+std::optional<WeightUnits> weight_units(const Domain& domain, const Units& units, double scale);
+
+}  // namespace votess::gpu
