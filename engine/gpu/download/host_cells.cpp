@@ -82,13 +82,8 @@ void HostCells::finish(std::size_t first, std::size_t count, const Numbers& geom
         const std::size_t begin = first + block * block_cells, end = std::min(first + count, begin + block_cells);
         CellCounters counters;
         for (std::size_t member = begin; member < end; ++member) {
-            const std::uint32_t info = s_.info[member], status = info & 0xff;
-            if (status == STATUS_EMPTY) {
-                ++counters.empty_cells;
-                result.set_empty(static_cast<std::size_t>(input_of(member)), CellStatus::empty);
-            }
-            if (status != STATUS_CERTIFIED) continue;
-            const std::uint32_t faces = (info >> INFO_FACES_SHIFT) & 0xff;
+            if (!is_certified(member)) continue;
+            const std::uint32_t info = s_.info[member], faces = (info >> INFO_FACES_SHIFT) & 0xff;
             counters.faces += faces;
             if (want.volumes || want.centroids) measure(member, geometry.from((member - first) * numbers_each));
             if (!want.counts) continue;
@@ -99,6 +94,19 @@ void HostCells::finish(std::size_t first, std::size_t count, const Numbers& geom
             result.vertex_counts()[i] = vertices;
         }
         result.count(counters);
+    });
+}
+
+void HostCells::set_empty() const {
+    s_.pool->run(ceil_div(s_.info.size(), block_cells), [&](std::size_t block, unsigned) {
+        const std::size_t end = std::min(s_.info.size(), (block + 1) * block_cells);
+        CellCounters counters;
+        for (std::size_t member = block * block_cells; member < end; ++member) {
+            if ((s_.info[member] & 0xff) != STATUS_EMPTY) continue;
+            ++counters.empty_cells;
+            s_.result->set_empty(static_cast<std::size_t>(input_of(member)), CellStatus::empty);
+        }
+        s_.result->count(counters);
     });
 }
 

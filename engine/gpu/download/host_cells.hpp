@@ -63,6 +63,8 @@ public:
     };
     explicit HostCells(const Source& source) : s_(source) {}
 
+    // Tells of the cells that are surely empty.
+    void set_empty() const;
     // Volumes, centroids and counts of the certified cells among `count` members from `first` on. geometry: of these,
     // when any is wanted.
     void finish(std::size_t first, std::size_t count, const Numbers& geometry) const;
