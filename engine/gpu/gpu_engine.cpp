@@ -344,10 +344,8 @@ void GpuEngine::clip_pending(double progress) {
     if (pending_.empty()) return;
     const StageClock::Within fallback(*clock_, &StageSeconds::fallback);
     clipper_.clip(pending_, result_, {progress, progress});
-    const auto duplicate_of = clipper_.duplicate_of();  // these turned out to have no cell
     for (std::size_t k = 0; k < pending_.size(); ++k)
-        if (duplicate_of.empty() || duplicate_of[static_cast<std::size_t>(pending_[k])] < 0)
-            ++(reasons_.*pending_why_[k]);
+        if (clipper_.takes(pending_[k])) ++(reasons_.*pending_why_[k]);
     pending_.clear();
     pending_why_.clear();
 }
