@@ -240,17 +240,19 @@ TEST_SUITE("cases") {
         const PointSet large = test::uniform(test::by_size(100000, 2000), 32);
         CHECK(votess::run_on(engines, {large.points, {}}, periodic).stats.device == gpu.adapter.name);
         periodic.box->lower[0] = 0x1p-80;  // no whole number of units
-        CHECK(device_of(periodic) == "cpu");
+        CHECK(device_of(periodic) == gpu.adapter.name);
         Options dropped = usual;
         dropped.box->upper[0] = 0.5;
         dropped.outside = votess::Outside::drop;
-        CHECK(device_of(dropped) == "cpu");
+        CHECK(device_of(dropped) == gpu.adapter.name);
         Options walls = usual;
         walls.walls.push_back({{1, 1, 1}, 4});
-        CHECK(device_of(walls) == "cpu");
+        CHECK(device_of(walls) == gpu.adapter.name);
         const std::vector<double> radii(set.points.size() / 3, 0.01);
         Options weighted = usual;
         weighted.radii = radii;
+        CHECK(device_of(weighted) == gpu.adapter.name);
+        weighted.walls = walls.walls;
         CHECK(device_of(weighted) == "cpu");
     }
 
