@@ -78,7 +78,7 @@ std::vector<std::int32_t> sides_on(test::Gpu& gpu, const std::vector<Case>& case
     info.spirv = votess::gpu::shaders::test_ties;
     info.push_bytes = sizeof(TiesPush);
     info.local_size = 64;
-    info.constants = {{CONSTANT_UNIT_ROUNDOFF, 0}};
+    info.constants = {{CONSTANT_UNIT_ROUNDOFF, 0}, {CONSTANT_WEIGHTS, 0}};
     const Pass pass(*gpu.device, info);
     std::vector<Buffer> in;
     for (std::size_t k = 0; k < 3; ++k) {
