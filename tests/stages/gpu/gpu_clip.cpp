@@ -180,6 +180,7 @@ void check_by_work_groups(std::uint32_t lanes) {
                                                                      {CONSTANT_FIRST_COUNT, 48},
                                                                      {CONSTANT_GEOMETRY, 1},
                                                                      {CONSTANT_UNIT_ROUNDOFF, unit},
+                                                                     {CONSTANT_WALLS, 0},
                                                                      {CONSTANT_WEIGHTS, 0}}});
     const std::size_t n = test::by_size(70, 40);
     CHECK(fraction(check_cells(gpu, test::uniform(n, 34), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);

@@ -121,7 +121,8 @@ Found check(test::Gpu& gpu, const votess::Options& options, test::Random& random
     info.local_size = 64;
     info.constants = {
         {CONSTANT_UNIT_ROUNDOFF, std::bit_cast<std::uint32_t>(gpu.device->rounds_to_nearest() ? 0x1p-24f : 0x1p-23f)},
-        {CONSTANT_WALLS, 1}};
+        {CONSTANT_WALLS, 1},
+        {CONSTANT_WEIGHTS, 0}};
     const Pass pass(*gpu.device, info);
     const Buffer in = memory.buffer(places.size() * 8, MemoryKind::upload, "places");
     const std::size_t state = sizeof(votess::gpu::RunState);
