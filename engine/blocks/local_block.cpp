@@ -58,7 +58,7 @@ void Run::clip(const Options& options, std::size_t first) {
     builder.finish(result, pool);
 }
 
-// Of all vertices of the cell: those that it did not find itself were found by a neighbor of the first ones.
+// It looks at all vertices of the cell: those that the cell did not find itself, a neighbor among the first ones found.
 double Run::reach_of(std::size_t cell, double heaviest) const {
     double power = powers[cell];
     for (auto e = static_cast<std::size_t>(result.indptr[cell]); e < static_cast<std::size_t>(result.indptr[cell + 1]);

@@ -93,7 +93,7 @@ bool is_too_near(Plane p) {
     return weighted != 0u ? !(p.norm > real(0.895)) : !(p.h > real(0.4));
 }
 
-// Of a seed that is too near: whether it surely cuts off nothing within the radius. `quantum` is more than n moves by.
+// Tells whether a seed that is too near surely cuts off nothing within the radius. `quantum` is more than n moves by.
 bool cannot_cut(Plane p, real radius) {
     return p.h - real(1e-5) * size_of(p) - weight_quantum - p.norm * quantum >
            (p.norm + quantum) * radius * real(1.0001);

@@ -18,7 +18,7 @@ uvec2 negate64(uvec2 a) {
     return subtract64(uvec2(0), a);
 }
 
-// Of signed numbers, a and the second in two's complement.
+// The product of signed numbers, a and the second in two's complement.
 uvec2 times64(int a, int b) {
     int high, low;
     imulExtended(a, b, high, low);

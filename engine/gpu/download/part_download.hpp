@@ -26,7 +26,7 @@ public:
     void begin(const Wanted& wanted);
     void begin_batch();
     void wait();  // until the device is done with all
-    // Of the batch.
+    // Tells whether the batch has room for so many entries more.
     [[nodiscard]] bool has_room(VkDeviceSize entries) const {
         return entries_ + entries <= results_.sizes().entries || !wanted_.neighbors;
     }

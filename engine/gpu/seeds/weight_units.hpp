@@ -15,8 +15,8 @@ struct WeightUnits {
     // Those below the least have a cell nowhere in a box of these units of length, and count as the least.
     double least = 0, largest = 0;
 
-    // Of weights between these. scale: of the lengths that the weights are of, over those that `units` are of. Returns
-    // nothing when doubles as large are too coarse.
+    // Makes units for weights between these. scale is the length that the weights are squares of over the one that
+    // `units` are parts of. Returns nothing when doubles as large are too coarse.
     static std::optional<WeightUnits> of(double lightest, double heaviest, const Units& units, double scale);
 };
 
