@@ -53,6 +53,23 @@ void leave_room(Box& box) {
 
 }  // namespace
 
+FractionRange fractions_of(const Domain& domain, const Basis& basis, const Box& box, double scale) {
+    FractionRange range;
+    range.lower.fill(std::numeric_limits<double>::infinity());
+    range.upper.fill(-std::numeric_limits<double>::infinity());
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+        exact::Point x;
+        for (std::size_t k = 0; k < 3; ++k)
+            x[k] = (((corner >> k) & 1) != 0 ? box.upper[k] : box.lower[k]) * scale - domain.origin[k];
+        const auto f = basis.fraction(x);
+        for (std::size_t j = 0; j < 3; ++j) {
+            range.lower[j] = std::min(range.lower[j], f[j]);
+            range.upper[j] = std::max(range.upper[j], f[j]);
+        }
+    }
+    return range;
+}
+
 Box device_box(const Job& job) {
     if (!has_device_walls(*job.domain)) return job.box;
     Box box = job.box;
@@ -79,23 +96,12 @@ std::optional<ImageRange> image_range(const Job& job) {
     range.box = whole_box(range.box, domain.has_cell_walls() ? std::array{true, true, true} : range.extended);
     if (domain.has_weights() && !weight_units(domain, Units::for_box(range.box), job.scale)) return std::nullopt;
 
-    range.lower.fill(std::numeric_limits<double>::infinity());
-    range.upper.fill(-std::numeric_limits<double>::infinity());
+    range.fractions = fractions_of(domain, *range.basis, range.box, job.scale);
     double members = count / domain.volume;
     for (std::size_t k = 0; k < 3; ++k) members *= (range.box.upper[k] - range.box.lower[k]) * job.scale;
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-        exact::Point x;
-        for (std::size_t k = 0; k < 3; ++k)
-            x[k] = (((corner >> k) & 1) != 0 ? range.box.upper[k] : range.box.lower[k]) * job.scale - domain.origin[k];
-        const auto f = range.basis->fraction(x);
-        for (std::size_t j = 0; j < 3; ++j) {
-            range.lower[j] = std::min(range.lower[j], f[j]);
-            range.upper[j] = std::max(range.upper[j], f[j]);
-        }
-    }
     double tries = 1;
     for (std::size_t j = 0; j < 3; ++j)
-        if (domain.periodic[j]) tries *= range.upper[j] - range.lower[j] + 1;
+        if (domain.periodic[j]) tries *= range.fractions.upper[j] - range.fractions.lower[j] + 1;
     if (!(tries <= most_shifts) || !(members <= std::max(most_images * count, few_members))) return std::nullopt;
     return range;
 }

@@ -9,12 +9,18 @@
 
 namespace votess::gpu {
 
+// The least and the largest fractions of the points of a box in lengths as given; times `scale` these are the domain's.
+struct FractionRange {
+    std::array<double, 3> lower{}, upper{};
+};
+[[nodiscard]] FractionRange fractions_of(const Domain& domain, const Basis& basis, const Box& box, double scale);
+
 // Where a device has the images of a periodic domain. Seeds lie in the cell of a basis of the lattice.
 struct ImageRange {
     Box box;                         // of seeds and images, in the units of length given
     std::array<bool, 3> extended{};  // axes along which it is larger than the cell, for the images
     const Basis* basis = nullptr;
-    std::array<double, 3> lower{}, upper{};  // fractions of the corners of the box
+    FractionRange fractions;  // of the box
 };
 
 // Returns nothing when images would be many times the seeds: in long cells that lie across the axes.

@@ -357,11 +357,6 @@ void GpuEngine::finish(detail::Result& result) {
     if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;
-    // In a power diagram those lighter than another at their place have no cell: not told apart, they were uncertain.
-    const std::uint64_t left =
-        reasons_.domain + reasons_.uncertain + reasons_.overflow + reasons_.exhausted + reasons_.skipped;
-    if (job_.domain->has_weights() && left > result.stats.fallback_cells)
-        reasons_.uncertain -= std::min(reasons_.uncertain, left - result.stats.fallback_cells);
     result.stats.fallback_reasons = reasons_;
     result.stats.precision = device_clips_ && !lists_only_ ? job_.options.precision : Precision::double_;
     clipper_.end();

@@ -25,7 +25,6 @@ class Schedule {
 public:
     static constexpr std::uint32_t trial_cells = 2048;
 
-    Schedule() = default;
     Schedule(std::uint32_t seeds, std::uint32_t window);
 
     // The next piece, of at most so many cells on the device; nothing at the end. When a window begins, the pieces of

@@ -165,8 +165,10 @@ void PartDownload::read_rows(const Passes& passes, const std::function<void(cons
                                   part(sizes.shifts, shifts, VkDeviceSize{3} * most)});
         },
         [&](std::size_t i, const Buffer& staging) {
-            staging.invalidate();
             const auto& slice = slices[i];
+            staging.invalidate(sizes.shifts  ? shifts + VkDeviceSize{3} * slice.entries
+                               : sizes.areas ? areas + Numbers::each * slice.entries
+                                             : VkDeviceSize{4} * slice.entries);
             const auto bytes = [&](VkDeviceSize offset, std::size_t count) {
                 return std::span<const std::byte>(staging.mapped()).subspan(offset, count * slice.entries);
             };

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "domain/domain.hpp"
+#include "gpu/device_domain.hpp"
 
 namespace votess::gpu {
 namespace {
@@ -19,27 +19,6 @@ constexpr int fraction_bits = FRACTION_BITS;
     throw Error(ErrorCode::unsupported,
                 "the triclinic box leans or is thin so much that recorded frames do not find its images: give shorter "
                 "edges of the same lattice");
-}
-
-struct Range {
-    std::array<double, 3> lower{}, upper{};
-};
-
-// Fractions of the corners of a box.
-Range fractions_of(const Domain& domain, const Box& box, double scale) {
-    Range range;
-    range.lower.fill(std::numeric_limits<double>::infinity());
-    range.upper.fill(-std::numeric_limits<double>::infinity());
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-        exact::Point x;
-        for (std::size_t k = 0; k < 3; ++k) x[k] = (((corner >> k) & 1) != 0 ? box.upper[k] : box.lower[k]) * scale;
-        const auto f = domain.fraction(x);
-        for (std::size_t j = 0; j < 3; ++j) {
-            range.lower[j] = std::min(range.lower[j], f[j]);
-            range.upper[j] = std::max(range.upper[j], f[j]);
-        }
-    }
-    return range;
 }
 
 // To the nearest whole number, modulo 2^64.
@@ -63,7 +42,7 @@ void find_steps(const Domain& domain, double scale, double margin, CellImages& o
         out.allowed.lower[k] -= side;
         out.allowed.upper[k] += side;
     }
-    const auto allowed = fractions_of(domain, out.allowed, scale);
+    const auto allowed = fractions_of(domain, domain.edges, out.allowed, scale);
     const double most_margin = 2 * domain.covering_radius / scale;
     for (double m = std::clamp(margin, longest * least_margin, std::max(most_margin, longest * least_margin));;
          m *= 0.8) {
@@ -74,7 +53,7 @@ void find_steps(const Domain& domain, double scale, double margin, CellImages& o
             out.box.upper[k] += m;
         }
         out.box = whole_box(out.box, {true, true, true});
-        const auto range = fractions_of(domain, out.box, scale);
+        const auto range = fractions_of(domain, domain.edges, out.box, scale);
         bool fits = true;
         double apart = 0;  // steps between two places of one seed
         for (std::size_t j = 0; j < 3; ++j) {

@@ -157,8 +157,8 @@ bool Images::add_images(std::uint32_t most) {
         std::array<int, 3> least{}, last{};
         for (std::size_t j = 0; j < 3; ++j) {
             if (!domain_.periodic[j]) continue;
-            least[j] = static_cast<int>(std::ceil(range_.lower[j] - f[j] - slack));
-            last[j] = static_cast<int>(std::floor(range_.upper[j] - f[j] + slack));
+            least[j] = static_cast<int>(std::ceil(range_.fractions.lower[j] - f[j] - slack));
+            last[j] = static_cast<int>(std::floor(range_.fractions.upper[j] - f[j] + slack));
         }
         const auto try_image = [&](const std::array<int, 3>& steps) {
             if (steps == std::array<int, 3>{}) return true;

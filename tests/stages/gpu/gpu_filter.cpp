@@ -218,14 +218,8 @@ std::vector<std::uint32_t> verdicts_on(test::Gpu& gpu, const std::vector<Case>& 
     auto at = in.as<std::uint64_t>().begin();
     for (const Case& c : cases) at = std::ranges::copy(words(c), at).out;
     in.flush();
-    Commands commands(*gpu.device);
-    commands.begin();
     const BufferBinding bindings[] = {{2, &in}, {5, &out}};
-    commands.dispatch(pass, bindings, push_bytes(CountPush{count}), count);
-    commands.barrier_to_host();
-    commands.end();
-    commands.submit();
-    commands.wait();
+    gpu.run(pass, bindings, push_bytes(CountPush{count}), count);
     out.invalidate();
     const auto found = out.as<std::uint32_t>();
     return {found.begin(), found.end()};

@@ -43,14 +43,8 @@ std::vector<std::uint64_t> results_of(test::Gpu& gpu, const std::vector<std::uin
     const Buffer out = memory.buffer(count * operations * 8, MemoryKind::download, "results");
     std::ranges::copy(operands, in.as<std::uint64_t>().begin());
     in.flush();
-    Commands commands(*gpu.device);
-    commands.begin();
     const BufferBinding bindings[] = {{2, &in}, {5, &out}};
-    commands.dispatch(pass, bindings, push_bytes(CountPush{count}), count);
-    commands.barrier_to_host();
-    commands.end();
-    commands.submit();
-    commands.wait();
+    gpu.run(pass, bindings, push_bytes(CountPush{count}), count);
     out.invalidate();
     const auto found = out.as<std::uint64_t>();
     return {found.begin(), found.end()};

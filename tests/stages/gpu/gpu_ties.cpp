@@ -100,18 +100,12 @@ std::vector<std::int32_t> sides_on(test::Gpu& gpu, const std::vector<Case>& case
         const auto w = votess::gpu::words(static_cast<std::uint64_t>(extent) << zeros);
         words = {w.x, w.y};
     }
-    Commands commands(*gpu.device);
-    commands.begin();
     const BufferBinding bindings[] = {{BINDING_SEEDS_X, &in[0]},
                                       {BINDING_SEEDS_Y, &in[1]},
                                       {BINDING_SEEDS_Z, &in[2]},
                                       {BINDING_SEED_INPUT, &planes},
                                       {BINDING_INFO, &out}};
-    commands.dispatch(pass, bindings, push_bytes(push), count);
-    commands.barrier_to_host();
-    commands.end();
-    commands.submit();
-    commands.wait();
+    gpu.run(pass, bindings, push_bytes(push), count);
     out.invalidate();
     const auto found = out.as<std::int32_t>();
     return {found.begin(), found.end()};

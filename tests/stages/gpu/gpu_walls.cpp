@@ -132,15 +132,9 @@ Found check(test::Gpu& gpu, const votess::Options& options, test::Random& random
     std::ranges::copy(std::as_bytes(std::span(walls)), planes_in.mapped().begin() + static_cast<std::ptrdiff_t>(state));
     in.flush();
     planes_in.flush();
-    Commands commands(*gpu.device);
-    commands.begin();
     const BufferBinding bindings[] = {{2, &in}, {5, &out}, {BINDING_RUN_STATE, &planes_in}};
     const auto push = static_cast<std::uint32_t>(count);
-    commands.dispatch(pass, bindings, push_bytes(push), count);
-    commands.barrier_to_host();
-    commands.end();
-    commands.submit();
-    commands.wait();
+    gpu.run(pass, bindings, push_bytes(push), count);
     out.invalidate();
 
     Found found;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,6 +48,18 @@ struct Gpu {
         device->table() = original;
         device.reset();
         for (const std::string& message : instance->take_messages()) FAIL_CHECK(message);
+    }
+
+    // Runs a pass alone, and waits until the host may read what it wrote.
+    void run(const vk::Pass& pass, std::span<const vk::BufferBinding> bindings, std::span<const std::byte> push,
+             std::uint32_t invocations) const {
+        vk::Commands commands(*device);
+        commands.begin();
+        commands.dispatch(pass, bindings, push, invocations);
+        commands.barrier_to_host();
+        commands.end();
+        commands.submit();
+        commands.wait();
     }
 
     static vk::Adapter first(const vk::Instance& instance) {
