@@ -48,6 +48,17 @@ public:
         size_ = count;
     }
 
+    // Gets the pages of these elements at once, which takes less than a fault for each when they are written. Where the
+    // system cannot do that nothing happens.
+    void touch([[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t count) {
+#if defined(__linux__) && defined(MADV_POPULATE_WRITE)
+        constexpr std::uintptr_t page = 4096;
+        const auto begin = reinterpret_cast<std::uintptr_t>(data() + first), end = begin + count * sizeof(T);
+        const std::uintptr_t from = begin / page * page;
+        if (count * sizeof(T) >= 4 * page) madvise(reinterpret_cast<void*>(from), end - from, MADV_POPULATE_WRITE);
+#endif
+    }
+
     static constexpr std::size_t least_rest = std::size_t{64} << 20;  // less is not worth the page faults
 
     // Gives the memory of a large buffer back to the system but keeps its addresses, so that the next use allocates

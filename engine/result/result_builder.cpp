@@ -31,6 +31,12 @@ void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
 }
 
 template <class T>
+void touch(Buffer<T>& buffer, ThreadPool& pool) {
+    for_blocks(pool, buffer.size(),
+               [&](std::size_t, std::size_t begin, std::size_t end) { buffer.touch(begin, end - begin); });
+}
+
+template <class T>
 void fill(Buffer<T>& buffer, std::size_t count, T value, ThreadPool& pool) {
     buffer.resize_uninitialized(count);
     for_blocks(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -107,6 +113,8 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     if (want.centroids) result_.centroids.resize_uninitialized(3 * count);
     if (want.surfaces) result_.surface_areas.resize_uninitialized(count);
     if (want.radii) result_.security_radii.resize_uninitialized(count);
+    touch(result_.volumes, pool);
+    touch(result_.centroids, pool);
     mesh_.begin(job);
     for (auto* counts : {&result_.face_counts, &result_.edge_counts, &result_.vertex_counts})
         counts->resize_uninitialized(want.counts ? count : 0);
@@ -271,6 +279,10 @@ void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& poo
     result_.face_areas.resize_uninitialized(want_areas_ ? size : 0);
     result_.face_normals.resize_uninitialized(want_normals_ ? 3 * size : 0);
     result_.shifts.resize_uninitialized(want_shifts_ ? 3 * size : 0);
+    touch(result_.indices, pool);
+    touch(result_.face_areas, pool);
+    touch(result_.face_normals, pool);
+    touch(result_.shifts, pool);
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_block(blocks_[index]); });
 }
 

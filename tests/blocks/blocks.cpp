@@ -42,8 +42,10 @@ TEST_CASE("blocks: the families have the lists of all seeds at once") {
 }
 
 TEST_CASE("blocks: periodic along each subset of the axes") {
+    const std::size_t many = test::by_size(2000, 300);
     for (unsigned axes = 1; axes < 8; ++axes)
-        for (const PointSet& set : {test::uniform(2000, axes), test::clustered(2000, axes), test::cubic(10)}) {
+        for (const PointSet& set :
+             {test::uniform(many, axes), test::clustered(many, axes), test::cubic(many > 1000 ? 10 : 5)}) {
             votess::Options options = options_of(set);
             options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
             check(set, options);
@@ -52,7 +54,8 @@ TEST_CASE("blocks: periodic along each subset of the axes") {
 
 TEST_CASE("blocks: triclinic boxes, weights and walls") {
     test::Random random(3);
-    for (const PointSet& set : {test::uniform(2000, 1), test::clustered(2000, 2)}) {
+    const std::size_t many = test::by_size(2000, 400);
+    for (const PointSet& set : {test::uniform(many, 1), test::clustered(many, 2)}) {
         votess::Options options = options_of(set);
         options.box.reset();
         options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -246,9 +247,12 @@ int main(int argc, char** argv) {
     if (argc > 1) {
         compare(MPI_COMM_WORLD, from_file(argv[1]), Share::spread);
     } else {
+        // Under sanitizers each input is shared out in one way, the next one in the next.
+        const bool reduced = std::getenv("VOTESS_TEST_REDUCED") != nullptr;
+        int next = 0;
         for (const Input& input : test::all_inputs())
             for (const Share share : {Share::spread, Share::slices, Share::last_has_all, Share::random})
-                compare(MPI_COMM_WORLD, input, share);
+                if (!reduced || next++ % 5 == 0) compare(MPI_COMM_WORLD, input, share);
         check_errors(MPI_COMM_WORLD);
         check_parts();
         for (const std::string& what : test::check_verify(MPI_COMM_WORLD)) wrong(MPI_COMM_WORLD, what);

@@ -1,10 +1,9 @@
 // votess_bench_host: what the host does with the cells that a device has made, in nanoseconds of its threads' time for
 // a cell. The cells are made up, so no device is needed; the code that takes them is that of the GPU engine.
-//   votess_bench_host [CELLS [SHARE]]    1e6 and 1e7 without; SHARE of the cells are left to the CPU, 0.003
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <random>
 
@@ -117,15 +116,28 @@ void run(const MadeUp& cells, unsigned threads) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    CLI::App app(
+        "What the host does with the cells that a device has made, in nanoseconds of its threads' time a cell");
     std::vector<double> sizes{1e6, 1e7};
-    if (argc > 1) sizes = {std::strtod(argv[1], nullptr)};
-    const double share_left = argc > 2 ? std::strtod(argv[2], nullptr) : 0.003;
+    std::vector<unsigned> threads{1, 2};
+    double share_left = 0.003;
+    int repeats = 3;
+    app.add_option("--n", sizes, "numbers of cells")
+        ->delimiter(',')
+        ->check(CLI::Range(1.0, 2e8))
+        ->capture_default_str();
+    app.add_option("--threads", threads)->delimiter(',')->check(CLI::Range(1u, 1024u))->capture_default_str();
+    app.add_option("--left", share_left, "share of the cells that are left to the CPU")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    app.add_option("--repeats", repeats)->check(CLI::PositiveNumber)->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
     std::printf("ns of threads' time a cell, and million cells a second\n");
     std::printf("    cells threads   begin collect geometry lengths   rows  finish     all  Mcells/s\n");
     for (const double size : sizes) {
         const MadeUp cells(static_cast<std::size_t>(size), share_left);
-        for (const unsigned threads : {1u, 2u})
-            for (int repeat = 0; repeat < 3; ++repeat) run(cells, threads);
+        for (const unsigned count : threads)
+            for (int repeat = 0; repeat < repeats; ++repeat) run(cells, count);
     }
     return 0;
 }
