@@ -293,7 +293,8 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
     stamp(1);
     {
         const auto label = recorder_.label("sort");
-        seeds_.record_sort(recorder_, passes, KEY_BITS_PER_AXIS);
+        seeds_.record_order(recorder_, passes, KEY_BITS_PER_AXIS);
+        seeds_.record_gather(recorder_, passes);
     }
     stamp(2);
     {

@@ -146,18 +146,19 @@ std::uint32_t GpuEngine::most_seeds() const {
 void GpuEngine::upload_part(std::size_t index) {
     if (periodic_) {
         part_ = periodic_->part;
-        seeds_.upload(*periodic_, job_, *passes_);
+        seeds_.upload(*periodic_, job_, *passes_, clipper_.pool());
     } else {
         part_ = parts_->get(index);
-        seeds_.upload(job_, part_.members, box_, *passes_);
+        seeds_.upload(job_, part_.members, box_, *passes_, clipper_.pool());
     }
     if (part_.members.empty()) return;
     const std::uint32_t first = named_from();
-    seeds_.upload_names(static_cast<std::uint32_t>(part_.members.size()) - first, [&](std::uint32_t i) {
+    const auto name = [&](std::uint32_t i) {
         const std::size_t member = std::size_t{first} + i;
         return uvec2(static_cast<std::uint32_t>(part_.members[member]),
                      periodic_ ? shift_word(periodic_->shifts[member]) : SHIFT_NONE);
-    });
+    };
+    seeds_.upload_names(static_cast<std::uint32_t>(part_.members.size()) - first, name, clipper_.pool());
 }
 
 void GpuEngine::sort_part() {

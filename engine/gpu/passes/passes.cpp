@@ -149,6 +149,7 @@ Passes::Passes(Device& device, const PassSettings& s)
       sort_key(make<KeyPush>(device, "sort_key", shaders::sort_key, s.local_size)),
       sort_count(make<SortPush>(device, "sort_count", shaders::sort_count, TILE_GROUP)),
       sort_scatter(make<SortPush>(device, "sort_scatter", shaders::sort_scatter, TILE_GROUP)),
+      sort_crowded(make<KeyPush>(device, "sort_crowded", shaders::sort_crowded, s.local_size)),
       sort_gather(make<KeyPush>(device, "sort_gather", shaders::sort_gather, s.local_size, {has_weights(s)})),
       scan_blocks(make<ScanPush>(device, "scan_blocks", shaders::scan_blocks, TILE_GROUP)),
       scan_add(make<ScanPush>(device, "scan_add", shaders::scan_add, s.local_size)),

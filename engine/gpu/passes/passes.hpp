@@ -52,7 +52,7 @@ struct Passes {
 
     PassSettings settings;
     vulkan::Pass upload;
-    vulkan::Pass sort_key, sort_count, sort_scatter, sort_gather, scan_blocks, scan_add;
+    vulkan::Pass sort_key, sort_count, sort_scatter, sort_crowded, sort_gather, scan_blocks, scan_add;
     vulkan::Pass knn_boxes, knn_search;
     vulkan::Pass clip_cells[2], clip_todo;            // clip_cells[0] searches too where subgroups make cells
     std::unique_ptr<vulkan::Pass> clip_with_ties[2];  // null until they are made

@@ -254,7 +254,7 @@ void DeviceSeeds::record_radix_pass(Recorder& recorder, const Passes& passes, st
     recorder.barrier();
 }
 
-void DeviceSeeds::record_sort(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const {
+void DeviceSeeds::record_order(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const {
     constexpr std::uint32_t radix_passes = 2 * ((KEY_WORD_BITS + DIGIT_BITS - 1) / DIGIT_BITS);
     static_assert(radix_passes % 4 == 0);  // the result is where the keys were made, after half of them too
     const std::uint64_t longest = std::max({extent_[0], extent_[1], extent_[2]});
@@ -264,14 +264,28 @@ void DeviceSeeds::record_sort(Recorder& recorder, const Passes& passes, std::uin
     Bindings bindings = bindings_;
     bindings.set(BINDING_KEYS_OUT, keys_[0]);
     bindings.set(BINDING_INDEX_OUT, index_[0]);
-    bindings.set(BINDING_KEYS_IN, keys_[0]);
-    bindings.set(BINDING_INDEX_IN, index_[0]);
     recorder.dispatch(passes.sort_key, bindings.list(), push_bytes(push), count_);
     recorder.barrier();
-    // With up to ten bits per axis the high word is 0 in every key.
-    const std::uint32_t needed = key_bits <= KEY_WORD_BITS / 3 ? radix_passes / 2 : radix_passes;
+    // With coarse keys the high word is 0 in all.
+    const std::uint32_t needed = key_bits <= coarse_bits ? radix_passes / 2 : radix_passes;
     for (std::uint32_t pass = 0; pass < needed; ++pass) record_radix_pass(recorder, passes, pass);
-    recorder.dispatch(passes.sort_gather, bindings.list(), push_bytes(push), count_);
+}
+
+void DeviceSeeds::record_crowded(Recorder& recorder, const Passes& passes) const {
+    recorder.fill(crowded(), 0, 4, 0);
+    recorder.barrier();
+    Bindings bindings;
+    bindings.set(BINDING_KEYS_IN, keys_[0]);
+    bindings.set(BINDING_SCAN_DATA, crowded());
+    recorder.dispatch(passes.sort_crowded, bindings.list(), push_bytes(KeyPush{count_, 0, 0}), count_);
+    recorder.barrier();
+}
+
+void DeviceSeeds::record_gather(Recorder& recorder, const Passes& passes) const {
+    Bindings bindings = bindings_;
+    bindings.set(BINDING_KEYS_IN, keys_[0]);
+    bindings.set(BINDING_INDEX_IN, index_[0]);
+    recorder.dispatch(passes.sort_gather, bindings.list(), push_bytes(KeyPush{count_, 0, 0}), count_);
     recorder.barrier();
 }
 

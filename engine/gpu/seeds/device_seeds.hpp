@@ -84,8 +84,14 @@ public:
                         std::uint32_t count) const;
     // After the upload of `count` seeds: brings them into the periodic box, and adds images at their places.
     void record_images(Recorder& recorder, const Passes& passes, const Slice& header, std::uint32_t count) const;
-    // key_bits: per axis.
-    void record_sort(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const;
+    // Finds the order of the points, by keys of so many bits per axis; with up to coarse_bits that takes half of the
+    // time.
+    static constexpr std::uint32_t coarse_bits = KEY_WORD_BITS / 3;
+    void record_order(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const;
+    // After record_order(): leaves a word at the begin of crowded() that is not 0 where the order is too coarse.
+    void record_crowded(Recorder& recorder, const Passes& passes) const;
+    // Brings the points into the order.
+    void record_gather(Recorder& recorder, const Passes& passes) const;
     void record_hierarchy(Recorder& recorder, const Passes& passes) const;
 
     [[nodiscard]] std::uint32_t count() const { return count_; }
@@ -102,6 +108,7 @@ public:
     [[nodiscard]] Slice seed_input() const { return bindings_.get(BINDING_SEED_INPUT); }
     [[nodiscard]] Slice sorted_keys() const { return keys_[0]; }
     [[nodiscard]] Slice sorted_index() const { return index_[0]; }
+    [[nodiscard]] Slice crowded() const { return counts_; }
 
 private:
     void record_radix_pass(Recorder& recorder, const Passes& passes, std::uint32_t pass) const;

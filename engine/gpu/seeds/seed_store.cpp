@@ -12,6 +12,7 @@ namespace {
 using vulkan::MemoryKind;
 
 constexpr VkDeviceSize staging_bytes = VkDeviceSize{8} << 20;
+constexpr std::uint32_t task_items = 1u << 14;  // of a thread that fills staging memory
 
 }  // namespace
 
@@ -51,21 +52,23 @@ void SeedStore::reserve(std::uint32_t count, bool weights) {
     wall_capacity_ = walls;
 }
 
-void SeedStore::upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes) {
+void SeedStore::upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes,
+                       ThreadPool& pool) {
     const auto& points = job.points;
     if (points.f32.empty())
-        upload({std::as_bytes(points.f64), 24, POINTS_FLOAT64, false}, members, box, passes, job, members);
+        upload({std::as_bytes(points.f64), 24, POINTS_FLOAT64, false}, members, box, passes, job, members, pool);
     else
-        upload({std::as_bytes(points.f32), 12, POINTS_FLOAT32, false}, members, box, passes, job, members);
+        upload({std::as_bytes(points.f32), 12, POINTS_FLOAT32, false}, members, box, passes, job, members, pool);
 }
 
-void SeedStore::upload(const PeriodicPart& periodic, const Job& job, const Passes& passes) {
+void SeedStore::upload(const PeriodicPart& periodic, const Job& job, const Passes& passes, ThreadPool& pool) {
     const auto bytes = std::as_bytes(std::span(periodic.coordinates));
-    upload({bytes, 24, POINTS_UNITS, periodic.lossy}, {}, periodic.box, passes, job, periodic.part.members);
+    upload({bytes, 24, POINTS_UNITS, periodic.lossy}, {}, periodic.box, passes, job, periodic.part.members, pool);
 }
 
 void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box,
-                       const Passes& passes, const Job& job, std::span<const std::int32_t> members_of_weights) {
+                       const Passes& passes, const Job& job, std::span<const std::int32_t> members_of_weights,
+                       ThreadPool& pool) {
     const auto total =
         static_cast<std::uint32_t>(members.empty() ? points.bytes.size() / points.bytes_each : members.size());
     const Domain& domain = *job.domain;
@@ -84,19 +87,19 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     commands_.barrier();
     commands_.end();
     commands_.submit();
-    upload_pieces(points, members, total, false, passes);
+    upload_pieces(points, members, total, false, passes, pool);
     if (domain.has_weights())
         upload_pieces({std::as_bytes(std::span(domain.weights)), 8, POINTS_FLOAT64, false}, members_of_weights, total,
-                      true, passes);
+                      true, passes, pool);
     commands_.wait();
 }
 
 void SeedStore::upload_pieces(const RawPoints& points, std::span<const std::int32_t> members, std::uint32_t total,
-                              bool weights, const Passes& passes) {
+                              bool weights, const Passes& passes, ThreadPool& pool) {
     const std::size_t each = points.bytes_each;
     const std::byte* const bytes = points.bytes.data();
     stream(
-        total, each,
+        total, each, pool,
         [&](std::byte* to, std::uint32_t first, std::uint32_t count) {
             if (members.empty()) {
                 std::memcpy(to, bytes + std::size_t{first} * each, std::size_t{count} * each);
@@ -114,7 +117,7 @@ void SeedStore::upload_pieces(const RawPoints& points, std::span<const std::int3
         });
 }
 
-void SeedStore::upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name) {
+void SeedStore::upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name, ThreadPool& pool) {
     if (count > name_capacity_ || name_capacity_ == 0) {
         name_capacity_ = 0;
         name_buffers_.clear();
@@ -122,7 +125,7 @@ void SeedStore::upload_names(std::uint32_t count, const std::function<uvec2(std:
         name_capacity_ = std::max(count, 1u);
     }
     stream(
-        count, sizeof(uvec2),
+        count, sizeof(uvec2), pool,
         [&](std::byte* to, std::uint32_t first, std::uint32_t of_slice) {
             for (std::uint32_t i = 0; i < of_slice; ++i) {
                 const uvec2 value = name(first + i);
@@ -135,7 +138,8 @@ void SeedStore::upload_names(std::uint32_t count, const std::function<uvec2(std:
         });
 }
 
-void SeedStore::stream(std::uint32_t total, std::size_t bytes_each, const auto& write, const auto& record) {
+void SeedStore::stream(std::uint32_t total, std::size_t bytes_each, ThreadPool& pool, const auto& write,
+                       const auto& record) {
     const auto slice = static_cast<std::uint32_t>(staging_[0].size() / bytes_each);
     struct Stamps {
         std::uint32_t begin = 0, end = 0;
@@ -150,7 +154,11 @@ void SeedStore::stream(std::uint32_t total, std::size_t bytes_each, const auto& 
     for (std::uint32_t first = 0, count = 0; first < total; first += count, slot ^= 1) {
         count = std::min(slice, total - first);
         collect(slot);
-        write(staging_[slot].mapped().data(), first, count);
+        std::byte* const to = staging_[slot].mapped().data();
+        pool.run(blocks_of(count, task_items), [&](std::size_t task, unsigned) {
+            const auto begin = static_cast<std::uint32_t>(task) * task_items;
+            write(to + begin * bytes_each, first + begin, std::min(task_items, count - begin));
+        });
         staging_[slot].flush();
         Commands& commands = uploads_[slot];
         commands.begin();
@@ -170,20 +178,39 @@ void SeedStore::stream(std::uint32_t total, std::size_t bytes_each, const auto& 
 }
 
 void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
-    commands_.begin();
-    std::optional<Commands::Label> label(std::in_place, commands_, "sort");
-    const auto begin = commands_.timestamp();
-    seeds_.record_sort(commands_, passes, key_bits);
-    const auto end = commands_.timestamp();
-    commands_.copy(seeds_.run_state(), 0, state_host_, 0, sizeof(RunState));
-    commands_.copy(seeds_.seed_input(), 0, order_host_, 0, VkDeviceSize{count()} * 4);
-    commands_.barrier_to_host();
-    label.reset();
-    commands_.end();
-    commands_.submit();
-    commands_.wait();
-    seconds_.sort = commands_.seconds(begin, end);
-    state_host_.invalidate();
+    seconds_.sort = 0;
+    const auto run = [&](const auto& record) {
+        commands_.begin();
+        std::optional<Commands::Label> label(std::in_place, commands_, "sort");
+        const auto begin = commands_.timestamp();
+        const auto end = record();
+        commands_.barrier_to_host();
+        label.reset();
+        commands_.end();
+        commands_.submit();
+        commands_.wait();
+        seconds_.sort += commands_.seconds(begin, end);
+        state_host_.invalidate();
+    };
+    const auto is_crowded = [&] {
+        run([&] {
+            seeds_.record_order(commands_, passes, DeviceSeeds::coarse_bits);
+            seeds_.record_crowded(commands_, passes);
+            commands_.copy(seeds_.crowded(), 0, state_host_, 0, 4);
+            return commands_.timestamp();
+        });
+        return state_host_.as<std::uint32_t>()[0] != 0;
+    };
+    // Few seeds lie so close together that they need more bits.
+    const bool ordered = key_bits > DeviceSeeds::coarse_bits && count() > 0 && !is_crowded();
+    run([&] {
+        if (!ordered) seeds_.record_order(commands_, passes, key_bits);
+        seeds_.record_gather(commands_, passes);
+        const auto end = commands_.timestamp();
+        commands_.copy(seeds_.run_state(), 0, state_host_, 0, sizeof(RunState));
+        commands_.copy(seeds_.seed_input(), 0, order_host_, 0, VkDeviceSize{count()} * 4);
+        return end;
+    });
     order_host_.invalidate();
     state_ = state_host_.as<RunState>()[0];
 }

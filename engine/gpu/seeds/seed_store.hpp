@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 
+#include "core/thread_pool.hpp"
 #include "gpu/passes/commands.hpp"
 #include "gpu/seeds/device_seeds.hpp"
 #include "gpu/seeds/periodic_part.hpp"
@@ -26,12 +27,13 @@ public:
     // Walls of any direction of the seeds that are uploaded from now on.
     void set_walls(std::vector<WallPlane> walls) { walls_ = std::move(walls); }
     // members: input indices of the seeds to take, in this box; empty = all points.
-    void upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes);
+    void upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes,
+                ThreadPool& pool);
     // Seeds and images of a periodic domain.
-    void upload(const PeriodicPart& periodic, const Job& job, const Passes& passes);
-    // Names for ids in rows: `count` of them, which name(i) tells in order.
-    void upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name);
-    // key_bits: per axis.
+    void upload(const PeriodicPart& periodic, const Job& job, const Passes& passes, ThreadPool& pool);
+    // Names for ids in rows: `count` of them, which name(i) tells, to several threads.
+    void upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name, ThreadPool& pool);
+    // key_bits: per axis, at most.
     void sort(const Passes& passes, std::uint32_t key_bits);
     void build_hierarchy(const Passes& passes);
 
@@ -57,14 +59,14 @@ private:
     };
 
     void upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box, const Passes& passes,
-                const Job& job, std::span<const std::int32_t> members_of_weights);
+                const Job& job, std::span<const std::int32_t> members_of_weights, ThreadPool& pool);
     // Copies what the members have to the device, in pieces, and records what makes points, or weights, of each.
     void upload_pieces(const RawPoints& points, std::span<const std::int32_t> members, std::uint32_t total,
-                       bool weights, const Passes& passes);
+                       bool weights, const Passes& passes, ThreadPool& pool);
     void reserve(std::uint32_t count, bool weights);
-    // Hands items over in slices, two of which are in flight: write(to, first, count) puts them where record(commands,
-    // staging, first, count) finds them.
-    void stream(std::uint32_t total, std::size_t bytes_each, const auto& write, const auto& record);
+    // Hands items over in slices, two of which are in flight: threads put them by write(to, first, count) where
+    // record(commands, staging, first, count) finds them.
+    void stream(std::uint32_t total, std::size_t bytes_each, ThreadPool& pool, const auto& write, const auto& record);
 
     vulkan::Memory& memory_;
     OwnBuffers buffers_{memory_}, name_buffers_{memory_};

@@ -75,7 +75,7 @@ void check_upload_of_floats(GpuStages& gpu, const std::vector<float>& points, co
     votess::Options options;
     options.box = box;
     const votess::Job job = votess::validate({{}, points}, options);
-    gpu.seeds.upload(job, {}, job.box, *gpu.passes);
+    gpu.seeds.upload(job, {}, job.box, *gpu.passes, gpu.pool);
     check_upload(gpu, job);
 }
 
@@ -133,6 +133,14 @@ Integers keys_of(const GpuStages& gpu, const std::vector<Integers>& points, std:
     return keys;
 }
 
+// Whether more seeds than a group have one key.
+bool is_crowded(Integers keys) {
+    std::ranges::sort(keys);
+    for (std::size_t s = GROUP_SEEDS; s < keys.size(); ++s)
+        if (keys[s] == keys[s - GROUP_SEEDS]) return true;
+    return false;
+}
+
 // Sorts the set and checks order, seeds, duplicates and suspects.
 void check_sort(GpuStages& gpu, const PointSet& set, std::uint32_t bits) {
     CAPTURE(set.name);
@@ -143,7 +151,9 @@ void check_sort(GpuStages& gpu, const PointSet& set, std::uint32_t bits) {
     gpu.seeds.sort(*gpu.passes, bits);
     const std::size_t n = set.size();
     const auto points = gpu.coordinates(BINDING_POINTS_X);
-    const Integers keys = keys_of(gpu, points, bits);
+    constexpr std::uint32_t coarse = votess::gpu::DeviceSeeds::coarse_bits;
+    Integers keys = keys_of(gpu, points, std::min(bits, coarse));
+    if (bits > coarse && is_crowded(keys)) keys = keys_of(gpu, points, bits);
     std::vector<std::uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return keys[a] < keys[b]; });
@@ -241,7 +251,7 @@ TEST_SUITE("stages") {
         std::vector<std::int32_t> members;
         for (const std::size_t i : test::permutation(1000, random)) members.push_back(static_cast<std::int32_t>(i));
         members.resize(333);
-        gpu.seeds.upload(job, members, job.box, *gpu.passes);
+        gpu.seeds.upload(job, members, job.box, *gpu.passes, gpu.pool);
         REQUIRE(gpu.seeds.count() == 333);
         const auto units = gpu.coordinates(BINDING_POINTS_X);
         for (std::size_t m = 0; m < members.size(); ++m)

@@ -33,6 +33,7 @@ struct GpuStages {
     vk::Memory memory{*gpu.device};
     std::unique_ptr<votess::gpu::Passes> passes;
     votess::gpu::SeedStore seeds{*gpu.device, memory};
+    votess::ThreadPool pool{2};
 
     explicit GpuStages(const votess::gpu::PassSettings& settings = pass_settings()) { use(settings); }
     // With float64 where the device has it.
@@ -47,7 +48,7 @@ struct GpuStages {
         votess::Options options;
         options.box = set.box;
         votess::Job job = votess::validate({set.points, {}}, options);
-        seeds.upload(job, {}, job.box, *passes);
+        seeds.upload(job, {}, job.box, *passes, pool);
         return job;
     }
     votess::Job upload_and_sort(const PointSet& set, std::uint32_t key_bits = KEY_BITS_PER_AXIS) {
