@@ -56,7 +56,7 @@ struct Domain {
 
     // Power diagrams: by input index, times scale squared; else empty.
     std::vector<double> weights;
-    double largest_weight = 0;
+    double least_weight = 0, largest_weight = 0;  // of the seeds inside
 
     [[nodiscard]] bool is_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
     [[nodiscard]] bool has_weights() const { return !weights.empty(); }

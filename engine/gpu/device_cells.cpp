@@ -40,7 +40,10 @@ VkDeviceSize list_words(const PassSettings& settings) {
 
 std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& settings, std::uint32_t wanted,
                           std::uint32_t seeds) {
-    constexpr std::uint32_t for_software = 1u << 14, for_gpus = 1u << 20;
+    // The second tier has few cells, which take long and leave most of a GPU idle: large chunks have fewer such ends. A
+    // host's frames share memory with what it draws.
+    constexpr std::uint32_t for_software = 1u << 14;
+    const std::uint32_t for_gpus = settings.frames ? 1u << 20 : 1u << 22;
     const auto& adapter = device.adapter();
     VkDeviceSize cells = wanted != 0 ? wanted : (adapter.software() ? for_software : for_gpus);
     cells = std::min(cells, adapter.limits.maxStorageBufferRange / DeviceCells::largest_bytes_per_cell(settings));

@@ -20,7 +20,7 @@ constexpr double most_images = 16, few_members = 1e5;  // images for each seed, 
 double margin_of(const Domain& domain, double spacing) {
     const double radius = 0.5 * margin_spacings * spacing;
     if (!domain.has_weights()) return 2 * radius;
-    const double heavier = domain.largest_weight - *std::ranges::min_element(domain.weights);
+    const double heavier = domain.largest_weight - domain.least_weight;
     return radius + std::sqrt(radius * radius + std::min(heavier, most_heavier * radius * radius));
 }
 
@@ -108,9 +108,8 @@ std::optional<ImageRange> image_range(const Job& job) {
 
 bool device_clips(const Job& job) {
     const Domain& domain = *job.domain;
-    if (domain.has_weights() && has_device_walls(domain)) return false;
     if (domain.is_periodic()) return image_range(job).has_value();
-    return !domain.has_weights() || weight_units(domain, Units::for_box(job.box), job.scale).has_value();
+    return !domain.has_weights() || weight_units(domain, Units::for_box(device_box(job)), job.scale).has_value();
 }
 
 }  // namespace votess::gpu

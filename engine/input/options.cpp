@@ -196,7 +196,18 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
 
 void take_weights(const Job& job, Domain& domain) {
     domain.weights = scaled_weights(job.options, job.points.count(), "points", job.scale, job.points.first);
-    if (domain.has_weights()) domain.largest_weight = *std::ranges::max_element(domain.weights);
+}
+
+// Seeds outside have a say in nothing.
+void find_range_of_weights(const Job& job, Domain& domain) {
+    bool any = false;
+    for (std::size_t i = 0; i < domain.weights.size(); ++i) {
+        if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
+        const double weight = domain.weights[i];
+        domain.least_weight = any ? std::min(domain.least_weight, weight) : weight;
+        domain.largest_weight = any ? std::max(domain.largest_weight, weight) : weight;
+        any = true;
+    }
 }
 
 void take_walls(Job& job, Domain& domain) {
@@ -267,6 +278,7 @@ void make_domain(Job& job) {
     }
     take_weights(job, *domain);
     take_walls(job, *domain);
+    find_range_of_weights(job, *domain);
     job.domain = std::move(domain);
 }
 

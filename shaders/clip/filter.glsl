@@ -16,8 +16,9 @@
 // A coordinate that was rounded to units, to 1 + 2^-30 of them below it, moves each plane by at most `quantum` (|x| + 1):
 // n by less than sqrt(3) (1 + 2^-29) units, h by that times |n|, over |n|. A wall of any direction is a plane with |n| = 1;
 // rounding moves its h only, by at most `quantum`, and h is right to 5u besides. A weight that was rounded moves h by less
-// than half a unit of weight, and the plane by 0.57 of one; there is 0.6 of it in `quantum`. The vertex moves by at most 3
-// condition times as much, to first order.
+// than half a unit of weight, and the plane by 0.57 of one; there is 0.6 of it in `quantum`, beside what coordinates and
+// walls have. Of a wall H is taken for h or more, so the bounds hold in a power diagram within walls too. The vertex moves
+// by at most 3 condition times as much, to first order.
 //
 // Both bounds are of first order in u condition and in quantum condition. With these at most 5e-4 and 1e-3 what is left
 // out is less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01 times as much, for which there are factors of 1.05 and of 4 for 3; and

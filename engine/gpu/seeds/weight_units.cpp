@@ -33,7 +33,7 @@ std::optional<WeightUnits> WeightUnits::of(double lightest, double heaviest, con
 
 std::optional<WeightUnits> weight_units(const Domain& domain, const Units& units, double scale) {
     if (!domain.has_weights()) return std::nullopt;
-    return WeightUnits::of(*std::ranges::min_element(domain.weights), domain.largest_weight, units, scale);
+    return WeightUnits::of(domain.least_weight, domain.largest_weight, units, scale);
 }
 
 }  // namespace votess::gpu

@@ -7,6 +7,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "cases/gpu/gpu_domain_cases.hpp"
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
@@ -162,11 +163,58 @@ TEST_SUITE("cases") {
         CHECK(compare(seeds, options).failure == "");
     }
 
+    TEST_CASE("gpu weights: walls of any direction, and triclinic boxes with walls") {
+        const std::size_t many = test::by_size(1000, 300);
+        const auto share = [](const Seeds& seeds, Options options) {
+            options.weights = seeds.weights;
+            double left = 0;
+            for (const votess::gpu::Kernel kernel : {votess::gpu::Kernel::invocation, test::by_subgroup()}) {
+                const test::Counts counts = test::compare_kernel(seeds.points, options, kernel);
+                CHECK(counts.failure == "");
+                left = std::max(left, static_cast<double>(counts.fallback) / static_cast<double>(seeds.weights.size()));
+            }
+            return left;
+        };
+        Options options = power_options();
+        options.outside = votess::Outside::drop;
+        options.walls = {{{1, 0.3, 0.2}, 0.9}, {{-1, 0.5, -0.7}, 0.1}};
+        for (const double largest : {0.05, 0.5}) CHECK(share(balls(many, largest, 11), options) <= 0.03);
+        Seeds seeds = balls(many, 0.05, 12);
+        options.walls = votess::sphere_walls({0.5, 0.5, 0.5}, 0.4, 60);
+        seeds.weights[many / 3] = 0.1;  // it cuts off many cells
+        CHECK(share(seeds, options) <= 0.03);
+        for (const bool periodic : {false, true}) {
+            Options triclinic = power_options();
+            triclinic.box.reset();
+            triclinic.outside = votess::Outside::drop;
+            triclinic.cell = votess::TriclinicBox{
+                {0, 0, 0}, {0.9, 0.1, 0}, {0.2, 1.1, 0.1}, {-0.1, 0.2, 1}, {periodic, false, periodic}};
+            CHECK(share(balls(many / 2, 0.1, 13), triclinic) <= (periodic ? 0.2 : 0.03));
+        }
+    }
+
+    TEST_CASE("gpu weights: a seed outside is heavier than all others can be") {
+        Options options = power_options();
+        options.outside = votess::Outside::drop;
+        Seeds seeds = balls(100, 0.1, 14);
+        seeds.points[30] = 1.5;
+        seeds.weights[10] = 1000;
+        for (const bool walls : {false, true}) {
+            if (walls) options.walls = {{{1, 0.2, 0.1}, 1.1}};
+            options.weights = seeds.weights;
+            const test::Counts counts = test::compare_domain(seeds.points, options);
+            CHECK(counts.failure == "");
+            CHECK(counts.fallback <= 3);
+        }
+    }
+
     TEST_CASE("gpu weights: exact half-spaces have the same faces") {
         for (const bool periodic : {false, true})
             for (const double largest : {0.2, 0.5}) {
                 Options options = power_options();
                 options.periodic = {periodic, false, periodic};
+                if (!periodic) options.walls = {{{1, 1, 1}, 2.9}, {{-0.3, 1, 0.2}, 1.1}};
+                options.outside = votess::Outside::drop;
                 const Seeds seeds = balls(periodic ? 6 : 20, largest, 9);
                 options.weights = seeds.weights;
                 options.device = test::device_name();
