@@ -7,7 +7,7 @@
 
 #include "blocks/local_block.hpp"
 #include "domain/near_places.hpp"
-#include "gpu/frame.hpp"
+#include "gpu/frames/frame_domain.hpp"
 #include "input/options.hpp"
 
 namespace votess::vulkan {
@@ -17,6 +17,7 @@ bool is_unresolved(std::uint32_t status) {
     switch (static_cast<CellStatus>(status)) {
         case CellStatus::certified:
         case CellStatus::duplicate:
+        case CellStatus::empty:
         case CellStatus::outside:
             return false;
         default:
@@ -24,11 +25,10 @@ bool is_unresolved(std::uint32_t status) {
     }
 }
 
-// Seeds that the frame has left out are not there for the CPU either; nor are those that equal another, which keeps its
-// cell: they are nobody's neighbors.
+// Seeds that the frame has left out are not there for the CPU either; nor are those without a cell, which are nobody's
+// neighbors.
 bool is_there(std::uint32_t status) {
-    return status != static_cast<std::uint32_t>(CellStatus::outside) &&
-           status != static_cast<std::uint32_t>(CellStatus::duplicate);
+    return status == static_cast<std::uint32_t>(CellStatus::certified) || is_unresolved(status);
 }
 
 // Few cells are made from the seeds near them, and are right when no other seed can reach them: their neighbors among
@@ -36,19 +36,23 @@ bool is_there(std::uint32_t status) {
 template <class Real>
 class Resolver {
 public:
-    Resolver(const PlanOptions& plan, std::span<const Real> seeds, std::span<const Cell> cells,
-             const ResolveOptions& how)
-        : seeds_(seeds), cells_(cells), stride_(plan.stride) {
-        if (!cells.empty() && seeds.size() < (cells.size() - 1) * stride_ + 3)
-            throw Error(ErrorCode::invalid_argument, std::to_string(seeds.size()) + " numbers are too few for " +
-                                                         std::to_string(cells.size()) + " seeds with a stride of " +
-                                                         std::to_string(stride_));
+    Resolver(const PlanOptions& plan, std::span<const Real> seeds, std::span<const Real> weights,
+             std::span<const Cell> cells, const ResolveOptions& how)
+        : seeds_(seeds), weights_(weights), cells_(cells), stride_(plan.stride), weight_options_(plan.weights) {
+        detail::check_domain(plan, {.box = how.box, .cell = how.cell});
+        check_count(seeds.size(), 3, stride_, "seeds");
+        if (plan.weights)
+            check_count(weights.size(), plan.weights->first + std::size_t{1}, plan.weights->stride, "weights");
+        else if (!weights.empty())
+            detail::refuse("weights are given, where the plan has none");
         if (plan.cell)
             options_.cell = how.cell.value_or(*plan.cell);
         else
             options_.box = how.box.value_or(plan.box);
         options_.list_walls = plan.list_walls;
         options_.periodic = plan.periodic;
+        options_.walls = plan.walls;
+        if (!plan.walls.empty()) options_.outside = Outside::drop;  // those that the frame was not sure of
         options_.threads = how.threads;
         options_.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = plan.areas};
     }
@@ -56,12 +60,14 @@ public:
     Resolved resolve() {
         std::vector<Open> open;
         std::size_t count = 0;
+        double heaviest = -std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < cells_.size(); ++i) {
-            if (is_there(cells_[i].status)) ++count;
+            if (is_there(cells_[i].status)) ++count, heaviest = std::max(heaviest, weight(i));
             if (is_unresolved(cells_[i].status)) open.push_back({i, open.size(), 0});
         }
         made_.resize(open.size());
         const Job empty = validate({}, options_);
+        heaviest_ = heaviest * empty.scale * empty.scale;
         const double spacing = std::cbrt(empty.domain->volume / static_cast<double>(std::max<std::size_t>(count, 1)));
         for (Open& cell : open) cell.distance = first_spacings * spacing;
         // The second time the distances are those that the cells need, which become no more.
@@ -94,8 +100,17 @@ private:
     [[nodiscard]] exact::Point place(std::size_t i, double scale) const {
         return {seeds_[i * stride_] * scale, seeds_[i * stride_ + 1] * scale, seeds_[i * stride_ + 2] * scale};
     }
+    [[nodiscard]] double weight(std::size_t i) const {
+        return weight_options_ ? weights_[weight_options_->first + i * weight_options_->stride] : 0;
+    }
+    void check_count(std::size_t numbers, std::size_t first, std::size_t stride, const char* of) const {
+        if (!cells_.empty() && numbers < (cells_.size() - 1) * stride + first)
+            detail::refuse(std::to_string(numbers) + " numbers are too few for " + of + " of " +
+                           std::to_string(cells_.size()) + " cells with a stride of " + std::to_string(stride));
+    }
     void add(blocks::Seeds& to, std::size_t i) const {
         to.ids.push_back(static_cast<std::int64_t>(i));
+        if (weight_options_) to.weights.push_back(weight(i));
         for (std::size_t k = 0; k < 3; ++k) to.points.push_back(seeds_[i * stride_ + k]);
     }
 
@@ -113,8 +128,9 @@ private:
         run.clip(options_, open.size());
         std::vector<Open> rest;
         for (std::size_t k = 0; k < open.size(); ++k) {
-            const double reach = run.reach_of(k, 0);
-            if (reach <= open[k].distance)
+            const double reach = run.reach_of(k, heaviest_);
+            // One without a cell among these has none among all.
+            if (reach <= open[k].distance || run.result.status[k] != CellStatus::certified)
                 made_[open[k].number] = {runs_.size() - 1, k};
             else
                 rest.push_back({open[k].seed, open[k].number, reach});
@@ -149,9 +165,11 @@ private:
         return out;
     }
 
-    std::span<const Real> seeds_;
+    std::span<const Real> seeds_, weights_;
     std::span<const Cell> cells_;
     std::size_t stride_;
+    std::optional<WeightOptions> weight_options_;
+    double heaviest_ = 0;  // weight of a seed that is there, times scale squared
     Options options_;
     std::deque<blocks::Run> runs_;
     std::vector<Made> made_;  // by the order of the unresolved
@@ -160,12 +178,22 @@ private:
 }  // namespace
 
 Resolved Plan::resolve(std::span<const float> seeds, std::span<const Cell> cells, const ResolveOptions& options) const {
-    return Resolver<float>(state_->options, seeds, cells, options).resolve();
+    return resolve(seeds, {}, cells, options);
 }
 
 Resolved Plan::resolve(std::span<const double> seeds, std::span<const Cell> cells,
                        const ResolveOptions& options) const {
-    return Resolver<double>(state_->options, seeds, cells, options).resolve();
+    return resolve(seeds, {}, cells, options);
+}
+
+Resolved Plan::resolve(std::span<const float> seeds, std::span<const float> weights, std::span<const Cell> cells,
+                       const ResolveOptions& options) const {
+    return Resolver<float>(state_->options, seeds, weights, cells, options).resolve();
+}
+
+Resolved Plan::resolve(std::span<const double> seeds, std::span<const double> weights, std::span<const Cell> cells,
+                       const ResolveOptions& options) const {
+    return Resolver<double>(state_->options, seeds, weights, cells, options).resolve();
 }
 
 }  // namespace votess::vulkan

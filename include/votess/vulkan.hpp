@@ -84,6 +84,19 @@ struct HostDevice {
 
 enum class SeedFormat : std::uint32_t { float32 = 0, float64 = 1 };
 
+// A power diagram, as of Options::weights: a weight for each seed, length unit squared, any sign, in Buffers::weights;
+// of spheres, the square of the radius. The weights of all frames are promised to lie from `least` to `largest`; a seed
+// with another one, or one that is not a number, gets status `outside` and no cell. These may differ by four times the
+// square of the box's longest side; a seed that is lighter than another one by more than the box's squared diagonal,
+// which is less, has no cell anyway. The nearer they are, the finer weights are told apart: what is finer than 2^-61 of
+// their difference leaves cells unresolved, never wrong.
+struct WeightOptions {
+    double least = 0, largest = 0;
+    // Numbers of PlanOptions::format from one weight to the next, and before the first one. With `stride` 4 and `first`
+    // 3 a weight is the w of a vec4 that holds its seed, when both are the same range of a buffer.
+    std::uint32_t stride = 1, first = 0;
+};
+
 struct PlanOptions {
     std::uint32_t most_seeds = 0;  // of one frame
     Box box;                       // seeds outside of it, or not finite, get status `outside` and no cell
@@ -96,14 +109,20 @@ struct PlanOptions {
     // cells for which that matters stay unresolved. All cells do where a seed is so near to a face that it may be on
     // either side of it.
     std::optional<TriclinicBox> cell{};
-    double margin = 0;              // length, at most 0.99 sides count; 0 = 3.4 mean distances between seeds
+    std::optional<WeightOptions> weights{};  // not with walls, of which no device clips the cells too
+    // A convex polyhedron, as Options::walls: walls of any direction that cut the box, which may not be periodic or
+    // change from frame to frame. Rows list them as -7, -8, ... in this order. Seeds beyond one get status `outside`;
+    // all cells stay unresolved where a seed is so near to one, 2^-59 of the box's size, that it may be on either side.
+    std::vector<Wall> walls{};
+    // Length, at most 0.99 sides count; 0 = 3.4 mean distances between seeds, with weights up to twice as much.
+    double margin = 0;
     std::uint32_t most_images = 0;  // 0 = a quarter more than uniform seeds have
     SeedFormat format = SeedFormat::float32;
     std::uint32_t stride = 3;        // numbers from one seed to the next, at least 3: 4 for a vec4
     bool neighbors = true;           // rows of neighbors
     bool geometry = true;            // volumes and centroids
     bool areas = false;              // of the faces in the rows, beside them
-    bool list_walls = false;         // list the wall ids -1 .. -6 in the rows too
+    bool list_walls = false;         // list the wall ids -1 .. -6, and of `walls`, in the rows too
     std::uint32_t most_entries = 0;  // of all rows together; 0 = 20 a seed. See Header::entries
     std::uint32_t chunk_size = 0;    // cells worked on at once: more workspace, more speed. 0 = automatic: 2^20 on GPUs
     std::uint32_t k_init = 0;        // as Options::k_init
@@ -124,9 +143,10 @@ inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFE
 // very many seeds one may be larger than the device allocates at once (maxMemoryAllocationSize, 4 GiB with some
 // drivers): such a buffer needs sparse binding.
 struct BufferSizes {
-    VkDeviceSize seeds = 0;  // read: x y z, `stride` numbers of `format` apart; ends with the last z
-    // Nothing to be found in it; device-local. At most 90 bytes a seed or place for an image, and 900 a cell of the
-    // chunk (PlanOptions), so that with all arrays 1e8 seeds take some 22 GB.
+    VkDeviceSize seeds = 0;    // read: x y z, `stride` numbers of `format` apart; ends with the last z
+    VkDeviceSize weights = 0;  // read: WeightOptions::stride numbers apart; ends with the last weight
+    // Nothing to be found in it; device-local. At most 90 bytes a seed or place for an image, 18 more with weights, 56
+    // a wall, and 900 a cell of the chunk (PlanOptions), so that with all arrays 1e8 seeds take some 22 GB.
     VkDeviceSize workspace = 0;
     VkDeviceSize header = 0;   // struct Header
     VkDeviceSize cells = 0;    // N struct Cell
@@ -147,11 +167,12 @@ struct Header {
     std::uint32_t certified;   // cells that are proven exact
     std::uint32_t unresolved;  // cells for resolve(): certain only with exact arithmetic or more neighbors
     std::uint32_t duplicates;  // seeds equal to another one of lower index
-    std::uint32_t outside;     // seeds outside of the box, or not finite
+    std::uint32_t outside;     // seeds outside of box or walls, or not finite; of a weight that is not as promised
     std::uint32_t entries;     // that the rows need. More than most_entries: the rows of the cells that did not fit are
                                // left out, with status `candidates_exhausted`
     std::uint32_t faces;       // of all certified cells, walls included
     std::uint32_t images;      // that periodic seeds have within the margin
+    std::uint32_t empty;       // cells of power diagrams that are proven to have no interior
 };
 
 struct Cell {
@@ -162,7 +183,7 @@ struct Cell {
 };
 
 struct Buffers {
-    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{}, areas{}, shifts{};
+    BufferRange seeds{}, weights{}, workspace{}, header{}, cells{}, indices{}, geometry{}, areas{}, shifts{};
 };
 
 // Where to note times: `slots` consecutive queries of a timestamp pool from `first` on, which the program has reset.
@@ -175,7 +196,7 @@ struct Timestamps {
 
 struct RecordOptions {
     std::uint32_t count = 0;             // seeds of this frame, at most most_seeds
-    std::optional<Box> box{};            // of this frame; default: the plan's
+    std::optional<Box> box{};            // of this frame; default: the plan's. Not where the plan has walls
     std::optional<TriclinicBox> cell{};  // of this frame, where the plan has one
     Timestamps timestamps{};             // none while pool is null
 };
@@ -192,15 +213,15 @@ public:
     Frame();
     // Records all stages: upload, sort, knn, clip, download.
     //
-    // Expected before: writes to the seeds are visible to compute shaders (stage COMPUTE_SHADER, access SHADER_READ);
-    // no other use of the workspace and of what is written (header, cells, indices, geometry, areas, shifts) is
-    // pending; they are written at COMPUTE_SHADER and TRANSFER stages. Promised after: the last commands are a barrier
-    // that makes what was written visible to all later commands on the queue, at any stage, for any access; not to the
-    // host, which needs its own barrier.
+    // Expected before: writes to seeds and weights are visible to compute shaders (stage COMPUTE_SHADER, access
+    // SHADER_READ); no other use of the workspace and of what is written (header, cells, indices, geometry, areas,
+    // shifts) is pending; they are written at COMPUTE_SHADER and TRANSFER stages. Promised after: the last commands are
+    // a barrier that makes what was written visible to all later commands on the queue, at any stage, for any access;
+    // not to the host, which needs its own barrier.
     //
     // Throws invalid_argument: an empty Frame, null commands, a count above most_seeds, an empty or inverted box, a box
-    // where the plan has a cell or the other way round; unsupported: a periodic box as Plan() refuses. Then nothing was
-    // recorded.
+    // where the plan has a cell or walls, a cell where it has none; unsupported: a periodic box as Plan() refuses, or
+    // one too small for the plan's weights. Then nothing was recorded.
     void record(VkCommandBuffer commands, const RecordOptions& options) const;
 
 private:
@@ -209,7 +230,7 @@ private:
 };
 
 struct ResolveOptions {
-    std::optional<Box> box{};  // with which the frame was recorded; default: the plan's
+    std::optional<Box> box{};  // with which the frame was recorded; default: the plan's. As in RecordOptions
     std::optional<TriclinicBox> cell{};
     unsigned threads = 0;  // as Options::threads
 };
@@ -217,7 +238,7 @@ struct ResolveOptions {
 // The cells that were left to the CPU, made exactly.
 struct Resolved {
     std::vector<std::uint32_t> cells;   // R seeds, ascending: those with an unresolved status
-    std::vector<CellStatus> status;     // R
+    std::vector<CellStatus> status;     // R: certified; or no cell: duplicate, empty, outside of walls
     std::vector<std::int64_t> indptr;   // R+1
     std::vector<std::int32_t> indices;  // indptr[R]: rows, ids ascend, walls first
     std::vector<std::int8_t> shifts;    // 3 indptr[R] of a periodic plan, else empty
@@ -229,10 +250,11 @@ struct Resolved {
 // Immutable, safe to use from several threads. All pipelines are made here.
 class VOTESS_API Plan {
 public:
-    // Throws Error: invalid_argument, also for a cell beside a box or periodic axes, or areas without neighbors;
-    // unsupported (limits of the device, a periodic box with bounds of very different size such as 1e-30 and 1, a cell
-    // that leans or is thin so much that images lie more than three edges away, or that does not repeat along all
-    // edges; the message says which); out_of_memory, device_lost.
+    // Throws Error: invalid_argument, also for a cell beside a box or periodic axes, areas without neighbors, walls in
+    // a periodic box or that leave nothing of it; unsupported (limits of the device, a periodic box with bounds of very
+    // different size such as 1e-30 and 1, a cell that leans or is thin so much that images lie more than three edges
+    // away, or that does not repeat along all edges, weights that differ too much, weights and walls together; the
+    // message says which); out_of_memory, device_lost.
     Plan(const HostDevice& device, const PlanOptions& options);
 
     [[nodiscard]] const BufferSizes& sizes() const noexcept;
@@ -242,12 +264,18 @@ public:
     // bound.
     [[nodiscard]] Frame frame(const Buffers& buffers) const;
     // The cells whose status says that they are unresolved (needs_exact, plane_overflow, vertex_overflow,
-    // candidates_exhausted), on the CPU, exactly: together with the certified rows the whole answer. Takes the seeds
-    // and cells as read back by the program; x y z of consecutive seeds lie options().stride apart.
+    // candidates_exhausted), on the CPU, exactly: together with the certified rows the whole answer. Takes seeds, cells
+    // and weights as read back by the program; x y z of consecutive seeds lie options().stride apart, weights as
+    // WeightOptions says. Throws invalid_argument for too few numbers, weights that the plan has not or none where it
+    // has some, and as tessellate() does for seeds that have a cell.
     [[nodiscard]] Resolved resolve(std::span<const float> seeds, std::span<const Cell> cells,
                                    const ResolveOptions& options = {}) const;
     [[nodiscard]] Resolved resolve(std::span<const double> seeds, std::span<const Cell> cells,
                                    const ResolveOptions& options = {}) const;
+    [[nodiscard]] Resolved resolve(std::span<const float> seeds, std::span<const float> weights,
+                                   std::span<const Cell> cells, const ResolveOptions& options = {}) const;
+    [[nodiscard]] Resolved resolve(std::span<const double> seeds, std::span<const double> weights,
+                                   std::span<const Cell> cells, const ResolveOptions& options = {}) const;
 
 private:
     std::shared_ptr<const detail::PlanState> state_;

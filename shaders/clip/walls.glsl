@@ -1,15 +1,11 @@
-// Walls of any direction, n.x = d with |n| = 1 (WallPlane in shared/layout.h).
-//
-// The seed's distance d - n.p cancels, so it is taken from whole numbers: n is right to 2^-63 an axis, which with
-// coordinates below 2^62 changes n.p by at most 1.5 units; the distance is rounded to half a unit; and coordinates that
-// were rounded down change it by sqrt(3) units. Those are less than the 4 units that `quantum` has in a run with walls.
-// As the seed lies within its walls, a distance below 0 is 0.
+// Walls of any direction as planes of a cell. The seed's distance is right to less than the 4 units that `quantum` has in
+// a run with walls (clip/wall_distance.glsl). As the seed lies within its walls, a distance below 0 is 0.
 #ifndef VOTESS_CLIP_WALLS_GLSL
 #define VOTESS_CLIP_WALLS_GLSL
 
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
-#include "numbers/int128.glsl"
+#include "clip/wall_distance.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
 
@@ -32,24 +28,10 @@ uint wall_in_turn(uint i) {
     return i + 6u < count ? i + 6u : i + 6u - count;
 }
 
-bool is_negative(uvec2 a) {
-    return (a.y & 0x80000000u) != 0u;
-}
-
-uvec2 magnitude64(uvec2 a) {
-    return is_negative(a) ? negate64(a) : a;
-}
-
 // In units.
 uvec2 wall_distance(WallPlane wall) {
-    const uvec2 p[3] = uvec2[3](px, py, pz);
-    uvec4 sum = uvec4(wall.offset[0], wall.offset[1]);
-    for (int k = 0; k < 3; ++k) {
-        const uvec4 product = product128(magnitude64(wall.normal[k]), p[k]);
-        sum = add128(sum, is_negative(wall.normal[k]) ? product : negate128(product));
-    }
-    if (is_negative(sum.zw)) return uvec2(0);
-    return uvec2((sum.y >> WALL_BITS - 32) | (sum.z << 64 - WALL_BITS), (sum.z >> WALL_BITS - 32) | (sum.w << 64 - WALL_BITS));
+    const uvec4 fine = fine_wall_distance(wall, px, py, pz);
+    return is_negative(fine.zw) ? uvec2(0) : whole_wall_distance(fine);
 }
 
 real wall_number(uvec2 m) {
@@ -72,14 +54,12 @@ Plane wall_plane(uint w) {
 }
 
 vec3 rough_place() {
-    return vec3(float(px.y), float(py.y), float(pz.y)) * 4294967296.0;
+    return rough_place(px, py, pz);
 }
 
-// At most the distance, in units of the cell, of a seed at this place: low words are less than 2^32 each, conversions,
-// products and sums of numbers below 2^64 err by less than 2^45 altogether.
+// At most the distance, in units of the cell, of a seed at this place.
 float least_wall_distance(uint w, vec3 place) {
-    const vec3 n = vec3(walls[w].rough[0], walls[w].rough[1], walls[w].rough[2]);
-    return (walls[w].rough[3] - dot(n, place) - 3.5184372e13) * scale;
+    return least_wall_distance(walls[w], place) * scale;
 }
 
 // Whether a plane is a face of the box beyond walls, which a cell cannot have.

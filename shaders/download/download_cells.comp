@@ -11,6 +11,7 @@
 
 layout(push_constant) uniform Push { FramePush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
+layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
 layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
 layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
@@ -21,17 +22,18 @@ layout(std430, binding = BINDING_CELLS) writeonly buffer Cells { FrameCell cells
 layout(std430, binding = BINDING_GEOMETRY_OUT) writeonly buffer GeometryOut { vec4 geometry_out[]; };
 
 // The work-group counts its own cells and adds them to the header at once.
-shared uint certified, unresolved, duplicates, outside, faces_of_all;
+shared uint certified, unresolved, duplicates, empty, outside, faces_of_all;
 
 void main() {
     const bool leads = gl_LocalInvocationIndex == 0u;
-    if (leads) certified = unresolved = duplicates = outside = faces_of_all = 0u;
+    if (leads) certified = unresolved = duplicates = empty = outside = faces_of_all = 0u;
     barrier();
     const uint cell = linear_invocation();
     const uint seed = cell < push.cell_count ? seed_input[push.first_cell + cell] & INDEX_MASK : push.own_count;
     if (seed < push.own_count) {
         const uint word = info[cell];
         uint status = word & 0xffu, begin = 0u, length = 0u;
+        if (status == STATUS_DUPLICATE && seeds_y[push.first_cell + cell].y != NO_COORDINATE) status = STATUS_EMPTY;
         if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
             length = row_length[cell];
             begin = chunk.row_base + row_offsets[cell];
@@ -58,6 +60,8 @@ void main() {
             atomicAdd(faces_of_all, faces);
         } else if (status == STATUS_DUPLICATE) {
             atomicAdd(duplicates, 1u);
+        } else if (status == STATUS_EMPTY) {
+            atomicAdd(empty, 1u);
         } else if (status == STATUS_OUTSIDE) {
             atomicAdd(outside, 1u);
         } else {
@@ -69,6 +73,7 @@ void main() {
     if (certified > 0u) atomicAdd(header.certified, certified);
     if (unresolved > 0u) atomicAdd(header.unresolved, unresolved);
     if (duplicates > 0u) atomicAdd(header.duplicates, duplicates);
+    if (empty > 0u) atomicAdd(header.empty, empty);
     if (outside > 0u) atomicAdd(header.outside, outside);
     if (faces_of_all > 0u) atomicAdd(header.faces, faces_of_all);
 }

@@ -18,6 +18,14 @@ uvec2 negate64(uvec2 a) {
     return subtract64(uvec2(0), a);
 }
 
+bool is_negative(uvec2 a) {
+    return (a.y & 0x80000000u) != 0u;
+}
+
+uvec2 magnitude64(uvec2 a) {
+    return is_negative(a) ? negate64(a) : a;
+}
+
 // The product of signed numbers, a and the second in two's complement.
 uvec2 times64(int a, int b) {
     int high, low;

@@ -44,7 +44,7 @@
 #define MOST_LEVELS 12
 #define UNBOUNDED 3.0e38  // beyond all squared distances, which are below 2^126 units
 
-// A seed that another one equals: no coordinate is this large.
+// A seed that another one equals: no coordinate is this large. The y of one that is lighter than that is 0.
 #define NO_COORDINATE 0xffffffffu
 #define DUPLICATE_BIT 0x80000000u  // in the input index of a sorted seed
 #define INDEX_MASK 0x7fffffffu

@@ -23,6 +23,7 @@ struct UploadPush {
     uvec2 upper[3];
     uint stride;  // numbers from point to point
     uint check;   // 1: points outside of the box, or not finite, get no coordinates
+    uint begin;   // number of the raw buffer that is the first point's
 };
 
 struct ImagesPush {
@@ -203,7 +204,7 @@ struct ChunkState {
 
 // votess::vulkan::Header and Cell.
 struct FrameHeader {
-    uint seeds, certified, unresolved, duplicates, outside, entries, faces, images;
+    uint seeds, certified, unresolved, duplicates, outside, entries, faces, images, empty;
 };
 struct FrameCell {
     uint status, row_begin, row_length, faces;

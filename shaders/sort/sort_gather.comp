@@ -1,5 +1,5 @@
 // sort: puts coordinates into sorted order. Of equal points the one of lowest index stays, in a power diagram the
-// heaviest; the others are marked, and put where no search finds them.
+// heaviest; the others are marked, and put where no search finds them, lighter ones elsewhere than equal ones.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -26,13 +26,21 @@ bool at_same_place(uint a, uint b) {
     return points_x[a] == points_x[b] && points_y[a] == points_y[b] && points_z[a] == points_z[b];
 }
 
-// Whether the point, of the lowest index or not, is one that another at its place leaves no cell. In a power diagram the
-// heaviest of a place has the cell, of those the first. `unsure` becomes true where rounding may have made them equal.
-bool gives_way_to(uint other, uint point, bool first, inout bool unsure) {
-    if (weighted == 0u) return true;
-    if (points_w[other] != points_w[point]) return less64(points_w[point], points_w[other]);
-    unsure = unsure || state.lossy_weights != 0u;
-    return !first;
+// What others at its place leave a point.
+bool duplicate = false;  // no cell
+bool lighter = false;    // for one of them is heavier
+bool unsure = false;     // rounding may have made them equal
+
+// Looks at a point that lies before it, or behind. In a power diagram the heaviest of a place has the cell, of those the
+// first.
+void compare(uint other, uint point, bool is_before) {
+    if (!at_same_place(other, point)) return;
+    if (weighted == 0u || points_w[other] == points_w[point]) {
+        unsure = unsure || (weighted != 0u && state.lossy_weights != 0u);
+        duplicate = duplicate || is_before;
+    } else if (less64(points_w[point], points_w[other])) {
+        duplicate = lighter = true;
+    }
 }
 
 void main() {
@@ -42,36 +50,34 @@ void main() {
     uvec2 x = points_x[point], y = points_y[point], z = points_z[point];
 
     // The sort is stable: among equal keys the indices ascend, and what equals this point lies before it.
-    bool duplicate = false, unsure = false;
     const bool outside = x.y == NO_COORDINATE;
     const uvec2 key = keys[seed];
-    for (uint back = 1u; back <= seed && !duplicate && !outside; ++back) {
+    for (uint back = 1u; back <= seed && !outside && !(weighted != 0u ? lighter : duplicate); ++back) {
         if (keys[seed - back] != key) break;
         if (back > MOST_LOOK_BACK) {
             atomicOr(state.suspects, 1u);
             break;
         }
-        const uint other = index[seed - back];
-        duplicate = at_same_place(other, point) && gives_way_to(other, point, false, unsure);
+        compare(index[seed - back], point, true);
     }
     // A heavier one may lie behind it too.
-    for (uint on = 1u; weighted != 0u && seed + on < push.count && !duplicate && !outside; ++on) {
+    for (uint on = 1u; weighted != 0u && seed + on < push.count && !outside && !lighter; ++on) {
         if (keys[seed + on] != key) break;
         if (on > MOST_LOOK_BACK) {
             atomicOr(state.suspects, 1u);
             break;
         }
-        const uint other = index[seed + on];
-        duplicate = at_same_place(other, point) && gives_way_to(other, point, true, unsure);
+        compare(index[seed + on], point, false);
     }
-    unsure = unsure || (duplicate && (state.lossy & LOSSY_POINTS) != 0u);
+    unsure = (unsure && !lighter) || (duplicate && (state.lossy & LOSSY_POINTS) != 0u);
     if (unsure) {  // equal in units, perhaps not as given
         atomicOr(state.suspects, 1u);
         duplicate = false;
     }
     if (duplicate) {
         atomicAdd(state.duplicates, 1u);
-        x = y = z = uvec2(NO_COORDINATE);
+        x = z = uvec2(NO_COORDINATE);
+        y = lighter ? uvec2(0) : x;
     }
     seeds_x[seed] = x;
     seeds_y[seed] = y;

@@ -13,11 +13,8 @@ layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
 layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_LATTICE) readonly buffer Lattice { LatticeData lattice; };
 
-bool is_negative(uvec2 a) {
-    return (a.y & 0x80000000u) != 0u;
-}
 uvec4 signed_product(uvec2 a, uvec2 b) {
-    const uvec4 p = product128(is_negative(a) ? negate64(a) : a, is_negative(b) ? negate64(b) : b);
+    const uvec4 p = product128(magnitude64(a), magnitude64(b));
     return is_negative(a) != is_negative(b) ? negate128(p) : p;
 }
 

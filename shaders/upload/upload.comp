@@ -1,8 +1,9 @@
 // upload: makes whole numbers of units of the coordinates as given, exactly or rounded down with a note that they were.
 // On request it makes NO_COORDINATE of points that are outside of the box or not finite.
 //
-// Variant: WEIGHTS makes whole numbers of weights, one a point, in the same way. What is lighter than the lowest bound has
-// no cell and matters to none, whatever its weight is, so that it becomes 0.
+// Variant: WEIGHTS makes whole numbers of weights, one a point, in the same way. Where nothing is requested, what is
+// lighter than the lowest bound has no cell and matters to none, whatever its weight is, so that it becomes 0; on request
+// the point of a weight beyond the bounds gets no coordinates.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -14,11 +15,10 @@ layout(push_constant) uniform Push { UploadPush push; };
 layout(std430, binding = BINDING_RAW) readonly buffer Raw { uint raw[]; };
 #ifdef WEIGHTS
 layout(std430, binding = BINDING_POINTS_W) writeonly buffer PointsW { uvec2 points_w[]; };
-#else
+#endif
 layout(std430, binding = BINDING_POINTS_X) writeonly buffer PointsX { uvec2 points_x[]; };
 layout(std430, binding = BINDING_POINTS_Y) writeonly buffer PointsY { uvec2 points_y[]; };
 layout(std430, binding = BINDING_POINTS_Z) writeonly buffer PointsZ { uvec2 points_z[]; };
-#endif
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
 
 // (-1)^negative mantissa 2^exponent in units.
@@ -46,9 +46,13 @@ uvec2 widened(uint bits) {
     return uvec2(mantissa << 29, sign | ((exponent + 896u) << 20) | (mantissa >> 3));
 }
 
+uint place_of(uint point, uint axis) {
+    return push.begin + push.stride * point + axis;
+}
+
 // Where a number lies in the order of doubles; false when it is not finite.
 bool find_order(uint point, uint axis, out uvec2 order) {
-    const uint at = push.stride * point + axis;
+    const uint at = place_of(point, axis);
     uvec2 bits;
     if (push.format == POINTS_FLOAT32)
         bits = ((raw[at] >> 23) & 0xffu) == 0xffu ? uvec2(0u, 0x7ff00000u) : widened(raw[at]);
@@ -64,7 +68,7 @@ bool is_inside(uint point, uint axis) {
 }
 
 uvec2 coordinate(uint point, uint axis, inout bool lost) {
-    const uint at = push.stride * point + axis;
+    const uint at = place_of(point, axis);
     uvec2 value;
     if (push.format == POINTS_UNITS) {
         value = uvec2(raw[2u * at], raw[2u * at + 1u]);
@@ -82,21 +86,26 @@ uvec2 coordinate(uint point, uint axis, inout bool lost) {
     return subtract64(value, push.origin[axis]);
 }
 
+void leave_out(uint point) {
+    points_x[push.first + point] = uvec2(NO_COORDINATE);
+    points_y[push.first + point] = uvec2(NO_COORDINATE);
+    points_z[push.first + point] = uvec2(NO_COORDINATE);
+}
+
 void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
+    bool lost = false;
 #ifdef WEIGHTS
-    bool lost = !is_inside(point, 0u);
-    points_w[push.first + point] = lost ? uvec2(0) : coordinate(point, 0u, lost);
-    if (lost) atomicOr(state.lossy_weights, 1u);
+    const bool inside = is_inside(point, 0u);
+    points_w[push.first + point] = inside ? coordinate(point, 0u, lost) : uvec2(0);
+    if (!inside && push.check != 0u) leave_out(point);
+    if (lost || !inside && push.check == 0u) atomicOr(state.lossy_weights, 1u);
 #else
     if (push.check != 0u && !(is_inside(point, 0u) && is_inside(point, 1u) && is_inside(point, 2u))) {
-        points_x[push.first + point] = uvec2(NO_COORDINATE);
-        points_y[push.first + point] = uvec2(NO_COORDINATE);
-        points_z[push.first + point] = uvec2(NO_COORDINATE);
+        leave_out(point);
         return;
     }
-    bool lost = false;
     points_x[push.first + point] = coordinate(point, 0u, lost);
     points_y[push.first + point] = coordinate(point, 1u, lost);
     points_z[push.first + point] = coordinate(point, 2u, lost);

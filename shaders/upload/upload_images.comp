@@ -6,6 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
 #include "numbers/int64.glsl"
+#include "numbers/weights.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
 #ifdef TRICLINIC
@@ -17,6 +18,7 @@
 layout(std430, binding = BINDING_SCAN_DATA) readonly buffer Offsets { uint offsets[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
 layout(std430, binding = BINDING_NAMES) writeonly buffer Names { uvec2 names[]; };
+layout(std430, binding = BINDING_POINTS_W) buffer PointsW { uvec2 points_w[]; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
 
 #ifdef TRICLINIC
@@ -75,6 +77,7 @@ void main() {
                 high = middle - 1u;
         }
         put_image(place, low, place - offsets[low]);
+        if (weighted != 0u) points_w[push.count + place] = points_w[low];
     } else {
         points_x[push.count + place] = uvec2(NO_COORDINATE);
         points_y[push.count + place] = uvec2(NO_COORDINATE);

@@ -174,12 +174,15 @@ Passes::Passes(Device& device, const PassSettings& s)
     download_cells = std::make_unique<Pass>(make<FramePush>(
         device, "download_cells", device.has_float64() ? shaders::download_cells_f64 : shaders::download_cells_f32,
         s.local_size));
+    if (s.walls)
+        upload_walls =
+            std::make_unique<Pass>(make<UploadPush>(device, "upload_walls", shaders::upload_walls, s.local_size));
     if (!s.images) return;
     upload_wrap = std::make_unique<Pass>(make<ImagesPush>(
         device, "upload_wrap", s.triclinic ? shaders::upload_wrap_triclinic : shaders::upload_wrap, s.local_size));
-    upload_images = std::make_unique<Pass>(
-        make<ImagesPush>(device, "upload_images",
-                         s.triclinic ? shaders::upload_images_triclinic : shaders::upload_images, s.local_size));
+    upload_images = std::make_unique<Pass>(make<ImagesPush>(
+        device, "upload_images", s.triclinic ? shaders::upload_images_triclinic : shaders::upload_images, s.local_size,
+        {has_weights(s)}));
 }
 
 void Passes::make_with_ties(Device& device) {

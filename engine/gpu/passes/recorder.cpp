@@ -136,11 +136,17 @@ void Recorder::fill(const Slice& buffer, VkDeviceSize offset, VkDeviceSize bytes
     device_.table().vkCmdFillBuffer(buffer_, buffer.handle, buffer.offset + offset, bytes, word);
 }
 
-void Recorder::write(const Slice& buffer, std::span<const std::byte> bytes) {
+void Recorder::write(const Slice& buffer, VkDeviceSize offset, std::span<const std::byte> bytes) {
+    constexpr std::size_t most_at_once = 65536;
     expect_open("write");
-    if (bytes.size() > buffer.size) misuse("Commands::write beyond the end of a buffer");
+    if (offset > buffer.size || bytes.size() > buffer.size - offset)
+        misuse("Commands::write beyond the end of a buffer");
     if (buffer_ == VK_NULL_HANDLE) return;
-    device_.table().vkCmdUpdateBuffer(buffer_, buffer.handle, buffer.offset, bytes.size(), bytes.data());
+    for (std::size_t done = 0; done < bytes.size(); done += most_at_once) {
+        const auto piece = bytes.subspan(done, std::min(most_at_once, bytes.size() - done));
+        device_.table().vkCmdUpdateBuffer(buffer_, buffer.handle, buffer.offset + offset + done, piece.size(),
+                                          piece.data());
+    }
 }
 
 VkDescriptorBufferInfo Recorder::descriptor(const Pass& pass, std::uint32_t binding,

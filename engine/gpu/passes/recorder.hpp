@@ -74,10 +74,9 @@ public:
     void open(VkCommandBuffer commands);
     void close() { open_ = false; }
 
-    // Offsets and sizes are in bytes; of fill, multiples of 4. 0 bytes record nothing.
+    // Offsets and sizes are in bytes; of fill and write, multiples of 4. 0 bytes record nothing.
     void copy(const Slice& from, VkDeviceSize from_offset, const Slice& to, VkDeviceSize to_offset, VkDeviceSize bytes);
-    // At most 64 KB.
-    void write(const Slice& buffer, std::span<const std::byte> bytes);
+    void write(const Slice& buffer, VkDeviceSize offset, std::span<const std::byte> bytes);
     void fill(const Slice& buffer, VkDeviceSize offset, VkDeviceSize bytes, std::uint32_t word);
 
     // `buffers` may hold more bindings than the pass has: it picks its own. `push` has exactly push_bytes() bytes.

@@ -89,7 +89,7 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     const VkDeviceSize nodes = level_first_[level_count_ - 1] + VkDeviceSize{1};
     bindings_.set(BINDING_NODES, workspace.take(nodes * sizeof(Node), "nodes"));
     state_and_walls_ = workspace.take(sizeof(RunState) + VkDeviceSize{walls} * sizeof(WallPlane), "run state");
-    set_walls(0);
+    set_walls({});
     // Without weights passes bind something in place of these arrays, and leave it alone.
     const auto weights_of = [&](std::uint32_t binding, VkDeviceSize each, const char* name) {
         bindings_.set(binding, weights ? workspace.take(each * coordinate_bytes, name) : run_state());
@@ -99,10 +99,10 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     weights_of(BINDING_NODE_WEIGHTS, nodes, "nodes, weights");
 }
 
-void DeviceSeeds::set_walls(std::uint32_t count) {
-    walls_ = count;
+void DeviceSeeds::set_walls(std::vector<WallPlane> walls) {
+    walls_ = std::move(walls);
     Slice slice = state_and_walls_;
-    slice.size = sizeof(RunState) + VkDeviceSize{count} * sizeof(WallPlane);
+    slice.size = sizeof(RunState) + walls_.size() * sizeof(WallPlane);
     bindings_.set(BINDING_RUN_STATE, slice);
 }
 
@@ -131,20 +131,22 @@ void DeviceSeeds::set_box(const Box& box) {
     }
 }
 
+void DeviceSeeds::set_box(const Box& box, const Box& allowed) {
+    set_box(box);
+    box_ = allowed;
+}
+
 void DeviceSeeds::set_periodic_box(const Box& box, const std::array<bool, 3>& periodic, double margin) {
-    Box larger = box;
-    box_ = box;
+    Box larger = box, allowed = box;
     for (std::size_t k = 0; k < 3; ++k) {
         if (!periodic[k]) continue;
         const double side = box.upper[k] - box.lower[k];
         larger.lower[k] -= std::min(margin, 0.99 * side);  // images by one side are enough
         larger.upper[k] += std::min(margin, 0.99 * side);
-        box_.lower[k] -= side;
-        box_.upper[k] += side;
+        allowed.lower[k] -= side;
+        allowed.upper[k] += side;
     }
-    const Box checked = box_;
-    set_box(whole_box(larger, periodic));
-    box_ = checked;
+    set_box(whole_box(larger, periodic), allowed);
     images_.periodic = 0;
     for (int k = 0; k < 3; ++k) {
         bool lossy = false;
@@ -162,8 +164,7 @@ void DeviceSeeds::set_periodic_box(const Box& box, const std::array<bool, 3>& pe
 }
 
 void DeviceSeeds::set_cell(const CellImages& cell) {
-    set_box(cell.box);
-    box_ = cell.allowed;
+    set_box(cell.box, cell.allowed);
     lattice_ = cell.data;
     for (int k = 0; k < 3; ++k) images_.extent[k] = words(extent_[k]);
 }
@@ -183,6 +184,13 @@ void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const 
     recorder.barrier();
 }
 
+void DeviceSeeds::record_walls(Recorder& recorder, const Passes& passes, std::uint32_t count) const {
+    UploadPush push{};
+    push.count = count;
+    recorder.dispatch(*passes.upload_walls, bindings_.list(), push_bytes(push), count);
+    recorder.barrier();
+}
+
 void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
     recorder.fill(run_state(), 0, sizeof(RunState), 0);
     if (weights_ && weights_->exponent != 0) {
@@ -190,9 +198,11 @@ void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
         recorder.fill(run_state(), offsetof(RunState, weight_exponent), 4,
                       static_cast<std::uint32_t>(weights_->exponent));
     }
-    if (images_.capacity > 0) recorder.write(bindings_.get(BINDING_LATTICE), std::as_bytes(std::span(&lattice_, 1)));
+    recorder.write(run_state(), sizeof(RunState), std::as_bytes(std::span(walls_)));
+    if (images_.capacity > 0) recorder.write(bindings_.get(BINDING_LATTICE), 0, std::as_bytes(std::span(&lattice_, 1)));
     const std::uint32_t bits = (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0) |
-                               (walls_ > 0 ? LOSSY_WALLS : 0) | (lattice_.lossy != 0 ? LOSSY_POINTS | LOSSY_IMAGES : 0);
+                               (walls_.empty() ? 0 : LOSSY_WALLS) |
+                               (lattice_.lossy != 0 ? LOSSY_POINTS | LOSSY_IMAGES : 0);
     if (bits == 0) return;
     recorder.barrier();
     recorder.fill(run_state(), offsetof(RunState, lossy), 4, bits);
@@ -210,6 +220,8 @@ void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const
     push.shift = weights_->shift;
     push.format = raw.format;
     push.stride = raw.stride;
+    push.check = raw.check ? 1 : 0;
+    push.begin = raw.begin;
     Bindings bindings = bindings_;
     bindings.set(BINDING_RAW, raw.slice);
     recorder.dispatch(*passes.upload_weights, bindings.list(), push_bytes(push), count);
@@ -230,6 +242,7 @@ void DeviceSeeds::record_upload(Recorder& recorder, const Passes& passes, const 
     push.format = raw.format;
     push.stride = raw.stride;
     push.check = raw.check ? 1 : 0;
+    push.begin = raw.begin;
     Bindings bindings = bindings_;
     bindings.set(BINDING_RAW, raw.slice);
     recorder.dispatch(passes.upload, bindings.list(), push_bytes(push), count);

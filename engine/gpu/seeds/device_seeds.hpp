@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "gpu/passes/passes.hpp"
 #include "gpu/passes/recorder.hpp"
@@ -53,13 +54,15 @@ public:
     // weights: for these too.
     void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0, std::uint32_t walls = 0,
                  bool weights = false);
-    // How many of the walls for which there is room there are.
-    void set_walls(std::uint32_t count);
+    // From now on there are these walls of any direction, for which there must be room.
+    void set_walls(std::vector<WallPlane> walls);
     // For names of up to `count` seeds, where they have others than their index.
     void reserve_names(Workspace& workspace, std::uint32_t count);
     // Says how many seeds to record for from now on, with all places for images.
     void set_count(std::uint32_t count);
     void set_box(const Box& box);
+    // The same; `allowed` is that of points that are checked.
+    void set_box(const Box& box, const Box& allowed);
     // Along these axes the box repeats: images up to `margin` outside of it count. Throws `unsupported` when the sides
     // of the box are no whole numbers of units.
     void set_periodic_box(const Box& box, const std::array<bool, 3>& periodic, double margin);
@@ -71,18 +74,23 @@ public:
 
     // Forgets what is known about points; to be followed by a barrier. lossy: points that are rounded already.
     void record_begin(Recorder& recorder, bool lossy) const;
-    // Points of the raw array become those from `first` on. check: those outside of the box get no cell.
+    // Points of the raw array, from a number of it on, become those from `first` on. check: those outside of the box
+    // get no cell.
     struct Raw {
         Slice slice;
         std::uint32_t format = POINTS_FLOAT64, stride = 3;
         bool check = false;
+        std::uint32_t begin = 0;
     };
     void record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                        std::uint32_t count) const;
-    // The same for weights, one number a seed. Those that are not finite count as the least.
+    // The same for weights, one number a seed, after its coordinates. check: seeds of others than those from the least
+    // to the largest get no cell; else lighter ones, and those that are not finite, count as the least.
     void record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                         std::uint32_t count) const;
-    // After the upload of `count` seeds: brings them into the periodic box, and adds images at their places.
+    // After the upload of `count` seeds: those beyond walls get no cell.
+    void record_walls(Recorder& recorder, const Passes& passes, std::uint32_t count) const;
+    // After that, too: brings them into the periodic box, and adds images at their places.
     void record_images(Recorder& recorder, const Passes& passes, const Slice& header, std::uint32_t count) const;
     // Finds the order of the points, by keys of so many bits per axis; with up to coarse_bits that takes half of the
     // time.
@@ -120,7 +128,7 @@ private:
     bool box_lossy_ = false;
     std::uint64_t extent_[3]{}, origin_[3]{};
     Slice keys_[2], index_[2], counts_, image_counts_, state_and_walls_;
-    std::uint32_t walls_ = 0;
+    std::vector<WallPlane> walls_;
     Scan scan_, image_scan_;
     ImagesPush images_{};
     LatticeData lattice_{};

@@ -40,8 +40,6 @@ void SeedStore::reserve(std::uint32_t count, bool weights) {
     const VkDeviceSize n = count;
     buffers_.clear();
     seeds_.reserve(buffers_, count, 0, walls, weights);
-    walls_host_ = {};
-    walls_host_ = memory_.buffer(VkDeviceSize{walls} * sizeof(WallPlane), MemoryKind::upload, "walls");
     for (Buffer& staging : staging_) {
         staging = {};
         staging = memory_.buffer(std::min(staging_bytes, n * 24), MemoryKind::upload, "staging");
@@ -75,15 +73,12 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     reserve(total, domain.has_weights());
     seeds_.set_count(total);
     seeds_.set_box(box);
-    seeds_.set_walls(static_cast<std::uint32_t>(walls_.size()));
-    std::ranges::copy(walls_, walls_host_.as<WallPlane>().begin());
-    walls_host_.flush();
+    seeds_.set_walls(walls_);
     seeds_.set_weights(weight_units(domain, seeds_.units(), job.scale));
     seconds_ = {};
 
     commands_.begin();
     seeds_.record_begin(commands_, points.lossy);
-    commands_.copy(walls_host_, 0, seeds_.run_state(), sizeof(RunState), walls_.size() * sizeof(WallPlane));
     commands_.barrier();
     commands_.end();
     commands_.submit();

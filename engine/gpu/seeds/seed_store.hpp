@@ -70,7 +70,7 @@ private:
 
     vulkan::Memory& memory_;
     OwnBuffers buffers_{memory_}, name_buffers_{memory_};
-    Buffer staging_[2], state_host_, order_host_, walls_host_;
+    Buffer staging_[2], state_host_, order_host_;
     std::uint32_t capacity_ = 0, name_capacity_ = 0, wall_capacity_ = 0;
     bool has_weights_ = false;
     std::vector<WallPlane> walls_;

@@ -12,22 +12,35 @@ constexpr double squared_diagonal = 3;            // over 2^(2 COORDINATE_BITS)
 constexpr double most_more = 3.5, most_span = 4;  // of weights that matter; of floats in searches
 static_assert(squared_diagonal < most_more && most_more < most_span);
 
+// A weight times 2^n is in squared units, for this n.
+int squared_units(const Units& units, double scale) {
+    return 2 * (units.shift - std::ilogb(scale));
+}
+// Of these sides, as a weight.
+double squares(double sides, int in_squares) {
+    return std::ldexp(sides, 2 * COORDINATE_BITS - in_squares);
+}
+
 }  // namespace
 
 std::optional<WeightUnits> WeightUnits::of(double lightest, double heaviest, const Units& units, double scale) {
-    const int in_squares = 2 * (units.shift - std::ilogb(scale));  // a weight times 2^in_squares is in squared units
-    const auto squares = [&](double sides) { return std::ldexp(sides, 2 * COORDINATE_BITS - in_squares); };
-    WeightUnits result;
-    result.largest = heaviest;
-    result.least = std::max(lightest, heaviest - squares(most_more));
+    const double most = squares(most_more, squared_units(units, scale));
+    double least = std::max(lightest, heaviest - most);
     // Rounding may have moved it up.
-    if (result.least > lightest && heaviest - result.least < squares(most_more))
-        result.least = std::nextafter(result.least, -std::numeric_limits<double>::infinity());
-    const double span = heaviest - result.least;
-    if (!(span <= squares(most_span))) return std::nullopt;
-    const int finest = in_squares;  // one squared unit
+    if (least > lightest && heaviest - least < most)
+        least = std::nextafter(least, -std::numeric_limits<double>::infinity());
+    return between(least, heaviest, units, scale);
+}
+
+std::optional<WeightUnits> WeightUnits::between(double least, double largest, const Units& units, double scale) {
+    const int finest = squared_units(units, scale);
+    const double span = largest - least;
+    if (!std::isfinite(span) || !(span <= squares(most_span, finest))) return std::nullopt;
+    WeightUnits result;
+    result.least = least;
+    result.largest = largest;
     result.shift = span > 0 ? std::min(WEIGHT_BITS - 2 - std::ilogb(span), finest) : finest;
-    result.exponent = in_squares - result.shift;
+    result.exponent = finest - result.shift;
     return result;
 }
 

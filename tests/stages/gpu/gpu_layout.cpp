@@ -100,7 +100,7 @@ TEST_SUITE("stages") {
         const auto upload = filled<UploadPush>();
         check("UploadPush", shaders::test_layout_upload, upload,
               words_of(upload.origin, upload.first, upload.count, upload.shift, upload.format, upload.lower,
-                       upload.upper, upload.stride, upload.check));
+                       upload.upper, upload.stride, upload.check, upload.begin));
         const auto images = filled<ImagesPush>();
         check("ImagesPush", shaders::test_layout_images, images,
               words_of(images.lower, images.side, images.extent, images.periodic, images.count, images.capacity));
@@ -150,7 +150,7 @@ TEST_SUITE("stages") {
         CHECK(reader.push(shaders::test_layout_frame, push) == push_words);
         const auto header = filled<FrameHeader>();
         const Words header_words = words_of(header.seeds, header.certified, header.unresolved, header.duplicates,
-                                            header.outside, header.entries, header.faces, header.images);
+                                            header.outside, header.entries, header.faces, header.images, header.empty);
         CHECK(sizeof header == 4 * header_words.size());
         CHECK(reader.buffer(shaders::test_layout_header, push_bytes(header)) == header_words);
         const auto cell = filled<FrameCell>();

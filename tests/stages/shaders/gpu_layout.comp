@@ -49,6 +49,7 @@ void main() {
     put(push.upper);
     put(push.stride);
     put(push.check);
+    put(push.begin);
 #elif defined(IMAGES)
     put(push.lower);
     put(push.side);
@@ -170,6 +171,7 @@ void main() {
     put(state.entries);
     put(state.faces);
     put(state.images);
+    put(state.empty);
 #elif defined(CELL)
     put(state.status);
     put(state.row_begin);

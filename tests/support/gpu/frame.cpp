@@ -50,8 +50,8 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
         all.volumes.push_back(g[3]);
         for (std::size_t k = 0; k < 3; ++k) all.centroids.push_back(double{seeds[i * stride + k]} + double{g[k]});
     }
-    const Resolved more =
-        plan.resolve(std::span<const Real>(seeds), target.cell(count), {.box = box, .cell = cell, .threads = 0});
+    const Resolved more = plan.resolve(std::span<const Real>(seeds), std::span<const Real>(target.weights.as<Real>()),
+                                       target.cell(count), {.box = box, .cell = cell, .threads = 0});
     for (std::size_t r = 0; r < more.cells.size(); ++r) {
         const std::size_t i = more.cells[r];
         CHECK(all.rows[i].empty());
@@ -102,6 +102,9 @@ void check_header(const Header& h, std::span<const Cell> cells) {
             case CellStatus::duplicate:
                 ++sums.duplicates;
                 break;
+            case CellStatus::empty:
+                ++sums.empty;
+                break;
             case CellStatus::outside:
                 ++sums.outside;
                 break;
@@ -115,6 +118,7 @@ void check_header(const Header& h, std::span<const Cell> cells) {
     CHECK(h.certified == sums.certified);
     CHECK(h.unresolved == sums.unresolved);
     CHECK(h.duplicates == sums.duplicates);
+    CHECK(h.empty == sums.empty);
     CHECK(h.outside == sums.outside);
     CHECK(h.faces == sums.faces);
     CHECK(h.entries == sums.entries);
@@ -131,12 +135,15 @@ PlanOptions options_for(const PointSet& set) {
     return options;
 }
 
-votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan) {
+votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan, std::span<const double> weights) {
     votess::Options options = test::all_options(plan.box);
     if (plan.cell) options.box.reset();
     options.cell = plan.cell;
     options.list_walls = plan.list_walls;
     options.periodic = plan.periodic;
+    options.weights = weights;
+    options.walls = plan.walls;
+    if (!plan.walls.empty()) options.outside = votess::Outside::drop;
     options.device = "cpu";
     return votess::tessellate(std::span<const double>(set.points), options);
 }

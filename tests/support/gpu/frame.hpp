@@ -45,13 +45,14 @@ struct Host {
 
 // Buffers of a frame, which the host can see.
 struct Target {
-    vk::Buffer seeds, workspace, header, cells, indices, geometry, areas, shifts;
+    vk::Buffer seeds, weights, workspace, header, cells, indices, geometry, areas, shifts;
     Frame frame;
 
     Target(Host& host, const Plan& plan) {
         const BufferSizes& sizes = plan.sizes();
         const auto visible = [&](VkDeviceSize bytes) { return host.memory.buffer(bytes, vk::MemoryKind::download); };
         seeds = host.memory.buffer(sizes.seeds, vk::MemoryKind::upload);
+        weights = host.memory.buffer(sizes.weights, vk::MemoryKind::upload);
         workspace = host.memory.buffer(sizes.workspace, vk::MemoryKind::device);
         header = visible(sizes.header);
         cells = visible(sizes.cells);
@@ -60,6 +61,7 @@ struct Target {
         areas = visible(sizes.areas);
         shifts = visible(sizes.shifts);
         frame = plan.frame({.seeds = {seeds.handle()},
+                            .weights = {weights.handle()},
                             .workspace = {workspace.handle()},
                             .header = {header.handle()},
                             .cells = {cells.handle()},
@@ -74,6 +76,10 @@ struct Target {
         const auto to = seeds.as<Real>();
         for (std::size_t i = 0; i < points.size(); ++i) to[i / 3 * stride + i % 3] = static_cast<Real>(points[i]);
         seeds.flush();
+    }
+    void write_weights(std::span<const double> values) {
+        std::ranges::copy(values, weights.as<double>().begin());
+        weights.flush();
     }
     [[nodiscard]] Header head() const {
         Header h;
@@ -103,7 +109,7 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
 std::string compare(const Rows& rows, const votess::Tessellation& t);
 void check_header(const Header& h, std::span<const Cell> cells);
 PlanOptions options_for(const PointSet& set);
-votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan);
+votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan, std::span<const double> weights = {});
 // A frame of the set against the CPU.
 std::string check(Host& host, const PointSet& set, PlanOptions options);
 

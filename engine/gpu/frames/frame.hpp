@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "gpu/device_cells.hpp"
 #include "votess/vulkan.hpp"
@@ -14,9 +16,10 @@ struct PlanState {
     PlanOptions options;
     std::optional<gpu::Passes> passes;
     std::uint32_t chunk_cells = 0;
-    std::uint32_t entries = 0;  // of the rows
-    std::uint32_t images = 0;   // places for them
-    [[nodiscard]] bool is_periodic() const { return options.cell || options.periodic != std::array<bool, 3>{}; }
+    std::uint32_t entries = 0;          // of the rows
+    std::uint32_t images = 0;           // places for them
+    std::vector<gpu::WallPlane> walls;  // of any direction
+    Box box_of_walls;                   // the device's box where there are walls
     BufferSizes sizes;
 };
 
@@ -29,13 +32,16 @@ struct FrameState {
 
 private:
     void record_stages(const RecordOptions& options);
+    void record_upload(std::uint32_t count);
     void record_cells(std::uint32_t count);
 
     gpu::DeviceSeeds seeds_;
     gpu::DeviceCells cells_;
-    gpu::Slice raw_, header_;
+    gpu::Slice raw_, weights_, header_;
     gpu::Bindings outputs_;
     gpu::Recorder recorder_;
 };
+
+[[noreturn]] void refuse(const std::string& what);  // as invalid_argument
 
 }  // namespace votess::vulkan::detail

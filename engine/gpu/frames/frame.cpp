@@ -1,0 +1,187 @@
+#include "gpu/frames/frame.hpp"
+
+#include <algorithm>
+
+#include "gpu/frames/frame_domain.hpp"
+
+namespace votess::vulkan {
+namespace {
+
+using detail::refuse;
+using gpu::FrameCell;
+using gpu::FrameHeader;
+using gpu::FramePush;
+using gpu::vulkan::push_bytes;
+
+static_assert(sizeof(Header) == sizeof(FrameHeader) && offsetof(Header, empty) == offsetof(FrameHeader, empty));
+static_assert(sizeof(Cell) == sizeof(FrameCell) && offsetof(Cell, faces) == offsetof(FrameCell, faces));
+
+constexpr double volume_tolerance = 0.5e-5;
+
+}  // namespace
+
+void detail::refuse(const std::string& what) {
+    throw Error(ErrorCode::invalid_argument, what);
+}
+
+Frame::Frame() = default;
+
+void Frame::record(VkCommandBuffer commands, const RecordOptions& options) const {
+    if (!state_) refuse("the Frame is empty: Plan::frame() makes one");
+    if (commands == VK_NULL_HANDLE) refuse("the command buffer is null");
+    const std::uint32_t most = state_->plan->options.most_seeds;
+    if (options.count > most)
+        refuse("count = " + std::to_string(options.count) + " is more than most_seeds = " + std::to_string(most));
+    detail::check_domain(state_->plan->options, options);
+    state_->record(commands, options);
+}
+
+detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, const Buffers& buffers)
+    : plan(std::move(of)), recorder_(*plan->device) {
+    const BufferSizes& sizes = plan->sizes;
+    const VkDeviceSize alignment =
+        std::max<VkDeviceSize>(plan->device->adapter().limits.minStorageBufferOffsetAlignment, 4);
+    const auto slice = [&](const BufferRange& range, VkDeviceSize bytes, const char* name) {
+        if (bytes == 0) return gpu::Slice{};
+        if (range.buffer == VK_NULL_HANDLE) refuse(std::string("the buffer of ") + name + " is null");
+        if (range.offset % alignment != 0)
+            refuse(std::string("the offset of ") + name + ", " + std::to_string(range.offset) +
+                   ", is not a multiple of " + std::to_string(alignment));
+        return gpu::Slice{range.buffer, range.offset, bytes};
+    };
+    const gpu::Slice scratch = slice(buffers.workspace, sizes.workspace, "workspace");
+    raw_ = slice(buffers.seeds, sizes.seeds, "seeds");
+    weights_ = slice(buffers.weights, sizes.weights, "weights");
+    header_ = slice(buffers.header, sizes.header, "header");
+    gpu::PartOfBuffer workspace(*plan->device, scratch.handle, scratch.offset);
+    seeds_.reserve(workspace, plan->options.most_seeds, plan->images, static_cast<std::uint32_t>(plan->walls.size()),
+                   plan->passes->settings.weights);
+    seeds_.set_walls(plan->walls);
+    cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings);
+    // Passes bind something in place of arrays that are not wanted.
+    const auto wanted = [&](const gpu::Slice& array) { return array ? array : header_; };
+    cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")),
+                        wanted(slice(buffers.areas, sizes.areas, "areas")), plan->entries,
+                        gpu::DeviceCells::window_bits(*plan->device));
+    if (is_periodic(plan->options)) cells_.set_shifts_out(wanted(slice(buffers.shifts, sizes.shifts, "shifts")));
+    outputs_.set(BINDING_HEADER, header_);
+    outputs_.set(BINDING_CELLS, slice(buffers.cells, sizes.cells, "cells"));
+    outputs_.set(BINDING_GEOMETRY_OUT, wanted(slice(buffers.geometry, sizes.geometry, "geometry")));
+    for (const std::uint32_t binding :
+         {BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_GEOMETRY})
+        outputs_.set(binding, cells_.slice(binding));
+    outputs_.set(BINDING_SEED_INPUT, seeds_.seed_input());
+    outputs_.set(BINDING_SEEDS_Y, seeds_.bindings().get(BINDING_SEEDS_Y));
+    // All descriptor sets are made here: a recording of fewer seeds needs no other.
+    record(VK_NULL_HANDLE, {.count = plan->options.most_seeds, .box = {}, .cell = {}, .timestamps = {}});
+}
+
+void detail::FrameState::record(VkCommandBuffer commands, const RecordOptions& options) {
+    recorder_.open(commands);
+    try {
+        record_stages(options);
+    } catch (...) {
+        recorder_.close();
+        throw;
+    }
+    recorder_.close();
+}
+
+void detail::FrameState::record_stages(const RecordOptions& options) {
+    const gpu::Passes& passes = *plan->passes;
+    const auto stamp = [&](std::uint32_t slot) {
+        if (options.timestamps.pool != VK_NULL_HANDLE)
+            recorder_.write_timestamp(options.timestamps.pool, options.timestamps.first + slot);
+    };
+    set_domain(seeds_, *plan, options);
+    seeds_.set_count(options.count == 0 ? 0 : options.count + plan->images);
+    stamp(0);
+    {
+        const auto label = recorder_.label("upload");
+        record_upload(options.count);
+    }
+    stamp(1);
+    {
+        const auto label = recorder_.label("sort");
+        seeds_.record_order(recorder_, passes, KEY_BITS_PER_AXIS);
+        seeds_.record_gather(recorder_, passes);
+    }
+    stamp(2);
+    {
+        const auto label = recorder_.label("knn");
+        seeds_.record_hierarchy(recorder_, passes);
+    }
+    stamp(3);
+    record_cells(options.count);
+    recorder_.barrier_to_all();
+    stamp(4);
+}
+
+void detail::FrameState::record_upload(std::uint32_t count) {
+    const gpu::Passes& passes = *plan->passes;
+    const PlanOptions& options = plan->options;
+    seeds_.record_begin(recorder_, false);
+    recorder_.fill(header_, offsetof(FrameHeader, seeds), 4, count);
+    recorder_.fill(header_, offsetof(FrameHeader, certified), sizeof(FrameHeader) - 4, 0);
+    recorder_.fill(cells_.slice(BINDING_CHUNK_STATE), offsetof(gpu::ChunkState, row_base), 4, 0);
+    recorder_.barrier();
+    const std::uint32_t format = options.format == SeedFormat::float32 ? POINTS_FLOAT32 : POINTS_FLOAT64;
+    seeds_.record_upload(recorder_, passes, {raw_, format, options.stride, true}, 0, count);
+    if (const auto& weights = options.weights)
+        seeds_.record_weights(recorder_, passes, {weights_, format, weights->stride, true, weights->first}, 0, count);
+    if (!plan->walls.empty()) seeds_.record_walls(recorder_, passes, count);
+    if (is_periodic(options)) seeds_.record_images(recorder_, passes, header_, count);
+}
+
+void detail::FrameState::record_cells(std::uint32_t count) {
+    const gpu::Passes& passes = *plan->passes;
+    gpu::ChunkJob job;
+    job.neighbors = plan->options.neighbors;
+    job.walls = plan->options.list_walls;
+    job.volume_tolerance = volume_tolerance;
+    job.own_count = count;
+    for (std::size_t k = 0; k < 3 && plan->options.cell; ++k) {
+        constexpr std::uint64_t rounded = 2 * MOST_STEPS_APART;  // images may be beside their places by less
+        job.bounded |= 9u << k;
+        job.lower[k] = rounded;
+        job.upper[k] = seeds_.extent()[k] - rounded;
+        job.named_from = count;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!plan->options.periodic[k]) continue;
+        job.bounded |= 9u << k;
+        job.upper[k] = seeds_.extent()[k];
+        job.named_from = count;
+    }
+    // Images are sorted among the seeds, and make no cells.
+    for (std::uint32_t first = 0; first < seeds_.count();) {
+        const std::uint32_t cells = std::min(plan->chunk_cells, seeds_.count() - first);
+        cells_.set_job(seeds_, passes.settings, job, first, cells);
+        {
+            const auto label = recorder_.label("knn");
+            cells_.record_knn(recorder_, passes);
+        }
+        {
+            const auto label = recorder_.label("clip");
+            cells_.record_clip(recorder_, passes, true);
+        }
+        const auto label = recorder_.label("download");
+        if (job.neighbors) cells_.record_rows(recorder_, passes);
+        const FramePush push{first,
+                             cells,
+                             plan->entries,
+                             job.neighbors ? 1u : 0u,
+                             plan->options.geometry ? 1u : 0u,
+                             seeds_.units().shift,
+                             count};
+        recorder_.dispatch(*passes.download_cells, outputs_.list(), push_bytes(push), cells);
+        recorder_.barrier();
+        if (job.neighbors) {
+            recorder_.dispatch(passes.download_total, outputs_.list(), push_bytes(push), 1);
+            recorder_.barrier();
+        }
+        first += cells;
+    }
+}
+
+}  // namespace votess::vulkan

@@ -1,0 +1,146 @@
+// votess::vulkan::Plan: checks, pipelines and sizes.
+#include <algorithm>
+
+#include "gpu/frames/frame_domain.hpp"
+#include "input/options.hpp"
+
+namespace votess::vulkan {
+namespace {
+
+using detail::most_of_all;
+using detail::refuse;
+
+constexpr VkDeviceSize geometry_bytes = 16;       // of a cell: vec4
+constexpr std::uint32_t most_walk_visits = 2000;  // a frame waits for its slowest cell; resolve() makes what is left
+
+void check(const HostInstance& host) {
+    if (host.instance == VK_NULL_HANDLE) refuse("the Vulkan instance is null");
+    if (host.get_instance_proc_addr == nullptr) refuse("get_instance_proc_addr is null");
+    if (host.api_version < VK_API_VERSION_1_1)
+        throw Error(ErrorCode::unsupported, "votess needs an instance of Vulkan 1.1 (VkApplicationInfo::apiVersion)");
+}
+
+std::shared_ptr<gpu::vulkan::Instance> adopt(const HostInstance& host, bool debug_utils) {
+    check(host);
+    return gpu::vulkan::Instance::adopt({host.instance, host.get_instance_proc_addr, host.api_version, debug_utils});
+}
+
+void check(const PlanOptions& options) {
+    if (options.most_seeds == 0 || options.most_seeds > most_of_all)
+        refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(most_of_all));
+    if (options.stride < 3) refuse("stride = " + std::to_string(options.stride) + " must be 3 or more numbers");
+    if (options.format != SeedFormat::float32 && options.format != SeedFormat::float64)
+        refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
+               " is neither float32 nor float64");
+    check_k_init(options.k_init);
+    if (options.areas && !options.neighbors) refuse("areas lie beside the rows: neighbors must be wanted too");
+    detail::check_domain(options);
+}
+
+// Arrays that shaders see as wholes.
+void check_range(const gpu::vulkan::Device& device, VkDeviceSize bytes, const char* what, const char* option) {
+    const VkDeviceSize most = device.adapter().limits.maxStorageBufferRange;
+    if (bytes <= most) return;
+    throw Error(ErrorCode::unsupported, std::string("the ") + what + " would take " + gpu::vulkan::bytes_text(bytes) +
+                                            ", more than the " + gpu::vulkan::bytes_text(most) + " that shaders of " +
+                                            device.adapter().name + " can see at once: lower " + option);
+}
+
+}  // namespace
+
+Requirements requirements(const HostInstance& host, VkPhysicalDevice physical_device) {
+    const auto instance = adopt(host, false);
+    if (physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
+    const auto adapter = gpu::vulkan::query_adapter(instance->calls(), physical_device, instance->version());
+    Requirements needs;
+    needs.missing = adapter.missing();
+    needs.queue_family = adapter.queue_family;
+    needs.features.shaderFloat64 = adapter.float64;
+    needs.subgroup_size_control = adapter.subgroup_size_control;
+    if (adapter.portability_subset) needs.extensions.emplace_back("VK_KHR_portability_subset");
+    return needs;
+}
+
+Plan::Plan(const HostDevice& host, const PlanOptions& options) {
+    const auto instance = adopt(host.host, host.debug_utils);
+    check(options);
+    if (host.physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
+    if (host.device == VK_NULL_HANDLE) refuse("the device is null");
+    const auto adapter = gpu::vulkan::query_adapter(instance->calls(), host.physical_device, instance->version());
+    auto state = std::make_shared<detail::PlanState>();
+    state->device = gpu::vulkan::Device::adopt(
+        instance, adapter,
+        {host.device, host.queue_family, host.probe_queue, host.features.shaderFloat64 != VK_FALSE,
+         host.subgroup_size_control, host.pipeline_cache});
+    state->options = options;
+    gpu::vulkan::Device& device = *state->device;
+    gpu::PassSettings settings = gpu::usual_settings(device, options.k_init);
+    settings.measure = options.geometry || options.areas;
+    settings.areas = options.areas;
+    settings.frames = true;
+    settings.weights = options.weights.has_value();
+    settings.walls = !options.walls.empty();
+    settings.tiers[1].ties = !settings.weights && !settings.walls;  // with these nothing decides them
+    settings.most_walk_visits = std::min(settings.most_walk_visits, most_walk_visits);
+    settings.images = detail::is_periodic(options);
+    settings.triclinic = options.cell.has_value();
+    gpu::DeviceSeeds seeds;
+    detail::make_walls(*state);
+    detail::set_domain(seeds, *state, {.count = options.most_seeds});  // refuses what no frame could be
+    state->passes.emplace(device, settings);
+    if (settings.images) state->images = options.most_images != 0 ? options.most_images : detail::usual_images(options);
+    if (state->images > most_of_all)
+        refuse("most_images = " + std::to_string(state->images) + " must be at most " + std::to_string(most_of_all));
+    state->chunk_cells = gpu::usual_chunk(device, settings, options.chunk_size, options.most_seeds);
+
+    const VkDeviceSize n = options.most_seeds;
+    constexpr std::uint32_t usual_row = 20;
+    // Rows are seen through windows, with areas through one.
+    const std::uint64_t most_entries = std::uint64_t{options.areas ? 1u : ROW_WINDOWS}
+                                       << gpu::DeviceCells::window_bits(device);
+    if (options.most_entries > most_entries)
+        throw Error(ErrorCode::unsupported, "most_entries = " + std::to_string(options.most_entries) +
+                                                " is more than the " + std::to_string(most_entries) +
+                                                " that shaders of " + adapter.name + " can reach");
+    state->entries = options.most_entries != 0
+                         ? options.most_entries
+                         : static_cast<std::uint32_t>(std::min(usual_row * std::uint64_t{n}, most_entries));
+    BufferSizes& sizes = state->sizes;
+    const VkDeviceSize number_bytes = options.format == SeedFormat::float32 ? 4 : 8;
+    sizes.seeds = ((n - 1) * options.stride + 3) * number_bytes;
+    if (options.weights)
+        sizes.weights = (options.weights->first + (n - 1) * options.weights->stride + 1) * number_bytes;
+    sizes.header = sizeof(Header);
+    sizes.cells = n * sizeof(Cell);
+    sizes.indices = options.neighbors ? VkDeviceSize{state->entries} * 4 : 0;
+    sizes.geometry = options.geometry ? n * geometry_bytes : 0;
+    sizes.areas = options.areas ? sizes.indices : 0;
+    sizes.shifts = settings.images ? sizes.indices : 0;
+    gpu::PartOfBuffer workspace(device, VK_NULL_HANDLE, 0);
+    seeds.reserve(workspace, options.most_seeds, state->images, static_cast<std::uint32_t>(state->walls.size()),
+                  settings.weights);
+    gpu::DeviceCells().reserve(workspace, state->chunk_cells, settings);
+    sizes.workspace = workspace.bytes();
+    check_range(device, sizes.seeds, "seeds", "most_seeds or stride");
+    check_range(device, sizes.weights, "weights", "most_seeds or stride");
+    check_range(device, sizes.cells, "cells", "most_seeds");
+    check_range(device, sizes.geometry, "geometry", "most_seeds");
+    check_range(device, workspace.largest(), "largest part of the workspace", "most_seeds or chunk_size");
+    state_ = std::move(state);
+}
+
+const BufferSizes& Plan::sizes() const noexcept {
+    return state_->sizes;
+}
+
+const PlanOptions& Plan::options() const noexcept {
+    return state_->options;
+}
+
+Frame Plan::frame(const Buffers& buffers) const {
+    Frame frame;
+    frame.state_ = std::make_shared<detail::FrameState>(state_, buffers);
+    return frame;
+}
+
+}  // namespace votess::vulkan

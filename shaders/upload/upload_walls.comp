@@ -1,0 +1,43 @@
+// upload: takes the coordinates of seeds that lie beyond a wall of any direction. Where rounding leaves open whether one
+// does, no cell is certified.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "clip/wall_distance.glsl"
+#include "invocations/index.glsl"
+#include "numbers/int64.glsl"
+#include "shared/interface.h"
+#include "shared/layout.h"
+
+layout(push_constant) uniform Push { UploadPush push; };
+layout(std430, binding = BINDING_POINTS_X) buffer PointsX { uvec2 points_x[]; };
+layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
+layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
+layout(std430, binding = BINDING_RUN_STATE) buffer State {
+    RunState state;
+    WallPlane walls[];
+};
+
+const uint most_unsure = 4u;  // units
+
+void main() {
+    const uint point = linear_invocation();
+    if (point >= push.count) return;
+    const uvec2 x = points_x[point], y = points_y[point], z = points_z[point];
+    if (x.y == NO_COORDINATE) return;
+    const vec3 place = rough_place(x, y, z);
+    bool beyond = false, unsure = false;
+    // The first six are the faces of the box, against which upload has compared the coordinates as given.
+    for (uint w = 6u; w < uint(walls.length()) && !beyond; ++w) {
+        if (least_wall_distance(walls[w], place) > 0.0) continue;
+        const uvec4 fine = fine_wall_distance(walls[w], x, y, z);
+        const bool negative = is_negative(fine.zw);
+        if (!less64(whole_wall_distance(negative ? negate128(fine) : fine), uvec2(most_unsure, 0u)))
+            beyond = negative;
+        else
+            unsure = true;
+    }
+    if (beyond)
+        points_x[point] = points_y[point] = points_z[point] = uvec2(NO_COORDINATE);
+    else if (unsure)
+        atomicOr(state.incomplete, 1u);
+}
