@@ -89,7 +89,7 @@ enum class SeedFormat : std::uint32_t { float32 = 0, float64 = 1 };
 // with another one, or one that is not a number, gets status `outside` and no cell. These may differ by four times the
 // square of the box's longest side; a seed that is lighter than another one by more than the box's squared diagonal,
 // which is less, has no cell anyway. The nearer they are, the finer weights are told apart: what is finer than 2^-61 of
-// their difference leaves cells unresolved, never wrong.
+// their difference may leave cells unresolved.
 struct WeightOptions {
     double least = 0, largest = 0;
     // Numbers of PlanOptions::format from one weight to the next, and before the first one. With `stride` 4 and `first`
@@ -112,7 +112,8 @@ struct PlanOptions {
     std::optional<WeightOptions> weights{};  // not with walls, of which no device clips the cells too
     // A convex polyhedron, as Options::walls: walls of any direction that cut the box, which may not be periodic or
     // change from frame to frame. Rows list them as -7, -8, ... in this order. Seeds beyond one get status `outside`;
-    // all cells stay unresolved where a seed is so near to one, 2^-59 of the box's size, that it may be on either side.
+    // all cells stay unresolved where a seed is so near to one, 2^-58 of the longest side, that it may be on either
+    // side.
     std::vector<Wall> walls{};
     // Length, at most 0.99 sides count; 0 = 3.4 mean distances between seeds, with weights up to twice as much.
     double margin = 0;
