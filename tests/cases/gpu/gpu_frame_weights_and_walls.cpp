@@ -273,6 +273,13 @@ TEST_SUITE("cases") {
             whole.outside = votess::Outside::drop;
             const auto t = votess::tessellate(std::span<const double>(set.points), whole);
             CHECK(compare(collect<float>(plan, target, n), t) == "");
+            for (std::size_t i = 0; i < n; ++i) {
+                const Cell& cell = target.cell(n)[i];
+                const auto expected = t.face_areas().subspan(static_cast<std::size_t>(t.indptr()[i]));
+                for (std::size_t e = 0; e < cell.row_length; ++e)
+                    CHECK(target.areas.as<float>()[cell.row_begin + e] ==
+                          doctest::Approx(expected[e]).epsilon(1e-4).scale(0.1));
+            }
         }
     }
 
