@@ -109,11 +109,10 @@ struct PlanOptions {
     // cells for which that matters stay unresolved. All cells do where a seed is so near to a face that it may be on
     // either side of it.
     std::optional<TriclinicBox> cell{};
-    std::optional<WeightOptions> weights{};  // not with walls, of which no device clips the cells too
+    std::optional<WeightOptions> weights{};
     // A convex polyhedron, as Options::walls: walls of any direction that cut the box, which may not be periodic or
     // change from frame to frame. Rows list them as -7, -8, ... in this order. Seeds beyond one get status `outside`;
-    // all cells stay unresolved where a seed is so near to one, 2^-58 of the longest side, that it may be on either
-    // side.
+    // all cells stay unresolved where one is so near to it, 2^-58 of the longest side, that it may be on either side.
     std::vector<Wall> walls{};
     // Length, at most 0.99 sides count; 0 = 3.4 mean distances between seeds, with weights up to twice as much.
     double margin = 0;
@@ -254,8 +253,8 @@ public:
     // Throws Error: invalid_argument, also for a cell beside a box or periodic axes, areas without neighbors, walls in
     // a periodic box or that leave nothing of it; unsupported (limits of the device, a periodic box with bounds of very
     // different size such as 1e-30 and 1, a cell that leans or is thin so much that images lie more than three edges
-    // away, or that does not repeat along all edges, weights that differ too much, weights and walls together; the
-    // message says which); out_of_memory, device_lost.
+    // away, or that does not repeat along all edges, weights that differ too much; the message says which);
+    // out_of_memory, device_lost.
     Plan(const HostDevice& device, const PlanOptions& options);
 
     [[nodiscard]] const BufferSizes& sizes() const noexcept;

@@ -30,10 +30,6 @@ void check_walls(const PlanOptions& options) {
     if (options.cell) refuse("walls and cell are both given: walls go with a box");
     if (is_periodic(options))
         refuse("walls and a periodic domain are both given: walls go with a box that is not periodic");
-    if (options.weights)
-        throw Error(ErrorCode::unsupported,
-                    "walls and weights are both given: no device clips both, so that recorded frames would leave every "
-                    "cell to resolve(); use tessellate()");
 }
 
 // How far around a box seeds get images, by the mean distance between seeds: those beyond cut few cells.

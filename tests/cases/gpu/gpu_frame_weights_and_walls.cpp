@@ -229,19 +229,22 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("gpu frame: walls, two frames in flight with moving seeds") {
+    TEST_CASE("gpu frame: walls, without and with weights, two frames in flight with moving seeds") {
         const std::size_t n = test::by_size(400, 150);
-        for (const bool by_subgroup : {false, true}) {
+        for (const bool with_weights : {false, true}) {
             PlanOptions options = plan_options(n, test::unit_box());
             options.list_walls = true;
             options.walls =
-                by_subgroup ? std::vector<votess::Wall>{{{1, 0.3, 0.2}, 0.9}, {{1, 1, 1}, 3}} : octahedron();
+                with_weights ? std::vector<votess::Wall>{{{1, 0.3, 0.2}, 0.9}, {{1, 1, 1}, 3}} : octahedron();
+            if (with_weights) options.weights = WeightOptions{0, 0.04};
+            const bool by_subgroup = with_weights;
             const Outcome outcome = in_flight(options, by_subgroup, [&](Random& random) {
-                Moving moving;
-                for (std::size_t i = 0; i < 3 * n; ++i) moving.set.points.push_back(random.uniform());
+                Moving moving = balls(random, n, 0.2);
+                if (!with_weights) moving.weights.clear();
                 return moving;
             });
             CHECK(outcome.left <= 0.05);
+            CHECK((outcome.empty > 0) == with_weights);
         }
     }
 
@@ -300,9 +303,6 @@ TEST_SUITE("cases") {
         CHECK(code_of([](PlanOptions& o) { o.weights = WeightOptions{0, 100}; }) == ErrorCode::unsupported);
         const votess::Wall wall{{1, 1, 1}, 1};
         CHECK(code_of([&](PlanOptions& o) { o.walls = {wall}, o.periodic[1] = true; }) == ErrorCode::invalid_argument);
-        CHECK(code_of([&](PlanOptions& o) {
-                  o.walls = {wall}, o.weights = WeightOptions{0, 1};
-              }) == ErrorCode::unsupported);
         CHECK(code_of([&](PlanOptions& o) {
                   o.walls = {wall}, o.box = {};
                   o.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
