@@ -16,6 +16,27 @@
 using namespace test::frame;
 using test::PointSet;
 
+namespace {
+
+// Against all cells.
+void check_resolved(const Resolved& some, const std::vector<Cell>& cells, const votess::Tessellation& t) {
+    std::size_t r = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (cells[i].status != static_cast<std::uint32_t>(CellStatus::needs_exact)) continue;
+        REQUIRE(r < some.cells.size());
+        REQUIRE(some.cells[r] == i);
+        const auto length = static_cast<std::size_t>(some.indptr[r + 1] - some.indptr[r]);
+        CHECK(some.status[r] == t.status()[i]);
+        CHECK(std::ranges::equal(std::span(some.indices).subspan(static_cast<std::size_t>(some.indptr[r]), length),
+                                 t.neighbors(i)));
+        CHECK(some.volumes[r] == doctest::Approx(t.volumes()[i]).epsilon(1e-13));
+        ++r;
+    }
+    CHECK(r == some.cells.size());
+}
+
+}  // namespace
+
 TEST_SUITE("cases") {
     TEST_CASE("gpu frame: triclinic boxes, two frames in flight with moving seeds") {
         Host host;
@@ -203,20 +224,52 @@ TEST_SUITE("cases") {
                     cells[i].status = static_cast<std::uint32_t>(CellStatus::needs_exact);
                     ++left;
                 }
-                const Resolved some = plan.resolve(std::span<const double>(set.points), cells);
                 REQUIRE(left > 5);
-                REQUIRE(some.cells.size() == left);
-                for (std::size_t r = 0; r < left; ++r) {
-                    const std::size_t i = some.cells[r];
-                    CHECK(cells[i].status == static_cast<std::uint32_t>(CellStatus::needs_exact));
-                    CHECK(some.status[r] == t.status()[i]);
-                    CHECK(
-                        std::ranges::equal(std::span(some.indices)
-                                               .subspan(static_cast<std::size_t>(some.indptr[r]),
-                                                        static_cast<std::size_t>(some.indptr[r + 1] - some.indptr[r])),
-                                           t.neighbors(i)));
-                    CHECK(some.volumes[r] == doctest::Approx(t.volumes()[i]).epsilon(1e-13));
-                }
+                check_resolved(plan.resolve(std::span<const double>(set.points), cells), cells, t);
             }
+    }
+
+    TEST_CASE("gpu frame: few cells with weights or between walls are resolved from the seeds near them") {
+        Host host;
+        for (const unsigned kind : {0u, 1u, 2u}) {
+            CAPTURE(kind);
+            const bool with_walls = kind == 2;
+            PointSet set = test::uniform(10000, 24);
+            set.box.reset();
+            PlanOptions options = options_for(set);
+            options.box = test::unit_box();
+            options.periodic[0] = kind == 1;
+            options.list_walls = true;
+            std::vector<double> weights;
+            if (with_walls) {
+                options.walls = {{{1, 1, 0}, 1.1}, {{-1, 0.2, 0.5}, 0.6}};
+            } else {
+                options.weights = WeightOptions{0, 0.1};
+                test::Random random(25);
+                for (std::size_t i = 0; i < set.size(); ++i) weights.push_back(random.uniform(0, 1e-3));
+                weights[0] = 0.1;  // which reaches far
+                std::fill_n(set.points.begin(), 3, 1e-3);
+            }
+            const Plan plan(host.device(), options);
+            const auto t = on_cpu(set, options, weights);
+            // All near each other, or there would be no place far from them.
+            std::vector<Cell> cells(set.size());
+            std::size_t left = 0;
+            const double* near = nullptr;
+            for (std::size_t i = 0; i < set.size(); ++i) {
+                cells[i].status = static_cast<std::uint32_t>(t.status()[i]);
+                const double* const x = set.points.data() + 3 * i;
+                const bool chosen = with_walls ? cells[i].status == 0
+                                               : i > 0 && x[0] > 0.29 && std::ranges::count(t.neighbors(i), 0) > 0;
+                if (!chosen || left == 6) continue;
+                if (near == nullptr) near = x;
+                if (std::hypot(x[0] - near[0], x[1] - near[1], x[2] - near[2]) > 0.05) continue;
+                cells[i].status = static_cast<std::uint32_t>(CellStatus::needs_exact);
+                ++left;
+            }
+            REQUIRE(left > 1);
+            check_resolved(plan.resolve(std::span<const double>(set.points), std::span<const double>(weights), cells),
+                           cells, t);
+        }
     }
 }
