@@ -4,7 +4,6 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "gpu/passes/kernel_choice.hpp"
@@ -79,9 +78,8 @@ void GpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
         }
         clock.share_clip(device_seconds_.knn, device_seconds_.clip, device_seconds_.download);
     } else {
-        pending_.resize(job_.points.count());
-        std::iota(pending_.begin(), pending_.end(), 0);
-        pending_why_.assign(pending_.size(), &FallbackReasons::domain);
+        for (std::size_t i = 0; i < job_.points.count(); ++i)
+            pending_.add(static_cast<std::int32_t>(i), &FallbackReasons::domain);
     }
     clock.enter(&StageSeconds::fallback);
     clip_pending(clipping.end);
@@ -94,9 +92,7 @@ void GpuEngine::begin(const Job& job) {
     progress_ = Progress(job.options.progress);
     progress_.report(0);
     device_seconds_ = {};
-    pending_.clear();
-    pending_why_.clear();
-    reasons_ = {};
+    pending_.reset();
     duplicates_ = false;
     done_cells_ = 0;
     part_ = {};
@@ -284,10 +280,7 @@ void GpuEngine::collect(const Chunk& chunk, Schedule& schedule) {
     const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
     left_.clear();
     const LeftCells found = find_left_cells(chunk.info(), order, clipper_.pool(), left_);
-    for (const LeftCell& cell : left_) {
-        pending_.push_back(input_of(cell.member));
-        pending_why_.push_back(cell.reason);
-    }
+    for (const LeftCell& cell : left_) pending_.add(input_of(cell.member), cell.reason);
     const std::size_t own = chunk.count() - found.beside;
     done_cells_ += own;
     download_.set_entries(chunk.entries());
@@ -336,19 +329,14 @@ void GpuEngine::leave_to_cpu(std::uint32_t first, std::uint32_t count) {
         if ((member & INDEX_MASK) >= part_.own_count) continue;
         ++done_cells_;
         if ((member & DUPLICATE_BIT) != 0) continue;
-        pending_.push_back(input_of(member));
-        pending_why_.push_back(&FallbackReasons::skipped);
+        pending_.add(input_of(member), &FallbackReasons::skipped);
     }
 }
 
 void GpuEngine::clip_pending(double progress) {
     if (pending_.empty()) return;
     const StageClock::Within fallback(*clock_, &StageSeconds::fallback);
-    clipper_.clip(pending_, result_, {progress, progress});
-    for (std::size_t k = 0; k < pending_.size(); ++k)
-        if (clipper_.takes(pending_[k])) ++(reasons_.*pending_why_[k]);
-    pending_.clear();
-    pending_why_.clear();
+    pending_.clip(clipper_, result_, {progress, progress});
 }
 
 void GpuEngine::finish(detail::Result& result) {
@@ -358,7 +346,7 @@ void GpuEngine::finish(detail::Result& result) {
     if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
     result.stats.device = device_->adapter().name;
-    result.stats.fallback_reasons = reasons_;
+    result.stats.fallback_reasons = pending_.reasons();
     result.stats.precision = device_clips_ && !lists_only_ ? job_.options.precision : Precision::double_;
     clipper_.end();
     check_messages();

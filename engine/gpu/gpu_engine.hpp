@@ -12,6 +12,7 @@
 #include "gpu/chunk.hpp"
 #include "gpu/download/part_download.hpp"
 #include "gpu/passes/passes.hpp"
+#include "gpu/pending_cells.hpp"
 #include "gpu/seeds/parts.hpp"
 #include "gpu/seeds/seed_store.hpp"
 #include "result/result_builder.hpp"
@@ -51,10 +52,10 @@ private:
     void collect(const Chunk& chunk, Schedule& schedule);
     // Takes over the cells that are on the device. all_cells: no others come, but for the CPU's.
     void take_batch(bool all_cells);
-    // How many cells the next chunk should have, by the time that this one took; on the host's clock, it took at most
-    // host_seconds.
     // Cells left to the CPU that may have ties of small whole numbers.
     [[nodiscard]] std::size_t uncertain_cells(const Chunk& chunk) const;
+    // How many cells the next chunk should have, by the time that this one took; on the host's clock, it took at most
+    // host_seconds.
     [[nodiscard]] std::uint32_t paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const;
     void leave_to_cpu(std::uint32_t first, std::uint32_t count);
     void clip_pending(double progress);
@@ -88,14 +89,12 @@ private:
     std::optional<Parts> parts_;
     std::optional<PeriodicPart> periodic_;
     Part part_;
-    Box box_;                                                    // of all parts
-    FallbackReasons reasons_;                                    // of all that were pending
-    bool device_clips_ = true;                                   // else the exact clipper takes all cells
-    bool duplicates_ = false;                                    // there are some, or there may be
-    std::vector<std::int32_t> pending_;                          // cells (input index) for the CPU
-    std::vector<std::uint64_t FallbackReasons::*> pending_why_;  // beside these
-    std::vector<LeftCell> left_;                                 // of the chunk being collected
-    bool lists_only_ = false;  // the device gives lists, and the CPU's clipper makes the cells from them
+    Box box_;                   // of all parts
+    bool device_clips_ = true;  // else the exact clipper takes all cells
+    bool duplicates_ = false;   // there are some, or there may be
+    PendingCells pending_;
+    std::vector<LeftCell> left_;  // of the chunk being collected
+    bool lists_only_ = false;     // the device gives lists, and the CPU's clipper makes the cells from them
     std::size_t done_cells_ = 0;
     StageClock* clock_ = nullptr;  // of the run
     Chunk::Seconds device_seconds_;

@@ -253,7 +253,13 @@ TEST_SUITE("cases") {
         weighted.radii = radii;
         CHECK(device_of(weighted) == gpu.adapter.name);
         weighted.walls = walls.walls;
-        CHECK(device_of(weighted) == "cpu");
+        CHECK(device_of(weighted) == gpu.adapter.name);
+        // A box along the axes around it would be full of images.
+        Options oblique;
+        oblique.device = "auto";
+        oblique.cell = votess::TriclinicBox{{0, 0, 0}, {100, 100, 100}, {1, -1, 0}, {1, 1, -2}, {true, true, true}};
+        const PointSet few = test::uniform(100, 33);
+        CHECK(votess::run_on(engines, {few.points, {}}, oblique).stats.device == "cpu");
     }
 
     TEST_CASE("gpu: cancelled at the beginning, in between and at the end, then used again") {
