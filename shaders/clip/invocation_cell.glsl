@@ -103,7 +103,8 @@ void start_cell(real wall[6]) {
 }
 
 #ifdef DECIDES_TIES
-// Decides on the vertices that the filter leaves; true when any of them is outside.
+// Decides on the vertices that the filter leaves; true when any of them is outside. Of equal seeds the first has the cell:
+// where some may not be marked the CPU has to find it.
 bool decide_exactly() {
     bool cuts = false;
     for (int w = 0; w < vertex_words; ++w)
@@ -111,7 +112,7 @@ bool decide_exactly() {
             const uint planes = vertex_planes[32 * w + findLSB(rest)];
             const int side = exact_side(plane_id[plane_of(planes, 0)], plane_id[plane_of(planes, 1)],
                                         plane_id[plane_of(planes, 2)], tested_id);
-            if (side == side_unknown) status = STATUS_NEEDS_EXACT;
+            if (side == side_unknown || state.suspects != 0u) status = STATUS_NEEDS_EXACT;
             if (side == 0) met_tie = true;
             if (side != 1) continue;
             killed[w] |= rest & (0u - rest);

@@ -142,9 +142,10 @@ void start_cell() {
 }
 
 #ifdef DECIDES_TIES
-// Decides on vertices of this lane that the filter is not sure of; false when that is not possible.
+// Decides on vertices of this lane that the filter is not sure of; false when that is not possible. Of equal seeds the
+// first has the cell: where some may not be marked the CPU has to find it.
 bool decide_exactly(uint undecided, int id) {
-    bool decided = true;
+    bool decided = undecided == 0u || state.suspects == 0u;
     [[dont_unroll]] for (; undecided != 0u; undecided &= undecided - 1u) {
         uint planes = 0u;
         [[unroll]] for (int s = 0; s < slots; ++s)

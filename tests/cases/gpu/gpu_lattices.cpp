@@ -25,6 +25,14 @@ PointSet one_period(PointSet set) {
     return set;
 }
 
+// Coordinates of float32 in clusters far smaller than their steps: whole numbers of steps, and many equal seeds in one
+// block of the curve that seeds are sorted along, so that the device does not mark them all.
+PointSet crowded_steps() {
+    PointSet set = test::nested_clusters(500, 63);
+    for (double& x : set.points) x = static_cast<float>(x);
+    return set;
+}
+
 struct Case {
     PointSet set;
     bool periodic = false;
@@ -77,6 +85,10 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu lattices: where coordinates are no small numbers the CPU decides") {
         check_on_device({{test::cubic(8, 1.0 / 3), false, 1}, {test::jittered(8, 1e-12, 3), false, 1}});
+    }
+
+    TEST_CASE("gpu lattices: equal seeds that the device has not marked") {
+        check_on_device({{crowded_steps(), false, 1}});
     }
 
     TEST_CASE("gpu lattices: many seeds on spheres of whole numbers, lines and planes") {
