@@ -143,8 +143,7 @@ inline constexpr VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFE
 // very many seeds one may be larger than the device allocates at once (maxMemoryAllocationSize, 4 GiB with some
 // drivers): such a buffer needs sparse binding.
 struct BufferSizes {
-    VkDeviceSize seeds = 0;    // read: x y z, `stride` numbers of `format` apart; ends with the last z
-    VkDeviceSize weights = 0;  // read: WeightOptions::stride numbers apart; ends with the last weight
+    VkDeviceSize seeds = 0;  // read: x y z, `stride` numbers of `format` apart; ends with the last z
     // Nothing to be found in it; device-local. At most 90 bytes a seed or place for an image, 18 more with weights, 56
     // a wall, and 900 a cell of the chunk (PlanOptions), so that with all arrays 1e8 seeds take some 22 GB.
     VkDeviceSize workspace = 0;
@@ -159,6 +158,7 @@ struct BufferSizes {
     // Periodic: beside each entry of indices 4 int8, its shift (sx, sy, sz) and 0: as Tessellation::shifts(). Rows are
     // ordered by id, then shift.
     VkDeviceSize shifts = 0;
+    VkDeviceSize weights = 0;  // read: WeightOptions::stride numbers apart; ends with the last weight
 };
 
 // How the frame came out, on the GPU; word for word as here.
@@ -183,7 +183,7 @@ struct Cell {
 };
 
 struct Buffers {
-    BufferRange seeds{}, weights{}, workspace{}, header{}, cells{}, indices{}, geometry{}, areas{}, shifts{};
+    BufferRange seeds{}, workspace{}, header{}, cells{}, indices{}, geometry{}, areas{}, shifts{}, weights{};
 };
 
 // Where to note times: `slots` consecutive queries of a timestamp pool from `first` on, which the program has reset.

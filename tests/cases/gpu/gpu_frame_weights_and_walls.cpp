@@ -155,12 +155,12 @@ TEST_SUITE("cases") {
         Target target(host, plan);
         // Seeds and weights in one buffer.
         target.frame = plan.frame({.seeds = {target.weights.handle()},
-                                   .weights = {target.weights.handle()},
                                    .workspace = {target.workspace.handle()},
                                    .header = {target.header.handle()},
                                    .cells = {target.cells.handle()},
                                    .indices = {target.indices.handle()},
-                                   .geometry = {target.geometry.handle()}});
+                                   .geometry = {target.geometry.handle()},
+                                   .weights = {target.weights.handle()}});
         Random random(8);
         const auto both = target.weights.as<float>();
         for (std::size_t i = 0; i < both.size(); ++i)

@@ -61,14 +61,14 @@ struct Target {
         areas = visible(sizes.areas);
         shifts = visible(sizes.shifts);
         frame = plan.frame({.seeds = {seeds.handle()},
-                            .weights = {weights.handle()},
                             .workspace = {workspace.handle()},
                             .header = {header.handle()},
                             .cells = {cells.handle()},
                             .indices = {indices.handle()},
                             .geometry = {geometry.handle()},
                             .areas = {areas.handle()},
-                            .shifts = {shifts.handle()}});
+                            .shifts = {shifts.handle()},
+                            .weights = {weights.handle()}});
     }
 
     template <class Real>
