@@ -62,7 +62,10 @@ public:
         std::size_t count = 0;
         double heaviest = -std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < cells_.size(); ++i) {
-            if (is_there(cells_[i].status)) ++count, heaviest = std::max(heaviest, weight(i));
+            if (is_there(cells_[i].status)) {
+                ++count;
+                heaviest = std::max(heaviest, weight(i));
+            }
             if (is_unresolved(cells_[i].status)) open.push_back({i, open.size(), 0});
         }
         made_.resize(open.size());

@@ -11,18 +11,8 @@ namespace votess::gpu {
 namespace {
 
 constexpr double margin_spacings = 4;                  // of the mean distance between seeds
-constexpr double most_heavier = 8;                     // in squares of half of that, where images by weight end
 constexpr double most_shifts = 1000;                   // tried for each seed
 constexpr double most_images = 16, few_members = 1e5;  // images for each seed, where seeds are not few
-
-// How far around the domain images count: the farthest seed that cuts a cell whose vertices are within two spacings of
-// its own. Much heavier ones leave few cells.
-double margin_of(const Domain& domain, double spacing) {
-    const double radius = 0.5 * margin_spacings * spacing;
-    if (!domain.has_weights()) return 2 * radius;
-    const double heavier = domain.largest_weight - domain.least_weight;
-    return radius + std::sqrt(radius * radius + std::min(heavier, most_heavier * radius * radius));
-}
 
 // The bounds of the cell that a basis spans at the domain's origin.
 Box box_of_cell(const Job& job, const Basis& basis) {
@@ -70,6 +60,11 @@ FractionRange fractions_of(const Domain& domain, const Basis& basis, const Box& 
     return range;
 }
 
+double image_margin(double radius, double heavier) {
+    constexpr double most_heavier = 8;  // squares of the radius: seeds heavier than that leave few cells
+    return radius + std::sqrt(radius * radius + std::min(heavier, most_heavier * radius * radius));
+}
+
 Box device_box(const Job& job) {
     if (!has_device_walls(*job.domain)) return job.box;
     Box box = job.box;
@@ -81,7 +76,8 @@ std::optional<ImageRange> image_range(const Job& job) {
     const Domain& domain = *job.domain;
     const auto count = static_cast<double>(std::max<std::size_t>(seeds_inside(job), 1));
     const double spacing = std::cbrt(domain.volume / count);
-    const double margin = std::min(margin_of(domain, spacing), 2 * domain.covering_radius) / job.scale;
+    const double usual = image_margin(0.5 * margin_spacings * spacing, domain.largest_weight - domain.least_weight);
+    const double margin = std::min(usual, 2 * domain.covering_radius) / job.scale;
     ImageRange range;
     range.basis = domain.skewed ? &domain.reduced : &domain.edges;
     range.box = box_of_cell(job, *range.basis);

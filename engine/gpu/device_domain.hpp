@@ -23,13 +23,17 @@ struct ImageRange {
     FractionRange fractions;  // of the box
 };
 
+// How far around a domain images count: as far as the farthest seed that cuts a cell whose vertices are within the
+// radius of its own seed, and heavier than that by at most so much.
+[[nodiscard]] double image_margin(double radius, double heavier);
+
 // Returns nothing when images would be many times the seeds: in long cells that lie across the axes.
 std::optional<ImageRange> image_range(const Job& job);
 
 // The device's box of a domain that is not periodic.
 Box device_box(const Job& job);
 
-// All domains but such periodic ones; in those with walls of any direction, seeds that weigh the same.
+// All domains but such periodic ones, and those whose weights differ too much for their size.
 bool device_clips(const Job& job);
 
 }  // namespace votess::gpu

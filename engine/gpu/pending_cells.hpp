@@ -21,7 +21,7 @@ public:
     void clip(ExactClipper& clipper, ResultBuilder& result, const Share& share);
 
     [[nodiscard]] bool empty() const { return cells_.empty(); }
-    // Of all that were clipped; duplicates do not count.
+    // Counts all that were clipped, but no duplicates.
     [[nodiscard]] const FallbackReasons& reasons() const { return counts_; }
 
 private:

@@ -194,12 +194,9 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
     return bounds;
 }
 
+// Seeds that are outside have no say in the range.
 void take_weights(const Job& job, Domain& domain) {
     domain.weights = scaled_weights(job.options, job.points.count(), "points", job.scale, job.points.first);
-}
-
-// Seeds outside have a say in nothing.
-void find_range_of_weights(const Job& job, Domain& domain) {
     bool any = false;
     for (std::size_t i = 0; i < domain.weights.size(); ++i) {
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
@@ -276,9 +273,8 @@ void make_domain(Job& job) {
         *domain = box_domain(scaled(job.box, job.scale), job.options.periodic);
         job.box_volume = volume_of(job.box);
     }
-    take_weights(job, *domain);
     take_walls(job, *domain);
-    find_range_of_weights(job, *domain);
+    take_weights(job, *domain);
     job.domain = std::move(domain);
 }
 

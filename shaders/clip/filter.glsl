@@ -39,11 +39,11 @@ real quantum;
 real weight_quantum;  // 0 unless a weight was rounded
 real most_heavier;    // A over all seeds
 
-// In units: what coordinates and walls that were rounded move a plane by (clip/wall_distance.glsl). Rounded vectors of a lattice
-// put an image half a unit beside its place for each step, that is at most MOST_STEPS_APART / 2, times sqrt(3).
+// In units: what coordinates and walls that were rounded move a plane by (clip/wall_distance.glsl). Rounded vectors of a
+// lattice put an image half a unit beside its place for each step, that is at most MOST_STEPS_APART / 2, times sqrt(3).
 float quantum_in_units(uint lossy) {
     if ((lossy & LOSSY_IMAGES) != 0u) return float(MOST_STEPS_APART);
-    return lossy == 0u ? 0.0 : ((lossy & LOSSY_WALLS) != 0u ? 4.0 : 2.0);
+    return lossy == 0u ? 0.0 : ((lossy & LOSSY_WALLS) != 0u ? float(MOST_WALL_ERROR) : 2.0);
 }
 
 struct Plane {

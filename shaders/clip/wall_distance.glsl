@@ -2,7 +2,7 @@
 //
 // The distance d - n.x cancels, so it is taken from whole numbers: n is right to 2^-63 an axis, which with coordinates below
 // 2^62 changes n.x by at most 1.5 units; the distance is rounded to half a unit; and coordinates that were rounded down
-// change it by sqrt(3) units. That is less than 4 units together.
+// change it by sqrt(3) units. That is less than MOST_WALL_ERROR together.
 #ifndef VOTESS_CLIP_WALL_DISTANCE_GLSL
 #define VOTESS_CLIP_WALL_DISTANCE_GLSL
 

@@ -1,5 +1,5 @@
-// Walls of any direction as planes of a cell. The seed's distance is right to less than the 4 units that `quantum` has in
-// a run with walls (clip/wall_distance.glsl). As the seed lies within its walls, a distance below 0 is 0.
+// Walls of any direction as planes of a cell. The seed's distance is right to less than MOST_WALL_ERROR, which
+// `quantum` has in a run with walls (clip/wall_distance.glsl). As the seed lies within its walls, a distance below 0 is 0.
 #ifndef VOTESS_CLIP_WALLS_GLSL
 #define VOTESS_CLIP_WALLS_GLSL
 

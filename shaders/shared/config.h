@@ -16,7 +16,8 @@
 #define LOSSY_WALLS 4u    // their places have been rounded
 #define LOSSY_IMAGES 16u  // vectors of a triclinic box have been rounded
 
-#define WALL_BITS 62  // normals of walls of any direction are right to half of 2^-WALL_BITS
+#define MOST_WALL_ERROR 4  // units, of the distance to a wall of any direction (clip/wall_distance.glsl)
+#define WALL_BITS 62       // normals of walls of any direction are right to half of 2^-WALL_BITS
 
 // Triclinic boxes of frames: bits of a fraction behind the point; the most steps along the edges, in sum, that lie
 // between a seed and what bounds its cell.
@@ -44,7 +45,8 @@
 #define MOST_LEVELS 12
 #define UNBOUNDED 3.0e38  // beyond all squared distances, which are below 2^126 units
 
-// A seed that another one equals: no coordinate is this large. The y of one that is lighter than that is 0.
+// Stands for the coordinates of a seed that gives way to another one at its place; none is this large. Where it does so
+// because it is lighter, and not as a duplicate, its y is 0.
 #define NO_COORDINATE 0xffffffffu
 #define DUPLICATE_BIT 0x80000000u  // in the input index of a sorted seed
 #define INDEX_MASK 0x7fffffffu

@@ -17,8 +17,6 @@ layout(std430, binding = BINDING_RUN_STATE) buffer State {
     WallPlane walls[];
 };
 
-const uint most_unsure = 4u;  // units
-
 void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
@@ -31,7 +29,7 @@ void main() {
         if (least_wall_distance(walls[w], place) > 0.0) continue;
         const uvec4 fine = fine_wall_distance(walls[w], x, y, z);
         const bool negative = is_negative(fine.zw);
-        if (!less64(whole_wall_distance(negative ? negate128(fine) : fine), uvec2(most_unsure, 0u)))
+        if (!less64(whole_wall_distance(negative ? negate128(fine) : fine), uvec2(MOST_WALL_ERROR, 0u)))
             beyond = negative;
         else
             unsure = true;

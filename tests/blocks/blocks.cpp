@@ -76,9 +76,7 @@ TEST_CASE("blocks: triclinic boxes, weights and walls") {
 
         options = options_of(set);
         options.outside = votess::Outside::drop;
-        for (const double x : {-1., 1.})
-            for (const double y : {-1., 1.})
-                for (const double z : {-1., 1.}) options.walls.push_back({{x, y, z}, 0.6 + 0.5 * (x + y + z)});
+        options.walls = test::octahedron(0.6);
         check(set, options);
     }
 }

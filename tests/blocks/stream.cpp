@@ -121,9 +121,7 @@ TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") 
         options = options_of(set);
         options.box.reset();
         options.outside = votess::Outside::drop;
-        for (const double x : {-1., 1.})
-            for (const double y : {-1., 1.})
-                for (const double z : {-1., 1.}) options.walls.push_back({{x, y, z}, 0.6 + 0.5 * (x + y + z)});
+        options.walls = test::octahedron(0.6);
         check(set, options);
     }
 }

@@ -73,9 +73,7 @@ inline std::vector<Input> all_inputs() {
     }
     Input octahedron = input_of(uniform(1500, 9), ", octahedron");
     octahedron.options.outside = votess::Outside::drop;
-    for (const double x : {-1., 1.})
-        for (const double y : {-1., 1.})
-            for (const double z : {-1., 1.}) octahedron.options.walls.push_back({{x, y, z}, 0.6 + 0.5 * (x + y + z)});
+    octahedron.options.walls = test::octahedron(0.6);
     all.push_back(octahedron);
     return all;
 }

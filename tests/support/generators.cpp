@@ -71,6 +71,14 @@ votess::Box cube(double lower, double upper) {
     return {{lower, lower, lower}, {upper, upper, upper}};
 }
 
+std::vector<votess::Wall> octahedron(double size) {
+    std::vector<votess::Wall> walls;
+    for (const double x : {-1., 1.})
+        for (const double y : {-1., 1.})
+            for (const double z : {-1., 1.}) walls.push_back({{x, y, z}, size + 0.5 * (x + y + z)});
+    return walls;
+}
+
 PointSet uniform(std::size_t n, std::uint64_t seed) {
     Random random(seed);
     PointSet set{"uniform", {}, unit_box()};

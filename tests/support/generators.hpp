@@ -25,6 +25,9 @@ inline votess::Box unit_box() {
     return cube(0, 1);
 }
 
+// The eight walls of an octahedron around the middle of the unit box, whose corners are `size` away from it.
+std::vector<votess::Wall> octahedron(double size);
+
 // Random points.
 PointSet uniform(std::size_t n, std::uint64_t seed);
 PointSet clustered(std::size_t n, std::uint64_t seed);        // 50 normal clusters, sigma 0.01 .. 0.05, unit box

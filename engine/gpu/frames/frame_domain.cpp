@@ -12,7 +12,6 @@ namespace votess::vulkan::detail {
 namespace {
 
 constexpr double margin_spacings = 3.4;  // of the mean distance between seeds: most uniform cells need less
-constexpr double most_heavier = 8;       // in squares of half of that, where images by weight end
 
 void check_cell(const TriclinicBox& cell) {
     if (cell.periodic != std::array{true, true, true})
@@ -35,9 +34,8 @@ void check_walls(const PlanOptions& options) {
 // How far around a box seeds get images, by the mean distance between seeds: those beyond cut few cells.
 double margin_of(const PlanOptions& options, double spacing) {
     if (options.margin > 0) return options.margin;
-    const double radius = 0.5 * margin_spacings * spacing;
     const double heavier = options.weights ? options.weights->largest - options.weights->least : 0;
-    return radius + std::sqrt(radius * radius + std::min(heavier, most_heavier * radius * radius));
+    return gpu::image_margin(0.5 * margin_spacings * spacing, heavier);
 }
 
 double margin_of(const PlanOptions& options, const Box& box, std::uint32_t count) {

@@ -16,7 +16,7 @@ static_assert(squared_diagonal < most_more && most_more < most_span);
 int squared_units(const Units& units, double scale) {
     return 2 * (units.shift - std::ilogb(scale));
 }
-// Of these sides, as a weight.
+// Returns so many squares of a side of 2^COORDINATE_BITS units as a weight.
 double squares(double sides, int in_squares) {
     return std::ldexp(sides, 2 * COORDINATE_BITS - in_squares);
 }

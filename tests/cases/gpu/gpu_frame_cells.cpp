@@ -18,7 +18,7 @@ using test::PointSet;
 
 namespace {
 
-// Against all cells.
+// Compares the cells that need exact arithmetic, and only they may be there, with those of t.
 void check_resolved(const Resolved& some, const std::vector<Cell>& cells, const votess::Tessellation& t) {
     std::size_t r = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -97,16 +97,6 @@ Moving balls(Random& random, std::size_t n, double largest_radius) {
     return moving;
 }
 
-std::vector<votess::Wall> octahedron() {
-    std::vector<votess::Wall> walls;
-    for (int corner = 0; corner < 8; ++corner) {
-        votess::Wall wall{{corner % 2 * 2.0 - 1, corner / 2 % 2 * 2.0 - 1, corner / 4 * 2.0 - 1}, 0.5};
-        for (const double n : wall.normal) wall.offset += 0.5 * n;
-        walls.push_back(wall);
-    }
-    return walls;
-}
-
 }  // namespace
 
 TEST_SUITE("cases") {
@@ -235,7 +225,7 @@ TEST_SUITE("cases") {
             PlanOptions options = plan_options(n, test::unit_box());
             options.list_walls = true;
             options.walls =
-                with_weights ? std::vector<votess::Wall>{{{1, 0.3, 0.2}, 0.9}, {{1, 1, 1}, 3}} : octahedron();
+                with_weights ? std::vector<votess::Wall>{{{1, 0.3, 0.2}, 0.9}, {{1, 1, 1}, 3}} : test::octahedron(0.5);
             if (with_weights) options.weights = WeightOptions{0, 0.04};
             const bool by_subgroup = with_weights;
             const Outcome outcome = in_flight(options, by_subgroup, [&](Random& random) {

@@ -21,11 +21,7 @@ using votess::Options;
 // Its six corners touch the unit box, and four walls meet in each.
 Options octahedron() {
     Options options = domain_options();
-    for (int corner = 0; corner < 8; ++corner) {
-        votess::Wall wall{{corner % 2 * 2.0 - 1, corner / 2 % 2 * 2.0 - 1, corner / 4 * 2.0 - 1}, 0.5};
-        for (const double n : wall.normal) wall.offset += 0.5 * n;
-        options.walls.push_back(wall);
-    }
+    options.walls = test::octahedron(0.5);
     options.outside = votess::Outside::drop;
     return options;
 }
