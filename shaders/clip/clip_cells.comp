@@ -46,7 +46,7 @@ void test_next(uint q) {
 }
 
 real security() {
-    return security_radius_squared(radius_squared, largest_error);
+    return security_radius_squared(sqrt(radius_squared), largest_error);
 }
 
 real radius() {
@@ -309,6 +309,7 @@ void main() {
         exponent = nearest >= 1.0 ? (floatBitsToUint(nearest) >> 23) - 127u : 0u;
     }
     set_unit_of_length(exponent, push.level_first[push.level_count - 1u]);
+    prepare_bounds();
     if (state.incomplete != 0u) {
         status = STATUS_CANDIDATES_EXHAUSTED;
     } else if (exponent < SMALLEST_CELL_EXPONENT) {

@@ -58,15 +58,14 @@ void clip_by_walls() {
         if (lane < each && first + lane < count) {
             // Half of the security radius is no less than the distance of any vertex.
             near = !(least_wall_distance(w, place) * 1.9999 > float(sqrt(security)));
-            if (near) prepare_test(wall_plane(w));
+            if (near) prepare_test(wall_plane(w), first_wall - int(w));
         }
         share();
         for (uint rest = all_bits(near ? 1u << lane : 0u); rest != 0u; rest &= rest - 1u) {
             const uint i = uint(findLSB(rest));
-            Plane p = plane_to_test(i);
-            p.distance = p.h;
-            const int id = first_wall - int(wall_in_turn(first + i));
-            if (test_plane(p, id)) cut(p, id);
+            const Plane p = plane_to_test(i);
+            if (!reaches(p)) continue;
+            clip_by(p, i);
             if (status != STATUS_CERTIFIED) return;
         }
         share();
@@ -77,13 +76,16 @@ void clip_by_walls() {
 void clip_by_candidates(inout bool walls_wait) {
     prepare_cuts();
     for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
-        if (walls_wait && first >= 16u) {  // the box's far corners are gone
-            walls_wait = false;
-            clip_by_walls();
-            if (status != STATUS_CERTIFIED) return;
+        if (has_walls != 0u) {
+            if (walls_wait && first >= 16u) {  // the box's far corners are gone
+                walls_wait = false;
+                clip_by_walls();
+                if (status != STATUS_CERTIFIED) break;
+            }
         }
         const uint end = min(candidate_count - first, uint(lanes));
         bool too_near = false;
+        real rank = real(uintBitsToFloat(0x7f800000u));
         if (lane < end) {
             const uint q = candidate_at(first + lane);
             const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);
@@ -97,92 +99,112 @@ void clip_by_candidates(inout bool walls_wait) {
                 too_near = false;
                 p = Plane(real(0), real(0), real(0), real(1e-30), real(0), real(0));  // which cuts nothing either
             }
-            prepare_test(p);
+            prepare_test(p, int(q));
+            // Two seeds have no certain order within what their distances err by, 1e-6 or 1.4e-5 (search/distances.glsl), and
+            // the seven bits that the keys lack, 1.6e-5.
+            rank = rank_of(p) * real(0.9998);
         }
         share();
         if (any_lane(too_near)) {
             status = STATUS_NEEDS_EXACT;
-            return;
+            break;
         }
-        for (uint i = 0u; i < end; ++i) {
+        uint secure = first_lane(!(rank < security));
+        for (uint i = 0u; i < secure; ++i) {
             const Plane p = plane_to_test(i);
-            // Two seeds have no certain order within what their distances err by, 1e-6 or 1.4e-5 (search/distances.glsl), and
-            // the seven bits that the keys lack, 1.6e-5.
-            if (rank_of(p) * real(0.9998) >= security) return;
-            const int id = int(candidate_at(first + i));
-            if (test_plane(p, id)) cut(p, id);
-            if (status != STATUS_CERTIFIED) return;
+            if (!reaches(p)) continue;
+            clip_by(p, i);
+            if (status != STATUS_CERTIFIED) break;
+            secure = first_lane(!(rank < security));
         }
+        if (secure < end || status != STATUS_CERTIFIED) break;
         share();
     }
 }
 
 // Takes the cell's unit of length from its nearest neighbor; false when the search was too coarse to tell.
-bool find_unit(out uint exponent) {
-    exponent = COORDINATE_BITS - 1;
+bool find_unit(inout uint exponent) {
+    float nearest = exp2(2.0 * float(COORDINATE_BITS - 1));
     if (candidate_count > 0u) {
-        const float nearest = weighted != 0u ? smallest(nearest_square) : distance_at(0u);
+        nearest = (weighted != 0u ? smallest(nearest_square) : distance_at(0u)) * (high_unit * high_unit);
         if (coarse && nearest < coarse_order_from) return false;
-        exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
     }
+    exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
     set_unit_of_length(exponent, weighted != 0u ? root_node() : 0u);
     return true;
 }
 
-// In a power diagram: whether nothing at this squared distance in units or beyond can cut the cell.
+// Squared lengths of searches times this are in squared units of the cell.
+float square_scale() {
+    return (scale * high_unit) * (scale * high_unit);
+}
+
+// In a power diagram: whether nothing at this squared distance, as searches have it, or beyond can cut the cell.
 bool is_secure_from(float bound) {
     return bound >= UNBOUNDED ||
-           is_secure(real(bound * scale * scale), cutting_distance_squared(radius_of_all, most_heavier));
+           is_secure(real(bound * square_scale()), cutting_distance_squared(radius_of_all, most_heavier));
 }
 
 // Searches and clips in turn, outwards, until all seeds within the security radius were seen or none is left that can
 // cut the cell. Returns the exponent of the unit of length.
 uint make_cell() {
     uint exponent = 0u;
-    bool started = false, walls_wait = has_walls != 0u;
-    const float bound = distance_to_bounds(px, py, pz);
+    bool walls_wait = has_walls != 0u;
+    float bound = UNBOUNDED;
+    if (push.bounded != 0u) bound = distance_to_bounds(px, py, pz) / (high_unit * high_unit);
     begin_search();
-    for (uint searches = 0u; searches < SUBGROUP_SEARCHES; ++searches) {
-        if (!search()) {
-            if (status != STATUS_CERTIFIED) return exponent;
-            continue;  // too many; the next search is shorter
+    for (uint searches = 0u;; ++searches) {
+        if (searches == SUBGROUP_SEARCHES) {
+            status = STATUS_CANDIDATES_EXHAUSTED;
+            break;
         }
+        const bool found = search();
+        if (status != STATUS_CERTIFIED) break;
+        if (!found) continue;  // too many; the next search is shorter
         sort_candidates();
-        if (!started && (candidate_count > 0u || done >= UNBOUNDED)) {
+        if (exponent == 0u && (candidate_count > 0u || done >= UNBOUNDED)) {
             if (!find_unit(exponent)) {
                 search_again_finely();
                 continue;
             }
-            started = true;
-            if (exponent < SMALLEST_CELL_EXPONENT) status = STATUS_NEEDS_EXACT;
-            if (status == STATUS_CERTIFIED) start_cell();
-            if (status != STATUS_CERTIFIED) return exponent;
+            if (exponent < SMALLEST_CELL_EXPONENT)
+                status = STATUS_NEEDS_EXACT;
+            else
+                start_cell();
+            if (status != STATUS_CERTIFIED) break;
         }
         if (candidate_count > 0u) clip_by_candidates(walls_wait);
-        if (walls_wait && started && status == STATUS_CERTIFIED) {
-            walls_wait = false;
-            clip_by_walls();
+        if (has_walls != 0u) {
+            if (walls_wait && exponent != 0u && status == STATUS_CERTIFIED) {
+                walls_wait = false;
+                clip_by_walls();
+            }
         }
-        if (status != STATUS_CERTIFIED) return exponent;
-        bool complete = false;
-        if (weighted != 0u)
-            complete = done >= UNBOUNDED || (started && is_secure(real(done * scale * scale), security));
-        if (complete && is_secure_from(bound)) return exponent;
-        if (complete) break;
-        const float known = weighted != 0u ? done : min(done >= UNBOUNDED ? UNBOUNDED : done * reach_slack, bound);
-        if (weighted == 0u && known >= UNBOUNDED) return exponent;
+        if (status != STATUS_CERTIFIED) break;
+        if (weighted != 0u) {
+            if (done >= UNBOUNDED || (exponent != 0u && is_secure(real(done * square_scale()), security))) {
+                if (!is_secure_from(bound)) status = STATUS_CANDIDATES_EXHAUSTED;
+                break;
+            }
+        } else {
+            const float known = min(done >= UNBOUNDED ? UNBOUNDED : done * reach_slack, bound);
+            if (known >= UNBOUNDED || (exponent != 0u && is_secure(real(known * square_scale()), security))) break;
+            if (known >= bound) {
+                status = STATUS_CANDIDATES_EXHAUSTED;
+                break;
+            }
+        }
         float needed = UNBOUNDED;
-        if (started) {
-            if (weighted == 0u && is_secure(real(known * scale * scale), security)) return exponent;
-            needed = min(float(security) / (scale * scale) * 1.001, UNBOUNDED);
+        forget_reach();
+        if (exponent != 0u) {
+            needed = min(float(security) / square_scale() * 1.001, UNBOUNDED);
             vec3 down, up;
             measure_reach(down, up);
-            set_reach(down / scale, up / scale, weighted != 0u ? float(radius_of_all) / scale : 0.0);
+            const float length_scale = scale * high_unit;
+            set_reach(down / length_scale, up / length_scale, weighted != 0u ? float(radius_of_all) / length_scale : 0.0);
         }
-        if (weighted == 0u && known >= bound) break;
         search_on(needed);
     }
-    status = STATUS_CANDIDATES_EXHAUSTED;
     return exponent;
 }
 
@@ -210,7 +232,7 @@ void finish(uint cell, uint exponent) {
     if (status == STATUS_CERTIFIED) {
         used = planes_in_use();
         faces = uint(bitCount(used));
-        vertices = sum(uint(bitCount(alive)));
+        vertices = count_vertices();
         bool fault = false;
         for (uint p = lane; p < SUBGROUP_PLANES && has_walls != 0u; p += uint(lanes))
             fault = fault || ((used >> p & 1u) != 0u && is_no_wall(id_of(p)));
@@ -253,9 +275,12 @@ void main() {
     const uint cell = first + SUBGROUP;
     if (cell >= push.cell_count) return;
     self = push.first_cell + cell;
-    px = seeds_x[self];
-    py = seeds_y[self];
-    pz = seeds_z[self];
+    // Lanes ask for it by their own number: for an address that is known to be the same in all lanes NVK takes apart the
+    // addresses of the buffers, and in each round of seeds puts them together again.
+    const uint own = push.first_cell + first + gl_LocalInvocationID.x / uint(lanes);
+    px = from_first_lane(seeds_x[own]);
+    py = from_first_lane(seeds_y[own]);
+    pz = from_first_lane(seeds_z[own]);
     if (weighted != 0u) pw = seeds_w[self];
     uint exponent = 0u;
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count)

@@ -1,12 +1,12 @@
 // Planes and vertices of the cells of both kernels, and what decides on them, relative to the seed and in units of about
 // the distance to its nearest neighbor.
 //
-// A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative u, h = |n|^2 / 2 to
+// A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative 1.01 u, h = |n|^2 / 2 to
 // 5u. In a power diagram h = (|n|^2 + w) / 2, where the seed is lighter by w than the cell's: h may be small or below 0,
 // and is right to 6u of H = (|n|^2 + |w|) / 2, which is h without weights. With P = |na||nb||nc|, d = H/|n| and condition
 // P / det(na,nb,nc), Cramer's rule gives the vertex X to
-//     |x - X| <= u (condition (13.9 (da + db + dc) + 9.3 |x|) + 6 |x|):
-// a numerator's terms are right to 12u (5 of h, 4 of a cross product, 3 of the sum), its products of absolute values at
+//     |x - X| <= u (condition (14 (da + db + dc) + 9.3 |x|) + 6 |x|):
+// a numerator's terms are right to 12u (5 of h, 2 of the normals, 5 of roundings), its products of absolute values at
 // most 1.155 H_a |nb||nc|; the determinant is right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division
 // may err by 2.5 units in the last place, 5u. With 6u of h the terms are right to 13u, for which there is 15.1. The test of
 // a plane is right to
@@ -35,6 +35,9 @@
 #include "shared/config.h"
 
 real quantum;
+// What prepare_bounds() makes of it: factors in the bound of a vertex, of |x|, of the condition and of both, and the largest
+// condition.
+real error_of_length, error_of_condition, error_of_both, most_condition;
 // In a power diagram, in squared units of the cell:
 real weight_quantum;  // 0 unless a weight was rounded
 real most_heavier;    // A over all seeds
@@ -46,6 +49,13 @@ float quantum_in_units(uint lossy) {
     return lossy == 0u ? 0.0 : ((lossy & LOSSY_WALLS) != 0u ? float(MOST_WALL_ERROR) : 2.0);
 }
 
+void prepare_bounds() {
+    error_of_length = real(12.6) * unit + quantum;
+    error_of_condition = real(4) * quantum;
+    error_of_both = real(9.8) * unit + error_of_condition;
+    most_condition = real(0.0005) / max(unit, real(0.5) * quantum);
+}
+
 struct Plane {
     real x, y, z, h, norm;
     real distance;  // H / norm
@@ -53,7 +63,8 @@ struct Plane {
 
 struct Vertex {
     real x, y, z;
-    real error;  // |x - X| + 6u |x|
+    real norm;    // |x|
+    real error;   // |x - X| + 6u |x|
 };
 
 // Cells keep the three planes of a vertex, of 8 bits each, in positive orientation: det(na,nb,nc) > 0.
@@ -136,13 +147,13 @@ real cutting_distance_squared(real radius, real heavier) {
 //
 // In a power diagram, at least the rank that a search finds of any seed that cuts the cell. That errs by 3e-6 (|n|^2 + |w|),
 // where |n|^2 <= 2 R D + A and |w| <= max(A, 2 R D), and by a unit where a weight was rounded.
-real security_radius_squared(real radius_squared, real largest_error) {
+real security_radius_squared(real farthest, real largest_error) {
     if (weighted != 0u) {
-        const real radius = real(1.00001) * (sqrt(radius_squared) + largest_error);
+        const real radius = real(1.00001) * (farthest + largest_error);
         const real distance = radius + sqrt(radius * radius + most_heavier);
         return real(2.0001) * radius * distance + real(1e-5) * most_heavier + real(2) * weight_quantum;
     }
-    const real radius = real(2.00002) * (sqrt(radius_squared) + largest_error);
+    const real radius = real(2.00002) * (farthest + largest_error);
     return radius * radius;
 }
 
@@ -194,29 +205,31 @@ real difference_of_products(real x, real y, real z, real w) {
     return result;
 }
 
+// The bound above of a vertex at this distance from the seed, of planes at these in sum; the factors are 1.05 of those there.
+real vertex_error_bound(real condition, real distances, real length) {
+    const real of_distances = (weighted != 0u ? real(15.9) : real(14.7)) * unit;
+    precise const real error = fma(condition, fma(of_distances, distances, fma(error_of_both, length, error_of_condition)),
+                                   fma(error_of_length, length, quantum));
+    return error;
+}
+
 // The vertex of three planes in positive orientation, det(na,nb,nc) > 0; false when that, or the bound above, is not
-// certain.
+// certain. It is (h_a nb x nc + na x (h_c nb - h_b nc)) / det.
 bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
     const real bcx = difference_of_products(b.y, c.z, b.z, c.y), bcy = difference_of_products(b.z, c.x, b.x, c.z),
                bcz = difference_of_products(b.x, c.y, b.y, c.x);
-    const real cax = difference_of_products(c.y, a.z, c.z, a.y), cay = difference_of_products(c.z, a.x, c.x, a.z),
-               caz = difference_of_products(c.x, a.y, c.y, a.x);
-    const real abx = difference_of_products(a.y, b.z, a.z, b.y), aby = difference_of_products(a.z, b.x, a.x, b.z),
-               abz = difference_of_products(a.x, b.y, a.y, b.x);
+    const real ex = difference_of_products(c.h, b.x, b.h, c.x), ey = difference_of_products(c.h, b.y, b.h, c.y),
+               ez = difference_of_products(c.h, b.z, b.h, c.z);
     precise const real det = fma(a.x, bcx, fma(a.y, bcy, a.z * bcz));
     precise const real product = a.norm * b.norm * c.norm;
     precise const real inverse = real(1) / det;
-    precise const real x = fma(a.h, bcx, fma(b.h, cax, c.h * abx)) * inverse;
-    precise const real y = fma(a.h, bcy, fma(b.h, cay, c.h * aby)) * inverse;
-    precise const real z = fma(a.h, bcz, fma(b.h, caz, c.h * abz)) * inverse;
+    precise const real x = fma(a.h, bcx, difference_of_products(a.y, ez, a.z, ey)) * inverse;
+    precise const real y = fma(a.h, bcy, difference_of_products(a.z, ex, a.x, ez)) * inverse;
+    precise const real z = fma(a.h, bcz, difference_of_products(a.x, ey, a.y, ex)) * inverse;
     precise const real length = sqrt(fma(x, x, fma(y, y, z * z)));
     precise const real condition = product * inverse;
-    precise const real distances = a.distance + b.distance + c.distance;
-    const real of_distances = weighted != 0u ? real(15.1) : real(13.9);
-    precise const real rounding =
-        unit * fma(condition, fma(of_distances, distances, real(9.3) * length), real(12) * length) * real(1.05);
-    vertex = Vertex(x, y, z, fma(quantum, fma(real(4), condition, real(1)) * (length + real(1)), rounding));
-    return det * real(0.0005) > product * max(unit, real(0.5) * quantum);
+    vertex = Vertex(x, y, z, length, vertex_error_bound(condition, a.distance + b.distance + c.distance, length));
+    return is_positive_below(condition, most_condition);
 }
 
 #endif

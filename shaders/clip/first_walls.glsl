@@ -16,8 +16,8 @@ real start_wall(uint i) {
     const bool upper = (i & 1u) != 0u;
     if (weighted != 0u && ((push.bounded >> (upper ? axis + 3u : axis)) & 1u) != 0u)
         return real(4) * difference(max64(push.extent[0], max64(push.extent[1], push.extent[2])), uvec2(0));
-    const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
-    return upper ? difference(push.extent[axis], p) : difference(p, uvec2(0));
+    const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz), side = push.extent[axis];
+    return difference(upper ? side : p, upper ? p : uvec2(0));
 }
 
 #endif

@@ -10,27 +10,32 @@ float scale;         // 2^-k: units to units of the cell
 uvec2 pw;            // in a power diagram, the seed's weight
 float weight_scale;  // units of weight to squared units of the cell
 
-// q - p, times a power of two, with one rounding.
-real difference(uvec2 q, uvec2 p, float power_of_two) {
-    const uvec2 d = subtract64(q, p);
-    const bool negative = (d.y & 0x80000000u) != 0u;
-    const uvec2 m = negative ? negate64(d) : d;
-#ifdef CLIP_FLOAT64
-    const real magnitude = (real(m.y) * 4294967296.0LF + real(m.x)) * real(power_of_two);
-#else
-    const real magnitude = round64(m) * power_of_two;
-#endif
-    return negative ? -magnitude : magnitude;
-}
-
-// In units of the cell.
+// q - p in units of the cell, to two units of coordinates and with one rounding; in float64 with no more than that.
 real difference(uvec2 q, uvec2 p) {
-    return difference(q, p, scale);
+    const uvec2 d = subtract64(q, p);
+#ifdef CLIP_FLOAT64
+    const uvec2 m = magnitude64(d);
+    const real magnitude = (real(m.y) * 4294967296.0LF + real(m.x)) * real(scale);
+    return is_negative(d) ? -magnitude : magnitude;
+#else
+    const uint sign = uint(int(d.y) >> 31);  // all ones when negative
+    const uvec2 m = d ^ sign;                // less by one then
+    // The leading 32 bits, and the power of two that they lack put into the exponent.
+    const uint shift = uint(31 - findMSB(m.y | 1u)), leading = (m.y << shift) | ((m.x >> 1) >> (31u - shift));
+    const float magnitude = float(leading) * uintBitsToFloat(floatBitsToUint(scale) + ((32u - shift) << 23));
+    return uintBitsToFloat(floatBitsToUint(magnitude) | (sign & 0x80000000u));
+#endif
 }
 
 // How much lighter than the cell's seed one of weight w is, in squared units of the cell with one rounding.
 real lighter_by(uvec2 w) {
-    return difference(pw, w, weight_scale);
+    const uvec2 d = subtract64(pw, w), m = magnitude64(d);
+#ifdef CLIP_FLOAT64
+    const real magnitude = (real(m.y) * 4294967296.0LF + real(m.x)) * real(weight_scale);
+#else
+    const real magnitude = round64(m) * weight_scale;
+#endif
+    return is_negative(d) ? -magnitude : magnitude;
 }
 
 #endif

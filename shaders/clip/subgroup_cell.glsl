@@ -20,10 +20,10 @@ const int slots = (most_vertices + lanes - 1) / lanes;  // vertices of a lane
 const uint all_planes = 0xffffffffu >> (32 - SUBGROUP_PLANES);
 
 real vertex_x[slots], vertex_y[slots], vertex_z[slots];
-real vertex_error[slots];
-uint vertex_planes[slots];
-uint alive, killed;         // a bit for each slot
-uint planes_used;           // all that are in use, and maybe more
+real vertex_norm[slots], vertex_error[slots];
+uint vertex_planes[slots];     // 0 where there is no vertex
+bool killed[slots];
+uint free_planes;              // none of these is in use
 real largest_error, security;  // over all vertices; security: squared radius, or in a power diagram rank
 real radius_of_all;            // in a power diagram, at least the distance of any vertex
 #ifdef DECIDES_TIES
@@ -31,10 +31,11 @@ bool met_tie;  // a vertex of this lane lies on a plane that it is not of
 #endif
 
 shared real4 plane_equation[SUBGROUP_PLANES * subgroups];  // n, h
-shared real plane_norm[SUBGROUP_PLANES * subgroups], plane_distance[SUBGROUP_PLANES * subgroups];
-shared int plane_id[SUBGROUP_PLANES * subgroups];  // sorted seed, or wall id
-shared real4 test_equation[lanes * subgroups];
-shared real test_norm[lanes * subgroups];
+shared real2 plane_size[SUBGROUP_PLANES * subgroups];      // norm, distance
+shared int plane_id[SUBGROUP_PLANES * subgroups];          // sorted seed, or wall id
+shared real4 test_equation[lanes * subgroups];             // as those
+shared real2 test_size[lanes * subgroups];                 // norm, distance
+shared int test_id[lanes * subgroups];                     // as those
 
 int id_of(uint plane) {
     return plane_id[SUBGROUP_PLANES * SUBGROUP + plane];
@@ -43,48 +44,41 @@ int id_of(uint plane) {
 Plane plane_at(uint plane) {
     const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
     const real4 e = plane_equation[at];
-    return Plane(e.x, e.y, e.z, e.w, plane_norm[at], plane_distance[at]);
+    const real2 size = plane_size[at];
+    return Plane(e.x, e.y, e.z, e.w, size.x, size.y);
 }
 
 // One lane calls it.
 void set_plane(uint plane, Plane p, int id) {
     const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
     plane_equation[at] = real4(p.x, p.y, p.z, p.h);
-    plane_norm[at] = p.norm;
-    plane_distance[at] = p.distance;
+    plane_size[at] = real2(p.norm, p.distance);
     plane_id[at] = id;
 }
 
 // Sets this lane's plane of those to test next.
-void prepare_test(Plane p) {
+void prepare_test(Plane p, int id) {
     const uint at = uint(lanes) * SUBGROUP + lane;
     test_equation[at] = real4(p.x, p.y, p.z, p.h);
-    test_norm[at] = p.norm;
-}
-
-Plane plane_to_test(uint i) {
-    const uint at = uint(lanes) * SUBGROUP + i;
-    const real4 e = test_equation[at];
-    return Plane(e.x, e.y, e.z, e.w, test_norm[at],
-                 weighted != 0u ? distance_of(e.w, test_norm[at]) : real(0.5) * test_norm[at]);
+    test_size[at] = real2(p.norm, p.distance);
+    test_id[at] = id;
 }
 
 void measure_radius_and_error() {
-    float farthest = 0.0, error = 0.0;
-    [[unroll]] for (int s = 0; s < slots; ++s) {
-        const real x = vertex_x[s], y = vertex_y[s], z = vertex_z[s];
-        farthest = max(farthest, float(fma(x, x, fma(y, y, z * z))));
+    float norm = float(vertex_norm[0]), error = float(vertex_error[0]);
+    [[unroll]] for (int s = 1; s < slots; ++s) {
+        norm = max(norm, float(vertex_norm[s]));
         error = max(error, float(vertex_error[s]));
     }
 #ifdef CLIP_FLOAT64
-    const real radius_squared = real(largest(farthest)) * 1.000001LF;
+    const real farthest = real(largest(norm)) * 1.000001LF;
     largest_error = real(largest(error)) * 1.000001LF + 1.0e-37LF;
 #else
-    const real radius_squared = largest(farthest);
+    const real farthest = largest(norm);
     largest_error = largest(error);
 #endif
-    security = security_radius_squared(radius_squared, largest_error);
-    if (weighted != 0u) radius_of_all = (sqrt(radius_squared) + largest_error) * real(1.00001);
+    security = security_radius_squared(farthest, largest_error);
+    if (weighted != 0u) radius_of_all = (farthest + largest_error) * real(1.00001);
 }
 
 // How far the balls around vertices that go through the seed reach along the axes, at least: down and up.
@@ -98,17 +92,13 @@ void measure_reach(out vec3 down, out vec3 up) {
     up = vec3(largest(up.x), largest(up.y), largest(up.z));
 }
 
-// Puts the vertex of planes a, b, c into a slot of this lane; false when it is uncertain.
-bool set_vertex(int s, uint a, uint b, uint c, Plane last) {
-    Vertex vertex;
-    const bool certain = find_vertex(plane_at(a), plane_at(b), last, vertex);
+void set_vertex(int s, Vertex vertex, uint planes) {
     vertex_x[s] = vertex.x;
     vertex_y[s] = vertex.y;
     vertex_z[s] = vertex.z;
+    vertex_norm[s] = vertex.norm;
     vertex_error[s] = vertex.error;
-    vertex_planes[s] = pack_planes(a, b, c);
-    alive |= 1u << s;
-    return certain;
+    vertex_planes[s] = planes;
 }
 
 // Makes the box: planes 0 .. 5 are the walls xmin, xmax, ymin, ymax, zmin, zmax.
@@ -120,24 +110,28 @@ void start_cell() {
         set_plane(lane, Plane(axis == 0u ? side : real(0), axis == 1u ? side : real(0), axis == 2u ? side : real(0), wall,
                               real(1), wall), -1 - int(lane));
     }
-    planes_used = 0x3fu;
-    alive = 0u;
+    prepare_bounds();
+    free_planes = all_planes & ~0x3fu;
 #ifdef DECIDES_TIES
     met_tie = false;
 #endif
     [[unroll]] for (int s = 0; s < slots; ++s) {
-        vertex_x[s] = vertex_y[s] = vertex_z[s] = vertex_error[s] = real(0);
+        vertex_x[s] = vertex_y[s] = vertex_z[s] = vertex_norm[s] = vertex_error[s] = real(0);
         vertex_planes[s] = 0u;
     }
     share();
-    bool certain = true;
     if (lane < 8u) {
         const uint x = lane & 1u, y = 2u + ((lane >> 1) & 1u), z = 4u + (lane >> 2);
-        // det is the product of the three signs.
+        const Plane a = plane_at(x), b = plane_at(y), c = plane_at(z);
+        const real length = sqrt(fma(a.h, a.h, fma(b.h, b.h, c.h * c.h)));
+        // The determinant is the product of the three signs.
         const bool odd = (bitCount(lane) & 1) != 0;
-        certain = set_vertex(0, odd ? x : y, odd ? y : x, z, plane_at(z));
+        const uint positive = pack_planes(x, y, z), negative = pack_planes(y, x, z);
+        set_vertex(0, Vertex(a.x * a.h, b.y * b.h, c.z * c.h, length,
+                             vertex_error_bound(real(1), a.distance + b.distance + c.distance, length)),
+                   odd ? positive : negative);
     }
-    if (any_lane(!certain)) status = STATUS_NEEDS_EXACT;
+    if (!is_positive_below(real(1), most_condition)) status = STATUS_NEEDS_EXACT;
     measure_radius_and_error();
 }
 
@@ -153,46 +147,68 @@ bool decide_exactly(uint undecided, int id) {
         const int side = exact_side(id_of(plane_of(planes, 0)), id_of(plane_of(planes, 1)), id_of(plane_of(planes, 2)), id);
         decided = decided && side != side_unknown;
         if (side == 0) met_tie = true;
-        if (side == 1) killed |= undecided & (0u - undecided);
+        [[unroll]] for (int s = 0; s < slots; ++s)
+            if (findLSB(undecided) == s) killed[s] = killed[s] || side == 1;
     }
     return decided;
 }
 #endif
 
-// Marks the vertices outside a plane; true when there are any. The status changes when that is uncertain.
-bool test_plane(Plane p, int id) {
-    const real most = side_bound(p, largest_error);
-    real sides[slots];
-    bool near = false;
+Plane plane_to_test(uint i) {
+    const uint at = uint(lanes) * SUBGROUP + i;
+    const real4 e = test_equation[at];
+    const real2 size = test_size[at];
+    return Plane(e.x, e.y, e.z, e.w, size.x, size.y);
+}
+
+// Whether a plane may cut some vertex off.
+bool reaches(Plane p) {
+    real farthest = side_of(p, vertex_x[0], vertex_y[0], vertex_z[0]);
+    [[unroll]] for (int s = 1; s < slots; ++s)
+        farthest = max(farthest, side_of(p, vertex_x[s], vertex_y[s], vertex_z[s]));
+    return any_lane(!(farthest < -side_bound(p, largest_error)));
+}
+
+// Marks the vertices outside of a plane. False when that is uncertain, as the status tells, or there is nothing to cut; but
+// a plane that reaches a vertex, and has none on it, cuts in nearly every case.
+bool mark_killed(Plane p, int id) {
+    bool any_killed = false, any_undecided = false;
+    uint undecided = 0u;
     [[unroll]] for (int s = 0; s < slots; ++s) {
-        sides[s] = side_of(p, vertex_x[s], vertex_y[s], vertex_z[s]);
-        const bool reached = !(sides[s] < -most);
-        near = near || reached;
-    }
-    if (!any_lane(near)) return false;
-    uint outside = 0u, inside = 0u;
-    [[unroll]] for (int s = 0; s < slots; ++s) {
-        const real bound = side_bound(p, vertex_error[s]);
-        outside |= uint(sides[s] > bound) << s;
-        inside |= uint(sides[s] < -bound) << s;
-    }
-    killed = alive & outside;
-    const uint undecided = alive & ~(outside | inside);
-    bool decided = !any_lane(undecided != 0u);
+        const real side = side_of(p, vertex_x[s], vertex_y[s], vertex_z[s]), bound = side_bound(p, vertex_error[s]);
+        // Without weights a slot that is free lies inside.
+        const bool counts = weighted == 0u || vertex_planes[s] != 0u, beyond = side > bound, unsure = !(abs(side) > bound);
+        killed[s] = counts && beyond;
+        any_killed = any_killed || killed[s];
+        any_undecided = any_undecided || (counts && unsure);
 #ifdef DECIDES_TIES
-    if (!decided) decided = !any_lane(!decide_exactly(undecided, id));
+        undecided |= uint(counts && unsure) << s;
 #endif
-    if (!decided) {
-        status = STATUS_NEEDS_EXACT;
-        return false;
     }
-    return any_lane(killed != 0u);
+    bool decided = !any_lane(any_undecided);
+#ifdef DECIDES_TIES
+    if (!decided) {
+        decided = !any_lane(!decide_exactly(undecided, id));
+        [[unroll]] for (int s = 0; s < slots; ++s) any_killed = any_killed || killed[s];
+    }
+    status = decided ? STATUS_CERTIFIED : STATUS_NEEDS_EXACT;
+    return decided && any_lane(any_killed);
+#else
+    status = decided ? STATUS_CERTIFIED : STATUS_NEEDS_EXACT;
+    return weighted != 0u ? decided && any_lane(any_killed) : decided;
+#endif
+}
+
+uint count_vertices() {
+    uint mine = 0u;
+    [[unroll]] for (int s = 0; s < slots; ++s) mine += uint(vertex_planes[s] != 0u);
+    return sum(mine);
 }
 
 uint planes_in_use() {
     uint mine = 0u;
     [[unroll]] for (int s = 0; s < slots; ++s)
-        if ((alive & (1u << s)) != 0u)
+        if (vertex_planes[s] != 0u)
             for (int k = 0; k < 3; ++k) mine |= 1u << plane_of(vertex_planes[s], k);
     return all_bits(mine);
 }
@@ -202,7 +218,7 @@ uint list_vertices() {
     share();
     uint listed = 0u;
     [[unroll]] for (int s = 0; s < slots; ++s) {
-        const bool is_alive = (alive & (1u << s)) != 0u;
+        const bool is_alive = vertex_planes[s] != 0u;
         uint count;
         const uint at = listed + rank_among(is_alive, count);
         if (is_alive) VERTEX_LIST(at) = vertex_planes[s];
@@ -219,87 +235,102 @@ void forget_edges(uint a) {
 }
 
 void prepare_cuts() {
-    for (uint a = lane; a < SUBGROUP_PLANES; a += uint(lanes)) forget_edges(a);
+    prepare_bounds();
+    for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes))
+        if (lanes <= SUBGROUP_PLANES || lane < SUBGROUP_PLANES) forget_edges(first + lane);
 }
 
-// Edge (a, b) of a killed vertex is on the horizon iff no killed vertex has (b, a). Writes down those and returns how
-// many; 0 when they are no ring.
+// Tells the planes of a killed vertex its edges.
+void tell_edges(uint planes) {
+    const uint a = plane_of(planes, 0), b = plane_of(planes, 1), c = plane_of(planes, 2);
+    const uint a_bit = 1u << a, b_bit = 1u << b, c_bit = 1u << c;
+    atomicOr(EDGES_FROM(a), b_bit);
+    atomicOr(EDGES_TO(a), c_bit);
+    atomicOr(EDGES_FROM(b), c_bit);
+    atomicOr(EDGES_TO(b), a_bit);
+    atomicOr(EDGES_FROM(c), a_bit);
+    atomicOr(EDGES_TO(c), b_bit);
+}
+
+// Edge (a, b) of a killed vertex is on the horizon iff no killed vertex has (b, a). The horizon is a ring, so that each
+// plane has one edge of it at most. Writes down these and returns how many. Killed vertices are gone then.
 uint find_horizon() {
     [[unroll]] for (int s = 0; s < slots; ++s)
-        if ((killed & (1u << s)) != 0u) {
-            const uint a = plane_of(vertex_planes[s], 0), b = plane_of(vertex_planes[s], 1),
-                       c = plane_of(vertex_planes[s], 2);
-            const uint a_bit = 1u << a, b_bit = 1u << b, c_bit = 1u << c;
-            atomicOr(EDGES_FROM(a), b_bit);
-            atomicOr(EDGES_TO(a), c_bit);
-            atomicOr(EDGES_FROM(b), c_bit);
-            atomicOr(EDGES_TO(b), a_bit);
-            atomicOr(EDGES_FROM(c), a_bit);
-            atomicOr(EDGES_TO(c), b_bit);
+        if (s == 0 || any_lane(killed[s])) {  // seldom but in the first slot
+            if (killed[s]) tell_edges(vertex_planes[s]);
+            vertex_x[s] = killed[s] ? real(0) : vertex_x[s];
+            vertex_y[s] = killed[s] ? real(0) : vertex_y[s];
+            vertex_z[s] = killed[s] ? real(0) : vertex_z[s];
+            vertex_norm[s] = killed[s] ? real(0) : vertex_norm[s];
+            vertex_planes[s] = killed[s] ? 0u : vertex_planes[s];
         }
     share();
-    // The horizon is a ring: no two killed vertices have the same edge, so that all of them are counted here, and no plane has two
-    // edges of the horizon from it. Then none has two to it, as every vertex adds one of both.
-    uint count = 0u, faults = 0u - 3u * uint(bitCount(killed));
+    uint count = 0u;
     for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes)) {
         const uint a = first + lane;
         uint successor = 0u;
         if (lanes <= SUBGROUP_PLANES || a < SUBGROUP_PLANES) {
-            const uint from = EDGES_FROM(a), to = EDGES_TO(a);
-            successor = from & ~to;
-            faults += uint(bitCount(from));
-            faults += (successor & (successor - 1u)) != 0u ? 1000u : 0u;
+            successor = EDGES_FROM(a) & ~EDGES_TO(a);
             forget_edges(a);
         }
         uint more;
         const uint rank = rank_among(successor != 0u, more);
-        if (successor != 0u) HORIZON(count + rank) = a | (uint(findLSB(successor)) << 8);
+        if (successor != 0u) HORIZON(count + rank) = a | (uint(findMSB(successor)) << 8);
         count += more;
     }
     share();
-    return sum(faults) == 0u ? count : 0u;
+    return count;
 }
 
 // Replaces the killed vertices by those of the new plane with the horizon.
 void cut(Plane p, int id) {
-    if (weighted != 0u && !any_lane((alive & ~killed) != 0u)) {  // no interior; perhaps it has none of its own
-        status = state.suspects == 0u ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
-        return;
-    }
+    bool any_left = false;
+    [[unroll]] for (int s = 0; s < slots; ++s) any_left = any_left || (vertex_planes[s] != 0u && !killed[s]);
+    if (weighted != 0u)
+        if (!any_lane(any_left)) {  // no interior; perhaps it has none of its own
+            status = state.suspects == 0u ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
+            return;
+        }
     const uint horizon_count = find_horizon();
-    if (horizon_count == 0u) {
-        status = STATUS_NEEDS_EXACT;
-        return;
+    if (free_planes == 0u) {
+        free_planes = all_planes & ~planes_in_use();
+        if (free_planes == 0u) {
+            status = STATUS_PLANE_OVERFLOW;
+            return;
+        }
     }
-    alive &= ~killed;
-    if (planes_used == all_planes) planes_used = planes_in_use();
-    if (planes_used == all_planes) {
-        status = STATUS_PLANE_OVERFLOW;
-        return;
-    }
-    const uint plane = uint(findLSB(~planes_used));
-    planes_used |= 1u << plane;
-    if (lane == 0u) set_plane(plane, p, id);
+    const uint plane = uint(findLSB(free_planes));
+    free_planes &= free_planes - 1u;
+    const uint third = plane << 16;
+    // Written by the lane of its number, since addresses by lane cost less.
+    if (lane == plane % uint(lanes)) set_plane(lanes >= SUBGROUP_PLANES ? lane : plane, p, id);
 
     // The i-th free slot takes the i-th edge; its own lane makes the vertex.
     uint made = 0u;
-    bool certain = true;
+    bool certain = true, enough = true;
     [[unroll]] for (int s = 0; s < slots; ++s) {
-        const bool is_free = (alive & (1u << s)) == 0u;
-        if (is_free) vertex_x[s] = vertex_y[s] = vertex_z[s] = vertex_error[s] = real(0);
-        if (made < horizon_count) {
+        if (s == 0 || made < horizon_count) {
+            const bool is_free = vertex_planes[s] == 0u;
             uint count;
             const uint edge = made + rank_among(is_free, count);
-            if (is_free && edge < horizon_count)
-                certain = set_vertex(s, HORIZON(edge) & 0xffu, HORIZON(edge) >> 8, plane, p) && certain;
+            if (is_free && edge < horizon_count) {
+                const uint planes = HORIZON(edge);
+                Vertex vertex;
+                certain = find_vertex(plane_at(plane_of(planes, 0)), plane_at(plane_of(planes, 1)), p, vertex) && certain;
+                set_vertex(s, vertex, planes | third);
+            }
             made += count;
+            if (s + 1 == slots) enough = made >= horizon_count;
         }
     }
-    if (made < horizon_count)
-        status = STATUS_VERTEX_OVERFLOW;
-    else if (any_lane(!certain))
-        status = STATUS_NEEDS_EXACT;
+    status = !enough ? STATUS_VERTEX_OVERFLOW : (any_lane(!certain) ? STATUS_NEEDS_EXACT : STATUS_CERTIFIED);
     measure_radius_and_error();
+}
+
+// Clips by plane i of those to test, which reaches the cell.
+void clip_by(Plane p, uint i) {
+    const int id = test_id[uint(lanes) * SUBGROUP + i];
+    if (mark_killed(p, id)) cut(p, id);
 }
 
 #endif

@@ -37,6 +37,13 @@ void put(uint value) {
     share();
 }
 
+uvec2 from_first_lane(uvec2 value) {
+    put(value.x);
+    const uint low = exchange[0];
+    put(value.y);
+    return uvec2(low, exchange[0]);
+}
+
 bool any_lane(bool yes) {
     put(yes ? 1u : 0u);
     uint all = 0u;
@@ -53,6 +60,13 @@ uint rank_among(bool yes, out uint count) {
         count += exchange[i];
     }
     return rank;
+}
+
+uint first_lane(bool yes) {
+    put(yes ? 1u : 0u);
+    uint first = 0u;
+    while (first < uint(lanes) && exchange[first] == 0u) ++first;
+    return first;
 }
 
 uint sum(uint value) {
@@ -130,6 +144,10 @@ void share() {
         controlBarrier(gl_ScopeSubgroup, gl_ScopeSubgroup, gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
 }
 
+uvec2 from_first_lane(uvec2 value) {
+    return subgroupBroadcastFirst(value);
+}
+
 bool any_lane(bool yes) {
     return subgroupAny(yes);
 }
@@ -141,6 +159,15 @@ uint rank_among(bool yes, out uint count) {
     return subgroupBallotExclusiveBitCount(ballot);
 }
 
+// The first lane that says so; `lanes` when there is none.
+uint first_lane(bool yes) {
+    const uvec4 ballot = subgroupBallot(yes);
+    const uint low = uint(bitCount(~ballot.x & (ballot.x - 1u)));
+    if (lanes == 32) return low;
+    if (lanes < 32) return min(low, uint(lanes));
+    return ballot.x != 0u ? low : 32u + uint(bitCount(~ballot.y & (ballot.y - 1u)));
+}
+
 uint sum(uint value) {
     return subgroupAdd(value);
 }
@@ -149,14 +176,14 @@ uint all_bits(uint value) {
     return subgroupOr(value);
 }
 
-// The numbers must not be negative; then their bits are in the same order, but for the sign of -0, and whole numbers are
-// quicker on some devices.
+// The numbers must not be negative, nor -0: sums of squares never are. Then their bits are in the same order, and whole
+// numbers are quicker on some devices.
 float largest(float number) {
-    return uintBitsToFloat(subgroupMax(floatBitsToUint(number) & 0x7fffffffu));
+    return uintBitsToFloat(subgroupMax(floatBitsToUint(number)));
 }
 
 float smallest(float number) {
-    return uintBitsToFloat(subgroupMin(floatBitsToUint(number) & 0x7fffffffu));
+    return uintBitsToFloat(subgroupMin(floatBitsToUint(number)));
 }
 
 uint smallest(uint number) {

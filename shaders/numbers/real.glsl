@@ -14,12 +14,24 @@ layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e
 
 #ifdef CLIP_FLOAT64
 #define real double
+#define real2 dvec2
 #define real4 dvec4
 const double unit = 1.1102230246251565e-16LF;
+
+// Whether a number is from 0 on and less than this.
+bool is_positive_below(double number, double end) {
+    return number >= 0.0LF && number < end;
+}
 #else
 #define real float
+#define real2 vec2
 #define real4 vec4
 const float unit = float_unit;
+
+// The same; bits of numbers below 0, or of what is no number, are larger ones.
+bool is_positive_below(float number, float end) {
+    return floatBitsToUint(number) < floatBitsToUint(end);
+}
 #endif
 
 #endif

@@ -54,8 +54,11 @@ float distance_to_bounds(uvec2 x, uvec2 y, uvec2 z) {
 // about twice as large as their share of space.
 float expected_reach_in(Node box, int count) {
     float volume = 1.0;
-    for (int axis = 0; axis < 3; ++axis)
-        volume *= rough_difference(box.upper[axis], box.lower[axis]) * exp2(-COORDINATE_BITS);
+    for (int axis = 0; axis < 3; ++axis) {
+        const uvec2 from = box.lower[axis], to = box.upper[axis];
+        const float side = float(int(to.y - from.y)) * 4294967296.0 + (float(to.x) - float(from.x));  // roughly
+        volume *= side * exp2(-COORDINATE_BITS);
+    }
     const float radius = pow(volume * float(count) * EXPECTED_REACH, 1.0 / 3.0);
     return max(radius * radius * exp2(2.0 * COORDINATE_BITS), 1.0);
 }

@@ -6,6 +6,8 @@
 // The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
 // buckets taken by atomics would.
 //
+// Lengths here are in units of the high words of coordinates, so that differences of these need no factor.
+//
 // In a power diagram ranks take the place of squared distances, from the least that there may be, below 0, to what no seed
 // that can cut the cell has. What its weight, or the largest one of its box, keeps from cutting the cell is left out.
 // The .comp declares `push` (CellsPush) before.
@@ -25,6 +27,8 @@
 layout(constant_id = CONSTANT_FIRST_COUNT) const int first_count = 48;
 layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three a Node: fewer loads
 
+const float high_unit = 4294967296.0;  // in units of coordinates
+
 float done, next;
 bool coarse;  // high words are enough
 uint candidate_count;
@@ -34,12 +38,13 @@ float nearest_beyond;  // at most the squared distance of any seed that this lan
 // sphere lies beyond them.
 vec3 reach_lower, reach_upper;
 uint node_count, group_count;
-// In a power diagram, in units:
+// In a power diagram:
 float reach_radius;    // at least the distance of any vertex
 float first_reach;     // of the first search
 float nearest_square;  // of the seeds that this lane looked at
 float rounded_weight;  // a unit of weight when some were rounded
 
+const float coarse_search_from = coarse_from / (high_unit * high_unit);
 const uint lanes_each = FAN;  // lanes for a box, and for a group, as GROUP_SEEDS == FAN
 const uint side_by_side = uint(lanes) / lanes_each;
 const uint key_place_mask = SUBGROUP_STORE - 1u;
@@ -53,6 +58,15 @@ Node node_at(uint n) {
 
 uint nodes_of(uint level) {
     return ((push.seed_count - 1u) >> (FAN_BITS * (level + 1u))) + 1u;
+}
+
+// The sum of nodes_of() over the levels below: that many ones, and floor(m / 8^i) for i = 1 .. level, which Legendre's formula
+// has as (m - floor(m / 8^level) - the sum of the last digits of m to base 8) / 7.
+uint nodes_below(uint level) {
+    const uint m = push.seed_count - 1u, digits = m & ((1u << (FAN_BITS * level)) - 1u);
+    const uint digit_sum = uint(bitCount(digits & 011111111111u)) + 2u * uint(bitCount(digits & 022222222222u)) +
+                           4u * uint(bitCount(digits & 04444444444u));
+    return level + (m - (m >> (FAN_BITS * level)) - digit_sum) * 0xb6db6db7u;  // 1 / 7 modulo 2^32
 }
 
 // Candidate i of the sorted store, and about its squared distance.
@@ -69,26 +83,27 @@ uint root_node() {
     return LEVEL_FIRST(push.level_count - 1u);
 }
 
+void forget_reach() {
+    reach_lower = vec3(-UNBOUNDED);
+    reach_upper = vec3(UNBOUNDED);
+}
+
 void begin_search() {
     done = 0.0;
     visits = 0u;
-    for (uint level = lane; level < push.level_count; level += uint(lanes)) {
-        uint first = 0u;
-        for (uint below = 0u; below < level; ++below) first += nodes_of(below);
-        LEVEL_FIRST(level) = first;
-    }
+    for (uint level = lane; level < push.level_count; level += uint(lanes)) LEVEL_FIRST(level) = nodes_below(level);
     share();
-    reach_lower = vec3(-UNBOUNDED);
-    reach_upper = vec3(UNBOUNDED);
+    forget_reach();
     next = UNBOUNDED;
     if (push.level_count >= 3u)
-        next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count);
-    coarse = weighted == 0u && next >= coarse_from;
+        next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count) / (high_unit * high_unit);
+    coarse = weighted == 0u && next >= coarse_search_from;
     if (weighted == 0u) return;
     set_weight_unit(state.weight_exponent);
+    weight_unit /= high_unit * high_unit;
     rounded_weight = state.lossy_weights != 0u ? weight_unit : 0.0;
     nearest_square = UNBOUNDED;
-    reach_radius = exp2(float(COORDINATE_BITS + 1));  // beyond the box
+    reach_radius = exp2(float(COORDINATE_BITS + 1)) / high_unit;  // beyond the box
     done = least_rank(0.0, rough_lighter_by(node_weights[root_node()]));
     if (next < UNBOUNDED)
         next += max(rough_lighter_by(node_weights[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)]), 0.0);
@@ -100,11 +115,11 @@ void search_again_finely() {
     done = 0.0;
 }
 
-// Bounds of the balls around vertices that go through the seed: lengths in units, along each axis, down and up. An
-// offset that is compared with them is right to 3 roundings of itself, 4e-7; by high words alone to 2^32 units more.
+// Bounds of the balls around vertices that go through the seed: lengths along each axis, down and up. An
+// offset that is compared with them is right to 3 roundings of itself, 4e-7; by high words alone to 1 more.
 void set_reach(vec3 down, vec3 up, float radius) {
     reach_radius = radius * 1.0001;
-    const float slack = coarse ? 3.5e10 : 0.0;  // 2^35
+    const float slack = coarse ? 8.0 : 0.0;
     reach_lower = -(down * 1.0001 + slack);
     reach_upper = up * 1.0001 + slack;
 }
@@ -119,11 +134,11 @@ void search_on(float needed) {
 }
 
 vec3 coarse_offset_of(uvec2 x, uvec2 y, uvec2 z) {
-    return vec3(coarse_offset(x.y, px.y), coarse_offset(y.y, py.y), coarse_offset(z.y, pz.y));
+    return vec3(int(x.y - px.y), int(y.y - py.y), int(z.y - pz.y));
 }
 
 vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
-    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
+    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz)) / high_unit;
 }
 
 // Whether a seed may cut the cell that lies between these bounds, at this squared distance or beyond, and is lighter by no
@@ -154,14 +169,13 @@ bool is_near(uint level, uint node) {
         lower = fine_offset_of(box.lower[0], box.lower[1], box.lower[2]);
         upper = fine_offset_of(box.upper[0], box.upper[1], box.upper[2]);
     }
-    const bool empty = box.lower[0].y == NO_COORDINATE;
     const vec3 gap = max(max(lower, -upper), vec3(0.0));
     float d = dot(gap, gap) * box_slack, lighter = 0.0;
     if (weighted != 0u) lighter = rough_lighter_by(node_weights[n]);
-    const bool possible = !empty && may_cut(lower, upper, d, lighter);
+    const bool full = box.lower[0].y != NO_COORDINATE, may = may_cut(lower, upper, d, lighter), possible = full && may;
     if (weighted != 0u) d = least_rank(dot(gap, gap), lighter);
     const bool near = d < next;
-    nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
+    nearest_beyond = min(nearest_beyond, possible && !near ? d : UNBOUNDED);
     return possible && near;
 }
 
@@ -176,114 +190,105 @@ bool is_candidate(uint seed, out float d) {
     // The same in every search of the cell, or one would see a seed twice or never.
     precise const float square = at.x * at.x + at.y * at.y + at.z * at.z;
     d = square;
-    const bool none = seed == self || x.y == NO_COORDINATE;
     float lighter = 0.0;
     if (weighted != 0u) lighter = rough_lighter_by(seeds_w[seed]);
-    const bool possible = !none && may_cut(at, at, square * box_slack, lighter);
+    const bool other = seed != self, there = x.y != NO_COORDINATE, counts = other && there,
+               may = may_cut(at, at, square * box_slack, lighter), possible = counts && may;
     if (weighted != 0u) {
-        nearest_square = min(nearest_square, none ? UNBOUNDED : square);
+        nearest_square = min(nearest_square, counts ? square : UNBOUNDED);
         d = rank_at(square, lighter);
     }
     const bool near = d < next;
-    nearest_beyond = min(nearest_beyond, mix(UNBOUNDED, d, possible && !near));
+    nearest_beyond = min(nearest_beyond, possible && !near ? d : UNBOUNDED);
     const bool fresh = d >= done;
     return possible && near && fresh;
 }
 
 // Pushes boxes that are near, one a lane at most; false when there are too many.
 bool push_near(bool near, uint level, uint node) {
-    const bool is_group = level == 0u;
+    const bool is_group = level == 0u, is_box = !is_group;
     uint groups, boxes;
-    const uint group_rank = group_count + rank_among(near && is_group, groups);
-    const uint box_rank = node_count + rank_among(near && !is_group, boxes);
-    if (node_count + boxes > SUBGROUP_NODES || group_count + groups > SUBGROUP_GROUPS) return false;
-    if (near) SCRATCH((is_group ? SUBGROUP_NODES + group_rank : box_rank)) = (level << NODE_BITS) | node;
+    const uint group_place = SUBGROUP_NODES + group_count + rank_among(near && is_group, groups);
+    const uint box_place = node_count + rank_among(near && is_box, boxes);
+    const bool too_many_boxes = node_count + boxes > SUBGROUP_NODES, too_many_groups = group_count + groups > SUBGROUP_GROUPS;
+    if (too_many_boxes || too_many_groups) return false;
+    if (near) SCRATCH((is_group ? group_place : box_place)) = (level << NODE_BITS) | node;
     group_count += groups;
     node_count += boxes;
     share();
     return true;
 }
 
+// In the next functions lanes for which there is nothing left look at the last one again.
+
 bool look_into_groups() {
     const uint taken = min(group_count, side_by_side), which = lane / lanes_each;
     group_count -= taken;
-    float d = 0.0;
-    uint seed = 0u;
-    bool candidate = false;
-    if (which < taken) {
-        seed = GROUP_STACK(group_count + which) * GROUP_SEEDS + lane % lanes_each;
-        candidate = seed < push.seed_count && is_candidate(seed, d);
-    }
+    const uint seed = GROUP_STACK(group_count + min(which, taken - 1u)) * GROUP_SEEDS + lane % lanes_each;
+    float d;
+    const bool near = is_candidate(min(seed, push.seed_count - 1u), d), first_time = which < taken,
+               exists = seed < push.seed_count, candidate = near && first_time && exists;
     uint count;
     const uint place = candidate_count + rank_among(candidate, count);
-    if (candidate && place < SUBGROUP_STORE) {
-        candidate_key[SUBGROUP_STORE * SUBGROUP + place] = ((weighted != 0u ? ordered(d) : floatBitsToUint(d)) & ~key_place_mask) | place;
+    if (candidate_count + count > SUBGROUP_STORE) return false;
+    if (candidate) {
+        const uint key = weighted != 0u ? ordered(d) : floatBitsToUint(d);
+        candidate_key[SUBGROUP_STORE * SUBGROUP + place] = (key & ~key_place_mask) | place;
         candidate_seed[SUBGROUP_STORE * SUBGROUP + place] = seed;
     }
-    candidate_count = min(candidate_count + count, SUBGROUP_STORE + 1u);
-    return candidate_count <= SUBGROUP_STORE;
+    candidate_count += count;
+    return true;
 }
 
 bool open_boxes() {
     const uint taken = min(node_count, side_by_side), which = lane / lanes_each;
     node_count -= taken;
     visits += taken * FAN;
-    uint level = 0u, node = 0u;
-    bool near = false;
-    if (which < taken) {
-        const uint parent = NODE_STACK(node_count + which);
-        level = (parent >> NODE_BITS) - 1u;
-        node = (parent & ((1u << NODE_BITS) - 1u)) * FAN + lane % lanes_each;
-        near = node < nodes_of(level) && is_near(level, node);
-    }
+    const uint parent = NODE_STACK(node_count + min(which, taken - 1u)), level = (parent >> NODE_BITS) - 1u,
+               node = (parent & ((1u << NODE_BITS) - 1u)) * FAN + lane % lanes_each, count = nodes_of(level);
+    const bool may = is_near(level, min(node, count - 1u)), first_time = which < taken, exists = node < count;
     share();  // read before it is written over
-    return push_near(near, level, node);
+    return push_near(may && first_time && exists, level, node);
 }
 
 // False when a stack or the store is full.
 bool collect() {
-    const uint own = self / GROUP_SEEDS, steps = (push.level_count - 1u) * FAN;
+    const uint own = self / GROUP_SEEDS, steps = max(push.level_count - 1u, 1u) * FAN;
     visits += steps;
-    group_count = 1u;
     share();  // the last cut may still read what lies there
-    if (lane == 0u) GROUP_STACK(0) = own;
-    share();
     for (uint first = 0u; first < steps; first += uint(lanes)) {
-        const uint level = (first + lane) / FAN;
-        bool near = false;
-        uint node = 0u;
-        if (first + lane < steps) {
-            node = (own >> (FAN_BITS * (level + 1u))) * FAN + lane % FAN;
-            near = node != own >> (FAN_BITS * level) && node < nodes_of(level) && is_near(level, node);
-        }
-        if (!push_near(near, level, node)) return false;
+        const uint step = min(first + lane, steps - 1u), level = step / FAN, count = nodes_of(level),
+                   node = (own >> (FAN_BITS * (level + 1u))) * FAN + lane % FAN;
+        const bool may = is_near(level, min(node, count - 1u)), first_time = step == first + lane, exists = node < count,
+                   other = node != own >> (FAN_BITS * level) || level == 0u;
+        if (!push_near(may && first_time && exists && other, level, node)) return false;
     }
-    while (group_count + node_count > 0u) {
-        const bool groups_first = group_count >= side_by_side || node_count == 0u;
-        if (groups_first ? !look_into_groups() : !open_boxes()) return false;
-        if (visits > push.most_visits) {
-            status = STATUS_CANDIDATES_EXHAUSTED;
-            return false;
+    for (;;) {
+        if (group_count < side_by_side && node_count > 0u) {
+            if (!open_boxes()) return false;
+            if (visits > push.most_visits) {
+                status = STATUS_CANDIDATES_EXHAUSTED;
+                return false;
+            }
+            continue;
         }
+        if (group_count == 0u) return true;
+        if (!look_into_groups()) return false;
     }
-    return true;
 }
 
 // Sorts by distance: a key's place is the number of smaller ones.
 void sort_candidates() {
     const uint base = SUBGROUP_STORE * SUBGROUP;
-    // Keys fill up to a multiple of four, since four are read together.
-    const uint quads = (candidate_count + 3u) / 4u;
-    if (candidate_count + lane < 4u * quads) candidate_key[base + candidate_count + lane] = 0xffffffffu;
+    // Keys fill up to a multiple of eight, since eight are taken together.
+    const uint eights = (candidate_count + 7u) / 8u;
+    if (candidate_count + lane < 8u * eights) candidate_key[base + candidate_count + lane] = 0xffffffffu;
     share();
-    for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
+    [[dont_unroll]] for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
         const uint own = min(first + lane, SUBGROUP_STORE - 1u), key = candidate_key[base + own];
         uint place = 0u;
-        for (uint i = 0u; i < quads; ++i) {
-            const uint a = candidate_key[base + 4u * i], b = candidate_key[base + 4u * i + 1u],
-                       c = candidate_key[base + 4u * i + 2u], d = candidate_key[base + 4u * i + 3u];
-            place += uint(a < key) + uint(b < key) + uint(c < key) + uint(d < key);
-        }
+        [[dont_unroll]] for (uint i = 0u; i < eights; ++i)
+            [[unroll]] for (uint k = 0u; k < 8u; ++k) place += uint(candidate_key[base + 8u * i + k] < key);
         if (first + lane < candidate_count) SORTED(place) = own;
     }
     share();
@@ -291,8 +296,7 @@ void sort_candidates() {
 
 // False when the store does not hold them: then `next` is shorter, or the status tells why that is of no use.
 bool search() {
-    candidate_count = 0u;
-    node_count = 0u;
+    candidate_count = group_count = node_count = 0u;
     nearest_beyond = UNBOUNDED;
     const bool complete = collect();
     if (status != STATUS_CERTIFIED) return false;
@@ -307,7 +311,6 @@ bool search() {
         return true;
     }
     // Those found first are near. Of a full store the next search aims at four fifths of first_count.
-    candidate_count = min(candidate_count, SUBGROUP_STORE);
     sort_candidates();
     const float shorter =
         candidate_count == 0u
@@ -317,7 +320,7 @@ bool search() {
         next = shorter;
     else
         status = STATUS_CANDIDATES_EXHAUSTED;
-    if (done == 0.0) coarse = coarse && next >= coarse_from;
+    if (done == 0.0) coarse = coarse && next >= coarse_search_from;
     return false;
 }
 

@@ -62,7 +62,7 @@
 #define SMALLEST_CELL_EXPONENT 37
 
 // clip_subgroup: words of shared memory that a subgroup has, see search/subgroup_state.glsl. Beside them are the planes
-// of its cell, 6 numbers and an id each, and a plane being tested for each lane, of 5 numbers.
+// of its cell and one being tested for each lane, 6 numbers and an id each.
 #define SUBGROUP_PLANES 32  // a set of planes is one word
 #define SUBGROUP_STORE 128  // candidates; a power of two
 #define SUBGROUP_NODES 96   // boxes to open

@@ -75,8 +75,7 @@ static_assert(SUBGROUP_NODES + SUBGROUP_GROUPS <= 3 * SUBGROUP_PLANES + SUBGROUP
 // The size of its shared arrays for one subgroup.
 std::uint32_t shared_bytes(const PassSettings& settings) {
     const std::uint32_t number = settings.tiers[0].float64 ? 8 : 4;
-    return (2 * SUBGROUP_STORE + SUBGROUP_SCRATCH) * 4 + SUBGROUP_PLANES * (6 * number + 4) +
-           settings.subgroup_size * 5 * number;
+    return (2 * SUBGROUP_STORE + SUBGROUP_SCRATCH) * 4 + (SUBGROUP_PLANES + settings.subgroup_size) * (6 * number + 4);
 }
 
 Pass clip_by_subgroup(Device& device, const PassSettings& settings) {

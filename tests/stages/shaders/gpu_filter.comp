@@ -39,6 +39,7 @@ void main() {
     weight_scale = scale * scale * uintBitsToFloat((127u + word / 2u) << 23);
     weight_quantum = weighted != 0u && (word & 1u) != 0u ? real(weight_scale) : real(0);
     quantum += real(0.6) * weight_quantum;
+    prepare_bounds();
     const Plane a = plane_at(0u), b = plane_at(1u), c = plane_at(2u), d = plane_at(3u);
     const real heavier = weighted != 0u ? heavier_by(lighter_at(3u)) : real(0);
     most_heavier = max(heavier, real(0));
@@ -51,14 +52,13 @@ void main() {
         if (side < -bound) verdict |= 4u;
         // A box of no size, and all that leaves it out.
         if (!is_in_reach(v.x, v.y, v.z, v.error, d.x, d.x, d.y, d.y, d.z, d.z, heavier)) verdict |= 8u;
-        const real square = fma(v.x, v.x, fma(v.y, v.y, v.z * v.z));
-        if (is_secure(real(2) * d.h, security_radius_squared(square, v.error))) verdict |= 16u;
+        if (is_secure(real(2) * d.h, security_radius_squared(v.norm, v.error))) verdict |= 16u;
         vec3 down = vec3(0.0), up = vec3(0.0);
         extend_reach(vec3(v.x, v.y, v.z), float(v.error), down, up);
         const vec3 at = vec3(d.x, d.y, d.z);
         const float further = sqrt(float(most_heavier)) * 1.0001;
         if (any(greaterThan(at, up + further)) || any(lessThan(at, -down - further))) verdict |= 32u;
-        const real radius = (sqrt(square) + v.error) * real(1.00001);
+        const real radius = (v.norm + v.error) * real(1.00001);
         if (is_secure(d.norm * d.norm, cutting_distance_squared(radius, heavier))) verdict |= 64u;
         if (cannot_cut(d, radius)) verdict |= 128u;
     }
