@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "gpu/passes/spirv.hpp"
 #include "shared/interface.h"
 
 namespace votess::gpu::vulkan {
@@ -13,23 +14,6 @@ void require(bool good, const Device& device, const std::string& pass, const std
     if (good) return;
     throw Error(ErrorCode::unsupported,
                 "the pass " + pass + " needs " + what + ", which is above the limits of " + device.adapter().name);
-}
-
-// The values that a shader's declarations have for a decoration, ascending. A word of SPIR-V that begins an instruction
-// holds its length and what it does; all decorations stand before the first function.
-enum class Decoration : std::uint32_t { constant_id = 1, binding = 33 };
-
-std::vector<std::uint32_t> declared(std::span<const std::uint32_t> spirv, Decoration decoration) {
-    constexpr std::uint32_t header_words = 5, decorate = 71, function = 54;
-    std::vector<std::uint32_t> ids;
-    for (std::size_t at = header_words; at < spirv.size(); at += spirv[at] >> 16) {
-        const std::uint32_t operation = spirv[at] & 0xffffu;
-        if (operation == function) break;
-        if (operation == decorate && spirv[at + 2] == static_cast<std::uint32_t>(decoration))
-            ids.push_back(spirv[at + 3]);
-    }
-    std::ranges::sort(ids);
-    return ids;
 }
 
 // The constants of the info and the local size; throws unless the shader declares just these.
@@ -127,10 +111,13 @@ void Pass::make_layout() {
 
 void Pass::make_pipeline(const PassInfo& info) {
     const VolkDeviceTable& table = device_->table();
+    const Adapter& adapter = device_->adapter();
+    const std::vector<std::uint32_t> spirv =
+        rounding_to_nearest(info.spirv, adapter.can_ask_for_nearest32, adapter.can_ask_for_nearest64);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
-    code.codeSize = info.spirv.size_bytes();
-    code.pCode = info.spirv.data();
+    code.codeSize = std::span(spirv).size_bytes();
+    code.pCode = spirv.data();
 
     const std::vector<Constant> constants = all_constants(info);
     std::vector<VkSpecializationMapEntry> entries;
@@ -153,7 +140,6 @@ void Pass::make_pipeline(const PassInfo& info) {
     VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{};
     size.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO;
     size.requiredSubgroupSize = info.subgroup_size;
-    const Adapter& adapter = device_->adapter();
     if (adapter.subgroup_size_control && info.subgroup_size >= adapter.min_subgroup_size &&
         info.subgroup_size <= adapter.max_subgroup_size) {
         pipeline.stage.pNext = &size;

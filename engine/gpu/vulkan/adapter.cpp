@@ -51,9 +51,10 @@ public:
         return std::any_of(extensions_.begin(), extensions_.end(),
                            [&](const auto& e) { return e.extensionName == extension; });
     }
+    [[nodiscard]] bool is_at_least(std::uint32_t version) const { return version_ >= version; }
     // Whether it has what is in the core of `version`, and was an extension before.
     [[nodiscard]] bool has(std::uint32_t version, std::string_view extension) const {
-        return version_ >= version || has(extension);
+        return is_at_least(version) || has(extension);
     }
 
 private:
@@ -121,9 +122,13 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
     auto sizes = structure<VkPhysicalDeviceSubgroupSizeControlProperties>(
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES);
 
+    auto floats =
+        structure<VkPhysicalDeviceFloatControlsProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES);
+
     Chain chain(all);
     chain.add(subgroup);
     chain.add(limits);
+    if (support.is_at_least(VK_API_VERSION_1_2)) chain.add(floats);
     if (support.has(VK_API_VERSION_1_3, VK_KHR_MAINTENANCE_4_EXTENSION_NAME)) chain.add(buffers);
     if (support.has(VK_API_VERSION_1_2, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME)) chain.add(driver);
     if (support.has(VK_API_VERSION_1_3, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME)) chain.add(sizes);
@@ -139,6 +144,10 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
     a.max_allocation = limits.maxMemoryAllocationSize;
     a.max_buffer = buffers.maxBufferSize ? buffers.maxBufferSize : a.max_allocation;
     a.max_buffer = std::min({a.max_buffer, a.max_allocation, a.device_memory});
+    a.can_ask_for_nearest32 = floats.shaderRoundingModeRTEFloat32;
+    a.can_ask_for_nearest64 = floats.shaderRoundingModeRTEFloat64;
+    if (floats.roundingModeIndependence == VK_SHADER_FLOAT_CONTROLS_INDEPENDENCE_NONE)  // both or none
+        a.can_ask_for_nearest32 = a.can_ask_for_nearest64 = a.can_ask_for_nearest32 && a.can_ask_for_nearest64;
     a.lockstep = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
     a.driver = driver.driverName;
     if (driver.driverInfo[0]) a.driver += std::string(" ") + driver.driverInfo;

@@ -39,6 +39,8 @@ struct Adapter {
     bool lockstep = false;
 
     bool float64 = false;
+    // Shaders may demand that float32 or float64 rounds to nearest (passes/spirv.hpp).
+    bool can_ask_for_nearest32 = false, can_ask_for_nearest64 = false;
 
     std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;     // with compute, and with timestamps if there is one
     std::uint32_t graphics_family = VK_QUEUE_FAMILY_IGNORED;  // with graphics, the above where it has that

@@ -2,9 +2,11 @@
 // declares.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "gpu/passes/passes.hpp"
+#include "gpu/passes/spirv.hpp"
 #include "shaders.hpp"
 #include "shared/interface.h"
 #include "support/gpu/gpu_stages.hpp"
@@ -134,6 +136,45 @@ TEST_SUITE("stages") {
         CHECK(*calls.all_constants.rbegin() == CONSTANT_COUNT - 1);
         // Adapter::missing() asks for so many.
         CHECK(calls.most_bindings == 18);
+    }
+
+    TEST_CASE("gpu interface: shaders demand to round to nearest, in the widths that they have") {
+        using votess::gpu::vulkan::rounding_to_nearest;
+        // Of an instruction that begins so.
+        const auto count = [](std::span<const std::uint32_t> words, std::vector<std::uint32_t> beginning) {
+            std::size_t found = 0;
+            for (std::size_t at = 5; at < words.size(); at += words[at] >> 16)
+                found +=
+                    (words[at] >> 16) >= beginning.size() &&
+                    std::equal(beginning.begin(), beginning.end(), words.begin() + static_cast<std::ptrdiff_t>(at));
+            return found;
+        };
+        constexpr std::uint32_t capability = 2u << 16 | 17, mode = 4u << 16 | 16, rounding = 4462;
+        const auto modes = [&](const std::vector<std::uint32_t>& words, std::uint32_t width) {
+            std::size_t found = 0;
+            for (std::size_t at = 5; at < words.size(); at += words[at] >> 16)
+                found += words[at] == mode && words[at + 2] == rounding && words[at + 3] == width;
+            return found;
+        };
+        for (const auto spirv : {votess::gpu::shaders::clip_f32, votess::gpu::shaders::clip_f64}) {
+            const bool has_float64 = count(spirv, {capability, 10}) == 1;
+            for (const bool float32 : {false, true})
+                for (const bool float64 : {false, true}) {
+                    CAPTURE(has_float64);
+                    CAPTURE(float32);
+                    CAPTURE(float64);
+                    const auto words = rounding_to_nearest(spirv, float32, float64);
+                    const bool demands64 = float64 && has_float64;
+                    CHECK(modes(words, 32) == float32);
+                    CHECK(modes(words, 64) == demands64);
+                    CHECK(count(words, {capability, 4467}) == (float32 || demands64));
+                    // The rest is as it was.
+                    CHECK(words.size() ==
+                          spirv.size() + (float32 || demands64 ? 2 + 7 : 0) + (float32 ? 4 : 0) + (demands64 ? 4 : 0));
+                    CHECK(votess::gpu::vulkan::declared(words, votess::gpu::vulkan::Decoration::binding) ==
+                          votess::gpu::vulkan::declared(spirv, votess::gpu::vulkan::Decoration::binding));
+                }
+        }
     }
 
     TEST_CASE("gpu interface: a pass with other constants than its shader's is refused") {
