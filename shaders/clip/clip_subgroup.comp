@@ -76,7 +76,7 @@ void clip_by_walls() {
 void clip_by_candidates(inout bool walls_wait) {
     prepare_cuts();
     for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
-        if (has_walls != 0u) {
+        if (has_walls != 0u) {  // as a condition of its own it leaves no copy of the cut in passes without walls
             if (walls_wait && first >= 16u) {  // the box's far corners are gone
                 walls_wait = false;
                 clip_by_walls();
@@ -85,7 +85,7 @@ void clip_by_candidates(inout bool walls_wait) {
         }
         const uint end = min(candidate_count - first, uint(lanes));
         bool too_near = false;
-        real rank = real(uintBitsToFloat(0x7f800000u));
+        real rank = real(uintBitsToFloat(0x7f800000u));  // infinite where a lane has no candidate
         if (lane < end) {
             const uint q = candidate_at(first + lane);
             const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);

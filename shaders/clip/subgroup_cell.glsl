@@ -284,13 +284,14 @@ uint find_horizon() {
 
 // Replaces the killed vertices by those of the new plane with the horizon.
 void cut(Plane p, int id) {
-    bool any_left = false;
-    [[unroll]] for (int s = 0; s < slots; ++s) any_left = any_left || (vertex_planes[s] != 0u && !killed[s]);
-    if (weighted != 0u)
+    if (weighted != 0u) {
+        bool any_left = false;
+        [[unroll]] for (int s = 0; s < slots; ++s) any_left = any_left || (vertex_planes[s] != 0u && !killed[s]);
         if (!any_lane(any_left)) {  // no interior; perhaps it has none of its own
             status = state.suspects == 0u ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
             return;
         }
+    }
     const uint horizon_count = find_horizon();
     if (free_planes == 0u) {
         free_planes = all_planes & ~planes_in_use();
