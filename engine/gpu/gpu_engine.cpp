@@ -39,6 +39,7 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     PassSettings s = usual_settings(*device_, options.k_init);
     if (limits_.most_walk_visits != 0) s.most_walk_visits = limits_.most_walk_visits;
     s.tiers[0].float64 = measured_double;
+    s.measure_float64 = s.measure_float64 || measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
     s.walls = has_device_walls(*job_.domain);
     s.areas = !lists_only_ && options.want.areas;
@@ -191,6 +192,7 @@ void GpuEngine::clip_part(std::size_t index) {
          .measure = passes_->settings.measure,
          .areas = passes_->settings.areas,
          .shifts = periodic_.has_value(),
+         .float64 = passes_->settings.measure_float64,
          .least_entries = std::max(most_entries(cells), 2 * most_entries(std::min(cells, Schedule::trial_cells))),
          .most_entries = limits_.most_entries});
 

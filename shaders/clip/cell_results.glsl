@@ -12,7 +12,22 @@ layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
 layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
 layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
-layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { Number geometry[]; };
-layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { Number areas[]; };
+layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { uvec2 geometry[]; };
+layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { uvec2 areas[]; };
+
+// What is measured, as all cells of a run have it.
+#ifdef CLIP_FLOAT64
+layout(constant_id = CONSTANT_WRITES_SUMS) const uint writes_sums = 0u;
+
+uvec2 written(Number a) {
+    if (writes_sums == 0u) return words_of(a);
+    const float high = float(a);
+    return floatBitsToUint(vec2(high, float(a - Number(high))));
+}
+#else
+uvec2 written(Number a) {
+    return words_of(a);
+}
+#endif
 
 #endif

@@ -232,10 +232,10 @@ void finish(uint slot, uint cell, uint exponent) {
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
         measure_cell();
         if (!is_measured(push.volume_tolerance)) status = STATUS_NEEDS_EXACT;
-        geometry[4u * cell] = volume;
-        geometry[4u * cell + 1u] = mass_center.x;
-        geometry[4u * cell + 2u] = mass_center.y;
-        geometry[4u * cell + 3u] = mass_center.z;
+        geometry[4u * cell] = written(volume);
+        geometry[4u * cell + 1u] = written(mass_center.x);
+        geometry[4u * cell + 2u] = written(mass_center.y);
+        geometry[4u * cell + 3u] = written(mass_center.z);
     }
 #ifdef DECIDES_TIES
     if (status == STATUS_CERTIFIED && met_tie) keep_true_faces(faces, vertices);
@@ -246,13 +246,13 @@ void finish(uint slot, uint cell, uint exponent) {
                 const int plane = 32 * w + findLSB(rest);
                 const int id = plane_id[plane];
                 if (id < 0 && push.walls == 0u) continue;
-                if (want_geometry == 2u) areas[length * push.row_stride + slot] = not_negative(area[plane]);
+                if (want_geometry == 2u) areas[length * push.row_stride + slot] = written(not_negative(area[plane]));
                 rows[length * push.row_stride + slot] = id < 0 ? listed_wall(id) : int(seed_input[id]);
                 ++length;
             }
     }
     if (loops_were_cut_short(2u + (push.cell_count >> 31))) {
-        status = STATUS_NEEDS_EXACT;
+        status = STATUS_CANDIDATES_EXHAUSTED;
         length = 0u;
     }
     const bool certified = status == STATUS_CERTIFIED;

@@ -219,7 +219,7 @@ uint write_row(uint cell, uint used) {
         const uint at = (length + rank_among(listed, count)) * push.row_stride + cell;
         if (listed) {
             rows[at] = id < 0 ? listed_wall(id) : int(seed_input[id]);
-            if (want_geometry == 2u) areas[at] = not_negative(area_of(p));
+            if (want_geometry == 2u) areas[at] = written(not_negative(area_of(p)));
         }
         length += count;
     }
@@ -242,16 +242,16 @@ void finish(uint cell, uint exponent) {
     if (want_geometry != 0u && status == STATUS_CERTIFIED) {
         measure_cell(used, vertices);
         if (any_lane(!is_measured(push.volume_tolerance))) status = STATUS_NEEDS_EXACT;
-        if (lane == 0u) geometry[4u * cell] = volume;
-        if (lane == 1u) geometry[4u * cell + 1u] = mass_center.x;
-        if (lane == 2u) geometry[4u * cell + 2u] = mass_center.y;
-        if (lane == 3u) geometry[4u * cell + 3u] = mass_center.z;
+        if (lane == 0u) geometry[4u * cell] = written(volume);
+        if (lane == 1u) geometry[4u * cell + 1u] = written(mass_center.x);
+        if (lane == 2u) geometry[4u * cell + 2u] = written(mass_center.y);
+        if (lane == 3u) geometry[4u * cell + 3u] = written(mass_center.z);
     }
 #ifdef DECIDES_TIES
     if (status == STATUS_CERTIFIED && any_lane(met_tie)) keep_true_faces(used, faces, vertices);
 #endif
     if (push.neighbors != 0u && status == STATUS_CERTIFIED) length = write_row(cell, used);
-    if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_NEEDS_EXACT;
+    if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_CANDIDATES_EXHAUSTED;
     if (lane != 0u) return;
     if (status != STATUS_CERTIFIED) {
         leave(cell);

@@ -17,7 +17,8 @@
 #define CONSTANT_FIRST_COUNT 11   // clip_subgroup: seeds that the first search aims at
 #define CONSTANT_WALLS 12         // clip: 1 when there are walls of any direction
 #define CONSTANT_WEIGHTS 13       // sort, knn, clip: 1 in a power diagram
-#define CONSTANT_COUNT 14
+#define CONSTANT_WRITES_SUMS 14   // clip in float64: 1 when what is measured is written as sums of two float32
+#define CONSTANT_COUNT 15
 
 // N is the number of points, M that of items being sorted or scanned, C that of cells of a chunk, T that of cells of
 // the second tier.

@@ -52,6 +52,7 @@ struct Settings {
     std::vector<std::string> instructions;
     std::vector<std::string> kernels;
     std::vector<unsigned> local_sizes;
+    std::vector<std::string> numbers;
     Repeats repeats;
     std::uint64_t rng_seed = 1;
     std::string json;
@@ -167,6 +168,7 @@ int run_gpu_table(const Settings& s) {
     table.wants = s.wants.empty() ? table.wants : s.wants;
     table.kernels = s.kernels.empty() ? table.kernels : s.kernels;
     table.local_sizes = s.local_sizes.empty() ? table.local_sizes : s.local_sizes;
+    table.numbers = s.numbers.empty() ? table.numbers : s.numbers;
     table.threads = s.threads.back();
     table.repeats = s.repeat_count > 0 ? s.repeat_count : table.repeats;
     table.limit = s.repeats.limit;
@@ -257,6 +259,11 @@ int main(int argc, char** argv) try {
     auto* local_sizes =
         app.add_option("--local-size", s.local_sizes, "--gpu-table: invocations of a work-group; default 32,128")
             ->check(CLI::IsMember({8, 16, 32, 64, 128, 256, 512, 1024}));
+    auto* numbers =
+        app.add_option(
+               "--numbers", s.numbers,
+               "--gpu-table: that measure cells: automatic, float64, float32 (sums of two); default the last two")
+            ->check(CLI::IsMember({"automatic", "float64", "float32"}));
     app.option_defaults()->delimiter('\0');
 
     app.add_option("--repeats", s.repeat_count, "runs of each; default 5; of large inputs of --goals 3")
@@ -294,6 +301,7 @@ int main(int argc, char** argv) try {
     gpu_table->excludes(peers)->excludes(instructions)->excludes(check);
     kernels->needs(gpu_table);
     local_sizes->needs(gpu_table);
+    numbers->needs(gpu_table);
     goals->excludes(devices)->excludes(instructions);
     memory->excludes(devices)->excludes(check);
     app.add_flag("--strict", s.strict, "--goals: exit 1 unless all are met")->needs(goals);

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # votess on this machine's GPU: checks its lists against the CPU, prints million cells per second of every stage for
-# 1e4 to 1e7 seeds of every kind of domain with both kernels and work-groups of 32 and 128, names the fastest, and writes gpu-DEVICE-DATE.json
+# 1e4 to 1e7 seeds of every kind of domain with both kernels, work-groups of 32 and 128 and volumes
+# in float64 and float32, of frames too, names the fastest, and writes gpu-DEVICE-DATE.json
 # into the current folder. Needs no network.
 #   tools/bench/gpu.sh                              the first GPU
 #   tools/bench/gpu.sh --device lavapipe --sizes 1e4,1e5
@@ -8,7 +9,7 @@
 #                                                   architecture with a Vulkan driver and no older C library: DIR/gpu.sh
 #   --bin DIR                                       votess_bench is there; default: build/release/bin, else it is built
 #   --build                                         builds it in any case
-# Other arguments, such as --kernel, --local-size, --json FILE, --input, --want, --repeats, go to votess_bench --gpu-table (see its --help).
+# Other arguments, such as --kernel, --local-size, --numbers, --json FILE, --input, --want, --repeats, go to votess_bench --gpu-table (see its --help).
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 

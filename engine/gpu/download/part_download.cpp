@@ -138,7 +138,7 @@ void PartDownload::read_geometry(
         [&](std::size_t slice, const Buffer& staging) {
             const std::size_t bytes = count(slice) * geometry_bytes;
             staging.invalidate(bytes);
-            take(slice * most, count(slice), {staging.mapped().first(bytes), device_.has_float64()});
+            take(slice * most, count(slice), {staging.mapped().first(bytes), wanted_.float64});
         });
 }
 
@@ -176,7 +176,7 @@ void PartDownload::read_rows(const Passes& passes, const std::function<void(cons
             rows.first = slice.first;
             rows.lengths = lengths().subspan(slice.first, slice.count);
             rows.ids = staging.as<std::int32_t>().first(slice.entries);
-            if (sizes.areas) rows.areas = {bytes(areas, Numbers::each), device_.has_float64()};
+            if (sizes.areas) rows.areas = {bytes(areas, Numbers::each), wanted_.float64};
             if (sizes.shifts)
                 rows.shifts = {reinterpret_cast<const std::int8_t*>(bytes(shifts, 3).data()), 3 * slice.entries};
             take(rows);

@@ -1,7 +1,9 @@
 #include "gpu/passes/kernel_choice.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <string_view>
@@ -23,6 +25,23 @@ std::uint32_t lanes_of(const vulkan::Adapter& adapter) {
 std::string_view environment(const char* name) {
     const char* text = std::getenv(name);
     return text == nullptr ? "" : text;
+}
+
+// Vulkan does not tell how fast float64 is. These GPUs have it at half the rate of float32 (Radeon VII at a quarter),
+// as CPUs do; all others at 1/16 to 1/64.
+constexpr std::array fast_float64{"P100",   "GP100",  "V100",   "GV100",     "TITAN V", "A100",  "A800",
+                                  "A30",    "H100",   "H200",   "H800",      "GH200",   "B100",  "B200",
+                                  "GB200",  "MI50",   "MI60",   "MI100",     "MI210",   "MI250", "MI250X",
+                                  "MI300A", "MI300X", "MI325X", "Radeon VII"};
+
+// Whether these words stand in the text, and not as parts of longer ones.
+bool has_words(std::string_view text, std::string_view words) {
+    const auto ends_word = [&](std::size_t at) {
+        return at >= text.size() || std::isalnum(static_cast<unsigned char>(text[at])) == 0;
+    };
+    for (std::size_t at = text.find(words); at != std::string_view::npos; at = text.find(words, at + 1))
+        if (ends_word(at - 1) && ends_word(at + words.size())) return true;
+    return false;
 }
 
 }  // namespace
@@ -60,6 +79,24 @@ std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel
     if (kernel == Kernel::automatic) return 0;
     throw Error(ErrorCode::unsupported,
                 "device '" + adapter.name + "' cannot run kernel subgroup: it lacks " + missing);
+}
+
+bool measures_in_float64(const vulkan::Adapter& adapter, bool has_float64, Measure measure) {
+    if (measure == Measure::float64 && !has_float64)
+        throw Error(ErrorCode::unsupported, "device '" + adapter.name + "' has no float64 to measure in");
+    if (measure != Measure::automatic) return measure == Measure::float64;
+    return has_float64 && (adapter.software() || std::ranges::any_of(fast_float64, [&](const char* words) {
+                               return has_words(adapter.name, words);
+                           }));
+}
+
+Measure measure_from_environment() {
+    const std::string_view word = environment("VOTESS_VULKAN_MEASURE");
+    if (word.empty() || word == "automatic") return Measure::automatic;
+    if (word == "float64") return Measure::float64;
+    if (word == "float32") return Measure::float32;
+    throw Error(ErrorCode::invalid_argument,
+                "VOTESS_VULKAN_MEASURE is '" + std::string(word) + "': give automatic, float64 or float32");
 }
 
 Kernel kernel_from_environment() {

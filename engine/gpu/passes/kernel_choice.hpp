@@ -1,4 +1,4 @@
-// Whether an invocation or a subgroup makes a cell of the first tier.
+// Whether an invocation or a subgroup makes a cell of the first tier, and in which numbers it is measured.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,19 @@ enum class Kernel {
 // VOTESS_VULKAN_KERNEL of the environment, for measurements and tests: "automatic" (also when it is not set),
 // "invocation" or "subgroup". Throws `invalid_argument`.
 [[nodiscard]] Kernel kernel_from_environment();
+
+enum class Measure {
+    automatic,  // `float64` where it is at least 1/8 as fast as float32
+    float64,
+    float32,  // in sums of two float32, see shaders/numbers/number.glsl
+};
+
+// PassSettings::measure_float64. Throws `unsupported` when float64 is asked for and the device has none.
+[[nodiscard]] bool measures_in_float64(const vulkan::Adapter& adapter, bool has_float64, Measure measure);
+
+// VOTESS_VULKAN_MEASURE of the environment, for measurements and tests: "automatic" (also when it is not set),
+// "float64" or "float32". Throws `invalid_argument`.
+[[nodiscard]] Measure measure_from_environment();
 
 // VOTESS_VULKAN_LOCAL_SIZE of the environment, for measurements: invocations of a work-group, a power of two up to
 // 1024. 0 when it is not set. Throws `invalid_argument`.

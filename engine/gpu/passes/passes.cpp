@@ -39,31 +39,39 @@ struct Variants {
     std::span<const std::uint32_t> float32, measured_float64, float64;
 };
 
-std::span<const std::uint32_t> of_numbers(const Device& device, const PassSettings& settings, const TierLimits& limits,
+std::span<const std::uint32_t> of_numbers(const PassSettings& settings, const TierLimits& limits,
                                           const Variants& variants) {
     if (limits.float64) return variants.float64;
-    return device.has_float64() && settings.measure ? variants.measured_float64 : variants.float32;
+    return settings.measure && settings.measure_float64 ? variants.measured_float64 : variants.float32;
 }
 
 vulkan::Constant has_weights(const PassSettings& settings) {
     return {CONSTANT_WEIGHTS, settings.weights ? 1u : 0u};
 }
 
+// Shaders that clip in float64 measure in it too, and write what the others do.
+std::vector<vulkan::Constant> with_numbers(std::vector<vulkan::Constant> constants, const PassSettings& settings,
+                                           const TierLimits& limits) {
+    if (limits.float64) constants.push_back({CONSTANT_WRITES_SUMS, settings.measure_float64 ? 0u : 1u});
+    return constants;
+}
+
 Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier) {
     const TierLimits& limits = settings.tiers[tier];
     using namespace shaders;
-    const auto spirv = of_numbers(device, settings, limits,
+    const auto spirv = of_numbers(settings, limits,
                                   limits.ties ? Variants{clip_f32_ties, clip_f32_measure_f64_ties, clip_f64_ties}
                                               : Variants{clip_f32, clip_f32_measure_f64, clip_f64});
     return make<ClipPush>(device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv, settings.local_size,
-                          {{CONSTANT_MOST_PLANES, limits.planes},
-                           {CONSTANT_MOST_VERTICES, limits.vertices},
-                           {CONSTANT_TIER, tier},
-                           wanted_geometry(settings),
-                           {CONSTANT_WALLS, settings.walls ? 1u : 0u},
-                           unit_roundoff(device),
-                           list_of_todo(settings),
-                           has_weights(settings)});
+                          with_numbers({{CONSTANT_MOST_PLANES, limits.planes},
+                                        {CONSTANT_MOST_VERTICES, limits.vertices},
+                                        {CONSTANT_TIER, tier},
+                                        wanted_geometry(settings),
+                                        {CONSTANT_WALLS, settings.walls ? 1u : 0u},
+                                        unit_roundoff(device),
+                                        list_of_todo(settings),
+                                        has_weights(settings)},
+                                       settings, limits));
 }
 
 // What clip_subgroup.comp and its includes rely on: a set of planes is one word; the store of candidates takes two
@@ -82,7 +90,7 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
     const TierLimits& limits = settings.tiers[0];
     using namespace shaders;
     const auto spirv = of_numbers(
-        device, settings, limits,
+        settings, limits,
         limits.ties ? Variants{clip_subgroup_f32_ties, clip_subgroup_f32_measure_f64_ties, clip_subgroup_f64_ties}
                     : Variants{clip_subgroup_f32, clip_subgroup_f32_measure_f64, clip_subgroup_f64});
     const vulkan::Adapter& adapter = device.adapter();
@@ -91,15 +99,16 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
     if (adapter.subgroup_size_control) subgroups = std::min(subgroups, adapter.max_subgroups);
     subgroups = std::max(subgroups, 1u);
     return make<CellsPush>(device, "clip_subgroup", spirv, subgroups * settings.subgroup_size,
-                           {{CONSTANT_MOST_VERTICES, limits.vertices},
-                            {CONSTANT_LANES, settings.subgroup_size},
-                            {CONSTANT_SUBGROUPS, subgroups},
-                            {CONSTANT_LOCKSTEP, adapter.lockstep ? 1u : 0u},
-                            {CONSTANT_FIRST_COUNT, settings.first_count},
-                            wanted_geometry(settings),
-                            {CONSTANT_WALLS, settings.walls ? 1u : 0u},
-                            unit_roundoff(device),
-                            has_weights(settings)},
+                           with_numbers({{CONSTANT_MOST_VERTICES, limits.vertices},
+                                         {CONSTANT_LANES, settings.subgroup_size},
+                                         {CONSTANT_SUBGROUPS, subgroups},
+                                         {CONSTANT_LOCKSTEP, adapter.lockstep ? 1u : 0u},
+                                         {CONSTANT_FIRST_COUNT, settings.first_count},
+                                         wanted_geometry(settings),
+                                         {CONSTANT_WALLS, settings.walls ? 1u : 0u},
+                                         unit_roundoff(device),
+                                         has_weights(settings)},
+                                        settings, limits),
                            settings.subgroup_size);
 }
 
@@ -107,22 +116,22 @@ Pass first_tier(Device& device, const PassSettings& settings) {
     return settings.subgroup_size != 0 ? clip_by_subgroup(device, settings) : clip_cells(device, settings, 0);
 }
 
-std::span<const std::uint32_t> rows_with_areas(const Device& device, bool frames) {
-    if (!frames) return shaders::download_rows_areas;
-    return device.has_float64() ? shaders::download_frame_areas_f64 : shaders::download_frame_areas_f32;
+std::span<const std::uint32_t> rows_with_areas(const PassSettings& settings) {
+    if (!settings.frames) return shaders::download_rows_areas;
+    return settings.measure_float64 ? shaders::download_frame_areas_f64 : shaders::download_frame_areas_f32;
 }
-std::span<const std::uint32_t> named_rows_with_areas(const Device& device, bool frames) {
-    if (!frames) return shaders::download_rows_names_areas;
-    return device.has_float64() ? shaders::download_frame_names_areas_f64 : shaders::download_frame_names_areas_f32;
+std::span<const std::uint32_t> named_rows_with_areas(const PassSettings& settings) {
+    if (!settings.frames) return shaders::download_rows_names_areas;
+    return settings.measure_float64 ? shaders::download_frame_names_areas_f64 : shaders::download_frame_names_areas_f32;
 }
 
 Pass download_rows(Device& device, const PassSettings& settings) {
-    const auto spirv = settings.areas ? rows_with_areas(device, settings.frames) : shaders::download_rows;
+    const auto spirv = settings.areas ? rows_with_areas(settings) : shaders::download_rows;
     return make<RowsPush>(device, "download_rows", spirv, settings.local_size);
 }
 
 Pass download_named_rows(Device& device, const PassSettings& settings) {
-    const auto spirv = settings.areas ? named_rows_with_areas(device, settings.frames) : shaders::download_rows_names;
+    const auto spirv = settings.areas ? named_rows_with_areas(settings) : shaders::download_rows_names;
     return make<RowsPush>(device, "download_rows names", spirv, settings.local_size);
 }
 
@@ -134,6 +143,7 @@ PassSettings usual_settings(const Device& device, std::uint32_t k) {
     PassSettings s;
     s.k = k == 0 ? usual_k : k;
     s.subgroup_size = choose_subgroup_size(device.adapter(), kernel_from_environment());
+    s.measure_float64 = measures_in_float64(device.adapter(), device.has_float64(), measure_from_environment());
     if (k != 0) s.first_count = std::min(k, most_first_count);
     // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
     s.most_walk_visits = device.adapter().software() ? software_walk : usual_walk;
@@ -170,9 +180,9 @@ Passes::Passes(Device& device, const PassSettings& s)
             std::make_unique<Pass>(make<GatherPush>(device, "download_gather", shaders::download_gather, s.local_size));
         return;
     }
-    download_cells = std::make_unique<Pass>(make<FramePush>(
-        device, "download_cells", device.has_float64() ? shaders::download_cells_f64 : shaders::download_cells_f32,
-        s.local_size));
+    download_cells = std::make_unique<Pass>(
+        make<FramePush>(device, "download_cells",
+                        s.measure_float64 ? shaders::download_cells_f64 : shaders::download_cells_f32, s.local_size));
     if (s.walls)
         upload_walls =
             std::make_unique<Pass>(make<UploadPush>(device, "upload_walls", shaders::upload_walls, s.local_size));

@@ -24,6 +24,7 @@ struct PassSettings {
     std::uint32_t most_visits = 4000;        // boxes looked at in a search
     std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
     bool measure = true;                     // volumes and centroids are wanted
+    bool measure_float64 = true;             // they are float64, else sums of two float32
     bool areas = false;                      // areas beside the rows are wanted too
     bool weights = false;                    // of a power diagram
     bool frames = false;                     // there are passes for recorded frames instead of parts
@@ -41,8 +42,8 @@ struct PassSettings {
     bool operator==(const PassSettings&) const = default;
 };
 
-// Settings that suit the device; k = 0 lists the usual number. Throws as kernel_from_environment(), and `unsupported`
-// for a kernel that the device cannot run.
+// Settings that suit the device; k = 0 lists the usual number. Throws as kernel_from_environment() and
+// measure_from_environment(), and `unsupported` for a kernel that the device cannot run and numbers that it lacks.
 [[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k);
 
 struct Passes {

@@ -191,4 +191,27 @@ TEST_SUITE("cases") {
         options.precision = votess::Precision::single;
         CHECK(compare(runner, set, options) == "");
     }
+
+    TEST_CASE("gpu: cells measured in sums of float32, and in float64 by the second tier") {
+        const test::Environment sums("VOTESS_VULKAN_MEASURE", "float32");
+        test::Gpu gpu;
+        test::GpuRunner runner(gpu), second(gpu);
+        for (const auto kernel : {Kernel::invocation, test::by_subgroup()}) {
+            CAPTURE(static_cast<int>(kernel));
+            const test::UseKernel chosen(kernel);
+            Options options = test::all_options();
+            // Short lists leave cells to the second tier.
+            for (const int k_init : {0, 24})
+                for (const PointSet& set :
+                     {test::uniform(test::by_size(1000, 300), 108), test::clustered(test::by_size(500, 200), 109)}) {
+                    CAPTURE(k_init);
+                    CAPTURE(set.name);
+                    options.k_init = k_init;
+                    CHECK(compare(kernel == Kernel::invocation ? runner : second, set, options) == "");
+                }
+        }
+        Options options = test::all_options();
+        options.precision = test::double_precision();  // in float64 all the same
+        CHECK(compare(runner, test::uniform(300, 110), options) == "");
+    }
 }

@@ -443,4 +443,38 @@ TEST_SUITE("stages") {
         other.subgroup_size = 4;
         refused(other, "it has 4");
     }
+
+    TEST_CASE("gpu clip: numbers that measure a cell") {
+        using votess::gpu::Measure;
+        using votess::gpu::measure_from_environment;
+        using votess::gpu::measures_in_float64;
+        CHECK(measure_from_environment() == Measure::automatic);
+        {
+            const test::Environment asked("VOTESS_VULKAN_MEASURE", "float32");
+            CHECK(measure_from_environment() == Measure::float32);
+        }
+        {
+            const test::Environment unknown("VOTESS_VULKAN_MEASURE", "float16");
+            CHECK(test::error_of([] { (void)measure_from_environment(); }) == votess::ErrorCode::invalid_argument);
+        }
+        votess::gpu::vulkan::Adapter adapter;
+        adapter.type = VK_PHYSICAL_DEVICE_TYPE_CPU;
+        CHECK(measures_in_float64(adapter, true, Measure::automatic));
+        CHECK(!measures_in_float64(adapter, false, Measure::automatic));
+        adapter.type = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU;
+        const auto is_fast = [&](const char* name) {
+            adapter.name = name;
+            return measures_in_float64(adapter, true, Measure::automatic);
+        };
+        for (const char* name : {"NVIDIA H100 80GB HBM3", "NVIDIA A100-SXM4-80GB", "Tesla V100-PCIE-16GB",
+                                 "NVIDIA TITAN V", "A30", "AMD Radeon VII (RADV VEGA20)"})
+            CHECK_MESSAGE(is_fast(name), name);
+        for (const char* name : {"NVIDIA RTX A3000 Laptop GPU", "NVIDIA GeForce RTX 4090", "NVIDIA TITAN Xp",
+                                 "NVIDIA A10", "AMD Radeon RX 6800 (RADV NAVI21)", ""})
+            CHECK_MESSAGE(!is_fast(name), name);
+        CHECK(measures_in_float64(adapter, true, Measure::float64));
+        CHECK(!measures_in_float64(adapter, true, Measure::float32));
+        CHECK(test::error_of([&] { (void)measures_in_float64(adapter, false, Measure::float64); }) ==
+              votess::ErrorCode::unsupported);
+    }
 }

@@ -119,7 +119,7 @@ TEST_SUITE("stages") {
         table.vkCreatePipelineLayout = note_layout;
         table.vkCreateShaderModule = note_module;
         table.vkCreateComputePipelines = compare;
-        for (unsigned bits = 0; bits < 128; ++bits) {
+        for (unsigned bits = 0; bits < 256; ++bits) {
             const auto bit = [&](unsigned at) { return (bits >> at & 1) != 0; };
             PassSettings s = test::pass_settings();
             s.measure = bit(0);
@@ -131,6 +131,7 @@ TEST_SUITE("stages") {
             s.subgroup_size = bit(4) ? 32 : 0;
             s.tiers[0].float64 = bit(5) && device->has_float64();
             s.weights = bit(6);
+            s.measure_float64 = bit(7) && device->has_float64();
             s.tiers[1].float64 = device->has_float64();
             CAPTURE(bits);
             const votess::gpu::Passes passes(*device, s);

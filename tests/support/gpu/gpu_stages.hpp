@@ -39,6 +39,7 @@ struct GpuStages {
     // With float64 where the device has it.
     void use(votess::gpu::PassSettings settings) {
         for (auto& tier : settings.tiers) tier.float64 = tier.float64 && gpu.device->has_float64();
+        settings.measure_float64 = settings.measure_float64 && gpu.device->has_float64();
         passes.reset();
         passes = std::make_unique<votess::gpu::Passes>(*gpu.device, settings);
     }

@@ -22,7 +22,7 @@ constexpr std::uint32_t entries_each = 20;
 using votess::vulkan::Timestamps;
 
 struct Buffers {
-    host::Buffer seeds, workspace, header, cells, indices, geometry;
+    host::Buffer seeds, workspace, header, cells, indices, geometry, shifts, weights;
 
     Buffers(const host::HostDevice& device, const votess::vulkan::BufferSizes& sizes) {
         const auto make = [&](VkDeviceSize bytes) {
@@ -35,16 +35,56 @@ struct Buffers {
         cells = make(sizes.cells);
         indices = make(sizes.indices);
         geometry = make(sizes.geometry);
+        shifts = make(sizes.shifts);
+        weights = make(sizes.weights);
     }
     [[nodiscard]] votess::vulkan::Buffers ranges() const {
-        return {{seeds.get()}, {workspace.get()}, {header.get()}, {cells.get()}, {indices.get()}, {geometry.get()}};
+        return {.seeds = {seeds.get()},
+                .workspace = {workspace.get()},
+                .header = {header.get()},
+                .cells = {cells.get()},
+                .indices = {indices.get()},
+                .geometry = {geometry.get()},
+                .areas = {},
+                .shifts = {shifts.get()},
+                .weights = {weights.get()}};
     }
     [[nodiscard]] std::uint64_t bytes() const {
         std::uint64_t sum = 0;
-        for (const host::Buffer* b : {&seeds, &workspace, &header, &cells, &indices, &geometry}) sum += b->bytes();
+        for (const host::Buffer* b : {&seeds, &workspace, &header, &cells, &indices, &geometry, &shifts, &weights})
+            sum += b->bytes();
         return sum;
     }
 };
+
+// An input as a frame has it.
+struct Seeds {
+    std::vector<float> points, weights;
+
+    explicit Seeds(const Input& input)
+        : points(input.points.begin(), input.points.end()), weights(input.weights.begin(), input.weights.end()) {
+        for (const double radius : input.radii) weights.push_back(static_cast<float>(radius * radius));
+    }
+};
+
+votess::vulkan::PlanOptions plan_options(const Input& input, const Seeds& seeds, bool rows) {
+    votess::vulkan::PlanOptions options;
+    options.most_seeds = static_cast<std::uint32_t>(input.size());
+    if (input.cell) {
+        options.cell = input.cell;
+    } else {
+        options.box = input.box;
+        options.periodic = input.periodic;
+    }
+    if (!seeds.weights.empty()) {
+        const auto [least, largest] = std::ranges::minmax(seeds.weights);
+        options.weights = {.least = least, .largest = largest};
+    }
+    options.walls = input.walls;
+    options.neighbors = rows;
+    options.most_entries = entries_each * options.most_seeds;
+    return options;
+}
 
 template <class T>
 std::vector<T> read(const host::HostDevice& device, const host::Buffer& buffer) {
@@ -54,12 +94,15 @@ std::vector<T> read(const host::HostDevice& device, const host::Buffer& buffer) 
     return values;
 }
 
-void compare(FrameRow& row, const host::HostDevice& device, const Buffers& buffers, const votess::Box& box,
-             std::span<const float> seeds) {
-    votess::Options options;
-    options.box = box;
+void compare(FrameRow& row, const host::HostDevice& device, const Buffers& buffers, const Input& input,
+             const Seeds& seeds) {
+    votess::Options options = input.options();
+    const std::vector<double> weights(seeds.weights.begin(), seeds.weights.end());
+    options.radii = {};
+    options.weights = weights;
+    options.outside = votess::Outside::drop;  // as frames do
     options.device = "cpu";
-    const votess::Tessellation t = votess::tessellate(seeds, options);
+    const votess::Tessellation t = votess::tessellate(std::span<const float>(seeds.points), options);
     const auto cells = read<Cell>(device, buffers.cells);
     const auto geometry = read<float>(device, buffers.geometry);
     const auto indices = row.rows ? read<std::int32_t>(device, buffers.indices) : std::vector<std::int32_t>();
@@ -96,16 +139,13 @@ FrameRow Frames::measure(const Input& input, bool rows, int repeats, bool to_com
     row.input = input.name;
     row.n = input.size();
     row.rows = rows;
-    votess::vulkan::PlanOptions options;
-    options.most_seeds = static_cast<std::uint32_t>(row.n);
-    options.box = input.box;
-    options.neighbors = rows;
-    options.most_entries = entries_each * options.most_seeds;
+    const Seeds seeds(input);
+    const votess::vulkan::PlanOptions options = plan_options(input, seeds, rows);
     const Plan plan(device.for_votess(true), options);
     const Buffers buffers(device, plan.sizes());
     row.device_bytes = buffers.bytes();
-    const std::vector<float> seeds(input.points.begin(), input.points.end());
-    host::upload(device, std::as_bytes(std::span(seeds)), buffers.seeds.get());
+    host::upload(device, std::as_bytes(std::span(seeds.points)), buffers.seeds.get());
+    if (!seeds.weights.empty()) host::upload(device, std::as_bytes(std::span(seeds.weights)), buffers.weights.get());
     const votess::vulkan::Frame frame = plan.frame(buffers.ranges());
 
     const host::Owned<VkQueryPool> times = host::make_timestamps(device, Timestamps::slots);
@@ -129,7 +169,7 @@ FrameRow Frames::measure(const Input& input, bool rows, int repeats, bool to_com
     const auto header = read<Header>(device, buffers.header).at(0);
     row.unresolved = header.unresolved;
     row.check = "not compared";
-    if (to_compare) compare(row, device, buffers, input.box, seeds);
+    if (to_compare) compare(row, device, buffers, input, seeds);
     if (header.entries > options.most_entries) {
         row.check = "WRONG: rows need more room than was given";
         row.wrong = true;

@@ -38,7 +38,7 @@ std::string rate_text(const GpuRow& row, double seconds) {
 void write(std::ostream& out, const GpuRow& row) {
     out << "{\"input\": " << in_quotes(row.input) << ", \"n\": " << row.n
         << ", \"want\": " << in_quotes(name_of(row.want)) << ", \"kernel\": " << in_quotes(row.kernel)
-        << ", \"local_size\": " << row.local_size;
+        << ", \"local_size\": " << row.local_size << ", \"numbers\": " << in_quotes(row.numbers);
     if (!row.note.empty()) {
         out << ", \"note\": " << in_quotes(row.note) << '}';
         return;
@@ -82,7 +82,8 @@ void print_head(const GpuTable& table) {
         "on\n"
         "the host. full: neighbors, volumes and centroids. Lists are compared with the CPU's up to %.0f seeds.\n\n",
         table.repeats, table.repeats == 1 ? "" : "s", table.check_limit);
-    std::printf("%-10s %9s %-9s %-10s %5s %8s %8s ", "input", "n", "want", "kernel", "local", "best", "median");
+    std::printf("%-10s %9s %-9s %-10s %5s %-9s %8s %8s ", "input", "n", "want", "kernel", "local", "numbers", "best",
+                "median");
     for (const Stage& stage : stages) {
         std::printf(" %8s", stage.name);
     }
@@ -91,8 +92,8 @@ void print_head(const GpuTable& table) {
 }
 
 void print(const GpuRow& row) {
-    std::printf("%-10s %9zu %-9s %-10s %5u", row.input.c_str(), row.n, std::string(name_of(row.want)).c_str(),
-                row.kernel.c_str(), row.local_size);
+    std::printf("%-10s %9zu %-9s %-10s %5u %-9s", row.input.c_str(), row.n, std::string(name_of(row.want)).c_str(),
+                row.kernel.c_str(), row.local_size, row.numbers.c_str());
     if (!row.note.empty()) {
         std::printf("  %s\n", row.note.c_str());
     } else {
@@ -119,8 +120,8 @@ void print_best(const std::vector<GpuRow>& rows) {
     std::printf("\nfastest by median:\n");
     for (const std::string& what : order) {
         const GpuRow& row = *best[what];
-        std::printf("  %-30s %-10s work-groups of %-4u %s million cells/s\n", what.c_str(), row.kernel.c_str(),
-                    row.local_size, rate_text(row, median(row.seconds)).c_str());
+        std::printf("  %-30s %-10s work-groups of %-4u %-9s %s million cells/s\n", what.c_str(), row.kernel.c_str(),
+                    row.local_size, row.numbers.c_str(), rate_text(row, median(row.seconds)).c_str());
     }
 }
 

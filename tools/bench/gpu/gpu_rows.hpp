@@ -16,6 +16,7 @@ struct GpuRow {
     Want want = Want::neighbors;
     std::string kernel;
     unsigned local_size = 0;
+    std::string numbers;          // that measure cells: float64, or float32 for sums of two; automatic
     double first_seconds = 0;     // of the warm-up, which opens the device and compiles the pipelines
     std::vector<double> seconds;  // each repeat
     std::vector<votess::StageSeconds> stages;

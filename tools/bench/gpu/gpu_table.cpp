@@ -31,8 +31,9 @@ void forget_peak_memory() {
 }
 
 // The library reads it when it makes its pipelines.
-void choose_kernel(const std::string& name) {
-    ::setenv("VOTESS_VULKAN_KERNEL", name.c_str(), 1);
+void choose(const std::string& kernel, const std::string& numbers) {
+    ::setenv("VOTESS_VULKAN_KERNEL", kernel.c_str(), 1);
+    ::setenv("VOTESS_VULKAN_MEASURE", numbers.c_str(), 1);
 }
 
 votess::Options options_for(const GpuTable& table, const Input& input, Want want, const std::string& device) {
@@ -84,7 +85,7 @@ void check(GpuRow& row, const GpuTable& table, const Input& input, bool to_compa
 // A Tessellator of its own, so that the memory is that of this row.
 void measure(GpuRow& row, const GpuTable& table, const Input& input, bool to_compare) {
     votess::Options options = options_for(table, input, row.want, table.device);
-    choose_kernel(row.kernel);
+    choose(row.kernel, row.numbers);
     ::setenv("VOTESS_VULKAN_LOCAL_SIZE", std::to_string(row.local_size).c_str(), 1);
     votess::Tessellation t;
     {
@@ -116,13 +117,18 @@ std::vector<GpuRow> variants_of(const GpuTable& table, const Input& input) {
         const std::size_t first = rows.size();
         for (const std::string& kernel : table.kernels) {
             for (const unsigned local_size : table.local_sizes) {
-                GpuRow row;
-                row.input = input.name;
-                row.n = input.size();
-                row.want = want == "full" ? Want::full : Want::neighbors;
-                row.kernel = kernel;
-                row.local_size = local_size;
-                rows.push_back(std::move(row));
+                for (const std::string& numbers : table.numbers) {
+                    GpuRow row;
+                    row.input = input.name;
+                    row.n = input.size();
+                    row.want = want == "full" ? Want::full : Want::neighbors;
+                    row.kernel = kernel;
+                    row.local_size = local_size;
+                    row.numbers = row.want == Want::full ? numbers : "automatic";
+                    rows.push_back(std::move(row));
+                    // Lists have no numbers, and the size of work-groups says nothing about the second ones.
+                    if (row.want != Want::full || local_size != table.local_sizes.front()) break;
+                }
             }
         }
         if (!has_variants(input.name)) rows.resize(first + 1);
@@ -250,7 +256,7 @@ void measure_frames(Report& report, const GpuTable& table, const Frames& frames,
             row.rows = with_rows;
             row.kernel = kernel;
             report.add(report.frames, row, paces[input.name + " frame " + kernel], [&](FrameRow& measured) {
-                choose_kernel(kernel);
+                choose(kernel, "automatic");
                 measured = frames.measure(input, with_rows, table.repeats,
                                           static_cast<double>(input.size()) <= table.check_limit);
                 measured.kernel = kernel;
@@ -280,8 +286,7 @@ int run_gpu_table(const GpuTable& table) {
         for (const Input& input : inputs) measure_engine(report, table, input, paces);
 #if BENCH_FRAMES
         print_frames_head();
-        for (const Input& input : inputs)
-            if (input.plain()) measure_frames(report, table, frames, input, paces);
+        for (const Input& input : inputs) measure_frames(report, table, frames, input, paces);
 #endif
     }
     print_best(report.rows);

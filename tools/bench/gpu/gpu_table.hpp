@@ -17,6 +17,7 @@ struct GpuTable {
     // Variants, each with each, of the first three inputs; of the others the first alone.
     std::vector<std::string> kernels{"invocation", "subgroup"};  // or automatic
     std::vector<unsigned> local_sizes{32, 128};                  // invocations of a work-group
+    std::vector<std::string> numbers{"float64", "float32"};      // that measure cells; or automatic
     unsigned threads = 0;
     int repeats = 5;
     double limit = 120;
