@@ -29,19 +29,39 @@ std::vector<Constant> all_constants(const PassInfo& info) {
 
 }  // namespace
 
-Pass::Pass(Device& device, const PassInfo& info)
-    : device_(&device),
-      name_(info.name),
-      bindings_(declared(info.spirv, Decoration::binding)),
-      push_bytes_(info.push_bytes),
-      local_size_(info.local_size) {
+Pass::Pass(Device& device, const PassInfo& info) : made_(std::make_shared<const Made>(device, info)) {}
+
+Pass PassCache::get(const PassInfo& info) {
+    const auto same = [&](const Known& known) {
+        return known.info.spirv.data() == info.spirv.data() && known.info.push_bytes == info.push_bytes &&
+               known.info.local_size == info.local_size && known.info.constants == info.constants &&
+               known.info.subgroup_size == info.subgroup_size;
+    };
+    const std::lock_guard lock(mutex_);
+    if (const auto found = std::ranges::find_if(known_, same); found != known_.end()) {
+        std::rotate(found, found + 1, known_.end());
+        return known_.back().pass;
+    }
+    known_.push_back({info, Pass(device_, info)});
+    const auto unused = [](const Known& known) { return !known.pass.is_shared(); };
+    if (std::ranges::count_if(known_, unused) > std::ptrdiff_t{most_unused})
+        known_.erase(std::ranges::find_if(known_, unused));
+    return known_.back().pass;
+}
+
+Pass::Made::Made(Device& of, const PassInfo& info)
+    : device(of),
+      name(info.name),
+      bindings(declared(info.spirv, Decoration::binding)),
+      push_bytes(info.push_bytes),
+      local_size(info.local_size) {
     const VkPhysicalDeviceLimits& limits = device.adapter().limits;
-    require(local_size_ <= limits.maxComputeWorkGroupInvocations && local_size_ <= limits.maxComputeWorkGroupSize[0],
-            device, name_, "work-groups of " + std::to_string(local_size_));
-    require(push_bytes_ <= limits.maxPushConstantsSize, device, name_,
-            std::to_string(push_bytes_) + " bytes of push constants");
-    require(bindings_.size() <= limits.maxPerStageDescriptorStorageBuffers, device, name_,
-            std::to_string(bindings_.size()) + " storage buffers");
+    require(local_size <= limits.maxComputeWorkGroupInvocations && local_size <= limits.maxComputeWorkGroupSize[0],
+            device, name, "work-groups of " + std::to_string(local_size));
+    require(push_bytes <= limits.maxPushConstantsSize, device, name,
+            std::to_string(push_bytes) + " bytes of push constants");
+    require(bindings.size() <= limits.maxPerStageDescriptorStorageBuffers, device, name,
+            std::to_string(bindings.size()) + " storage buffers");
     try {
         make_layout();
         make_pipeline(info);
@@ -51,67 +71,45 @@ Pass::Pass(Device& device, const PassInfo& info)
     }
 }
 
-Pass::Pass(Pass&& other) noexcept
-    : device_(other.device_),
-      name_(std::move(other.name_)),
-      bindings_(std::move(other.bindings_)),
-      push_bytes_(other.push_bytes_),
-      local_size_(other.local_size_),
-      set_layout_(std::exchange(other.set_layout_, VK_NULL_HANDLE)),
-      layout_(std::exchange(other.layout_, VK_NULL_HANDLE)),
-      pipeline_(std::exchange(other.pipeline_, VK_NULL_HANDLE)) {}
-
-Pass& Pass::operator=(Pass&& other) noexcept {
-    std::swap(device_, other.device_);
-    std::swap(name_, other.name_);
-    std::swap(bindings_, other.bindings_);
-    std::swap(push_bytes_, other.push_bytes_);
-    std::swap(local_size_, other.local_size_);
-    std::swap(set_layout_, other.set_layout_);
-    std::swap(layout_, other.layout_);
-    std::swap(pipeline_, other.pipeline_);
-    return *this;
-}
-
-Pass::~Pass() {
+Pass::Made::~Made() {
     destroy();
 }
 
-void Pass::destroy() noexcept {
-    const VolkDeviceTable& table = device_->table();
+void Pass::Made::destroy() const noexcept {
+    const VolkDeviceTable& table = device.table();
     // Vulkan ignores null handles here.
-    table.vkDestroyPipeline(device_->handle(), pipeline_, nullptr);
-    table.vkDestroyPipelineLayout(device_->handle(), layout_, nullptr);
-    table.vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
+    table.vkDestroyPipeline(device.handle(), pipeline, nullptr);
+    table.vkDestroyPipelineLayout(device.handle(), layout, nullptr);
+    table.vkDestroyDescriptorSetLayout(device.handle(), set_layout, nullptr);
 }
 
-void Pass::make_layout() {
+void Pass::Made::make_layout() {
     std::vector<VkDescriptorSetLayoutBinding> slots;
-    for (const std::uint32_t number : bindings_) {
+    for (const std::uint32_t number : bindings) {
         slots.push_back({number, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     }
-    const VolkDeviceTable& table = device_->table();
+    const VolkDeviceTable& table = device.table();
     VkDescriptorSetLayoutCreateInfo set{};
     set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
     set.bindingCount = static_cast<std::uint32_t>(slots.size());
     set.pBindings = slots.data();
-    check(table.vkCreateDescriptorSetLayout(device_->handle(), &set, nullptr, &set_layout_),
+    check(table.vkCreateDescriptorSetLayout(device.handle(), &set, nullptr, &set_layout),
           "vkCreateDescriptorSetLayout");
 
-    const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_};
-    VkPipelineLayoutCreateInfo layout{};
-    layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-    layout.setLayoutCount = 1;
-    layout.pSetLayouts = &set_layout_;
-    layout.pushConstantRangeCount = push_bytes_ > 0 ? 1 : 0;
-    layout.pPushConstantRanges = &push;
-    check(table.vkCreatePipelineLayout(device_->handle(), &layout, nullptr, &layout_), "vkCreatePipelineLayout");
-    device_->name(layout_, VK_OBJECT_TYPE_PIPELINE_LAYOUT, name_.c_str());
+    const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
+    VkPipelineLayoutCreateInfo create{};
+    create.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    create.setLayoutCount = 1;
+    create.pSetLayouts = &set_layout;
+    create.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
+    create.pPushConstantRanges = &push;
+    check(table.vkCreatePipelineLayout(device.handle(), &create, nullptr, &layout), "vkCreatePipelineLayout");
+    device.name(layout, VK_OBJECT_TYPE_PIPELINE_LAYOUT, name.c_str());
 }
 
-void Pass::make_pipeline(const PassInfo& info) {
-    const VolkDeviceTable& table = device_->table();
-    const Adapter& adapter = device_->adapter();
+void Pass::Made::make_pipeline(const PassInfo& info) {
+    const VolkDeviceTable& table = device.table();
+    const Adapter& adapter = device.adapter();
     const std::vector<std::uint32_t> spirv =
         rounding_to_nearest(info.spirv, adapter.can_ask_for_nearest32, adapter.can_ask_for_nearest64);
     VkShaderModuleCreateInfo code{};
@@ -131,30 +129,29 @@ void Pass::make_pipeline(const PassInfo& info) {
     specialization.dataSize = std::span(constants).size_bytes();
     specialization.pData = constants.data();
 
-    VkComputePipelineCreateInfo pipeline{};
-    pipeline.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
-    pipeline.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    pipeline.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    pipeline.stage.pName = "main";
-    pipeline.stage.pSpecializationInfo = &specialization;
+    VkComputePipelineCreateInfo create{};
+    create.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+    create.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    create.stage.pName = "main";
+    create.stage.pSpecializationInfo = &specialization;
     VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{};
     size.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO;
     size.requiredSubgroupSize = info.subgroup_size;
     if (adapter.subgroup_size_control && info.subgroup_size >= adapter.min_subgroup_size &&
         info.subgroup_size <= adapter.max_subgroup_size) {
-        pipeline.stage.pNext = &size;
-        pipeline.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
+        create.stage.pNext = &size;
+        create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
     }
-    pipeline.layout = layout_;
-    check(table.vkCreateShaderModule(device_->handle(), &code, nullptr, &pipeline.stage.module),
-          "vkCreateShaderModule");
+    create.layout = layout;
+    check(table.vkCreateShaderModule(device.handle(), &code, nullptr, &create.stage.module), "vkCreateShaderModule");
     const VkResult result =
-        table.vkCreateComputePipelines(device_->handle(), device_->cache_handle(), 1, &pipeline, nullptr, &pipeline_);
+        table.vkCreateComputePipelines(device.handle(), device.cache_handle(), 1, &create, nullptr, &pipeline);
     // The module is not needed any more, whatever came out.
-    table.vkDestroyShaderModule(device_->handle(), pipeline.stage.module, nullptr);
-    if (result < 0) pipeline_ = VK_NULL_HANDLE;
-    check(result, ("vkCreateComputePipelines for " + name_).c_str());
-    device_->name(pipeline_, VK_OBJECT_TYPE_PIPELINE, name_.c_str());
+    table.vkDestroyShaderModule(device.handle(), create.stage.module, nullptr);
+    if (result < 0) pipeline = VK_NULL_HANDLE;
+    check(result, ("vkCreateComputePipelines for " + name).c_str());
+    device.name(pipeline, VK_OBJECT_TYPE_PIPELINE, name.c_str());
 }
 
 }  // namespace votess::gpu::vulkan

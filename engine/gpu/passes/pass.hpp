@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@ namespace votess::gpu::vulkan {
 // A specialization constant, its value as raw bits.
 struct Constant {
     std::uint32_t id, value;
+    bool operator==(const Constant&) const = default;
 };
 
 struct PassInfo {
@@ -24,36 +27,60 @@ struct PassInfo {
     std::uint32_t subgroup_size = 0;       // asked for where the device lets one ask; 0 = any
 };
 
-// Throws `unsupported` when the device's limits are too small for it, `internal` when the constants are not those of
-// the shader.
+// Copies share the pipeline. Throws `unsupported` when the device's limits are too small for it, `internal` when the
+// constants are not those of the shader.
 class Pass {
 public:
     Pass(Device& device, const PassInfo& info);
-    Pass(Pass&& other) noexcept;
-    Pass& operator=(Pass&& other) noexcept;
-    ~Pass();
 
-    [[nodiscard]] const std::string& name() const { return name_; }
-    [[nodiscard]] VkPipeline pipeline() const { return pipeline_; }
-    [[nodiscard]] VkPipelineLayout layout() const { return layout_; }
-    [[nodiscard]] VkDescriptorSetLayout set_layout() const { return set_layout_; }
-    [[nodiscard]] std::span<const std::uint32_t> bindings() const { return bindings_; }  // ascending
-    [[nodiscard]] std::uint32_t push_bytes() const { return push_bytes_; }
-    [[nodiscard]] std::uint32_t local_size() const { return local_size_; }
+    [[nodiscard]] const std::string& name() const { return made_->name; }
+    [[nodiscard]] VkPipeline pipeline() const { return made_->pipeline; }
+    [[nodiscard]] VkPipelineLayout layout() const { return made_->layout; }
+    [[nodiscard]] VkDescriptorSetLayout set_layout() const { return made_->set_layout; }
+    [[nodiscard]] std::span<const std::uint32_t> bindings() const { return made_->bindings; }  // ascending
+    [[nodiscard]] std::uint32_t push_bytes() const { return made_->push_bytes; }
+    [[nodiscard]] std::uint32_t local_size() const { return made_->local_size; }
+    [[nodiscard]] bool is_shared() const { return made_.use_count() > 1; }
 
 private:
-    void make_layout();
-    void make_pipeline(const PassInfo& info);
-    void destroy() noexcept;
+    struct Made {
+        Made(Device& device, const PassInfo& info);
+        ~Made();
+        Made(const Made&) = delete;
+        Made& operator=(const Made&) = delete;
+        void make_layout();
+        void make_pipeline(const PassInfo& info);
+        void destroy() const noexcept;
 
-    Device* device_;
-    std::string name_;
-    std::vector<std::uint32_t> bindings_;
-    std::uint32_t push_bytes_;
-    std::uint32_t local_size_;
-    VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
-    VkPipeline pipeline_ = VK_NULL_HANDLE;
+        Device& device;
+        std::string name;
+        std::vector<std::uint32_t> bindings;
+        std::uint32_t push_bytes;
+        std::uint32_t local_size;
+        VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+        VkPipelineLayout layout = VK_NULL_HANDLE;
+        VkPipeline pipeline = VK_NULL_HANDLE;
+    };
+    std::shared_ptr<const Made> made_;
+};
+
+// The passes of a device, so that other options do not make those again that they leave as they are: drivers take up
+// to seconds for one. The last ones are kept that nobody uses. Thread-safe.
+class PassCache {
+public:
+    explicit PassCache(Device& device) : device_(device) {}
+    [[nodiscard]] Pass get(const PassInfo& info);
+
+private:
+    struct Known {
+        PassInfo info;
+        Pass pass;
+    };
+    static constexpr std::size_t most_unused = 64;
+
+    Device& device_;
+    std::mutex mutex_;
+    std::vector<Known> known_;  // those asked for last are at the end
 };
 
 }  // namespace votess::gpu::vulkan

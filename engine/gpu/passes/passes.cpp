@@ -17,8 +17,8 @@ using vulkan::Pass;
 template <class Push>
 Pass make(Device& device, const char* name, std::span<const std::uint32_t> spirv, std::uint32_t local_size,
           std::vector<vulkan::Constant> constants = {}, std::uint32_t subgroup_size = 0) {
-    return Pass(device, {name, spirv, static_cast<std::uint32_t>(sizeof(Push)), local_size, std::move(constants),
-                         subgroup_size});
+    return device.pass_cache().get(
+        {name, spirv, static_cast<std::uint32_t>(sizeof(Push)), local_size, std::move(constants), subgroup_size});
 }
 
 // An operation errs by half a unit in the last place where the device rounds to nearest, else by one.

@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "gpu/passes/pass.hpp"
+
 namespace votess::gpu::vulkan {
 
 namespace {
@@ -29,7 +31,8 @@ std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const
 Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options)
     : instance_(std::move(instance)),
       adapter_(adapter),
-      float64_(options.float64 && adapter.float64 && !options.graphics) {
+      float64_(options.float64 && adapter.float64 && !options.graphics),
+      passes_(std::make_unique<PassCache>(*this)) {
     if (options.graphics) adapter_.queue_family = adapter_.graphics_family;
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
@@ -83,6 +86,7 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
       handle_(host.handle),
       queue_(host.queue),
       float64_(host.float64),
+      passes_(std::make_unique<PassCache>(*this)),
       host_cache_(host.pipeline_cache),
       owned_(false) {
     adapter_.queue_family = host.queue_family;
@@ -91,6 +95,7 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
 }
 
 Device::~Device() {
+    passes_.reset();
     cache_.reset();
     if (owned_) table_.vkDestroyDevice(handle_, nullptr);
 }

@@ -12,6 +12,8 @@
 
 namespace votess::gpu::vulkan {
 
+class PassCache;
+
 // Features to use where the device has them.
 struct DeviceOptions {
     bool float64 = true;
@@ -51,6 +53,7 @@ public:
     [[nodiscard]] bool rounds_to_nearest() const { return rounding_.nearest32; }
     // Pipelines that are kept on disk; a host's device has none.
     [[nodiscard]] const PipelineCache& pipeline_cache() const { return *cache_; }
+    [[nodiscard]] PassCache& pass_cache() { return *passes_; }
     [[nodiscard]] VkPipelineCache cache_handle() const { return cache_ ? cache_->handle() : host_cache_; }
 
     // Thread-safe: Vulkan wants calls on a queue one at a time.
@@ -77,6 +80,7 @@ private:
     bool float64_ = false;  // enabled
     Rounding rounding_;
     std::optional<PipelineCache> cache_;
+    std::unique_ptr<PassCache> passes_;
     VkPipelineCache host_cache_ = VK_NULL_HANDLE;
     bool owned_ = true;
 };

@@ -32,11 +32,13 @@ struct Counts {
     std::string failure;
 };
 
-inline Counts compare_kernel(const Coordinates& points, votess::Options options, votess::gpu::Kernel kernel) {
+// on_device keeps its pipelines from one comparison to the next.
+inline Counts compare_kernel(votess::Tessellator& on_device, const Coordinates& points, votess::Options options,
+                             votess::gpu::Kernel kernel) {
     const auto cpu = votess::tessellate(std::span<const double>(points), options);
     options.device = device_name();
     const UseKernel chosen(kernel);
-    const auto gpu = votess::tessellate(std::span<const double>(points), options);
+    const auto gpu = on_device.tessellate(std::span<const double>(points), options);
     Counts counts{gpu.stats().fallback_cells, check_domain(gpu)};
     if (!counts.failure.empty()) return counts;
     if (!std::ranges::equal(cpu.indptr(), gpu.indptr()) || !std::ranges::equal(cpu.indices(), gpu.indices()))
@@ -57,11 +59,12 @@ inline Counts compare_kernel(const Coordinates& points, votess::Options options,
 }
 
 // With both kernels where seeds are few; the larger number of cells left to the CPU.
-inline Counts compare_domain(const Coordinates& points, const votess::Options& options) {
-    const Counts by_invocation = compare_kernel(points, options, votess::gpu::Kernel::invocation);
+inline Counts compare_domain(votess::Tessellator& on_device, const Coordinates& points,
+                             const votess::Options& options) {
+    const Counts by_invocation = compare_kernel(on_device, points, options, votess::gpu::Kernel::invocation);
     const std::size_t most = by_size(600, 60);  // coordinates: on software devices the other kernel is slow
     if (!by_invocation.failure.empty() || points.size() > most) return by_invocation;
-    Counts both = compare_kernel(points, options, by_subgroup());
+    Counts both = compare_kernel(on_device, points, options, by_subgroup());
     both.fallback = std::max(both.fallback, by_invocation.fallback);
     return both;
 }

@@ -19,24 +19,25 @@ using test::domain_options;
 using test::random_points;
 using votess::Options;
 
-Counts compare(const Coordinates& points, const Options& options) {
-    return test::compare_domain(points, options);
+Counts compare(votess::Tessellator& on_device, const Coordinates& points, const Options& options) {
+    return test::compare_domain(on_device, points, options);
 }
 
 }  // namespace
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu domains: periodic boxes are clipped on the device") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(1500, 300);
         for (std::size_t mask = 1; mask < 8; mask += test::by_size(1, 3)) {
             Options options = domain_options();
             for (unsigned k = 0; k < 3; ++k) options.periodic[k] = ((mask >> k) & 1) != 0;
             CAPTURE(mask);
-            const Counts counts = compare(random_points(many, mask), options);
+            const Counts counts = compare(on_device, random_points(many, mask), options);
             CHECK(counts.failure == "");
             CHECK(counts.fallback < many / 4);
-            CHECK(compare(random_points(1, mask), options).failure == "");
-            CHECK(compare(random_points(6, mask, -3, 3), mask == 7 ? options : [&] {
+            CHECK(compare(on_device, random_points(1, mask), options).failure == "");
+            CHECK(compare(on_device, random_points(6, mask, -3, 3), mask == 7 ? options : [&] {
                       Options wide = options;
                       wide.box = test::cube(-3, 3);
                       return wide;
@@ -45,31 +46,33 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu domains: triclinic boxes, lengths that are no doubles, lattices") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(2000, 300);
         Options options = domain_options();
         options.box.reset();
         options.cell = votess::TriclinicBox{{0.1, 0.2, 0.3}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}};
-        CHECK(compare(random_points(many, 1), options).failure == "");
+        CHECK(compare(on_device, random_points(many, 1), options).failure == "");
         options.cell = votess::TriclinicBox{{0, 0, 0}, {20, 0, 0}, {9, 1, 0}, {-9, 0.45, 1}};
-        CHECK(compare(random_points(many, 2, 0, 20), options).failure == "");
+        CHECK(compare(on_device, random_points(many, 2, 0, 20), options).failure == "");
         options = domain_options();
         options.periodic = {true, true, true};
         options.box = votess::Box{{-0.1, 0.3, 1e-3}, {0.7, 1.1, 0.9}};
-        CHECK(compare(random_points(many, 3, -2, 2), options).failure == "");
+        CHECK(compare(on_device, random_points(many, 3, -2, 2), options).failure == "");
         Coordinates lattice;
         for (int i = 0; i < 512; ++i) lattice.insert(lattice.end(), {(i % 8) / 8.0, (i / 8 % 8) / 8.0, (i / 64) / 8.0});
         options.box = test::unit_box();
-        CHECK(compare(lattice, options).failure == "");
+        CHECK(compare(on_device, lattice, options).failure == "");
     }
 
     TEST_CASE("gpu domains: triclinic boxes that are periodic along some edges") {
+        votess::Tessellator on_device;
         Options options = domain_options();
         options.box.reset();
         options.cell = votess::TriclinicBox{{-1, -1, -1}, {3, 0.1, 0}, {0.4, 3, 0.2}, {-0.3, 0.2, 3}};
         for (unsigned mask = 0; mask < 7; ++mask) {
             options.cell->periodic = {(mask & 1) != 0, (mask & 2) != 0, (mask & 4) != 0};
             CAPTURE(mask);
-            CHECK(compare(random_points(test::by_size(500, 100), 10 + mask), options).failure == "");
+            CHECK(compare(on_device, random_points(test::by_size(500, 100), 10 + mask), options).failure == "");
         }
     }
 
@@ -87,35 +90,37 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu domains: seeds that are dropped are not there for the device either") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(1000, 200);
         Options options = domain_options();
         options.outside = votess::Outside::drop;
         for (const bool repeats : {false, true}) {
             options.periodic = {repeats, false, repeats};
             Coordinates points = random_points(many, 6, -0.2, 1.2);
-            CHECK(compare(random_points(20, 7, -0.2, 1.2), options).failure == "");
+            CHECK(compare(on_device, random_points(20, 7, -0.2, 1.2), options).failure == "");
             for (std::size_t i = 0; i < 30; ++i) points[3 * i + 1] = 7e300;
             for (std::size_t i = 0; i < 30; ++i) points.push_back(points[300 + i]);  // duplicates
-            const Counts counts = compare(points, options);
+            const Counts counts = compare(on_device, points, options);
             CHECK(counts.failure == "");
             CHECK(counts.fallback < many / 10);
-            CHECK(compare(random_points(5, 8, 3, 4), options).failure == "");
+            CHECK(compare(on_device, random_points(5, 8, 3, 4), options).failure == "");
         }
     }
 
     TEST_CASE("gpu domains: walls and weights") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(1000, 200);
         Options options = domain_options();
         options.walls.push_back({{1, 1, 1}, 1.5});
         options.outside = votess::Outside::drop;
-        CHECK(compare(random_points(many, 5), options).failure == "");
+        CHECK(compare(on_device, random_points(many, 5), options).failure == "");
         options = domain_options();
         test::Random random(7);
         std::vector<double> weights(many);
         for (double& w : weights) w = random.uniform(0, 0.02);
         options.weights = weights;
-        CHECK(compare(random_points(many, 8), options).failure == "");
+        CHECK(compare(on_device, random_points(many, 8), options).failure == "");
         options.periodic = {true, true, true};
-        CHECK(compare(random_points(many, 9), options).failure == "");
+        CHECK(compare(on_device, random_points(many, 9), options).failure == "");
     }
 }

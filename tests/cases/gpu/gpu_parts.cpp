@@ -157,7 +157,7 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu: work-groups of other sizes") {
         test::Gpu gpu;
         for (const std::uint32_t local_size : {1u, 128u}) {
-            test::GpuRunner runner(gpu, {.local_size = local_size}), second(gpu, {.local_size = local_size});
+            test::GpuRunner runner(gpu, {.local_size = local_size});
             for (const PointSet& set :
                  {test::uniform(test::by_size(1000, 300), 101), test::with_duplicates(513, 40, 102),
                   test::nested_clusters(257, 103), test::uniform(1, 104), test::bcc(5), test::on_walls(129, 105)}) {
@@ -165,7 +165,7 @@ TEST_SUITE("cases") {
                 CAPTURE(set.name);
                 CHECK(compare(runner, set) == "");
                 const test::UseKernel chosen(test::by_subgroup());
-                if (local_size >= 32) CHECK(compare(second, set) == "");
+                if (local_size >= 32) CHECK(compare(runner, set) == "");
             }
         }
     }
@@ -195,7 +195,7 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu: cells measured in sums of float32, and in float64 by the second tier") {
         const test::Environment sums("VOTESS_VULKAN_MEASURE", "float32");
         test::Gpu gpu;
-        test::GpuRunner runner(gpu), second(gpu);
+        test::GpuRunner runner(gpu);
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()}) {
             CAPTURE(static_cast<int>(kernel));
             const test::UseKernel chosen(kernel);
@@ -207,7 +207,7 @@ TEST_SUITE("cases") {
                     CAPTURE(k_init);
                     CAPTURE(set.name);
                     options.k_init = k_init;
-                    CHECK(compare(kernel == Kernel::invocation ? runner : second, set, options) == "");
+                    CHECK(compare(runner, set, options) == "");
                 }
         }
         Options options = test::all_options();

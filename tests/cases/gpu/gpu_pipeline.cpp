@@ -79,7 +79,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu: clusters of the size of the coarse coordinates' steps among spread seeds") {
         // Coordinates take some 2^62 units; searches for far neighbors look at the upper 32 bits alone.
-        votess::Tessellator tessellator, second;  // a change of kernel makes all pipelines anew
+        votess::Tessellator tessellator;
         for (const int exponent : {-26, -28, -30})
             for (const unsigned k : {32u, 64u}) {
                 test::Random random(static_cast<std::uint64_t>(k - exponent));
@@ -96,7 +96,7 @@ TEST_SUITE("cases") {
                 CAPTURE(k);
                 CHECK(compare(tessellator, set, options) == "");
                 const test::UseKernel chosen(test::by_subgroup());
-                if (k == 64) CHECK(compare(second, set, options) == "");
+                if (k == 64) CHECK(compare(tessellator, set, options) == "");
             }
     }
 
@@ -143,7 +143,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: what is wanted changes nothing in the rest") {
-        votess::Tessellator tessellator, second;
+        votess::Tessellator tessellator;
         const PointSet set = test::with_duplicates(test::by_size(300, 100), 20, 73);
         for (unsigned bits = 0; bits < 64; ++bits) {
             CAPTURE(bits);
@@ -152,7 +152,7 @@ TEST_SUITE("cases") {
             options.list_walls = (bits & 4) != 0;
             CHECK(compare(tessellator, set, options) == "");
             const test::UseKernel chosen(test::by_subgroup());
-            if (bits % 9 == 0) CHECK(compare(second, set, options) == "");
+            if (bits % 9 == 0) CHECK(compare(tessellator, set, options) == "");
         }
     }
 
@@ -207,7 +207,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: no seeds, one, two, three") {
-        votess::Tessellator tessellator, second;
+        votess::Tessellator tessellator;
         for (const std::size_t n : {0, 1, 2, 3, 4, 5, 8, 9})
             for (const bool with_box : {false, true}) {
                 CAPTURE(n);
@@ -216,7 +216,7 @@ TEST_SUITE("cases") {
                 if (!with_box) set.box.reset();
                 CHECK(compare(tessellator, set) == "");
                 const test::UseKernel chosen(test::by_subgroup());
-                CHECK(compare(second, set) == "");
+                CHECK(compare(tessellator, set) == "");
             }
         PointSet same{"same", {}, std::nullopt};
         for (int i = 0; i < 300; ++i) {

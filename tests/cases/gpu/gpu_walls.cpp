@@ -30,50 +30,54 @@ Options octahedron() {
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu walls: only the cells of an octahedron's corners are left to the CPU") {
-        const auto counts = compare_domain(random_points(test::by_size(6000, 1200), 1), octahedron());
+        votess::Tessellator on_device;
+        const auto counts = compare_domain(on_device, random_points(test::by_size(6000, 1200), 1), octahedron());
         CHECK(counts.failure == "");
         CHECK(counts.fallback <= 8);
-        CHECK(compare_domain(random_points(100, 2), octahedron()).failure == "");
+        CHECK(compare_domain(on_device, random_points(100, 2), octahedron()).failure == "");
     }
 
     TEST_CASE("gpu walls: one wall, a wedge, walls that cut nothing, both precisions") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(1500, 300);
         Options options = domain_options();
         options.outside = votess::Outside::drop;
         options.walls = {{{1, 0.3, 0.2}, 0.9}, {{1, 0, 0}, 1}, {{1, 1, 1}, 3}};
         for (const bool twice : {false, true}) {
             if (twice) options.precision = test::double_precision();
-            auto counts = compare_domain(random_points(many, 3), options);
+            auto counts = compare_domain(on_device, random_points(many, 3), options);
             CHECK(counts.failure == "");
             CHECK(counts.fallback <= many / 50);
             Options wedge = options;
             wedge.walls.push_back({{-1, -0.3, -0.20001}, -0.88});
-            counts = compare_domain(random_points(8 * many, 4), wedge);
+            counts = compare_domain(on_device, random_points(8 * many, 4), wedge);
             CHECK(counts.failure == "");
             CHECK(counts.fallback <= many / 50);
         }
     }
 
     TEST_CASE("gpu walls: a sphere of three hundred, a long box, a single cell") {
+        votess::Tessellator on_device;
         Options options = domain_options();
         options.outside = votess::Outside::drop;
         options.walls = votess::sphere_walls({0.5, 0.5, 0.5}, 0.4, 300);
         const std::size_t many = test::by_size(3000, 600);
-        auto counts = compare_domain(random_points(many, 5), options);
+        auto counts = compare_domain(on_device, random_points(many, 5), options);
         CHECK(counts.failure == "");
         CHECK(counts.fallback <= many / 50);
         options.box = votess::Box{{0, 0, 0}, {1000, 1, 1}};
         options.walls = {{{0.001, 1, 0}, 1.4}, {{-0.001, 0.5, -1}, -0.3}};
         Coordinates points = random_points(many, 6);
         for (std::size_t i = 0; i < points.size(); i += 3) points[i] *= 1000;
-        CHECK(compare_domain(points, options).failure == "");
+        CHECK(compare_domain(on_device, points, options).failure == "");
         // It is far smaller than the box, whose side is its unit of length.
         options.box = test::unit_box();
         options.walls = votess::sphere_walls({0.3, 0.6, 0.2}, 1e-5, 12);
-        CHECK(compare_domain({0.3, 0.6, 0.2}, options).failure == "");
+        CHECK(compare_domain(on_device, {0.3, 0.6, 0.2}, options).failure == "");
     }
 
     TEST_CASE("gpu walls: seeds on walls, and on a lattice along them") {
+        votess::Tessellator on_device;
         Options options = domain_options();
         options.outside = votess::Outside::drop;
         options.walls = {{{1, 1, 0}, 1}, {{0.3, -0.2, 1}, 0.7}};
@@ -88,13 +92,14 @@ TEST_SUITE("cases") {
             for (std::size_t k = 0; k < 3; ++k) points[i + k] -= over / square * wall.normal[k];
             for (std::size_t k = 0; k < 3; ++k) points[i + k] = std::clamp(points[i + k], 0.0, 1.0);
         }
-        CHECK(compare_domain(points, options).failure == "");
+        CHECK(compare_domain(on_device, points, options).failure == "");
         Coordinates lattice;
         for (int i = 0; i < 216; ++i) lattice.insert(lattice.end(), {i % 6 / 6.0, i / 6 % 6 / 6.0, i / 36 / 6.0});
-        CHECK(compare_domain(lattice, options).failure == "");
+        CHECK(compare_domain(on_device, lattice, options).failure == "");
     }
 
     TEST_CASE("gpu walls: triclinic boxes with walls, periodic or not, dropped seeds and duplicates") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(1000, 300);
         Options options = domain_options();
         options.box.reset();
@@ -107,7 +112,7 @@ TEST_SUITE("cases") {
             Coordinates points = random_points(many, 10 + mask, -0.1, 1.4);
             for (std::size_t i = 0; i < 30; ++i) points.push_back(points[90 + i]);
             CAPTURE(mask);
-            const auto counts = compare_domain(points, options);
+            const auto counts = compare_domain(on_device, points, options);
             CHECK(counts.failure == "");
             CHECK(counts.fallback <= many / 20);
         }

@@ -46,12 +46,12 @@ struct Outcome {
     std::uint64_t empty = 0;
 };
 
-Outcome compare(const Seeds& seeds, Options options, votess::gpu::Kernel kernel) {
+Outcome compare(votess::Tessellator& on_device, const Seeds& seeds, Options options, votess::gpu::Kernel kernel) {
     options.weights = seeds.weights;
     const auto cpu = votess::tessellate(seeds.points, options);
     options.device = test::device_name();
     const test::UseKernel chosen(kernel);
-    const auto gpu = votess::tessellate(seeds.points, options);
+    const auto gpu = on_device.tessellate(seeds.points, options);
     Outcome outcome;
     outcome.failure = test::check_same(gpu, cpu, seeds.points, test::tolerance(options));
     if (outcome.failure.empty() && !std::ranges::equal(gpu.shifts(), cpu.shifts())) outcome.failure = "shifts differ";
@@ -61,10 +61,10 @@ Outcome compare(const Seeds& seeds, Options options, votess::gpu::Kernel kernel)
 }
 
 // With both kernels; the larger share.
-Outcome compare(const Seeds& seeds, const Options& options) {
-    const Outcome first = compare(seeds, options, votess::gpu::Kernel::invocation);
+Outcome compare(votess::Tessellator& on_device, const Seeds& seeds, const Options& options) {
+    const Outcome first = compare(on_device, seeds, options, votess::gpu::Kernel::invocation);
     if (!first.failure.empty()) return first;
-    Outcome second = compare(seeds, options, test::by_subgroup());
+    Outcome second = compare(on_device, seeds, options, test::by_subgroup());
     second.left = std::max(first.left, second.left);
     return second;
 }
@@ -73,6 +73,7 @@ Outcome compare(const Seeds& seeds, const Options& options) {
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu weights: radii below the spacing and far above are clipped on the device") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(3000, 400);
         for (const double largest : {0.05, 1.0})
             for (const bool periodic : {false, true}) {
@@ -80,7 +81,7 @@ TEST_SUITE("cases") {
                 options.periodic = {periodic, periodic, periodic};
                 CAPTURE(largest);
                 CAPTURE(periodic);
-                const Outcome outcome = compare(balls(many, largest, 1), options);
+                const Outcome outcome = compare(on_device, balls(many, largest, 1), options);
                 CHECK(outcome.failure == "");
                 CHECK((largest < 1 || outcome.empty > many / 2));
                 CHECK(outcome.left <= (largest < 1 ? 0.03 : 0.2));  // the few large cells of a periodic box reach far
@@ -89,9 +90,10 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: in both precisions, with an offset, negative, equal, in units far from one") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(1000, 200);
         const auto share = [&](const Seeds& seeds, const Options& options) {
-            const Outcome outcome = compare(seeds, options, votess::gpu::Kernel::invocation);
+            const Outcome outcome = compare(on_device, seeds, options, votess::gpu::Kernel::invocation);
             CHECK(outcome.failure == "");
             return outcome.left;
         };
@@ -116,21 +118,22 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: one heavy seed, clusters, half of the seeds buried") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(2000, 300);
         const Options options = power_options();
         Seeds seeds = balls(many, 0.02, 5);
         seeds.weights[many / 2] = 0.2;
-        Outcome outcome = compare(seeds, options);
+        Outcome outcome = compare(on_device, seeds, options);
         CHECK(outcome.failure == "");
         CHECK(outcome.left <= 0.03);
         seeds.weights[many / 2] = 1e9;  // buries all others
-        outcome = compare(seeds, options);
+        outcome = compare(on_device, seeds, options);
         CHECK(outcome.failure == "");
         CHECK(outcome.empty == many - 1);
         CHECK(outcome.left <= 0.03);
         seeds = balls(400, 0.02, 6);
         for (std::size_t i = 0; i < 400; i += 2) seeds.weights[i] += 0.05;
-        outcome = compare(seeds, options);
+        outcome = compare(on_device, seeds, options);
         CHECK(outcome.failure == "");
         CHECK(outcome.empty > 150);
         CHECK(outcome.left <= 0.03);
@@ -140,10 +143,11 @@ TEST_SUITE("cases") {
             for (std::size_t k = 0; k < 3; ++k) seeds.points[3 * i + k] = 0.4 + 0.5 * size * random.uniform();
             seeds.weights[i] = 1e-3 * size * size * random.uniform();
         }
-        CHECK(compare(seeds, options).failure == "");
+        CHECK(compare(on_device, seeds, options).failure == "");
     }
 
     TEST_CASE("gpu weights: whole weights on a grid, and several seeds at a place") {
+        votess::Tessellator on_device;
         Options options = power_options();
         options.box = test::cube(-0.5, 5.5);
         Random random(8);
@@ -152,24 +156,25 @@ TEST_SUITE("cases") {
             seeds.points.insert(seeds.points.end(), {1.0 * (i % 6), 1.0 * (i / 6 % 6), 1.0 * (i / 36)});
             seeds.weights.push_back(static_cast<double>(random.below(3)));
         }
-        CHECK(compare(seeds, options).failure == "");
+        CHECK(compare(on_device, seeds, options).failure == "");
         for (int i = 0; i < 60; ++i) {  // lighter, equal and heavier ones, before and behind
             const std::size_t of = random.below(seeds.weights.size());
             for (std::size_t k = 0; k < 3; ++k) seeds.points.push_back(seeds.points[3 * of + k]);
             seeds.weights.push_back(static_cast<double>(random.below(3)));
         }
-        CHECK(compare(seeds, options).failure == "");
+        CHECK(compare(on_device, seeds, options).failure == "");
         for (double& w : seeds.weights) w = w / 3 + 1e-9 * static_cast<double>(random.below(2));  // no whole numbers
-        CHECK(compare(seeds, options).failure == "");
+        CHECK(compare(on_device, seeds, options).failure == "");
     }
 
     TEST_CASE("gpu weights: walls of any direction, and triclinic boxes with walls") {
+        votess::Tessellator on_device;
         const std::size_t many = test::by_size(1000, 300);
-        const auto share = [](const Seeds& seeds, Options options) {
+        const auto share = [&](const Seeds& seeds, Options options) {
             options.weights = seeds.weights;
             double left = 0;
             for (const votess::gpu::Kernel kernel : {votess::gpu::Kernel::invocation, test::by_subgroup()}) {
-                const test::Counts counts = test::compare_kernel(seeds.points, options, kernel);
+                const test::Counts counts = test::compare_kernel(on_device, seeds.points, options, kernel);
                 CHECK(counts.failure == "");
                 left = std::max(left, static_cast<double>(counts.fallback) / static_cast<double>(seeds.weights.size()));
             }
@@ -194,6 +199,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: a seed outside is heavier than all others can be") {
+        votess::Tessellator on_device;
         Options options = power_options();
         options.outside = votess::Outside::drop;
         Seeds seeds = balls(100, 0.1, 14);
@@ -202,13 +208,14 @@ TEST_SUITE("cases") {
         for (const bool walls : {false, true}) {
             if (walls) options.walls = {{{1, 0.2, 0.1}, 1.1}};
             options.weights = seeds.weights;
-            const test::Counts counts = test::compare_domain(seeds.points, options);
+            const test::Counts counts = test::compare_domain(on_device, seeds.points, options);
             CHECK(counts.failure == "");
             CHECK(counts.fallback <= 3);
         }
     }
 
     TEST_CASE("gpu weights: exact half-spaces have the same faces") {
+        votess::Tessellator on_device;
         for (const bool periodic : {false, true})
             for (const double largest : {0.2, 0.5}) {
                 Options options = power_options();
@@ -218,7 +225,7 @@ TEST_SUITE("cases") {
                 const Seeds seeds = balls(periodic ? 6 : 20, largest, 9);
                 options.weights = seeds.weights;
                 options.device = test::device_name();
-                CHECK(test::check_against_half_spaces(votess::tessellate(seeds.points, options), seeds.points,
+                CHECK(test::check_against_half_spaces(on_device.tessellate(seeds.points, options), seeds.points,
                                                       options) == "");
             }
     }

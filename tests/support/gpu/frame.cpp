@@ -157,4 +157,24 @@ std::string check(Host& host, const PointSet& set, PlanOptions options) {
     return compare(collect<double>(plan, target, set.size()), on_cpu(set, options));
 }
 
+std::string check(Host& host, std::span<const PointSet> sets, PlanOptions options) {
+    for (const PointSet& set : sets)
+        options.most_seeds = std::max(options.most_seeds, static_cast<std::uint32_t>(set.size()));
+    options.most_entries = 64 * options.most_seeds;
+    options.format = SeedFormat::float64;
+    options.box = options_for(sets.front()).box;
+    const Plan plan(host.device(), options);
+    const Target target(host, plan);
+    const Target* const one[] = {&target};
+    for (const PointSet& set : sets) {
+        options.box = options_for(set).box;
+        target.write<double>(set.points, options.stride);
+        run(host, one, static_cast<std::uint32_t>(set.size()), options.box);
+        check_header(target.head(), target.cell(set.size()));
+        const std::string found = compare(collect<double>(plan, target, set.size(), options.box), on_cpu(set, options));
+        if (!found.empty()) return set.name + ": " + found;
+    }
+    return "";
+}
+
 }  // namespace test::frame

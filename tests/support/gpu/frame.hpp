@@ -72,7 +72,7 @@ struct Target {
     }
 
     template <class Real>
-    void write(const Coordinates& points, std::uint32_t stride) {
+    void write(const Coordinates& points, std::uint32_t stride) const {
         const auto to = seeds.as<Real>();
         for (std::size_t i = 0; i < points.size(); ++i) to[i / 3 * stride + i % 3] = static_cast<Real>(points[i]);
         seeds.flush();
@@ -112,5 +112,7 @@ PlanOptions options_for(const PointSet& set);
 votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan, std::span<const double> weights = {});
 // A frame of the set against the CPU.
 std::string check(Host& host, const PointSet& set, PlanOptions options);
+// Frames of several sets, each in its own box, by one plan: its pipelines take long to make.
+std::string check(Host& host, std::span<const PointSet> sets, PlanOptions options);
 
 }  // namespace test::frame
