@@ -41,11 +41,13 @@ VkDeviceSize list_words(const PassSettings& settings) {
 std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& settings, std::uint32_t wanted,
                           std::uint32_t seeds) {
     // The second tier has few cells, which take long and leave most of a GPU idle: large chunks have fewer such ends. A
-    // host's frames share memory with what it draws.
+    // host's frames share memory with what it draws, and nobody measures how long they take: small GPUs get chunks of
+    // some 50 ms.
     constexpr std::uint32_t for_software = 1u << 14;
-    const std::uint32_t for_gpus = settings.frames ? 1u << 20 : 1u << 22;
     const auto& adapter = device.adapter();
-    VkDeviceSize cells = wanted != 0 ? wanted : (adapter.software() ? for_software : for_gpus);
+    const std::uint32_t for_frames = adapter.unified() ? 1u << 17 : 1u << 20, for_parts = 1u << 22;
+    VkDeviceSize cells = wanted;
+    if (wanted == 0) cells = adapter.software() ? for_software : settings.frames ? for_frames : for_parts;
     cells = std::min(cells, adapter.limits.maxStorageBufferRange / DeviceCells::largest_bytes_per_cell(settings));
     // Two chunks take at most a quarter of the memory.
     cells = std::min(cells, adapter.device_memory / 8 / DeviceCells::bytes_per_cell(settings));

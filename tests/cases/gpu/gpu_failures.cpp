@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "engines.hpp"
@@ -55,8 +56,9 @@ const PointSet& usual_set() {
 // Fails the entry at its first, second, ... last call during a run.
 template <auto entry>
 void fail_everywhere(VkResult failure, ErrorCode code, const votess::gpu::EngineLimits& limits = {}) {
-    Gpu gpu;
+    std::optional<Gpu> kept(std::in_place);
     const auto expected = test::run(usual_set(), usual_options());
+    Gpu& gpu = *kept;
     Failing<entry>::into(gpu, failure, 1 << 30);
     {
         GpuRunner runner(gpu, limits);
@@ -69,6 +71,9 @@ void fail_everywhere(VkResult failure, ErrorCode code, const votess::gpu::Engine
     for (const int after : all) {
         CAPTURE(after);
         CAPTURE(calls);
+        // A device makes its pipelines once.
+        if constexpr (std::is_same_v<decltype(entry), decltype(&VolkDeviceTable::vkCreateComputePipelines)>)
+            kept.emplace();
         Failing<entry>::into(gpu, failure, after);
         {
             GpuRunner runner(gpu, limits);

@@ -106,7 +106,7 @@ TEST_SUITE("cases") {
             options.areas = options.list_walls = true;
             options.geometry = mode != 0;
             options.chunk_size = 100;
-            options.k_init = mode == 3 ? 24 : 0;  // leaves cells to the second tier
+            options.k_init = mode == 3 ? 12 : 0;  // leaves cells to the second tier
             if (mode == 2) options.box = test::unit_box(), options.periodic = {true, true, false};
             const Plan plan(host.device(), options);
             Target target(host, plan);

@@ -21,7 +21,7 @@ void check_on_device(const std::vector<PointSet>& sets) {
     for (const PointSet& set : sets) on_cpu.push_back(votess::tessellate(set.points, test::all_options(set.box)));
     for (const Kernel kernel : {Kernel::invocation, test::by_subgroup()}) {
         const test::UseKernel chosen(kernel);
-        for (const unsigned k_init : {0u, 24u})
+        for (const unsigned k_init : {0u, 12u})
             for (std::size_t i = 0; i < sets.size(); ++i) {
                 votess::Options options = test::all_options(sets[i].box);
                 options.device = test::device_name();

@@ -134,7 +134,7 @@ TEST_SUITE("cases") {
         }
         Options options = test::all_options();
         options.precision = test::double_precision();
-        options.k_init = 30;
+        options.k_init = 12;
         CHECK(compare(runner, test::uniform(test::by_size(2000, 900), 97), options) == "");
         PointSet set = test::uniform(900, 98);  // all on the bounds of every part
         for (std::size_t i = 0; i < set.points.size(); i += 3) set.points[i] = static_cast<double>(i % 2);
@@ -201,7 +201,7 @@ TEST_SUITE("cases") {
             const test::UseKernel chosen(kernel);
             Options options = test::all_options();
             // Short lists leave cells to the second tier.
-            for (const int k_init : {0, 24})
+            for (const unsigned k_init : {0u, 12u})
                 for (const PointSet& set :
                      {test::uniform(test::by_size(1000, 300), 108), test::clustered(test::by_size(500, 200), 109)}) {
                     CAPTURE(k_init);

@@ -81,7 +81,7 @@ TEST_SUITE("cases") {
         // Coordinates take some 2^62 units; searches for far neighbors look at the upper 32 bits alone.
         votess::Tessellator tessellator;
         for (const int exponent : {-26, -28, -30})
-            for (const unsigned k : {32u, 64u}) {
+            for (const unsigned k : {12u, 64u}) {
                 test::Random random(static_cast<std::uint64_t>(k - exponent));
                 PointSet set{"clusters", {}, test::unit_box()};
                 const double size = std::ldexp(1.0, exponent);
@@ -235,7 +235,7 @@ TEST_SUITE("cases") {
             options.want = {random.chance(0.8), random.chance(0.8), random.chance(0.5), random.chance(0.5),
                             random.chance(0.5)};
             options.threads = 1 + static_cast<unsigned>(random.below(3));
-            options.k_init = random.chance(0.3) ? 20 : 0;
+            options.k_init = random.chance(0.3) ? 12 : 0;
             options.chunk_size = random.chance(0.3) ? 300 : 0;
             if (random.chance(0.3)) options.precision = test::double_precision();
             const test::UseKernel chosen(random.chance(0.5) ? test::by_subgroup() : votess::gpu::Kernel::automatic);

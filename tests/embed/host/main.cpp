@@ -28,7 +28,7 @@ std::vector<votess::vulkan::Plan> make_plans(const HostDevice& device, const Arg
                                                                 .geometry = false,
                                                                 .list_walls = true,
                                                                 .chunk_size = 512,
-                                                                .k_init = 20});
+                                                                .k_init = 12});
     }
     return plans;
 }
