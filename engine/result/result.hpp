@@ -18,10 +18,11 @@ struct Result {
     bool probed = false;  // the cells of probes, which do not fit together
     double least_face = 0;
     Buffer<std::int64_t> indptr;
-    Buffer<std::int32_t> indices;
-    Buffer<std::int8_t> shifts;
-    Buffer<double> centroids;
-    Buffer<double> volumes, face_areas, face_normals, surface_areas, security_radii, vertices;
+    // Large arrays that are written at once: faults of small pages would take as long as copying rows into them.
+    Buffer<std::int32_t> indices{Buffer<std::int32_t>::Pages::huge};
+    Buffer<std::int8_t> shifts{Buffer<std::int8_t>::Pages::huge};
+    Buffer<double> centroids{Buffer<double>::Pages::huge}, volumes{Buffer<double>::Pages::huge};
+    Buffer<double> face_areas, face_normals, surface_areas, security_radii, vertices;
     Buffer<std::int64_t> face_offsets, cell_vertex_indptr;
     Buffer<std::int32_t> face_vertices, cell_vertex_indices;
     // In periodic domains, of each vertex: the first one that it is an image of, and the box vectors from there.
