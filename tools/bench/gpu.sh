@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # votess on this machine's GPU: checks its lists against the CPU, prints million cells per second of every stage for
-# 1e4 to 1e7 seeds of every kind of domain with both kernels, work-groups of 32 and 128 and volumes
-# in float64 and float32, of frames too, names the fastest, and writes gpu-DEVICE-DATE.json
-# into the current folder. Needs no network.
+# 1e4 to 1e7 seeds of every kind of domain, and of recorded frames, with both kernels, work-groups of 32 and 128 and
+# volumes in float64 and float32, names the fastest, and writes gpu-DEVICE-DATE.json into the current folder. Needs no
+# network.
 #   tools/bench/gpu.sh                              the first GPU
 #   tools/bench/gpu.sh --device lavapipe --sizes 1e4,1e5
 #   tools/bench/gpu.sh --pack DIR                   puts all that a run needs into DIR; there, on any machine of this

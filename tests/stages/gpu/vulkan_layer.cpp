@@ -270,6 +270,35 @@ TEST_SUITE("stages") {
         }
     }
 
+    TEST_CASE("vulkan: a device keeps its passes") {
+        Gpu gpu;
+        static PFN_vkCreateComputePipelines original;
+        static int made;
+        original = gpu.original.vkCreateComputePipelines;
+        made = 0;
+        gpu.device->table().vkCreateComputePipelines =
+            [](VkDevice device, VkPipelineCache cache, std::uint32_t count, const VkComputePipelineCreateInfo* infos,
+               const VkAllocationCallbacks* allocator, VkPipeline* pipelines) {
+                ++made;
+                return original(device, cache, count, infos, allocator, pipelines);
+            };
+        auto& cache = gpu.device->pass_cache();
+        const Pass first = cache.get(test::scale_info(64, 3));
+        CHECK(cache.get(test::scale_info(64, 3)).pipeline() == first.pipeline());
+        CHECK(made == 1);
+        CHECK(cache.get(test::scale_info(64, 4)).pipeline() != first.pipeline());
+        CHECK(cache.get(test::scale_info(32, 3)).pipeline() != first.pipeline());
+        CHECK(made == 3);
+        // More than it keeps: the one in use stays, and so does the last.
+        for (std::uint32_t factor = 5; factor < 75; ++factor) (void)cache.get(test::scale_info(64, factor));
+        CHECK(made == 73);
+        CHECK(cache.get(test::scale_info(64, 3)).pipeline() == first.pipeline());
+        (void)cache.get(test::scale_info(64, 74));
+        CHECK(made == 73);
+        (void)cache.get(test::scale_info(64, 4));
+        CHECK(made == 74);
+    }
+
     TEST_CASE("vulkan: several threads use one device") {
         Gpu gpu;
         const Pass pass = scale_pass(*gpu.device, 64);

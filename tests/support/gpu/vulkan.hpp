@@ -77,15 +77,18 @@ struct ScalePush {
 };
 
 // target[i] += source[i] * factor / divisor + addend
-inline vk::Pass scale_pass(vk::Device& device, std::uint32_t local_size, std::uint32_t factor = 1,
-                           std::uint32_t divisor = 1) {
+inline vk::PassInfo scale_info(std::uint32_t local_size, std::uint32_t factor = 1, std::uint32_t divisor = 1) {
     vk::PassInfo info;
     info.name = "test_scale";
     info.spirv = votess::gpu::shaders::test_scale;
     info.push_bytes = sizeof(ScalePush);
     info.local_size = local_size;
     info.constants = {{1, factor}, {2, divisor}};
-    return vk::Pass(device, info);
+    return info;
+}
+inline vk::Pass scale_pass(vk::Device& device, std::uint32_t local_size, std::uint32_t factor = 1,
+                           std::uint32_t divisor = 1) {
+    return vk::Pass(device, scale_info(local_size, factor, divisor));
 }
 
 // The code of the votess::Error that `call` throws; nothing when it returns.
