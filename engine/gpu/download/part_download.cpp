@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "core/ceil.hpp"
@@ -19,6 +20,7 @@ constexpr std::uint32_t usual_row = 20;  // room for rows is made for so many en
 // Entries of a slice are a multiple of this: each of its arrays then begins where any device can bind it, at a multiple
 // of 256 bytes.
 constexpr std::uint32_t entry_block = 64;
+constexpr std::size_t cell_group = 256;  // slices end between groups of so many cells, whose lengths are summed at once
 
 }  // namespace
 
@@ -147,11 +149,13 @@ void PartDownload::read_rows(const Passes& passes, const std::function<void(cons
     const VkDeviceSize each = 4 + (sizes.areas ? DeviceCells::number_bytes : 0) + (sizes.shifts ? 3 : 0);
     const auto most = static_cast<std::uint32_t>(staging_[0].size() / each / entry_block * entry_block);
     std::vector<DeviceResults::RowSlice> slices{{}};
-    for (const std::uint32_t length : lengths()) {
+    for (std::size_t first = 0; first < lengths().size(); first += cell_group) {
+        const auto of_group = lengths().subspan(first, std::min(cell_group, lengths().size() - first));
+        const std::uint32_t entries = std::accumulate(of_group.begin(), of_group.end(), 0u);
         const DeviceResults::RowSlice& last = slices.back();
-        if (last.entries + length > most) slices.push_back({last.first + last.count, 0, last.entry + last.entries, 0});
-        ++slices.back().count;
-        slices.back().entries += length;
+        if (last.entries + entries > most) slices.push_back({last.first + last.count, 0, last.entry + last.entries, 0});
+        slices.back().count += static_cast<std::uint32_t>(of_group.size());
+        slices.back().entries += entries;
     }
     const VkDeviceSize areas = VkDeviceSize{4} * most, shifts = areas + (sizes.areas ? 8 : 0) * VkDeviceSize{most};
     stream(
