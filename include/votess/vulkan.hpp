@@ -125,7 +125,7 @@ struct PlanOptions {
     bool list_walls = false;         // list the wall ids -1 .. -6, and of `walls`, in the rows too
     std::uint32_t most_entries = 0;  // of all rows together; 0 = 20 a seed. See Header::entries
     // Cells worked on at once: more workspace, more speed, longer dispatches. 0 = automatic: 2^20 on GPUs with memory
-    // of their own, 2^17 on others.
+    // of their own, 2^17 on other GPUs.
     std::uint32_t chunk_size = 0;
     std::uint32_t k_init = 0;  // as Options::k_init
 };

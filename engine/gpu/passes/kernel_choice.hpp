@@ -26,7 +26,7 @@ enum class Kernel {
 [[nodiscard]] Kernel kernel_from_environment();
 
 enum class Measure {
-    automatic,  // `float64` where it is at least 1/8 as fast as float32
+    automatic,  // `float64` where that is known to be fast
     float64,
     float32,  // in sums of two float32, see shaders/numbers/number.glsl
 };

@@ -112,6 +112,7 @@ bool has_variants(const std::string& input) {
 }
 
 std::vector<GpuRow> variants_of(const GpuTable& table, const Input& input) {
+    const bool varies = has_variants(input.name);
     std::vector<GpuRow> rows;
     for (const std::string& want : table.wants) {
         const std::size_t first = rows.size();
@@ -124,14 +125,15 @@ std::vector<GpuRow> variants_of(const GpuTable& table, const Input& input) {
                     row.want = want == "full" ? Want::full : Want::neighbors;
                     row.kernel = kernel;
                     row.local_size = local_size;
-                    row.numbers = row.want == Want::full ? numbers : "automatic";
+                    const bool measured = row.want == Want::full && varies;  // lists have no numbers
+                    row.numbers = measured ? numbers : "automatic";
                     rows.push_back(std::move(row));
-                    // Lists have no numbers, and the size of work-groups says nothing about the second ones.
-                    if (row.want != Want::full || local_size != table.local_sizes.front()) break;
+                    // The size of work-groups says nothing about the second ones.
+                    if (!measured || local_size != table.local_sizes.front()) break;
                 }
             }
         }
-        if (!has_variants(input.name)) rows.resize(first + 1);
+        if (!varies) rows.resize(first + 1);
     }
     return rows;
 }
