@@ -483,7 +483,6 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.picture = read_picture(typed.picture, arguments.input, arguments.outputs);
     read_colors(typed, arguments);
     if (arguments.picture) {
-        arguments.picture->options.device = options.device;
         arguments.picture->options.threads = options.threads;
     }
 

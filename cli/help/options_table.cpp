@@ -133,8 +133,7 @@ ymax, zmin, zmax)"},
         {"picture",
          {
              {"--image FILE.png", "a picture of the cells, cut open; --slice z=0.5 for a section",
-              R"(the cells, cut open, drawn by Vulkan on the device of -x, or in software
-(Mesa's lavapipe) where that draws nothing. Cells at the walls that dwarf
+              R"(the cells, cut open, drawn by the CPU. Cells at the walls that dwarf
 the others are left out, with their neighbors)"},
              {"--slice x=VALUE", "", R"(a plane section instead, with axes; y=VALUE or z=VALUE too)"},
              {"--color COLUMN", "",

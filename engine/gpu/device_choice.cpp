@@ -60,14 +60,6 @@ const Adapter* choose(const std::string& device, const std::vector<Adapter>& ada
     return &adapters[index];
 }
 
-const Adapter* first_drawing(const std::vector<Adapter>& adapters, bool software) {
-    std::vector<Adapter> drawing = adapters;
-    std::erase_if(drawing, [](const Adapter& a) { return a.graphics_family == VK_QUEUE_FAMILY_IGNORED; });
-    const Adapter* best = first_usable(drawing, software);
-    if (best == nullptr) return nullptr;
-    return &*std::find_if(adapters.begin(), adapters.end(), [&](const Adapter& a) { return a.handle == best->handle; });
-}
-
 }  // namespace
 
 std::vector<DeviceInfo> list_devices() {
@@ -104,26 +96,6 @@ std::shared_ptr<vulkan::Device> choose_device(const std::string& device) {
         return nullptr;
     }
     return vulkan::Device::create(instance, *adapter);
-}
-
-std::shared_ptr<vulkan::Device> choose_graphics_device(const std::string& device) {
-    const auto instance = vulkan::Instance::create();
-    const auto adapters = instance->adapters();
-    const Adapter* adapter = nullptr;
-    if (device == "auto") {
-        adapter = first_drawing(adapters, false);
-    } else if (device != "cpu") {
-        adapter = choose(device, adapters);
-    }
-    if (adapter == nullptr || adapter->graphics_family == VK_QUEUE_FAMILY_IGNORED) {
-        adapter = first_drawing(adapters, true);
-    }
-    if (adapter == nullptr) {
-        throw Error(ErrorCode::unsupported,
-                    "no Vulkan device that draws pictures: install a driver, or Mesa's lavapipe (Debian, Ubuntu: "
-                    "mesa-vulkan-drivers)");
-    }
-    return vulkan::Device::create(instance, *adapter, {.graphics = true});
 }
 
 }  // namespace votess::gpu

@@ -16,8 +16,4 @@ std::vector<DeviceInfo> list_devices();
 // `unsupported` with the reason for the others. Discrete GPUs come before integrated ones.
 std::shared_ptr<vulkan::Device> choose_device(const std::string& device);
 
-// One that draws: the named one, or where that has no graphics software; "auto" = the first GPU that has, else
-// software; "cpu" = software. Throws `unsupported` when there is none.
-std::shared_ptr<vulkan::Device> choose_graphics_device(const std::string& device);
-
 }  // namespace votess::gpu

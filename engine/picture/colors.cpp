@@ -71,7 +71,8 @@ std::string power_text(int exponent, int factor) {
 
 Ticks linear_ticks(const Scale& scale, int wanted) {
     Ticks ticks;
-    const double step = round_step(scale.high - scale.low, wanted), slack = 1e-9 * (scale.high - scale.low);
+    const double round = round_step(scale.high - scale.low, wanted);
+    const double step = scale.steps > 0 ? std::max(1.0, round) : round, slack = 1e-9 * (scale.high - scale.low);
     // Numbers with many zeros share a power of ten.
     const int largest = decade(std::max({std::abs(scale.low), std::abs(scale.high), step}));
     const int exponent = largest >= 5 || decade(step) < -3 ? largest : 0;
@@ -124,6 +125,11 @@ Color map_color(Colormap map, double t) {
     return rgb(encode(color[0]), encode(color[1]), encode(color[2]));
 }
 
+Color scale_color(const Scale& scale, Colormap map, double t) {
+    if (scale.steps > 0) t = (std::clamp(std::floor(t * scale.steps), 0.0, scale.steps - 1.0) + 0.5) / scale.steps;
+    return map_color(map, t);
+}
+
 double Scale::at(double value) const {
     if (!logarithmic) return (value - low) / (high - low);
     return std::log(value / low) / std::log(high / low);
@@ -163,6 +169,13 @@ Scale choose_scale(std::span<const double> values, std::span<const char> shown, 
         if (scale.logarithmic) scale.low = quantile(0.03);
     }
     scale.logarithmic = is_logarithmic(options, scale) || scale.logarithmic;
+    constexpr double most_steps = 24;
+    if (!options.range && !sorted.empty() && !scale.logarithmic && scale.high - scale.low < most_steps &&
+        std::ranges::all_of(sorted, [](double v) { return v == std::nearbyint(v); })) {
+        scale.steps = static_cast<int>(scale.high - scale.low) + 1;
+        scale.low -= 0.5;
+        scale.high += 0.5;
+    }
     // One value, or values that differ by rounding only, are no range; theirs is the middle of the map.
     const double size = std::max(std::abs(scale.low), std::abs(scale.high));
     if (!options.range && scale.high - scale.low <= 1e-9 * size) {
@@ -186,7 +199,7 @@ std::vector<Color> color_cells(std::span<const double> values, const Scale& scal
     constexpr int steps = 1024;
     std::vector<Color> table(steps + 1);
     for (int i = 0; i <= steps; ++i)
-        table[static_cast<std::size_t>(i)] = map_color(map, static_cast<double>(i) / steps);
+        table[static_cast<std::size_t>(i)] = scale_color(scale, map, static_cast<double>(i) / steps);
     std::vector<Color> colors(values.size(), no_value);
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (std::isnan(values[i])) continue;

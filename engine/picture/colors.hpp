@@ -30,13 +30,19 @@ struct Scale {
     double low = 0, high = 1;
     bool logarithmic = false;
     bool below = false, above = false;  // some values lie outside
+    // 0: colors change smoothly. Else values are whole numbers, and the scale has so many colors, one each.
+    int steps = 0;
 
     [[nodiscard]] double at(double value) const;
     // Round numbers, at most about so many of them with text.
     [[nodiscard]] Ticks ticks(int wanted) const;
 };
 
-// The scale for the values of the cells shown, as the options want it.
+// The color at t along the scale, 0 to 1.
+[[nodiscard]] Color scale_color(const Scale& scale, Colormap map, double t);
+
+// The scale for the values of the cells shown, as the options want it. Whole numbers in a narrow range have a color
+// each.
 [[nodiscard]] Scale choose_scale(std::span<const double> values, std::span<const char> shown,
                                  const PictureOptions& options);
 

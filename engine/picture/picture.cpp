@@ -1,4 +1,4 @@
-// render(): what to show, its colors, its geometry, its surroundings; then the device draws.
+// render(): chooses the cells to show, their colors, their triangles and the lines around them, and draws them.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -9,12 +9,10 @@
 #include "input/options.hpp"
 #include "picture/colors.hpp"
 #include "picture/legend/layout.hpp"
+#include "picture/raster.hpp"
 #include "picture/shown.hpp"
 #include "picture/slice.hpp"
 #include "picture/solid.hpp"
-#if VOTESS_HAVE_VULKAN
-#include "picture/vulkan/renderer.hpp"
-#endif
 
 namespace votess {
 namespace picture {
@@ -69,8 +67,7 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
             if (!std::isfinite(x)) refuse("picture: the cut is at " + number(x));
     }
     if (options.slice) check_slice(*options.slice, t.box());
-    Options run;  // the options that both share
-    run.device = options.device;
+    Options run;  // the option that both share
     run.threads = options.threads;
     check_options(run);
 }
@@ -95,16 +92,6 @@ std::vector<Vec3> domain_corners(const Tessellation& t) {
     return corners;
 }
 
-#if VOTESS_HAVE_VULKAN
-Picture draw(const Scene& scene, const std::string& device) {
-    return gpu::draw(scene, device);
-}
-#else
-Picture draw(const Scene&, const std::string&) {
-    throw Error(ErrorCode::unsupported, "picture: this votess was built without Vulkan");
-}
-#endif
-
 // Vectors by which the domain repeats.
 std::vector<Vec3> domain_periods(const Tessellation& t) {
     std::vector<Vec3> periods;
@@ -123,9 +110,7 @@ std::vector<Vec3> domain_periods(const Tessellation& t) {
 }  // namespace
 
 Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const double> points,
-                  std::span<const double> values, const PictureOptions& options) {
-    const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-    ThreadPool pool(threads);
+                  std::span<const double> values, const PictureOptions& options, ThreadPool& pool) {
     // A section shows what it meets.
     const WallCells walls =
         options.slice && options.wall_cells == WallCells::automatic ? WallCells::show : options.wall_cells;
@@ -169,7 +154,10 @@ Picture render(const Tessellation& tessellation, std::span<const double> points,
     const picture::DomainShape domain{tessellation.box(), picture::domain_corners(tessellation),
                                       picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
-    return picture::draw(picture::build_scene(mesh, domain, points, values, options), options.device);
+    const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+    ThreadPool pool(threads);
+    const picture::Scene scene = picture::build_scene(mesh, domain, points, values, options, pool);
+    return {scene.width, scene.height, picture::draw(scene, pool)};
 }
 
 }  // namespace votess

@@ -1,4 +1,4 @@
-// What is handed to the device to draw: triangles and strokes, nothing about cells any more.
+// A scene to draw: triangles and strokes. It knows nothing of cells.
 #pragma once
 
 #include <array>
@@ -26,16 +26,14 @@ struct FillVertex {
     Color color;
     float edge;
 };
-static_assert(sizeof(FillVertex) == 24);
 
-// A straight line with round ends, in pixels of the picture (x to the right, y down) and in the depth of the device
-// (0 near, 1 far).
+// A straight line with round ends, in pixels of the picture (x to the right, y down) and in depth (View::project: 0
+// near, 1 far).
 struct Stroke {
     float from[3], to[3];
     float half_width;
     Color color;
 };
-static_assert(sizeof(Stroke) == 32);
 
 // A perspective camera, or with `focal` 0 none: positions are pixels then, y down, and z the depth.
 struct View {

@@ -163,18 +163,42 @@ private:
     Polygon rest_, piece_;
 };
 
-void add_frame(const View& view, const Frame& frame, std::span<const Vec3> corners, double width,
-               std::vector<Stroke>& strokes) {
+// The part of the line from a to b inside the space, as shares of it; empty when begin >= end.
+struct Stretch {
+    double begin = 0, end = 1;
+};
+Stretch inside(const CutSpace& space, const Vec3& a, const Vec3& b) {
+    if (space.planes.empty()) return {0, 0};
+    Stretch part;
+    for (const CutPlane& plane : space.planes) {
+        const double from = plane.height(a), to = plane.height(b);
+        if (from <= 0 && to <= 0) return {0, 0};
+        if (from < 0) part.begin = std::max(part.begin, from / (from - to));
+        if (to < 0) part.end = std::min(part.end, from / (from - to));
+    }
+    return part;
+}
+
+// Draws the edges of the domain, except in front of the opening.
+void add_frame(const View& view, const Frame& frame, std::span<const Vec3> corners, const CutSpace& opening,
+               double width, std::vector<Stroke>& strokes) {
     constexpr double towards = 2e-4;  // in front of the faces that it lies on
     for (std::size_t corner = 0; corner < corners.size(); ++corner) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (corner >> axis & 1) continue;
-            const Vec3 a = view.project(frame(corners[corner])), b = view.project(frame(corners[corner | 1u << axis]));
-            const auto at = [&](double x) { return static_cast<float>(x); };
-            strokes.push_back({{at(a[0]), at(a[1]), at(a[2] - towards)},
-                               {at(b[0]), at(b[1]), at(b[2] - towards)},
-                               static_cast<float>(0.5 * width),
-                               rgb(60, 60, 70, 140)});
+            const Vec3 from = corners[corner], to = corners[corner | 1u << axis];
+            const Stretch removed = inside(opening, from, to);
+            const bool whole = removed.begin >= removed.end;
+            for (const Stretch part : {Stretch{0, whole ? 1 : removed.begin}, Stretch{whole ? 1 : removed.end, 1}}) {
+                if (part.begin >= part.end) continue;
+                const Vec3 a = view.project(frame(from + part.begin * (to - from)));
+                const Vec3 b = view.project(frame(from + part.end * (to - from)));
+                const auto at = [](double x) { return static_cast<float>(x); };
+                strokes.push_back({{at(a[0]), at(a[1]), at(a[2] - towards)},
+                                   {at(b[0]), at(b[1]), at(b[2] - towards)},
+                                   static_cast<float>(0.5 * width),
+                                   rgb(60, 60, 70, 140)});
+            }
         }
     }
 }
@@ -239,7 +263,8 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     }
     fit(view, outline, area, scene.height);
 
-    CutSpace space = cut_space(job.options, view, job.shown.bounds);
+    const CutSpace opening = cut_space(job.options, view, job.shown.bounds);
+    CutSpace space = opening;
     std::vector<char> kept = job.shown.cells;
     if (job.options.cut == Cut::cells) {
         for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -261,7 +286,7 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
         block = {};
     }
     scene.occlusion_radius = 0.16;
-    if (!corners.empty()) add_frame(view, frame, corners, 1.4 * scene.edge_width, scene.strokes);
+    if (!corners.empty()) add_frame(view, frame, corners, opening, 1.4 * scene.edge_width, scene.strokes);
 }
 
 }  // namespace votess::picture

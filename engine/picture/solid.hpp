@@ -39,6 +39,6 @@ struct DomainShape {
 
 // All of a picture but the drawing. values: what the cells are colored by.
 [[nodiscard]] Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const double> points,
-                                std::span<const double> values, const PictureOptions& options);
+                                std::span<const double> values, const PictureOptions& options, ThreadPool& pool);
 
 }  // namespace votess::picture

@@ -1,5 +1,4 @@
-// Pictures of a tessellation: its cells cut open, or a plane section. Drawn through Vulkan without a window, on a GPU
-// or in software (Mesa's lavapipe).
+// Pictures of a tessellation: its cells cut open, or a plane section. Drawn on the CPU, by all threads.
 //
 //     options.want.faces = options.want.volumes = true;
 //     votess::Tessellation t = votess::tessellate(points, options);
@@ -76,22 +75,17 @@ struct PictureOptions {
     bool frame = true;  // the box as lines; with a slice axes with ticks
     std::array<std::uint8_t, 4> background{255, 255, 255, 255};
 
-    // As Options::device, but graphics must be had: "auto" = the first GPU that draws, else software; "cpu" =
-    // software. Where the named device draws nothing, software does.
-    std::string device = "auto";
-    unsigned threads = 0;  // CPU threads for the geometry, 0 = all
+    unsigned threads = 0;  // CPU threads, 0 = all
 };
 
 struct Picture {
     std::uint32_t width = 0, height = 0;
     std::vector<std::uint8_t> pixels;  // 4 width height: RGBA, rows from the top, from the left
-    std::string device;                // name of the device that drew it
 };
 
-// The tessellation needs Want::faces. points: the array given to tessellate(); read during the call only. The same
-// input gives the same pixels on the same device.
-// Throws Error: invalid_argument (naming what is missing or wrong), unsupported (no device that draws, or votess was
-// built without Vulkan), out_of_memory, device_lost.
+// Draws the cells. The tessellation needs Want::faces. points: the array given to tessellate(); read during the call
+// only. The same input gives the same pixels for any number of threads.
+// Throws Error: invalid_argument (names the missing or wrong value), out_of_memory.
 [[nodiscard]] VOTESS_API Picture render(const Tessellation& tessellation, std::span<const double> points,
                                         const PictureOptions& options = {});
 

@@ -52,16 +52,12 @@ class Pictures(CliTest):
         return read_png(self.folder / "a.png")
 
     def test_solid(self):
-        image = self.picture("--random", 500, "-x", "lavapipe")
+        image = self.picture("--random", 500)
         self.assertEqual(image.shape, (300, 400, 3))
         self.assertTrue((image[[0, 0, -1, -1], [0, -1, 0, -1]] == 255).all())
         self.assertGreater(colored(image).mean(), 0.3)
         self.assertGreater(len(np.unique(image.reshape(-1, 3), axis=0)), 1000)
         self.assertEqual(self.files(), ["a.png"])
-
-    def test_same_on_each_device_name(self):
-        images = [self.picture("--random", 300, "-x", device) for device in ["cpu", "lavapipe"]]
-        self.assertTrue((images[0] == images[1]).all())
 
     def test_options_matter(self):
         plain = self.picture("--random", 200)
@@ -134,7 +130,8 @@ class Pictures(CliTest):
         self.refuse("empty.txt", "--image", "a.png", says="no cell")
 
     def test_without_driver(self):
-        self.put("p.npy", random_points(20))
-        done = self.run_cli("p.npy", "-o", "a.txt", "--image", "a.png", env={**os.environ, **HIDDEN}, code=2)
-        self.assertIn("Vulkan", done.stderr)
-        self.assertEqual(self.files(), ["p.npy"])
+        """Pictures need no Vulkan."""
+        seen = self.picture("--random", 300)
+        self.run_cli("--random", 300, "-q", "--image", "b.png", "--image-size", "400x300",
+                     env={**os.environ, **HIDDEN})
+        self.assertTrue((read_png(self.folder / "b.png") == seen).all())

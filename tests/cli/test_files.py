@@ -11,10 +11,11 @@ from cli_test import CLI
 from frame_cases import FileDomains, FrameFiles, Regressions
 from hdf5_cases import Hdf5Files, Hdf5Module, Streamed
 from lammps_cases import LammpsFiles
+from picture_cases import Pictures
 from reader_cases import ArrayFiles, Columns, PlyFiles, TextFiles
 from vtk_cases import GltfFiles, VtkFiles
 
-__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "LammpsFiles", "PlyFiles", "Regressions", "Streamed", "TextFiles", "VtkFiles"]
+__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "LammpsFiles", "Pictures", "PlyFiles", "Regressions", "Streamed", "TextFiles", "VtkFiles"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -1,4 +1,4 @@
-"""clvotess on Vulkan devices: what -x chooses, that files do not depend on it, and pictures.
+"""clvotess on Vulkan devices: what -x chooses, and that files do not depend on it.
 
 These tests run under the validation layer, which finds misuse of Vulkan.
 """
@@ -12,9 +12,8 @@ import unittest
 import numpy as np
 
 from cli_test import CLI, HIDDEN, SANITIZED, CliTest, random_points, text_of
-from picture_cases import Pictures
 
-__all__ = ["Devices", "Pictures"]
+__all__ = ["Devices"]
 
 
 def inputs(scale):

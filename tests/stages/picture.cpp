@@ -5,9 +5,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/thread_pool.hpp"
 #include "picture/colors.hpp"
 #include "picture/legend/text.hpp"
 #include "picture/mesh.hpp"
+#include "picture/raster.hpp"
 #include "picture/shown.hpp"
 #include "picture/solid.hpp"
 #include "support/check.hpp"
@@ -28,6 +30,11 @@ Tessellation with_faces(const test::PointSet& set) {
 
 Mesh mesh_of(const Tessellation& t) {
     return {t.indptr(), t.indices(), t.shifts(), t.face_offsets(), t.face_vertices(), t.vertices()};
+}
+
+votess::ThreadPool& pool() {
+    static votess::ThreadPool two(2);
+    return two;
 }
 
 double area_of(const Polygon& polygon) {
@@ -52,7 +59,7 @@ double area_of(const std::vector<FillVertex>& triangles) {
 }
 
 Scene scene_of(const test::PointSet& set, const Tessellation& t, const PictureOptions& options) {
-    return build_scene(mesh_of(t), {t.box(), {}, {}}, set.points, t.volumes(), options);
+    return build_scene(mesh_of(t), {t.box(), {}, {}}, set.points, t.volumes(), options, pool());
 }
 
 PictureOptions plain(Cut cut) {
@@ -130,6 +137,89 @@ TEST_SUITE("stages") {
         CHECK(area_of(scene_of(set, t, off_center).solid) == doctest::Approx(12).epsilon(1e-5));
     }
 
+    TEST_CASE("picture: no edge of the box crosses the opening") {
+        const auto set = test::uniform(50, 8);
+        const Tessellation t = with_faces(set);
+        DomainShape domain{t.box(), {}, {}};
+        for (unsigned corner = 0; corner < 8; ++corner)
+            domain.corners.push_back({corner & 1 ? 1.0 : 0.0, corner & 2 ? 1.0 : 0.0, corner & 4 ? 1.0 : 0.0});
+        // Of twelve edges three are halved by the octant; eight are halved or removed by the half.
+        const auto length_of = [&](Cut cut) {
+            PictureOptions options = plain(cut);
+            options.frame = true;
+            double sum = 0;
+            for (const Stroke& s : build_scene(mesh_of(t), domain, set.points, t.volumes(), options, pool()).strokes)
+                sum += std::hypot(s.to[0] - s.from[0], s.to[1] - s.from[1]);
+            return sum;
+        };
+        const double all = length_of(Cut::none), corner = length_of(Cut::corner), cells = length_of(Cut::cells);
+        CHECK(corner < 0.92 * all);
+        CHECK(corner > 0.8 * all);
+        CHECK(cells == doctest::Approx(corner));
+        CHECK(length_of(Cut::half) < 0.6 * all);
+    }
+
+    TEST_CASE("picture: triangles that share sides leave no gap, and cover their area") {
+        test::Random random(14);
+        for (int round = 0; round < 20; ++round) {
+            // A rectangle, cut into a fan around a point inside.
+            const float x[4] = {20.3f, 110.7f, 110.7f, 20.3f}, y[4] = {15.2f, 15.2f, 90.6f, 90.6f};
+            const float mx = static_cast<float>(random.uniform(25, 105)),
+                        my = static_cast<float>(random.uniform(20, 85));
+            Scene scene;
+            scene.width = 130;
+            scene.height = 101;
+            scene.edge_width = 0;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const std::size_t next = (k + 1) % 4;
+                for (const auto& [px, py] : {std::pair{x[k], y[k]}, std::pair{x[next], y[next]}, std::pair{mx, my}}) {
+                    FillVertex v{{px, py, 0}, {}, rgb(200, 100, 50), 1};
+                    scene.flat.push_back(v);
+                }
+                if (round % 2 != 0) std::swap(scene.flat[3 * k], scene.flat[3 * k + 1]);
+            }
+            const auto pixels = draw(scene, pool());
+            double covered = 0;
+            for (std::uint32_t py = 0; py < scene.height; ++py) {
+                for (std::uint32_t px = 0; px < scene.width; ++px) {
+                    const std::uint8_t* p = &pixels[4 * (std::size_t{py} * scene.width + px)];
+                    covered += p[3] / 255.0;
+                    if (px > 20 && px < 110 && py > 15 && py < 90) CHECK((p[3] == 255 && p[0] == 200 && p[2] == 50));
+                    if (px < 20 || px > 110 || py < 15 || py > 90) CHECK(p[3] == 0);
+                }
+            }
+            CHECK(covered == doctest::Approx(90.4 * 75.4).epsilon(0.005));
+        }
+    }
+
+    TEST_CASE("picture: the nearer of two triangles is seen, and strokes lie where their depth says") {
+        Scene scene;
+        scene.width = scene.height = 100;
+        scene.background = {255, 255, 255, 255};
+        scene.edge_width = 0;
+        scene.view.focal = 100;
+        scene.view.distance = 5;
+        scene.view.middle = {50, 50};
+        scene.view.near = 1;
+        scene.view.far = 9;
+        const auto add = [&](float z, Color color) {
+            for (const auto& [px, py] : {std::pair{-2.f, -2.f}, std::pair{2.f, -2.f}, std::pair{0.f, 2.f}})
+                scene.solid.push_back({{px, py, z}, {0, 0, 127, 0}, color, 1});
+        };
+        const auto middle = [&](std::size_t channel) {
+            return int{draw(scene, pool())[4 * (50 * 100 + 50) + channel]};
+        };
+        add(0, rgb(255, 0, 0));
+        add(1, rgb(0, 255, 0));
+        add(-1, rgb(0, 0, 255));
+        CHECK((middle(1) > 150 && middle(0) == 0 && middle(2) == 0));
+        const auto depth = [&](double z) { return static_cast<float>(scene.view.project({0, 0, z})[2]); };
+        scene.strokes.push_back({{40, 50, depth(0.5)}, {60, 50, depth(0.5)}, 4, rgb(0, 0, 0)});
+        CHECK(middle(1) > 150);  // behind the green one
+        scene.strokes.push_back({{40, 50, depth(1.5)}, {60, 50, depth(1.5)}, 4, rgb(9, 9, 9)});
+        CHECK(middle(1) == 9);
+    }
+
     TEST_CASE("picture: a slice of a periodic domain has no gaps and no overlaps") {
         votess::Options box = test::all_options(test::unit_box()), sheared = test::all_options();
         box.periodic = {true, true, true};
@@ -151,7 +241,7 @@ TEST_SUITE("stages") {
                 PictureOptions slice = plain(Cut::none);
                 const auto k = static_cast<std::size_t>(axis);
                 slice.slice = votess::Slice{axis, std::lerp(t.box().lower[k], t.box().upper[k], 0.03)};
-                const Scene scene = build_scene(mesh_of(t), domain, points, t.volumes(), slice);
+                const Scene scene = build_scene(mesh_of(t), domain, points, t.volumes(), slice, pool());
                 double low[2] = {1e9, 1e9}, high[2] = {0, 0};
                 for (const FillVertex& v : scene.flat) {
                     for (std::size_t c = 0; c < 2; ++c) {
@@ -224,6 +314,19 @@ TEST_SUITE("stages") {
         CHECK(wide.logarithmic);
         CHECK(wide.low == doctest::Approx(std::pow(10, -4.7)));
         CHECK(wide.at(std::sqrt(wide.low * wide.high)) == doctest::Approx(0.5));
+
+        // Whole numbers in a narrow range have a color each, up to the ends of the map.
+        std::vector<double> whole(700);
+        for (std::size_t i = 0; i < whole.size(); ++i) whole[i] = static_cast<double>(10 + i % 7);
+        const Scale discrete = choose_scale(whole, std::vector<char>(whole.size(), 1), {});
+        CHECK(discrete.steps == 7);
+        CHECK((discrete.low == 9.5 && discrete.high == 16.5));
+        const auto seven = color_cells(whole, discrete, votess::Colormap::tide);
+        for (std::size_t i = 0; i < 14; ++i)
+            for (std::size_t j = 0; j < 14; ++j) CHECK((seven[i] == seven[j]) == (i % 7 == j % 7));
+        for (const Tick& tick : discrete.ticks(20).marks) CHECK(tick.value == std::nearbyint(tick.value));
+        whole[0] += 0.5;
+        CHECK(choose_scale(whole, std::vector<char>(whole.size(), 1), {}).steps == 0);
 
         const std::vector<double> same(50, 3.5);
         const Scale one = choose_scale(same, std::vector<char>(50, 1), {});

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 #include <votess/votess.hpp>
 
@@ -44,5 +45,17 @@ std::string print_points(std::span<const double> points, const votess::Box& box)
 
 // Leaves out points, one after the other, as long as `fails` stays true.
 Coordinates minimize(Coordinates points, const std::function<bool(const Coordinates&)>& fails);
+
+// Returns the code of the votess::Error that `call` throws, and nothing when it returns.
+template <class Call>
+std::optional<votess::ErrorCode> error_of(Call&& call, std::string* message = nullptr) {
+    try {
+        std::forward<Call>(call)();
+    } catch (const votess::Error& error) {
+        if (message) *message = error.what();
+        return error.code();
+    }
+    return {};
+}
 
 }  // namespace test

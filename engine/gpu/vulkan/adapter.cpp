@@ -104,10 +104,6 @@ void query_queues(Adapter& a, const InstanceCalls& calls) {
         a.queue_family = i;
         a.timestamp_bits = families[i].timestampValidBits;
     }
-    for (std::uint32_t i = count; i-- > 0;) {
-        if (!(families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT) || families[i].queueCount == 0) continue;
-        if (a.graphics_family != a.queue_family || a.graphics_family == VK_QUEUE_FAMILY_IGNORED) a.graphics_family = i;
-    }
 }
 
 void query_properties(Adapter& a, const InstanceCalls& calls, const Support& support) {

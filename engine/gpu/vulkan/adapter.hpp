@@ -42,10 +42,9 @@ struct Adapter {
     // Shaders may demand that float32 or float64 rounds to nearest (passes/spirv.hpp).
     bool can_ask_for_nearest32 = false, can_ask_for_nearest64 = false;
 
-    std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;     // with compute, and with timestamps if there is one
-    std::uint32_t graphics_family = VK_QUEUE_FAMILY_IGNORED;  // with graphics, the above where it has that
-    std::uint32_t timestamp_bits = 0;                         // 0: no timestamps
-    bool portability_subset = false;                          // must be enabled where it exists
+    std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;  // with compute, and with timestamps if there is one
+    std::uint32_t timestamp_bits = 0;                      // 0: no timestamps
+    bool portability_subset = false;                       // must be enabled where it exists
 
     // The device is the CPU (lavapipe).
     [[nodiscard]] bool software() const { return type == VK_PHYSICAL_DEVICE_TYPE_CPU; }

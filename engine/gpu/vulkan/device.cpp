@@ -19,11 +19,7 @@ void require_usable(const Adapter& adapter) {
 std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const Adapter& adapter,
                                        const DeviceOptions& options) {
     require_usable(adapter);
-    if (options.graphics && adapter.graphics_family == VK_QUEUE_FAMILY_IGNORED) {
-        throw Error(ErrorCode::unsupported, "the device " + adapter.name + " has no graphics");
-    }
     std::shared_ptr<Device> device(new Device(std::move(instance), adapter, options));
-    if (options.graphics) return device;
     device->rounding_ = probe_rounding(*device, device->float64_);
     return device;
 }
@@ -31,9 +27,8 @@ std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const
 Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options)
     : instance_(std::move(instance)),
       adapter_(adapter),
-      float64_(options.float64 && adapter.float64 && !options.graphics),
+      float64_(options.float64 && adapter.float64),
       passes_(std::make_unique<PassCache>(*this)) {
-    if (options.graphics) adapter_.queue_family = adapter_.graphics_family;
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
     queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;

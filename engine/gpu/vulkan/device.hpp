@@ -1,4 +1,4 @@
-// A logical device with one queue, for compute or for graphics.
+// A logical device with one compute queue.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,6 @@ class PassCache;
 // Features to use where the device has them.
 struct DeviceOptions {
     bool float64 = true;
-    bool graphics = false;  // draws instead of computing, in a queue of Adapter::graphics_family and without float64
 };
 
 // A device that a host program has made.
@@ -33,7 +32,7 @@ struct HostDevice {
 // Outlives all that is made from it (Memory, Buffer, Pass, Commands), which keep a reference to it.
 class Device {
 public:
-    // Throws `unsupported` with Adapter::missing() when that is not empty, and for graphics where there are none.
+    // Throws `unsupported` with Adapter::missing() when that is not empty.
     [[nodiscard]] static std::shared_ptr<Device> create(std::shared_ptr<Instance> instance, const Adapter& adapter,
                                                         const DeviceOptions& options = {});
     // Borrows the device, which the host destroys. Throws as create() does.

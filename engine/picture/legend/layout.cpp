@@ -83,16 +83,16 @@ void add_color_bar(const Scale& scale, const PictureOptions& options, const Size
     Area area = whole;  // without the points at its ends
     if (scale.above) area.top += point;
     if (scale.below) area.bottom -= point;
-    constexpr int steps = 256;
+    const int steps = scale.steps > 0 ? scale.steps : 256;
     const double tall = area.bottom - area.top;
     for (int i = 0; i < steps; ++i) {
         const double top = area.bottom - tall * (i + 1) / steps, bottom = area.bottom - tall * i / steps;
-        add_rectangle({left, top, right, bottom}, map_color(options.colormap, (i + 0.5) / steps), scene.flat);
+        add_rectangle({left, top, right, bottom}, scale_color(scale, options.colormap, (i + 0.5) / steps), scene.flat);
     }
     const double mid = 0.5 * (left + right), w = sizes.line;
     const double top_tip = whole.top, bottom_tip = whole.bottom;
-    if (scale.above) add_point(left, right, area.top, top_tip, map_color(options.colormap, 1), scene);
-    if (scale.below) add_point(left, right, area.bottom, bottom_tip, map_color(options.colormap, 0), scene);
+    if (scale.above) add_point(left, right, area.top, top_tip, scale_color(scale, options.colormap, 1), scene);
+    if (scale.below) add_point(left, right, area.bottom, bottom_tip, scale_color(scale, options.colormap, 0), scene);
     std::vector<Stroke>& out = scene.strokes;
     add_line(left, area.top, left, area.bottom, w, style.color, out);
     add_line(right, area.top, right, area.bottom, w, style.color, out);

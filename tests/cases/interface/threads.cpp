@@ -19,17 +19,6 @@ votess::Options with_threads(unsigned threads) {
     return options;
 }
 
-// 0 when there was none.
-template <class Function>
-votess::ErrorCode error_of(Function function) {
-    try {
-        function();
-        return {};
-    } catch (const votess::Error& error) {
-        return error.code();
-    }
-}
-
 }  // namespace
 
 TEST_SUITE("threads") {
@@ -123,7 +112,7 @@ TEST_SUITE("threads") {
             });
             at_work.wait(false);
             for (int repeat = 0; repeat < 3; ++repeat)
-                CHECK(error_of([&] { (void)tessellator.tessellate(set.points, options); }) ==
+                CHECK(test::error_of([&] { (void)tessellator.tessellate(set.points, options); }) ==
                       votess::ErrorCode::invalid_use);
             const auto elsewhere = votess::Tessellator().tessellate(set.points, options);
             CHECK(test::check_identical(expected, elsewhere) == "");
@@ -167,9 +156,9 @@ TEST_SUITE("threads") {
         int calls = 0, good = 0;
         const auto try_all = [&] {
             ++calls;
-            good +=
-                error_of([&] { (void)tessellator->tessellate(set.points, plain); }) == votess::ErrorCode::invalid_use &&
-                test::check_identical(expected, votess::tessellate(set.points, plain)) == "";
+            good += test::error_of([&] { (void)tessellator->tessellate(set.points, plain); }) ==
+                        votess::ErrorCode::invalid_use &&
+                    test::check_identical(expected, votess::tessellate(set.points, plain)) == "";
         };
         options.progress = [&](double) {
             try_all();
@@ -192,7 +181,7 @@ TEST_SUITE("threads") {
         const test::PointSet set = test::uniform(100, 74);
         votess::Tessellator tessellator;
         const votess::Tessellator other = std::move(tessellator);
-        CHECK(error_of([&] { (void)tessellator.tessellate(set.points); }) == votess::ErrorCode::invalid_use);
+        CHECK(test::error_of([&] { (void)tessellator.tessellate(set.points); }) == votess::ErrorCode::invalid_use);
         tessellator = votess::Tessellator();
         CHECK(tessellator.tessellate(set.points).size() == 100);
     }

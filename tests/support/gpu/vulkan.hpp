@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "gpu/passes/commands.hpp"
+#include "support/check.hpp"
 #include "test_shaders.hpp"
 
 namespace test {
@@ -89,18 +90,6 @@ inline vk::PassInfo scale_info(std::uint32_t local_size, std::uint32_t factor = 
 inline vk::Pass scale_pass(vk::Device& device, std::uint32_t local_size, std::uint32_t factor = 1,
                            std::uint32_t divisor = 1) {
     return vk::Pass(device, scale_info(local_size, factor, divisor));
-}
-
-// The code of the votess::Error that `call` throws; nothing when it returns.
-template <class Call>
-std::optional<votess::ErrorCode> error_of(Call&& call, std::string* message = nullptr) {
-    try {
-        std::forward<Call>(call)();
-    } catch (const votess::Error& error) {
-        if (message) *message = error.what();
-        return error.code();
-    }
-    return {};
 }
 
 }  // namespace test

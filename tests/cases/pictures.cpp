@@ -1,4 +1,4 @@
-// Pictures as they come from the device.
+// Pictures as pixels.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -7,13 +7,10 @@
 #include <numeric>
 #include <votess/diagram.hpp>
 
-#include "gpu/device_choice.hpp"
 #include "picture/colors.hpp"
 #include "picture/mesh.hpp"
 #include "picture/solid.hpp"
-#include "picture/vulkan/renderer.hpp"
 #include "support/check.hpp"
-#include "support/gpu/vulkan.hpp"
 #include "support/random.hpp"
 
 namespace {
@@ -35,7 +32,6 @@ PictureOptions bare() {
     PictureOptions options;
     options.width = 320;
     options.height = 240;
-    options.device = "lavapipe";
     options.color_bar = options.frame = options.edges = false;
     return options;
 }
@@ -72,19 +68,17 @@ std::size_t distinct_colors(const Picture& picture) {
 }  // namespace
 
 TEST_SUITE("cases") {
-    TEST_CASE("gpu: a picture has its size, its background, many colors, and is the same each time") {
+    TEST_CASE("pictures: a picture has its size, its background, many colors, and is the same each time") {
         const auto set = test::uniform(test::by_size(1000, 200), 21);
         const Tessellation t = with_faces(set);
         PictureOptions options;
         options.width = 500;
         options.height = 320;
-        options.device = "lavapipe";
         options.background = {250, 240, 230, 255};
         const Picture picture = votess::render(t, set.points, options);
         CHECK(picture.width == 500);
         CHECK(picture.height == 320);
         REQUIRE(picture.pixels.size() == 4u * 500 * 320);
-        CHECK_FALSE(picture.device.empty());
         for (const std::uint32_t x : {0u, 499u}) {
             for (const std::uint32_t y : {0u, 319u}) {
                 const Pixel p = at(picture, x, y);
@@ -100,7 +94,7 @@ TEST_SUITE("cases") {
         CHECK(votess::render(t, set.points, options).pixels == picture.pixels);
     }
 
-    TEST_CASE("gpu: in a slice every cell has the area of its section, in the color of its value") {
+    TEST_CASE("pictures: in a slice every cell has the area of its section, in the color of its value") {
         const auto set = test::uniform(24, 22);
         const Tessellation t = with_faces(set);
         for (int axis = 0; axis < 3; ++axis) {
@@ -140,15 +134,15 @@ TEST_SUITE("cases") {
                            std::abs(p.b - static_cast<int>(c >> 16 & 255)) <= 2;
                 });
                 CAPTURE(i);
-                // Pixels that the border crosses are mixtures.
-                CHECK(std::abs(static_cast<double>(found) - area * side * side) <= around * side + 4);
+                // Pixels that a border crosses are mixtures, which may have the color of a third cell.
+                CHECK(std::abs(static_cast<double>(found) - area * side * side) <= around * side + 24);
                 cut += !corners.empty();
             }
             CHECK(cut > 5);
         }
     }
 
-    TEST_CASE("gpu: a cut shows the inside") {
+    TEST_CASE("pictures: a cut shows the inside") {
         const auto set = test::uniform(test::by_size(1000, 300), 23);
         const Tessellation t = with_faces(set);
         PictureOptions options = bare();
@@ -180,28 +174,7 @@ TEST_SUITE("cases") {
         CHECK_FALSE(bright(at(whole, whole.width / 2, whole.height / 2)));
     }
 
-    TEST_CASE("gpu: a picture drawn in parts equals one drawn at once") {
-        test::Gpu gpu;
-        const auto device =
-            votess::gpu::vulkan::Device::create(gpu.instance, gpu.adapter, {.float64 = true, .graphics = true});
-        const auto set = test::uniform(test::by_size(2000, 300), 24);
-        const Tessellation t = with_faces(set);
-        PictureOptions options;
-        options.width = 640;
-        options.height = 500;
-        const votess::picture::Mesh mesh{t.indptr(),       t.indices(),       t.shifts(),
-                                         t.face_offsets(), t.face_vertices(), t.vertices()};
-        const auto scene = votess::picture::build_scene(mesh, {t.box(), {}, {}}, set.points, t.volumes(), options);
-        const Picture whole = votess::gpu::draw(scene, device), parts = votess::gpu::draw(scene, device, {450});
-        REQUIRE(parts.pixels.size() == whole.pixels.size());
-        std::size_t different = 0;
-        for (std::size_t i = 0; i < whole.pixels.size(); ++i) {
-            different += std::abs(int{whole.pixels[i]} - int{parts.pixels[i]}) > 8;
-        }
-        CHECK(different < whole.pixels.size() / 500);
-    }
-
-    TEST_CASE("gpu: pictures of few, tied, clustered and ragged seeds") {
+    TEST_CASE("pictures: pictures of few, tied, clustered and ragged seeds") {
         for (const auto& set :
              {test::uniform(1, 25), test::uniform(2, 26), test::cubic(4), test::fcc(3), test::clustered(200, 27),
               test::with_duplicates(100, 20, 28), test::on_sphere(150, 29), test::far_from_origin(100, 30)}) {
@@ -222,14 +195,13 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("gpu: what a picture cannot be made of is refused, with the reason") {
+    TEST_CASE("pictures: what a picture cannot be made of is refused, with the reason") {
         const auto set = test::uniform(20, 31);
         const Tessellation t = with_faces(set);
-        const auto message = [&](const Tessellation& cells, const PictureOptions& options,
-                                 votess::ErrorCode code = votess::ErrorCode::invalid_argument) {
+        const auto message = [&](const Tessellation& cells, const PictureOptions& options) {
             std::string text;
             CHECK(test::error_of([&] { static_cast<void>(votess::render(cells, set.points, options)); }, &text) ==
-                  code);
+                  votess::ErrorCode::invalid_argument);
             return text;
         };
         const auto names = [](const std::string& text, const char* word) {
@@ -263,19 +235,10 @@ TEST_SUITE("cases") {
         options.azimuth = std::numeric_limits<double>::infinity();
         names(message(t, options), "inf");
         options = bare();
-        options.device = "printer";
-        names(message(t, options), "printer");
-        options.device = "999";
-        names(message(t, options, votess::ErrorCode::unsupported), "999");
         const std::vector<double> moved(set.points.begin(), set.points.end() - 3);
         CHECK(test::error_of([&] { static_cast<void>(votess::render(t, moved, bare())); }) ==
               votess::ErrorCode::invalid_argument);
         CHECK(test::error_of([&] { static_cast<void>(votess::render({}, {}, bare())); }) ==
               votess::ErrorCode::invalid_argument);
-        // "cpu" and "auto" draw too.
-        for (const char* device : {"cpu", "auto"}) {
-            options.device = device;
-            CHECK(votess::render(t, set.points, options).pixels.size() == 4u * 320 * 240);
-        }
     }
 }
