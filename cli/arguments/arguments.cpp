@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "arguments/nearest.hpp"
 #include "failure.hpp"
 #include "files/numbers.hpp"
 #include "help/help.hpp"
@@ -34,6 +35,30 @@ struct Typed {
     TypedPicture picture;
     TypedGrid grid;
 };
+
+// A value after = is not part of the name; a single minus sign in front of a long name is a common slip.
+[[noreturn]] void refuse_unknown(const CLI::App& app, const std::string& word) {
+    if (word == "--voro++") throw bad_input("--voro++ must be the first argument: move it to the front");
+    std::string name = word.substr(0, word.find('='));
+    name.erase(0, name.find_first_not_of('-'));
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& known : option->get_lnames()) names.push_back(known);
+    const auto nearest = nearest_word(name, names);
+    throw bad_input("unknown option " + in_quotes(word) +
+                    (nearest ? ": did you mean --" + *nearest + "?" : ": clvotess --help-all lists all options"));
+}
+
+// message: of CLI11, which begins with the name of the option.
+[[noreturn]] void refuse_values(CLI::App& app, const std::string& message) {
+    const std::string name = message.substr(0, message.find_first_of(": "));
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    if (!option) throw bad_input(message + ", see clvotess --help");
+    if (option->get_items_expected_max() == 0) throw bad_input(name + " takes no value: leave out = and what follows");
+    const std::size_t given = option->results().size();
+    if (given > 1) throw bad_input(name + " is given " + std::to_string(given) + " times: give it once");
+    throw bad_input(name + " needs a value: " + std::string(usage_of(name)));
+}
 
 Typed split_command_line(int count, const char* const* values) {
     Typed typed;
@@ -104,8 +129,10 @@ Typed split_command_line(int count, const char* const* values) {
     } catch (const CLI::ExtrasError&) {
         const auto extras = app.remaining();
         const std::string first = extras.empty() ? "" : extras.front();
-        if (first.starts_with('-')) throw bad_input("unknown option " + in_quotes(first) + ", see clvotess --help");
-        throw bad_input("one INPUT only, but " + in_quotes(first) + " is another");
+        if (first.starts_with('-')) refuse_unknown(app, first);
+        throw bad_input("one INPUT only, but " + in_quotes(first) + " is another: run clvotess for each");
+    } catch (const CLI::ArgumentMismatch& error) {
+        refuse_values(app, error.what());
     } catch (const CLI::ParseError& error) {
         throw bad_input(std::string(error.what()) + ", see clvotess --help");
     }

@@ -74,7 +74,8 @@ of atom style sphere also `radius`) or the number of a column from 1)"},
              {"--copy COLS", "",
               R"(columns of the input that go into the output, with commas between them, or
 all that hold numbers: in text at the end of the row, else as arrays)"},
-             {"--density COL", "", R"(the array `density`: COL divided by the volume)"},
+             {"--density COL", "", R"(the array `density`: COL divided by the volume. A duplicate adds its number
+to the point that keeps the cell; where there is no cell, density is nan)"},
              {"--duplicates merge|error", "",
               R"(points of equal coordinates: the first keeps the cell, the others get an
 empty one (merge, the default), or the input is refused (error))"},

@@ -114,7 +114,6 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
             throw bad_input("cannot write " + in_quotes(path) +
                             ": known are .txt .npz .h5 .hdf5 .vtu .ply .obj .glb, and text on stdout as -");
         }
-        if (kind->write == write_glb) check_glb();
         if (kind->write == write_hdf5) check_hdf5(path);
     }
     check_paths(paths, inputs);
