@@ -2,7 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "arguments/nearest.hpp"
@@ -51,7 +53,8 @@ struct Typed {
 
 // message: of CLI11, which begins with the name of the option.
 [[noreturn]] void refuse_values(CLI::App& app, const std::string& message) {
-    const std::string name = message.substr(0, message.find_first_of(": "));
+    std::string name = message.substr(0, message.find_first_of(": "));
+    if (!name.starts_with('-')) name.insert(0, "--");
     const CLI::Option* const option = app.get_option_no_throw(name);
     if (!option) throw bad_input(message + ", see clvotess --help");
     if (option->get_items_expected_max() == 0) throw bad_input(name + " takes no value: leave out = and what follows");
@@ -240,7 +243,9 @@ votess::Wall read_wall(const std::string& text) {
 
 std::size_t read_faces(const char* option, double faces) {
     if (faces >= 0 && faces <= 1e9 && faces == std::floor(faces)) return static_cast<std::size_t>(faces);
-    throw bad_input(std::string(option) + ": the number of faces is no whole number");
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%g", faces);
+    throw bad_input(std::string(option) + ": FACES must be a whole number, not " + digits.data());
 }
 
 void read_walls(const Typed& typed, std::vector<votess::Wall>& walls) {
@@ -430,7 +435,7 @@ void read_queries(const Typed& typed, Arguments& arguments) {
     std::string& queries = typed.probe ? arguments.probe : typed.locate ? arguments.locate : arguments.interpolate;
     queries = typed.probe ? *typed.probe : typed.locate ? *typed.locate : *typed.interpolate;
     if (queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
-    if (queries == "-" && arguments.input == "-") throw bad_input("INPUT and " + option + " are both stdin");
+    if (queries == "-" && arguments.input == "-") throw bad_input("INPUT and " + option + " are both stdin: give one of them a file name");
     if (typed.locate) {
         arguments.outputs = typed.outputs;
         check_located_outputs(arguments);

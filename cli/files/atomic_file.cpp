@@ -23,8 +23,8 @@ std::string resolved(const std::string& path) {
     std::error_code problem;
     fs::path real = fs::absolute(path, problem);
     if (problem) {
-        throw bad_input("cannot tell where " + in_quotes(path) +
-                        " lies, for the working directory is gone: " + "go to another, or give the whole path");
+        throw bad_input("cannot find " + in_quotes(path) +
+                        ": the working directory is gone: go to another, or give the whole path");
     }
     constexpr int most_links = 40;  // as Linux follows; beyond it links make a circle
     for (int k = 0; k < most_links && fs::is_symlink(fs::symlink_status(real, problem)); ++k) {
@@ -96,13 +96,13 @@ void check_writable(const std::string& path) {
     };
     const fs::file_status status = fs::status(target, problem);
     if (status.type() == fs::file_type::none) refuse(problem.message());
-    if (fs::is_directory(status)) refuse("it is a folder");
+    if (fs::is_directory(status)) refuse("it is a folder: give the name of a file");
     if (fs::exists(status)) {
         if (access(target.c_str(), W_OK) != 0) refuse(std::strerror(errno));
         if (!fs::is_regular_file(status)) return;
     }
     const std::string folder = folder_of(target);
-    if (!fs::is_directory(folder, problem)) refuse("there is no folder " + in_quotes(folder));
+    if (!fs::is_directory(folder, problem)) refuse("there is no folder " + in_quotes(folder) + ": make it, or name another");
     if (access(folder.c_str(), W_OK | X_OK) != 0) refuse("folder " + in_quotes(folder) + ": " + std::strerror(errno));
 }
 

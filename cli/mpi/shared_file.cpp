@@ -52,7 +52,7 @@ SharedFile::SharedFile(const Ranks& ranks, const std::string& path) : ranks_(ran
         const MakingFile guard;
         const std::string temporary = file_.emplace(path, OutputFile::Temporary::named).path_for_library();
         if (temporary.size() >= temporary_of_handler.size())
-            throw bad_input("cannot write " + in_quotes(path) + ": its path is too long");
+            throw bad_input("cannot write " + in_quotes(path) + ": its path is too long: give a shorter one");
         remember(temporary);
         bytes.assign(temporary.begin(), temporary.end());
     });

@@ -13,7 +13,8 @@ namespace clvotess {
 namespace {
 
 [[nodiscard]] Failure failed(const std::string& folder) {
-    return runtime_failure("cannot use a temporary file in " + in_quotes(folder) + ": " + std::strerror(errno));
+    return runtime_failure("cannot use a temporary file in " + in_quotes(folder) + ": " + std::strerror(errno) +
+                           ": name another folder by --temporary");
 }
 
 }  // namespace

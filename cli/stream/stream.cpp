@@ -347,14 +347,14 @@ void check_streamed(const Arguments& arguments) {
     if (!cpu) refuse("--device " + options.device, "blocks are clipped by the CPU, leave the device out");
     for (const std::string& path : arguments.outputs)
         if (!path.ends_with(".h5") && !path.ends_with(".hdf5"))
-            refuse("-o " + path, "rows are written in pieces into .h5 only");
+            refuse("-o " + path, "rows are written in pieces into .h5 only, name it .h5");
     if (arguments.wanted.vertices || arguments.wanted.faces)
-        refuse("vertices or faces", "the mesh has vertices that cells of several blocks share");
+        refuse("vertices or faces", "cells of several blocks share vertices, leave them out");
     if (options.min_face > 0 || options.min_area > 0)
-        refuse("--min-face or --min-area", "which faces are dropped is decided from those of all cells");
+        refuse("--min-face or --min-area", "that needs the faces of all cells at once, leave it out");
     if (options.duplicates == votess::Duplicates::error)
-        refuse("--duplicates error", "they are known when all cells are, see duplicate_of in the output");
-    if (arguments.picture) refuse("--image", "a picture is drawn from all cells");
+        refuse("--duplicates error", "duplicates are known at the end only, leave it out and look at duplicate_of in the output");
+    if (arguments.picture) refuse("--image", "a picture needs all cells at once, leave it out");
 }
 
 Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {
