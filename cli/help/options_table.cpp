@@ -95,8 +95,9 @@ empty one (merge, the default), or the input is refused (error))"},
        ascending by their number of vertices: id says which is which
 .ply   the faces, each once, with its two cells (rows from 0, walls < 0)
 .obj   the faces, each once
-.glb   glTF: the cells as triangles with flat colors by --color, for
-       Blender and browsers; the attribute _CELL is the row of the input
+.glb   glTF: the cells as solids in flat colors by --color, for Blender
+       and browsers, about 830 bytes a cell, 4 GiB at most; the
+       attribute _CELL is the row of the input
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text.)"},
