@@ -435,7 +435,8 @@ void read_queries(const Typed& typed, Arguments& arguments) {
     std::string& queries = typed.probe ? arguments.probe : typed.locate ? arguments.locate : arguments.interpolate;
     queries = typed.probe ? *typed.probe : typed.locate ? *typed.locate : *typed.interpolate;
     if (queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
-    if (queries == "-" && arguments.input == "-") throw bad_input("INPUT and " + option + " are both stdin: give one of them a file name");
+    if (queries == "-" && arguments.input == "-")
+        throw bad_input("INPUT and " + option + " are both stdin: give one of them a file name");
     if (typed.locate) {
         arguments.outputs = typed.outputs;
         check_located_outputs(arguments);

@@ -90,12 +90,13 @@ Arguments read_voropp_arguments(int count, const char* const* values) {
 
     // Behind the options stand the box and the file.
     if (words.left() != 6) {
-        throw bad_input(
-            "--voro++: from " + in_quotes(word) + " on there are " + std::to_string(words.left() + 1) +
-            " words, not the six numbers of the box and the file: " + std::string(expected));
+        throw bad_input("--voro++: from " + in_quotes(word) + " on there are " + std::to_string(words.left() + 1) +
+                        " words, not the six numbers of the box and the file: " + std::string(expected));
     }
     const auto first = read_double(word);
-    if (!first) throw bad_input("--voro++: " + in_quotes(word) + " is neither a known option nor a number: " + std::string(expected));
+    if (!first)
+        throw bad_input("--voro++: " + in_quotes(word) +
+                        " is neither a known option nor a number: " + std::string(expected));
     const auto rest = words.take_numbers<5>("the box");
     votess::Options& options = arguments.options;
     options.box = votess::Box{.lower = {*first, rest[1], rest[3]}, .upper = {rest[0], rest[2], rest[4]}};

@@ -102,7 +102,8 @@ void check_writable(const std::string& path) {
         if (!fs::is_regular_file(status)) return;
     }
     const std::string folder = folder_of(target);
-    if (!fs::is_directory(folder, problem)) refuse("there is no folder " + in_quotes(folder) + ": make it, or name another");
+    if (!fs::is_directory(folder, problem))
+        refuse("there is no folder " + in_quotes(folder) + ": make it, or name another");
     if (access(folder.c_str(), W_OK | X_OK) != 0) refuse("folder " + in_quotes(folder) + ": " + std::strerror(errno));
 }
 

@@ -353,7 +353,8 @@ void check_streamed(const Arguments& arguments) {
     if (options.min_face > 0 || options.min_area > 0)
         refuse("--min-face or --min-area", "that needs the faces of all cells at once, leave it out");
     if (options.duplicates == votess::Duplicates::error)
-        refuse("--duplicates error", "duplicates are known at the end only, leave it out and look at duplicate_of in the output");
+        refuse("--duplicates error",
+               "duplicates are known at the end only, leave it out and look at duplicate_of in the output");
     if (arguments.picture) refuse("--image", "a picture needs all cells at once, leave it out");
 }
 

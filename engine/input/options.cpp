@@ -128,7 +128,8 @@ void check_domain(const Options& options) {
             refuse("cell and periodic contradict each other: the cell says itself along which edges it repeats");
         for (const auto& [name, numbers] : vectors_of(*options.cell))
             for (const double x : numbers)
-                if (!std::isfinite(x)) refuse(std::string("cell: ") + name + " holds " + number(x) + ", which is not finite");
+                if (!std::isfinite(x))
+                    refuse(std::string("cell: ") + name + " holds " + number(x) + ", which is not finite");
     }
     if (!options.walls.empty() && options.cell)
         refuse("walls and cell are both given: walls go with a box, leave one out");
@@ -370,7 +371,8 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
         if (!std::isfinite(weight)) refuse(place() + " = " + number(given[i]) + " is too large: its square overflows");
         const double in_units = weight * scale * scale;
         if (in_units / scale / scale != weight || std::abs(in_units) > largest_scaled_weight)
-            refuse(place() + " = " + number(given[i]) + " is too large or too small beside the box: give all lengths in one unit");
+            refuse(place() + " = " + number(given[i]) +
+                   " is too large or too small beside the box: give all lengths in one unit");
         weights[i] = in_units;
     }
     return weights;
@@ -436,7 +438,8 @@ Job validate(const Points& points, const Options& options) {
         refuse("points hold " + std::to_string(points.coordinates()) +
                " coordinates, which is not a multiple of 3: the shape must be (N,3)");
     if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-        throw Error(ErrorCode::unsupported, std::to_string(points.count()) + " seeds are too many: give at most 2147483647, or stream them");
+        throw Error(ErrorCode::unsupported,
+                    std::to_string(points.count()) + " seeds are too many: give at most 2147483647, or stream them");
     Job job;
     const Box bounds = check_points(points, options, job.outside);
     job.points = points;
