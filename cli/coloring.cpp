@@ -23,7 +23,7 @@ void Coloring::check(const std::vector<InputColumn>& carried) const {
     const auto taken = std::ranges::find(carried, column, &InputColumn::name);
     if (taken != carried.end() && taken->width != 1) {
         throw bad_input("--color " + in_quotes(column) + " has " + std::to_string(taken->width) +
-                        " numbers for each point, expected one");
+                        " numbers for each point: name a column that has one");
     }
     if (taken == carried.end() && std::ranges::find(own, column) == own.end()) {
         throw bad_input(

@@ -127,7 +127,9 @@ int run(const Arguments& arguments) {
     }
     const votess::Tessellation tessellation =
         tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
-    fill_density(arguments, input, tessellation.volumes(), carried);
+    std::vector<double> masses = masses_of(arguments, input);
+    merge_masses(tessellation.duplicate_of(), masses);
+    fill_density(arguments, masses, tessellation.volumes(), carried);
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);
@@ -151,7 +153,7 @@ int run(const Arguments& arguments) {
             image->finish();
         }
         write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, options.radii,
-                                          domain_from, carried, arguments.coloring});
+                                          domain_from, carried, arguments.coloring, !arguments.quiet});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

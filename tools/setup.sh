@@ -30,7 +30,6 @@ for part in "$@"; do
             need zlib1g-dev
             need libhdf5-dev
             need libpng-dev
-            need libtinygltf-dev
             need libvulkan-dev
             need libvulkan-volk-dev
             need libglm-dev

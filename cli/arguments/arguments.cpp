@@ -2,9 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
+#include "arguments/nearest.hpp"
 #include "failure.hpp"
 #include "files/numbers.hpp"
 #include "help/help.hpp"
@@ -34,6 +37,31 @@ struct Typed {
     TypedPicture picture;
     TypedGrid grid;
 };
+
+// A value after = is not part of the name; a single minus sign in front of a long name is a common slip.
+[[noreturn]] void refuse_unknown(const CLI::App& app, const std::string& word) {
+    if (word == "--voro++") throw bad_input("--voro++ must be the first argument: move it to the front");
+    std::string name = word.substr(0, word.find('='));
+    name.erase(0, name.find_first_not_of('-'));
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& known : option->get_lnames()) names.push_back(known);
+    const auto nearest = nearest_word(name, names);
+    throw bad_input("unknown option " + in_quotes(word) +
+                    (nearest ? ": did you mean --" + *nearest + "?" : ": clvotess --help-all lists all options"));
+}
+
+// message: of CLI11, which begins with the name of the option.
+[[noreturn]] void refuse_values(CLI::App& app, const std::string& message) {
+    std::string name = message.substr(0, message.find_first_of(": "));
+    if (!name.starts_with('-')) name.insert(0, "--");
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    if (!option) throw bad_input(message + ", see clvotess --help");
+    if (option->get_items_expected_max() == 0) throw bad_input(name + " takes no value: leave out = and what follows");
+    const std::size_t given = option->results().size();
+    if (given > 1) throw bad_input(name + " is given " + std::to_string(given) + " times: give it once");
+    throw bad_input(name + " needs a value: " + std::string(usage_of(name)));
+}
 
 Typed split_command_line(int count, const char* const* values) {
     Typed typed;
@@ -104,8 +132,10 @@ Typed split_command_line(int count, const char* const* values) {
     } catch (const CLI::ExtrasError&) {
         const auto extras = app.remaining();
         const std::string first = extras.empty() ? "" : extras.front();
-        if (first.starts_with('-')) throw bad_input("unknown option " + in_quotes(first) + ", see clvotess --help");
-        throw bad_input("one INPUT only, but " + in_quotes(first) + " is another");
+        if (first.starts_with('-')) refuse_unknown(app, first);
+        throw bad_input("one INPUT only, but " + in_quotes(first) + " is another: run clvotess for each");
+    } catch (const CLI::ArgumentMismatch& error) {
+        refuse_values(app, error.what());
     } catch (const CLI::ParseError& error) {
         throw bad_input(std::string(error.what()) + ", see clvotess --help");
     }
@@ -213,7 +243,9 @@ votess::Wall read_wall(const std::string& text) {
 
 std::size_t read_faces(const char* option, double faces) {
     if (faces >= 0 && faces <= 1e9 && faces == std::floor(faces)) return static_cast<std::size_t>(faces);
-    throw bad_input(std::string(option) + ": the number of faces is no whole number");
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%g", faces);
+    throw bad_input(std::string(option) + ": FACES must be a whole number, not " + digits.data());
 }
 
 void read_walls(const Typed& typed, std::vector<votess::Wall>& walls) {
@@ -403,7 +435,8 @@ void read_queries(const Typed& typed, Arguments& arguments) {
     std::string& queries = typed.probe ? arguments.probe : typed.locate ? arguments.locate : arguments.interpolate;
     queries = typed.probe ? *typed.probe : typed.locate ? *typed.locate : *typed.interpolate;
     if (queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
-    if (queries == "-" && arguments.input == "-") throw bad_input("INPUT and " + option + " are both stdin");
+    if (queries == "-" && arguments.input == "-")
+        throw bad_input("INPUT and " + option + " are both stdin: give one of them a file name");
     if (typed.locate) {
         arguments.outputs = typed.outputs;
         check_located_outputs(arguments);

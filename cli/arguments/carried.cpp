@@ -31,15 +31,22 @@ std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) 
     return carried_columns(arguments.outputs, std::move(carried));
 }
 
-void fill_density(const Arguments& arguments, const Input& input, std::span<const double> volumes,
+std::vector<double> masses_of(const Arguments& arguments, const Input& input) {
+    if (!arguments.has_density) return {};
+    const std::span<const double> masses = one_each(input.columns.at(arguments.has_weights ? 1 : 0));
+    return {masses.begin(), masses.end()};
+}
+
+std::vector<double> densities(std::span<const double> masses, std::span<const double> volumes) {
+    std::vector<double> result(masses.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < masses.size(); ++i)
+        if (volumes[i] > 0) result[i] = masses[i] / volumes[i];
+    return result;
+}
+
+void fill_density(const Arguments& arguments, std::span<const double> masses, std::span<const double> volumes,
                   std::vector<InputColumn>& carried) {
-    if (!arguments.has_density) return;
-    const std::span<const double> of = one_each(input.columns.at(arguments.has_weights ? 1 : 0));
-    std::vector<double>& density = carried.back().values;
-    density.resize(of.size());
-    for (std::size_t i = 0; i < of.size(); ++i) {
-        density[i] = volumes[i] > 0 ? of[i] / volumes[i] : std::numeric_limits<double>::quiet_NaN();
-    }
+    if (arguments.has_density) carried.back().values = densities(masses, volumes);
 }
 
 }  // namespace clvotess

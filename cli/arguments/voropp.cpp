@@ -12,6 +12,9 @@
 namespace clvotess {
 namespace {
 
+constexpr std::string_view expected =
+    "give -c -l -m -n -o -p -px -py -pz -r -v as needed, then x_min x_max y_min y_max z_min z_max FILE";
+
 class Words {
 public:
     Words(int count, const char* const* values) : words_(values + std::min(count, 1), values + count) {}
@@ -20,7 +23,7 @@ public:
     [[nodiscard]] std::size_t left() const { return words_.size() - next_; }
 
     std::string take(const std::string& of) {
-        if (at_end()) throw bad_input("--voro++: " + of + " needs more behind it");
+        if (at_end()) throw bad_input("--voro++: " + of + " needs more behind it: " + std::string(expected));
         return words_[next_++];
     }
 
@@ -63,11 +66,11 @@ bool take_option(const std::string& word, Words& words, Arguments& arguments, st
     } else if (word.size() == 3 && word.starts_with("-w")) {
         throw bad_input(
             "--voro++: " + word +
-            " cuts the cells of points beyond the wall too, which is no diagram of the domain: give clvotess "
+            " also cuts cells of points beyond the wall, which is not a diagram of the domain: run clvotess with "
             "--wall, --wall-sphere, --wall-cylinder or --wall-cone");
     } else if (word == "-g" || word == "-y" || word == "-yp" || word == "-yv") {
         throw bad_input("--voro++: " + word +
-                        " writes for gnuplot or POV-Ray: clvotess has --image, .vtu, .ply and .glb");
+                        " writes for gnuplot or POV-Ray: run clvotess with --image, or -o FILE in .vtu, .ply or .glb");
     } else {
         return false;
     }
@@ -87,12 +90,13 @@ Arguments read_voropp_arguments(int count, const char* const* values) {
 
     // Behind the options stand the box and the file.
     if (words.left() != 6) {
-        throw bad_input(
-            "--voro++: behind the options are expected x_min x_max y_min y_max z_min z_max and the file, from " +
-            in_quotes(word) + " on there are " + std::to_string(words.left() + 1) + " words");
+        throw bad_input("--voro++: from " + in_quotes(word) + " on there are " + std::to_string(words.left() + 1) +
+                        " words, not the six numbers of the box and the file: " + std::string(expected));
     }
     const auto first = read_double(word);
-    if (!first) throw bad_input("--voro++: " + in_quotes(word) + " is neither an option that is taken nor a number");
+    if (!first)
+        throw bad_input("--voro++: " + in_quotes(word) +
+                        " is neither a known option nor a number: " + std::string(expected));
     const auto rest = words.take_numbers<5>("the box");
     votess::Options& options = arguments.options;
     options.box = votess::Box{.lower = {*first, rest[1], rest[3]}, .upper = {rest[0], rest[2], rest[4]}};

@@ -23,8 +23,8 @@ std::string resolved(const std::string& path) {
     std::error_code problem;
     fs::path real = fs::absolute(path, problem);
     if (problem) {
-        throw bad_input("cannot tell where " + in_quotes(path) +
-                        " lies, for the working directory is gone: " + "go to another, or give the whole path");
+        throw bad_input("cannot find " + in_quotes(path) +
+                        ": the working directory is gone: go to another, or give the whole path");
     }
     constexpr int most_links = 40;  // as Linux follows; beyond it links make a circle
     for (int k = 0; k < most_links && fs::is_symlink(fs::symlink_status(real, problem)); ++k) {
@@ -43,6 +43,43 @@ Failure cannot_write(const std::string& what, int error) {
     return runtime_failure("cannot write " + what + ": " + std::strerror(error));
 }
 
+// Returns 0 or an error number. A file system that knows no fsync() is not an error.
+int sync(int descriptor) {
+    while (fsync(descriptor) != 0) {
+        if (errno == EINTR) continue;
+        const bool unknown = errno == EINVAL || errno == EROFS || errno == ENOTSUP || errno == ENOSYS;
+        return unknown ? 0 : errno;
+    }
+    return 0;
+}
+
+// Returns 0 or an error number. A folder that may not be read cannot be synced.
+int sync_folder(const std::string& folder) {
+    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return errno == EACCES ? 0 : errno;
+    const int error = sync(descriptor);
+    close(descriptor);
+    return error;
+}
+
+// An open file by a name, also one that has none.
+std::string path_of(int descriptor) {
+    return "/proc/self/fd/" + std::to_string(descriptor);
+}
+
+// Returns the first free name in the folder of the target with which make() succeeds. Returns "" on another error, with
+// errno. The name is short, so that it fits where the target's own fits.
+template <class Make>
+std::string with_free_name(const std::string& target, const Make& make) {
+    for (int attempt = 0; attempt <= 1000; ++attempt) {
+        std::string name =
+            folder_of(target) + "/.clvotess-" + std::to_string(getpid()) + "-" + std::to_string(attempt) + ".tmp";
+        if (make(name.c_str())) return name;
+        if (errno != EEXIST) break;
+    }
+    return {};
+}
+
 }  // namespace
 
 bool is_special_file(const std::string& path) {
@@ -59,13 +96,14 @@ void check_writable(const std::string& path) {
     };
     const fs::file_status status = fs::status(target, problem);
     if (status.type() == fs::file_type::none) refuse(problem.message());
-    if (fs::is_directory(status)) refuse("it is a folder");
+    if (fs::is_directory(status)) refuse("it is a folder: give the name of a file");
     if (fs::exists(status)) {
         if (access(target.c_str(), W_OK) != 0) refuse(std::strerror(errno));
         if (!fs::is_regular_file(status)) return;
     }
     const std::string folder = folder_of(target);
-    if (!fs::is_directory(folder, problem)) refuse("there is no folder " + in_quotes(folder));
+    if (!fs::is_directory(folder, problem))
+        refuse("there is no folder " + in_quotes(folder) + ": make it, or name another");
     if (access(folder.c_str(), W_OK | X_OK) != 0) refuse("folder " + in_quotes(folder) + ": " + std::strerror(errno));
 }
 
@@ -73,7 +111,14 @@ std::string identity_of(const std::string& path) {
     return path == "-" ? path : resolved(path);
 }
 
-OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
+void sync_file(const std::string& path) {
+    const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int error = descriptor < 0 ? errno : sync(descriptor);
+    if (descriptor >= 0) close(descriptor);
+    if (error != 0) throw cannot_write(in_quotes(path), error);
+}
+
+OutputFile::OutputFile(const std::string& path, Temporary temporary) : name_(path) {
     if (path == "-") {
         descriptor_ = STDOUT_FILENO;
         return;
@@ -89,20 +134,26 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
     target_ = resolved(path);
     struct stat old {};
     const bool replaces = stat(target_.c_str(), &old) == 0;
-    // Short, so that it fits where the target's own name fits.
-    for (int attempt = 0; descriptor_ < 0; ++attempt) {
-        temporary_ =
-            folder_of(target_) + "/.clvotess-" + std::to_string(getpid()) + "-" + std::to_string(attempt) + ".tmp";
-        descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor_ < 0 && (errno != EEXIST || attempt == 1000)) {
-            const int error = errno;
-            temporary_.clear();
-            throw cannot_write(description(), error);
-        }
-    }
+    open_temporary(temporary);
     if (replaces) {  // best effort: the new file keeps the permissions of the one it replaces
         [[maybe_unused]] const int ignored = fchmod(descriptor_, old.st_mode & 07777);
     }
+}
+
+void OutputFile::open_temporary(Temporary temporary) {
+#ifdef O_TMPFILE
+    if (temporary == Temporary::unnamed) {
+        descriptor_ = open(folder_of(target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+        // Without /proc it could not be named later.
+        if (descriptor_ >= 0 && access(path_of(descriptor_).c_str(), F_OK) != 0) close_quietly();
+    }
+#endif
+    if (descriptor_ >= 0) return;
+    temporary_ = with_free_name(target_, [&](const char* name) {
+        descriptor_ = open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        return descriptor_ >= 0;
+    });
+    if (temporary_.empty()) throw cannot_write(description(), errno);
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
@@ -131,11 +182,12 @@ void OutputFile::write(std::string_view bytes) {
     }
 }
 
-const std::string& OutputFile::path_for_library() const {
-    if (temporary_.empty()) {
-        throw bad_input("cannot write " + description() + ": this format needs a regular file, not a device or a pipe");
+std::string OutputFile::path_for_library() const {
+    if (target_.empty()) {
+        throw bad_input("cannot write " + description() +
+                        ": this format needs a regular file, not a device or a pipe: give the name of a file");
     }
-    return temporary_;
+    return temporary_.empty() ? path_of(descriptor_) : temporary_;
 }
 
 Failure OutputFile::write_failure(int error) const {
@@ -146,16 +198,31 @@ Failure OutputFile::write_failure(int error) const {
 void OutputFile::finish() {
     if (descriptor_ == STDOUT_FILENO) {
         descriptor_ = -1;
-        return;
+    } else if (target_.empty()) {
+        // Some devices report an error only here.
+        if (close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) throw cannot_write(description(), errno);
+    } else if (const int error = sync(descriptor_); error != 0) {
+        throw cannot_write(description(), error);
     }
-    // Some file systems report a full disk only here.
-    if (close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) throw cannot_write(description(), errno);
 }
 
 void OutputFile::publish() {
-    if (temporary_.empty()) return;
-    if (rename(temporary_.c_str(), target_.c_str()) != 0) throw cannot_write(description(), errno);
-    temporary_.clear();
+    if (target_.empty()) return;
+    const auto link = [&](const char* name) {
+        return linkat(AT_FDCWD, path_of(descriptor_).c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW) == 0;
+    };
+    const bool linked = temporary_.empty() && link(target_.c_str());
+    if (!linked) {
+        // A link cannot replace a file.
+        if (temporary_.empty() && errno == EEXIST) temporary_ = with_free_name(target_, link);
+        if (temporary_.empty() || rename(temporary_.c_str(), target_.c_str()) != 0)
+            throw cannot_write(description(), errno);
+        temporary_.clear();
+    }
+    close_quietly();
+    if (const int error = sync_folder(folder_of(target_)); error != 0)
+        throw runtime_failure(description() +
+                              " is written, but its folder cannot be brought to the disk: " + std::strerror(error));
 }
 
 std::string OutputFile::description() const {

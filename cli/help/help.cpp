@@ -1,5 +1,6 @@
 #include "help/help.hpp"
 
+#include <algorithm>
 #include <vector>
 #include <votess/version.hpp>
 
@@ -187,6 +188,14 @@ std::string manual_page() {
     page += ".SH NOTES\n.nf\n";
     add_roff(page, ending);
     return page + ".fi\n";
+}
+
+std::string_view usage_of(std::string_view option) {
+    std::string_view usage;
+    each_row([&](const HelpRow& row) {
+        if (std::ranges::count(names_of(row), option) > 0) usage = row.names;
+    });
+    return usage;
 }
 
 std::string completion(const std::string& shell) {

@@ -74,7 +74,8 @@ of atom style sphere also `radius`) or the number of a column from 1)"},
              {"--copy COLS", "",
               R"(columns of the input that go into the output, with commas between them, or
 all that hold numbers: in text at the end of the row, else as arrays)"},
-             {"--density COL", "", R"(the array `density`: COL divided by the volume)"},
+             {"--density COL", "", R"(the array `density`: COL divided by the volume. A duplicate adds its number
+to the point that keeps the cell; where there is no cell, density is nan)"},
              {"--duplicates merge|error", "",
               R"(points of equal coordinates: the first keeps the cell, the others get an
 empty one (merge, the default), or the input is refused (error))"},
@@ -94,8 +95,9 @@ empty one (merge, the default), or the input is refused (error))"},
        ascending by their number of vertices: id says which is which
 .ply   the faces, each once, with its two cells (rows from 0, walls < 0)
 .obj   the faces, each once
-.glb   glTF: the cells as triangles with flat colors by --color, for
-       Blender and browsers; the attribute _CELL is the row of the input
+.glb   glTF: the cells as solids in flat colors by --color, for Blender
+       and browsers, about 830 bytes a cell, 4 GiB at most; the
+       attribute _CELL is the row of the input
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text.)"},

@@ -1,6 +1,7 @@
 // clvotess-mpi: what clvotess does, by the ranks that mpirun starts, each with a share of the seeds.
 #include <mpi.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -53,6 +54,32 @@ void refuse_duplicates(const Ranks& ranks, const InputShare& share, const votess
     });
 }
 
+// Adds the mass of each duplicate to that of the seed that keeps the cell, which another rank may have, in the order of
+// the rows. Seeds have the numbers of their rows.
+void merge_masses_of_ranks(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells,
+                           std::vector<double>& masses) {
+    struct Mass {
+        std::int64_t to;
+        double value;
+    };
+    const std::vector<std::uint64_t> firsts = ranks.gather(share.first);
+    std::vector<std::vector<char>> for_ranks(firsts.size());
+    for (std::size_t i = 0; i < cells.duplicate_of.size(); ++i) {
+        if (cells.duplicate_of[i] < 0) continue;
+        const Mass mass{cells.duplicate_of[i], masses[i]};
+        const auto owner = std::ranges::upper_bound(firsts, static_cast<std::uint64_t>(mass.to)) - firsts.begin() - 1;
+        std::vector<char>& bytes = for_ranks[static_cast<std::size_t>(owner)];
+        const auto* const begin = reinterpret_cast<const char*>(&mass);
+        bytes.insert(bytes.end(), begin, begin + sizeof mass);
+    }
+    const std::vector<char> bytes = ranks.exchange(for_ranks);
+    for (std::size_t at = 0; at < bytes.size(); at += sizeof(Mass)) {
+        Mass mass{};
+        std::memcpy(&mass, bytes.data() + at, sizeof mass);
+        masses[static_cast<std::uint64_t>(mass.to) - share.first] += mass.value;
+    }
+}
+
 // What all ranks found, as of one run.
 votess::Stats common_stats(const Ranks& ranks, const votess::mpi::Result& result, const votess::Tessellation& domain) {
     votess::Stats stats = domain.stats();
@@ -102,10 +129,12 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     const double seconds_clip = seconds_since(clip_began);
     if (refuses_duplicates) refuse_duplicates(ranks, share, result.cells);
 
+    std::vector<double> masses = masses_of(arguments, input);
+    if (arguments.has_density) merge_masses_of_ranks(ranks, share, result.cells, masses);
     votess::Tessellation domain;
     ranks.together([&] {
         domain = without_seeds(result.options);
-        fill_density(arguments, input, result.cells.volumes, carried);
+        fill_density(arguments, masses, result.cells.volumes, carried);
     });
     summary.domain = domain_text(domain, domain_from);
     summary.domain_json = domain_json(domain, domain_from);

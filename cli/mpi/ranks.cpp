@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <new>
+#include <numeric>
 #include <votess/votess.hpp>
 
 #include "errors.hpp"
@@ -116,6 +117,38 @@ std::vector<char> Ranks::deal(std::vector<std::vector<char>>&& of_ranks) const {
         });
     }
     return std::move(of_ranks[0]);
+}
+
+std::vector<char> Ranks::exchange(const std::vector<std::vector<char>>& for_ranks) const {
+    const auto ranks = static_cast<std::size_t>(size_);
+    std::vector<std::uint64_t> sent(ranks), got(ranks);
+    for (std::size_t r = 0; r < ranks; ++r) sent[r] = for_ranks[r].size();
+    MPI_Alltoall(sent.data(), 1, MPI_UINT64_T, got.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
+    std::vector<char> bytes;
+    together([&] { bytes.resize(std::accumulate(got.begin(), got.end(), std::size_t{0})); });
+    std::vector<MPI_Request> requests;
+    std::size_t place = 0;
+    for (std::size_t r = 0; r < ranks; ++r) {
+        in_pieces(got[r], [&](std::size_t begin, int count) {
+            MPI_Irecv(bytes.data() + place + begin, count, MPI_CHAR, static_cast<int>(r), 0, MPI_COMM_WORLD,
+                      &requests.emplace_back());
+        });
+        place += got[r];
+    }
+    for (std::size_t r = 0; r < ranks; ++r) {
+        in_pieces(sent[r], [&](std::size_t begin, int count) {
+            MPI_Isend(for_ranks[r].data() + begin, count, MPI_CHAR, static_cast<int>(r), 0, MPI_COMM_WORLD,
+                      &requests.emplace_back());
+        });
+    }
+    MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    return bytes;
+}
+
+std::vector<std::uint64_t> Ranks::gather(std::uint64_t value) const {
+    std::vector<std::uint64_t> values(static_cast<std::size_t>(size_));
+    MPI_Allgather(&value, 1, MPI_UINT64_T, values.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
+    return values;
 }
 
 }  // namespace clvotess

@@ -40,6 +40,10 @@ public:
     void broadcast(std::vector<char>& bytes) const;
     // What rank 0 has for each goes there; others give nothing. Returns what came.
     [[nodiscard]] std::vector<char> deal(std::vector<std::vector<char>>&& of_ranks) const;
+    // What each rank has for each goes there. Returns what came, in the order of the ranks.
+    [[nodiscard]] std::vector<char> exchange(const std::vector<std::vector<char>>& for_ranks) const;
+    // The value of each rank.
+    [[nodiscard]] std::vector<std::uint64_t> gather(std::uint64_t value) const;
 
 private:
     void share_failure(const std::function<void()>& work, bool named) const;

@@ -50,9 +50,9 @@ SharedFile::SharedFile(const Ranks& ranks, const std::string& path) : ranks_(ran
     std::vector<char> bytes;
     ranks.first_alone([&] {
         const MakingFile guard;
-        const std::string& temporary = file_.emplace(path).path_for_library();
+        const std::string temporary = file_.emplace(path, OutputFile::Temporary::named).path_for_library();
         if (temporary.size() >= temporary_of_handler.size())
-            throw bad_input("cannot write " + in_quotes(path) + ": its path is too long");
+            throw bad_input("cannot write " + in_quotes(path) + ": its path is too long: give a shorter one");
         remember(temporary);
         bytes.assign(temporary.begin(), temporary.end());
     });
@@ -77,6 +77,7 @@ Failure SharedFile::write_failure(int error) const {
 }
 
 void SharedFile::publish() {
+    ranks_.together([&] { sync_file(temporary_); });  // each machine has bytes of its own to bring
     ranks_.first_alone([&] {
         file_->finish();
         file_->publish();

@@ -9,8 +9,8 @@
 
 namespace clvotess {
 
-// One at a time. While it lives, a rank that is told to stop, as mpirun does when another has died, removes the
-// temporary file.
+// One at a time. The temporary file has a name, by which all ranks open it. A rank that gets a signal, as mpirun sends
+// when another rank has died, removes it; it stays when all ranks are killed at once.
 class SharedFile {
 public:
     // Collective. Rank 0 makes the temporary file, which the others must see under the same name.

@@ -83,7 +83,8 @@ void check_grid(const Arguments& arguments) {
     if (!grid.project) throw bad_input("--image shows a grid as it is seen along an axis: add --project x, y or z");
     for (int k = 0; k < 3; ++k)
         if (k != grid.project && grid.shape[static_cast<std::size_t>(k)] > 16384)
-            throw bad_input("--image has a pixel for each grid cell, 16384 at most along an axis");
+            throw bad_input(
+                "--image has a pixel for each grid cell, 16384 at most along an axis: give a smaller --shape");
 }
 
 std::string run_to_grid(const Arguments& arguments) {

@@ -1,5 +1,6 @@
 #include "stream/scratch_file.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -12,14 +13,19 @@ namespace clvotess {
 namespace {
 
 [[nodiscard]] Failure failed(const std::string& folder) {
-    return runtime_failure("cannot use a temporary file in " + in_quotes(folder) + ": " + std::strerror(errno));
+    return runtime_failure("cannot use a temporary file in " + in_quotes(folder) + ": " + std::strerror(errno) +
+                           ": name another folder by --temporary");
 }
 
 }  // namespace
 
 ScratchFile::ScratchFile(const std::string& folder) : folder_(folder) {
+#ifdef O_TMPFILE
+    descriptor_ = open(folder.c_str(), O_TMPFILE | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
+    if (descriptor_ >= 0) return;
+#endif
     std::string name = folder + "/.clvotess-XXXXXX";
-    descriptor_ = mkstemp(name.data());
+    descriptor_ = mkostemp(name.data(), O_CLOEXEC);
     if (descriptor_ < 0) throw failed(folder_);
     unlink(name.c_str());
 }
@@ -51,6 +57,14 @@ void ScratchFile::read(void* to, std::size_t bytes) {
         at += done;
         bytes -= static_cast<std::size_t>(done);
     }
+}
+
+void ScratchFile::add_to(std::uint64_t place, double value) {
+    double sum = 0;
+    const auto at = static_cast<off_t>(place);
+    if (pread(descriptor_, &sum, sizeof sum, at) != sizeof sum) throw failed(folder_);
+    sum += value;
+    if (pwrite(descriptor_, &sum, sizeof sum, at) != sizeof sum) throw failed(folder_);
 }
 
 }  // namespace clvotess

@@ -17,6 +17,8 @@ public:
     void write(std::string_view bytes);
     void rewind();
     void read(void* to, std::size_t bytes);
+    // Adds to a double that is written already; its place is in bytes.
+    void add_to(std::uint64_t place, double value);
     [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
 
 private:

@@ -121,6 +121,45 @@ private:
     std::deque<ScratchFile> files_;
 };
 
+// Masses and volumes of all seeds until the last duplicate is known: its mass goes to a seed whose row came earlier.
+class WaitingMasses {
+public:
+    explicit WaitingMasses(const std::string& folder) : masses_(folder), volumes_(folder) {}
+
+    // The next rows; duplicate_of counts from the first row of all.
+    void add(std::span<const double> masses, std::span<const double> volumes,
+             std::span<const std::int64_t> duplicate_of) {
+        masses_.write(bytes_of(masses));
+        volumes_.write(bytes_of(volumes));
+        for (std::size_t i = 0; i < duplicate_of.size(); ++i)
+            if (duplicate_of[i] >= 0)
+                masses_.add_to(sizeof(double) * static_cast<std::uint64_t>(duplicate_of[i]), masses[i]);
+    }
+    // Calls use(first row, densities) for all rows.
+    template <class Use>
+    void each_density(const Use& use) {
+        masses_.rewind();
+        volumes_.rewind();
+        const std::uint64_t rows = masses_.size() / sizeof(double);
+        std::vector<double> masses, volumes;
+        for (std::uint64_t row = 0; row < rows; row += piece_rows) {
+            masses.resize(std::min<std::uint64_t>(piece_rows, rows - row));
+            volumes.resize(masses.size());
+            masses_.read(masses.data(), sizeof(double) * masses.size());
+            volumes_.read(volumes.data(), sizeof(double) * volumes.size());
+            use(row, densities(masses, volumes));
+        }
+    }
+    [[nodiscard]] std::uint64_t bytes() const { return masses_.size() + volumes_.size(); }
+
+private:
+    static std::string_view bytes_of(std::span<const double> numbers) {
+        return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
+    }
+
+    ScratchFile masses_, volumes_;
+};
+
 class Source : public votess::StreamSource {
 public:
     Source(const Arguments& arguments, InputPieces& pieces, Beside& beside)
@@ -151,8 +190,13 @@ private:
 
 class Sink : public votess::StreamSink {
 public:
-    Sink(const Arguments& arguments, InputPieces& pieces, Beside& beside, const std::string& domain_from)
-        : arguments_(arguments), pieces_(pieces), beside_(beside), domain_from_(domain_from) {}
+    Sink(const Arguments& arguments, InputPieces& pieces, Beside& beside, std::string folder,
+         const std::string& domain_from)
+        : arguments_(arguments),
+          pieces_(pieces),
+          beside_(beside),
+          folder_(std::move(folder)),
+          domain_from_(domain_from) {}
 
     void begin(const votess::StreamHead& head) override {
         const auto began = Progress::Clock::now();
@@ -161,6 +205,7 @@ public:
         // An empty result has the domain of the run.
         domain_ = votess::tessellate(std::span<const double>(), head_.options);
         beside_.rewind();
+        if (arguments_.has_density && head.duplicates) waiting_.emplace(folder_);
         for (const std::string& path : arguments_.outputs)
             writers_.push_back(load_hdf5("cannot write HDF5").create(files_.emplace_back(path)));
         add_seconds(began);
@@ -175,6 +220,12 @@ public:
 
     void finish() {
         const auto began = Progress::Clock::now();
+        if (waiting_) {
+            waiting_->each_density([&](std::uint64_t row, const std::vector<double>& density) {
+                for (auto& writer : writers_)
+                    writer->write(density_number_, row, as_array("density", std::span(density)));
+            });
+        }
         for (auto& writer : writers_) writer->finish(domain_, attributes_of(pieces_.units, domain_from_));
         writers_.clear();
         for (OutputFile& file : files_) file.finish();
@@ -185,6 +236,7 @@ public:
 
     [[nodiscard]] const votess::Tessellation& domain() const { return domain_; }
     [[nodiscard]] double seconds() const { return seconds_; }
+    [[nodiscard]] std::uint64_t temporary_bytes() const { return waiting_ ? waiting_->bytes() : 0; }
 
 private:
     void add_seconds(Progress::Clock::time_point began) {
@@ -231,8 +283,12 @@ private:
         const ResultPiece piece = piece_of(rows, begin, count);
         Input input = beside_.read(count);
         std::vector<InputColumn> carried = take_carried(arguments_, input);
-        fill_density(arguments_, input, rows.volumes.subspan(std::min(begin, rows.volumes.size())), carried);
+        const std::vector<double> masses = masses_of(arguments_, input);
+        const auto volumes = masses.empty() ? std::span<const double>() : rows.volumes.subspan(begin, masses.size());
+        fill_density(arguments_, masses, volumes, carried);
+        if (waiting_) waiting_->add(masses, volumes, piece.wide_duplicate_of);
         const auto arrays = result_arrays(piece, arguments_.wanted, input.ids, carried);
+        density_number_ = arrays.size() - 1;  // the last one, where there is a density
         for (std::size_t a = 0; a < arrays.size(); ++a) {
             const ResultArray& array = arrays[a];
             const std::uint64_t all = array.of_entries ? head_.entries : head_.seeds + (array.name == "indptr" ? 1 : 0);
@@ -251,7 +307,10 @@ private:
     const Arguments& arguments_;
     InputPieces& pieces_;
     Beside& beside_;
+    std::string folder_;
     const std::string& domain_from_;
+    std::optional<WaitingMasses> waiting_;
+    std::size_t density_number_ = 0;
     votess::StreamHead head_;
     votess::Tessellation domain_;
     std::deque<OutputFile> files_;
@@ -288,14 +347,15 @@ void check_streamed(const Arguments& arguments) {
     if (!cpu) refuse("--device " + options.device, "blocks are clipped by the CPU, leave the device out");
     for (const std::string& path : arguments.outputs)
         if (!path.ends_with(".h5") && !path.ends_with(".hdf5"))
-            refuse("-o " + path, "rows are written in pieces into .h5 only");
+            refuse("-o " + path, "rows are written in pieces into .h5 only, name it .h5");
     if (arguments.wanted.vertices || arguments.wanted.faces)
-        refuse("vertices or faces", "the mesh has vertices that cells of several blocks share");
+        refuse("vertices or faces", "cells of several blocks share vertices, leave them out");
     if (options.min_face > 0 || options.min_area > 0)
-        refuse("--min-face or --min-area", "which faces are dropped is decided from those of all cells");
+        refuse("--min-face or --min-area", "that needs the faces of all cells at once, leave it out");
     if (options.duplicates == votess::Duplicates::error)
-        refuse("--duplicates error", "they are known when all cells are, see duplicate_of in the output");
-    if (arguments.picture) refuse("--image", "a picture is drawn from all cells");
+        refuse("--duplicates error",
+               "duplicates are known at the end only, leave it out and look at duplicate_of in the output");
+    if (arguments.picture) refuse("--image", "a picture needs all cells at once, leave it out");
 }
 
 Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {
@@ -318,7 +378,7 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
     const std::string folder = scratch_folder(arguments);
     Beside beside(arguments, folder);
     Source source(arguments, *pieces, beside);
-    Sink sink(arguments, *pieces, beside, domain_from);
+    Sink sink(arguments, *pieces, beside, folder, domain_from);
     Summary summary;
     try {
         const votess::StreamResult result = votess::tessellate_stream(
@@ -328,7 +388,7 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
         if (summary.failure().empty()) sink.finish();
         summary.stats = result.stats;
         summary.streamed = {result.blocks, result.largest_block, result.asked_cells,
-                            result.temporary_bytes + beside.bytes()};
+                            result.temporary_bytes + beside.bytes() + sink.temporary_bytes()};
     } catch (const votess::Error& error) {
         if (error.code() == votess::ErrorCode::cancelled) throw_if_interrupted();
         throw;

@@ -95,7 +95,8 @@ void check_paths(const std::vector<std::string>& paths, const std::vector<std::s
     for (const std::string& path : paths) {
         if (path != "-") check_writable(path);
         const std::string identity = identity_of(path);
-        if (!seen.insert(identity).second) throw bad_input("output " + in_quotes(path) + " is named twice");
+        if (!seen.insert(identity).second)
+            throw bad_input("output " + in_quotes(path) + " is named twice: name it once");
         if (path != "-" && read.contains(identity))
             throw bad_input("output " + in_quotes(path) + " is the input: give it another name");
     }
@@ -104,7 +105,8 @@ void check_paths(const std::vector<std::string>& paths, const std::vector<std::s
 void check_hdf5(const std::string& path) {
     load_hdf5("cannot write " + in_quotes(path));
     if (is_special_file(path))
-        throw bad_input("cannot write " + in_quotes(path) + ": HDF5 needs a regular file, no device or pipe");
+        throw bad_input("cannot write " + in_quotes(path) +
+                        ": HDF5 needs a regular file, not a device or a pipe: give the name of a file");
 }
 
 void check_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs) {
@@ -114,7 +116,6 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
             throw bad_input("cannot write " + in_quotes(path) +
                             ": known are .txt .npz .h5 .hdf5 .vtu .ply .obj .glb, and text on stdout as -");
         }
-        if (kind->write == write_glb) check_glb();
         if (kind->write == write_hdf5) check_hdf5(path);
     }
     check_paths(paths, inputs);

@@ -40,6 +40,7 @@ struct OutputData {
     const std::string& domain_from;           // "given", "file" or "bounds"
     const std::vector<InputColumn>& carried;  // columns of the input, behind what each file holds of a cell
     const Coloring& coloring;                 // of .glb
+    bool says_sizes = false;                  // on stderr, of a file that may be large, before it is written
 };
 
 // What .npz and .h5 hold once: the units of the input, domain_from and version.
@@ -60,6 +61,5 @@ void write_vtu(OutputFile& file, const OutputData& data);
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
 void write_glb(OutputFile& file, const OutputData& data);
-void check_glb();  // Throws Failure when .glb cannot be written.
 
 }  // namespace clvotess

@@ -1,169 +1,230 @@
 // .glb: the cells as triangles with flat colors, in the binary form of glTF 2.0 (ISO/IEC 12113).
+//
+// Each cell is a closed solid: it has its vertices once, with its color, and no normals. Readers shade what has no
+// normals flat, as the format demands. Cells stand in chunks of at most 65535 vertices, so that an index takes two
+// bytes; a chunk is a primitive of the one mesh. bindings/python/pyvotess/export/glb.py writes the same.
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numeric>
-#include <sstream>
 #include <string>
+#include <vector>
 
 #include "failure.hpp"
-#include "files/atomic_file.hpp"
+#include "files/output_buffer.hpp"
 #include "write/output.hpp"
-#if VOTESS_HAVE_GLTF
-#include <tiny_gltf.h>
-#endif
 
 namespace clvotess {
-
-#if VOTESS_HAVE_GLTF
-
-void check_glb() {}
-
 namespace {
 
-using Vector = std::array<double, 3>;
+constexpr std::uint64_t largest_file = std::numeric_limits<std::uint32_t>::max();  // the format counts in 32 bits
+constexpr std::uint64_t short_vertices = 65535;                                    // 65535 itself is no index
 
 // Colors of vertices are linear in glTF.
-std::array<float, 256> linear_of_srgb() {
-    std::array<float, 256> table{};
+std::array<std::uint8_t, 256> linear_of_srgb() {
+    std::array<std::uint8_t, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i) {
         const double s = static_cast<double>(i) / 255;
-        table[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+        const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+        table[i] = static_cast<std::uint8_t>(std::lround(255 * linear));
     }
     return table;
 }
 
-// Twice the area of a polygon along its unit normal (Newell), which becomes that normal; false when it has none.
-bool make_normal(const std::vector<Vector>& corners, Vector& normal) {
-    normal = {};
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-        const Vector &a = corners[k], &b = corners[k + 1 < corners.size() ? k + 1 : 0];
-        normal[0] += (a[1] - b[1]) * (a[2] + b[2]);
-        normal[1] += (a[2] - b[2]) * (a[0] + b[0]);
-        normal[2] += (a[0] - b[0]) * (a[1] + b[1]);
+template <class Number>
+std::string text_of(const Number* numbers, std::size_t count) {
+    std::string text;
+    for (std::size_t k = 0; k < count; ++k) {
+        std::array<char, 32> digits{};
+        const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), numbers[k]).ptr;
+        text.append(k > 0 ? "," : "").append(std::string_view(digits.data(), end));
     }
-    const double length = std::hypot(normal[0], normal[1], normal[2]);
-    for (double& x : normal) x /= length;
-    return std::isnormal(length);
+    return "[" + text + "]";
 }
 
-class Triangles {
+void add_to_list(std::string& list, const std::string& item) {
+    list.append(list.empty() ? "" : ",").append(item);
+}
+
+std::uint64_t in_words(std::uint64_t bytes) {
+    return (bytes + 3) / 4 * 4;
+}
+
+class GlbWriter {
 public:
-    Triangles(const OutputData& data, const std::vector<std::uint8_t>& colors) : cells_(data.tessellation) {
-        const votess::Box& box = cells_.box();
+    GlbWriter(const votess::Tessellation& cells, const std::vector<std::uint8_t>& colors)
+        : cells_(cells), colors_(colors) {
+        const votess::Box& box = cells.box();
         for (std::size_t axis = 0; axis < 3; ++axis) middle_[axis] = std::midpoint(box.lower[axis], box.upper[axis]);
-        const auto linear = linear_of_srgb();
-        for (std::size_t i = 0; i < cells_.size(); ++i) {
-            add_cell(i, {linear[colors[3 * i]], linear[colors[3 * i + 1]], linear[colors[3 * i + 2]], 1.0F});
-        }
+        for (std::size_t i = 0; i < cells.size(); ++i) add_cell(i);
+        for (const Chunk& chunk : chunks_) binary_bytes_ += chunk.bytes();
+        head_ = head();
+        head_.resize(in_words(head_.size()), ' ');
     }
 
-    [[nodiscard]] tinygltf::Model model() const {
-        tinygltf::Model model;
-        model.asset.version = "2.0";
-        model.asset.generator = "votess " VOTESS_VERSION_STRING;
-        if (rows_.empty()) return model;  // an array of the format holds at least one number
-        model.buffers.emplace_back();
-        tinygltf::Primitive primitive;
-        primitive.mode = TINYGLTF_MODE_TRIANGLES;
-        primitive.material = 0;
-        primitive.attributes["POSITION"] = add(model, positions_, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
-        primitive.attributes["NORMAL"] = add(model, normals_, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
-        primitive.attributes["COLOR_0"] = add(model, colors_, 4, TINYGLTF_TARGET_ARRAY_BUFFER);
-        primitive.attributes["_CELL"] = add(model, rows_, 1, TINYGLTF_TARGET_ARRAY_BUFFER);
-        primitive.indices = add(model, indices_, 1, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
-        add_bounds(model.accessors[0]);
-        tinygltf::Material material;
-        material.name = "cells";
-        material.pbrMetallicRoughness.metallicFactor = 0;
-        material.pbrMetallicRoughness.roughnessFactor = 0.8;
-        model.materials.push_back(material);
-        tinygltf::Mesh mesh;
-        mesh.name = "Voronoi cells";
-        mesh.primitives.push_back(primitive);
-        model.meshes.push_back(mesh);
-        tinygltf::Node node;
-        node.mesh = 0;
-        node.name = mesh.name;
-        node.translation = {middle_.begin(), middle_.end()};
-        model.nodes.push_back(node);
-        model.scenes.emplace_back();
-        model.scenes[0].nodes = {0};
-        model.defaultScene = 0;
-        return model;
+    [[nodiscard]] std::uint64_t bytes() const { return 20 + head_.size() + (chunks_.empty() ? 0 : 8 + binary_bytes_); }
+
+    void write(OutputFile& file) const {
+        OutputBuffer out(file);
+        out.put("glTF");
+        for (const std::uint64_t number : {std::uint64_t{2}, bytes(), std::uint64_t{head_.size()}})
+            out.put_binary(static_cast<std::uint32_t>(number));
+        out.put("JSON");
+        out.put(head_);
+        if (!chunks_.empty()) {
+            out.put_binary(static_cast<std::uint32_t>(binary_bytes_));
+            out.put(std::string_view("BIN\0", 4));
+        }
+        for (const Chunk& chunk : chunks_) put_chunk(out, chunk);
+        out.flush();
     }
 
 private:
-    void add_cell(std::size_t i, const std::array<float, 4>& color) {
+    using Position = std::array<float, 3>;
+
+    // Consecutive cells and, in the file: positions, colors, rows, indices.
+    struct Chunk {
+        std::size_t first_cell = 0, end_cell = 0;
+        std::uint64_t vertices = 0, indices = 0;
+        Position lower{}, upper{};
+
+        [[nodiscard]] bool is_short() const { return vertices <= short_vertices; }
+        [[nodiscard]] std::uint64_t index_bytes() const { return indices * (is_short() ? 2 : 4); }
+        [[nodiscard]] std::uint64_t bytes() const { return 20 * vertices + in_words(index_bytes()); }
+    };
+
+    // The numbers of the vertices of a cell, ascending.
+    [[nodiscard]] std::span<const std::int32_t> vertices_of(std::size_t i) const {
+        const auto begin = static_cast<std::size_t>(cells_.cell_vertex_indptr()[i]);
+        const auto end = static_cast<std::size_t>(cells_.cell_vertex_indptr()[i + 1]);
+        return cells_.cell_vertex_indices().subspan(begin, end - begin);
+    }
+
+    template <class Use>
+    void each_face(std::size_t i, const Use& use) const {
         const auto offsets = cells_.face_offsets();
         for (auto entry = cells_.indptr()[i]; entry < cells_.indptr()[i + 1]; ++entry) {
             const auto begin = static_cast<std::size_t>(offsets[static_cast<std::size_t>(entry)]);
             const auto end = static_cast<std::size_t>(offsets[static_cast<std::size_t>(entry) + 1]);
-            corners_.clear();
-            for (const std::int32_t index : cells_.face_vertices().subspan(begin, end - begin)) {
-                const double* const at = cells_.vertices().data() + 3 * static_cast<std::size_t>(index);
-                corners_.push_back({at[0] - middle_[0], at[1] - middle_[1], at[2] - middle_[2]});
+            if (end - begin >= 3) use(cells_.face_vertices().subspan(begin, end - begin));
+        }
+    }
+
+    // From the middle of the domain, as float32 has few digits, and with y up, as glTF demands: z becomes y, and y
+    // becomes -z. That is a rotation, so faces keep their fronts. Programs with z up turn it back.
+    [[nodiscard]] Position position(std::int32_t vertex) const {
+        const double* const at = cells_.vertices().data() + 3 * static_cast<std::size_t>(vertex);
+        return {static_cast<float>(at[0] - middle_[0]), static_cast<float>(at[2] - middle_[2]),
+                static_cast<float>(middle_[1] - at[1])};
+    }
+
+    void add_cell(std::size_t i) {
+        const auto vertices = vertices_of(i);
+        if (vertices.empty()) return;
+        if (chunks_.empty() || chunks_.back().vertices + vertices.size() > short_vertices) {
+            const Position first = position(vertices[0]);
+            chunks_.push_back({.first_cell = i, .lower = first, .upper = first});
+        }
+        Chunk& chunk = chunks_.back();
+        chunk.end_cell = i + 1;
+        chunk.vertices += vertices.size();
+        each_face(i, [&](auto polygon) { chunk.indices += 3 * (polygon.size() - 2); });
+        for (const std::int32_t vertex : vertices) {
+            const Position at = position(vertex);
+            for (std::size_t k = 0; k < 3; ++k) {
+                chunk.lower[k] = std::min(chunk.lower[k], at[k]);
+                chunk.upper[k] = std::max(chunk.upper[k], at[k]);
             }
-            Vector normal{};
-            if (make_normal(corners_, normal)) add_face(i, normal, color);
         }
     }
 
-    // A fan: faces are convex.
-    void add_face(std::size_t i, const Vector& normal, const std::array<float, 4>& color) {
-        const auto first = static_cast<std::uint32_t>(rows_.size());
-        for (const Vector& corner : corners_) {
-            for (const double x : corner) positions_.push_back(static_cast<float>(x));
-            for (const double x : normal) normals_.push_back(static_cast<float>(x));
-            colors_.insert(colors_.end(), color.begin(), color.end());
-            rows_.push_back(static_cast<float>(i));
+    [[nodiscard]] std::string head() const {
+        const std::string asset = R"({"asset":{"version":"2.0","generator":"votess )" VOTESS_VERSION_STRING "\"}";
+        if (chunks_.empty()) return asset + "}";  // an array of the format holds at least one number
+        std::string views, accessors, primitives;
+        std::uint64_t place = 0;
+        int arrays = 0;
+        const auto add = [&](std::uint64_t count, std::uint64_t bytes, bool of_vertices, const std::string& type) {
+            add_to_list(views, R"({"buffer":0,"byteOffset":)" + std::to_string(place) + ",\"byteLength\":" +
+                                   std::to_string(bytes) + ",\"target\":" + (of_vertices ? "34962}" : "34963}"));
+            add_to_list(accessors, "{\"bufferView\":" + std::to_string(arrays) + ",\"count\":" + std::to_string(count) +
+                                       "," + type + "}");
+            place += in_words(bytes);
+            return std::to_string(arrays++);
+        };
+        for (const Chunk& chunk : chunks_) {
+            const std::uint64_t n = chunk.vertices;
+            const std::string bounds =
+                ",\"min\":" + text_of(chunk.lower.data(), 3) + ",\"max\":" + text_of(chunk.upper.data(), 3);
+            const auto positions = add(n, 12 * n, true, R"("componentType":5126,"type":"VEC3")" + bounds);
+            const auto colors = add(n, 4 * n, true, R"("componentType":5121,"normalized":true,"type":"VEC4")");
+            const auto rows = add(n, 4 * n, true, R"("componentType":5126,"type":"SCALAR")");
+            const std::string width = chunk.is_short() ? "5123" : "5125";
+            const auto indices =
+                add(chunk.indices, chunk.index_bytes(), false, "\"componentType\":" + width + R"(,"type":"SCALAR")");
+            add_to_list(primitives, "{\"attributes\":{\"POSITION\":" + positions + ",\"COLOR_0\":" + colors +
+                                        ",\"_CELL\":" + rows + "},\"indices\":" + indices + ",\"material\":0}");
         }
-        for (std::uint32_t k = 2; k < corners_.size(); ++k) {
-            indices_.insert(indices_.end(), {first, first + k - 1, first + k});
-        }
-        if (rows_.size() > std::numeric_limits<std::uint32_t>::max() / 44) {
-            throw bad_input("the cells are too many for .glb, which ends at 4 GiB: write .vtu or .ply");
-        }
+        const std::array<double, 3> middle{middle_[0], middle_[2], -middle_[1]};
+        // Without a material, viewers show metal, which is dark.
+        return asset +
+               R"(,"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"name":"Voronoi cells","translation":)" +
+               text_of(middle.data(), 3) + R"(}],"meshes":[{"name":"Voronoi cells","primitives":[)" + primitives +
+               R"(]}],"materials":[{"name":"cells","pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.9}}],)" +
+               "\"accessors\":[" + accessors + "],\"bufferViews\":[" + views +
+               "],\"buffers\":[{\"byteLength\":" + std::to_string(binary_bytes_) + "}]}";
     }
 
-    // Adds an array to the buffer and returns the number of its accessor.
-    template <typename Number>
-    static int add(tinygltf::Model& model, const std::vector<Number>& numbers, std::size_t width, int target) {
-        std::vector<unsigned char>& bytes = model.buffers[0].data;
-        const auto* const begin = reinterpret_cast<const unsigned char*>(numbers.data());
-        tinygltf::BufferView view;
-        view.buffer = 0;
-        view.byteOffset = bytes.size();
-        view.byteLength = numbers.size() * sizeof(Number);
-        view.target = target;
-        bytes.insert(bytes.end(), begin, begin + view.byteLength);
-        model.bufferViews.push_back(view);
-        tinygltf::Accessor accessor;
-        accessor.bufferView = static_cast<int>(model.bufferViews.size()) - 1;
-        accessor.componentType =
-            std::is_same_v<Number, float> ? TINYGLTF_COMPONENT_TYPE_FLOAT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-        accessor.count = numbers.size() / width;
-        accessor.type = width == 1 ? TINYGLTF_TYPE_SCALAR : width == 3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4;
-        model.accessors.push_back(accessor);
-        return static_cast<int>(model.accessors.size()) - 1;
-    }
-
-    // The format demands them of positions.
-    void add_bounds(tinygltf::Accessor& accessor) const {
-        accessor.minValues.assign(3, std::numeric_limits<double>::infinity());
-        accessor.maxValues.assign(3, -std::numeric_limits<double>::infinity());
-        for (std::size_t k = 0; k < positions_.size(); ++k) {
-            accessor.minValues[k % 3] = std::min(accessor.minValues[k % 3], static_cast<double>(positions_[k]));
-            accessor.maxValues[k % 3] = std::max(accessor.maxValues[k % 3], static_cast<double>(positions_[k]));
+    void put_chunk(OutputBuffer& out, const Chunk& chunk) const {
+        const auto each_vertex = [&](const auto& use) {
+            for (std::size_t i = chunk.first_cell; i < chunk.end_cell; ++i)
+                for (const std::int32_t vertex : vertices_of(i)) use(i, vertex);
+        };
+        each_vertex([&](std::size_t, std::int32_t vertex) { out.put_binary(position(vertex)); });
+        each_vertex([&](std::size_t i, std::int32_t) {
+            const std::uint8_t* const c = colors_.data() + 3 * i;
+            out.put_binary(std::array<std::uint8_t, 4>{linear_[c[0]], linear_[c[1]], linear_[c[2]], 255});
+        });
+        each_vertex([&](std::size_t i, std::int32_t) { out.put_binary(static_cast<float>(i)); });
+        std::size_t before = 0;  // vertices of earlier cells
+        std::vector<std::size_t> corners;
+        const auto put_index = [&](std::size_t index) {
+            if (chunk.is_short())
+                out.put_binary(static_cast<std::uint16_t>(index));
+            else
+                out.put_binary(static_cast<std::uint32_t>(index));
+        };
+        for (std::size_t i = chunk.first_cell; i < chunk.end_cell; ++i) {
+            const auto vertices = vertices_of(i);
+            each_face(i, [&](auto polygon) {
+                corners.clear();
+                for (const std::int32_t vertex : polygon) {
+                    const auto at = std::ranges::lower_bound(vertices, vertex);
+                    corners.push_back(before + static_cast<std::size_t>(at - vertices.begin()));
+                }
+                for (std::size_t k = 2; k < corners.size(); ++k)  // a fan: faces are convex
+                    for (const std::size_t corner : {std::size_t{0}, k - 1, k}) put_index(corners[corner]);
+            });
+            before += vertices.size();
         }
+        for (std::uint64_t k = chunk.index_bytes(); k % 4 != 0; ++k) out.put('\0');
     }
 
     const votess::Tessellation& cells_;
-    Vector middle_{};  // positions are float32 and count from there
-    std::vector<Vector> corners_;
-    std::vector<float> positions_, normals_, colors_, rows_;
-    std::vector<std::uint32_t> indices_;
+    const std::vector<std::uint8_t>& colors_;  // 3 of sRGB for each cell
+    const std::array<std::uint8_t, 256> linear_ = linear_of_srgb();
+    std::array<double, 3> middle_{};
+    std::vector<Chunk> chunks_;
+    std::uint64_t binary_bytes_ = 0;
+    std::string head_;
 };
+
+std::string megabytes(std::uint64_t bytes) {
+    return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
 
 }  // namespace
 
@@ -172,25 +233,14 @@ void write_glb(OutputFile& file, const OutputData& data) {
     options.colormap = data.coloring.colormap;
     const std::vector<double> values = data.coloring.values(data.input, data.tessellation, data.carried);
     options.values = values;
-    const Triangles triangles(data, votess::value_colors(options));
-    tinygltf::Model model = triangles.model();
-    std::ostringstream bytes;
-    if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, bytes, false, true)) {
-        throw runtime_failure("cannot make a .glb file");
-    }
-    file.write(bytes.view());
+    const std::vector<std::uint8_t> colors = votess::value_colors(options);
+    const GlbWriter writer(data.tessellation, colors);
+    const std::string size = megabytes(writer.bytes());
+    if (writer.bytes() > largest_file)
+        throw bad_input("cannot write " + file.description() + ": it would take " + size +
+                        ", but .glb ends at 4 GiB: write .vtu, which has no limit, or fewer cells");
+    if (data.says_sizes) std::fprintf(stderr, "%s takes %s\n", file.description().c_str(), size.c_str());
+    writer.write(file);
 }
-
-#else
-
-void check_glb() {
-    throw bad_input("this clvotess was built without tinygltf, which writes .glb: write .ply or .vtu");
-}
-
-void write_glb(OutputFile&, const OutputData&) {
-    check_glb();
-}
-
-#endif
 
 }  // namespace clvotess

@@ -44,10 +44,18 @@ hid_t hdf5_type(NumberType type) {
     }
 }
 
+// The default driver looks for the name of a file behind a link, and an unnamed file has none. This one just opens it.
+Hdf5Handle access_by_stdio() {
+    Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    if (!access.valid() || H5Pset_fapl_stdio(access.id()) < 0)
+        throw runtime_failure("HDF5 lacks its driver stdio: use another build of HDF5");
+    return access;
+}
+
 class Hdf5Writer {
 public:
     explicit Hdf5Writer(OutputFile& output)
-        : Hdf5Writer(output.path_for_library(), H5P_DEFAULT,
+        : Hdf5Writer(output.path_for_library(), access_by_stdio().id(),
                      [&output](int error) { return output.write_failure(error); }) {}
 
     // access: how the library opens the file. failure: what to throw, of errno.

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
 
 #include "core/text.hpp"
+#include "core/vector3.hpp"
 #include "cpu/clip/cell.hpp"
 #include "cpu/clip/cell_kernels.hpp"
 #include "input/default_box.hpp"
@@ -126,9 +128,11 @@ void check_domain(const Options& options) {
             refuse("cell and periodic contradict each other: the cell says itself along which edges it repeats");
         for (const auto& [name, numbers] : vectors_of(*options.cell))
             for (const double x : numbers)
-                if (!std::isfinite(x)) refuse("cell: it holds " + number(x) + ", which is not finite");
+                if (!std::isfinite(x))
+                    refuse(std::string("cell: ") + name + " holds " + number(x) + ", which is not finite");
     }
-    if (!options.walls.empty() && options.cell) refuse("walls and cell are both given: walls go with a box");
+    if (!options.walls.empty() && options.cell)
+        refuse("walls and cell are both given: walls go with a box, leave one out");
     if (!options.walls.empty() && periodic)
         refuse("walls and a periodic domain are both given: walls go with a box that is not periodic");
     for (std::size_t w = 0; w < options.walls.size(); ++w)
@@ -142,6 +146,21 @@ void check_domain(const Options& options) {
 void leave_out(std::size_t i, std::size_t count, std::vector<CellStatus>& outside) {
     if (outside.empty()) outside.resize(count, CellStatus::certified);
     outside[i] = CellStatus::outside;
+}
+
+constexpr const char* outside_remedy = ": move it, or drop seeds that are outside (outside = drop)";
+
+// How far a seed is outside, for a message; "" when that overflows. rounding: what the distance may be wrong by.
+std::string by_how_much(double distance, double rounding) {
+    if (!std::isfinite(distance)) return {};
+    const double shown = std::max({distance, rounding, std::numeric_limits<double>::denorm_min()});
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%.3g", shown);
+    return (distance > rounding ? ", by " : ", by less than ") + std::string(digits.data());
+}
+
+std::string in_parentheses(const exact::Point& x) {
+    return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -186,7 +205,9 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
             else if (beyond)
                 refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
                        " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
-                       number(options.box->upper[k]));
+                       number(options.box->upper[k]) +
+                       by_how_much(std::max(options.box->lower[k] - value, value - options.box->upper[k]), 0) +
+                       outside_remedy);
             bounds.lower[k] = std::min(bounds.lower[k], value);
             bounds.upper[k] = std::max(bounds.upper[k], value);
         }
@@ -207,6 +228,20 @@ void take_weights(const Job& job, Domain& domain) {
     }
 }
 
+// Names a wall that x is beyond, and how far.
+std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact::Plane& plane, const exact::Point& x) {
+    double excess = -plane.wall, size = std::abs(plane.wall);
+    for (int k = 0; k < 3; ++k) {
+        excess += plane.seed[k] * x[k];
+        size += std::abs(plane.seed[k] * x[k]);
+    }
+    const double length = std::hypot(plane.seed[0], plane.seed[1], plane.seed[2]);
+    const auto& n = walls[w].normal;
+    return " is outside wall " + std::to_string(w) + " (" + number(n[0]) + " x + " + number(n[1]) + " y + " +
+           number(n[2]) + " z <= " + number(walls[w].offset) + ", " + std::to_string(-7 - static_cast<int>(w)) +
+           " in lists)" + by_how_much(excess / length, 8 * 0x1p-53 * size / length);
+}
+
 void take_walls(Job& job, Domain& domain) {
     const auto& walls = job.options.walls;
     for (std::size_t w = 0; w < walls.size(); ++w)
@@ -225,9 +260,8 @@ void take_walls(Job& job, Domain& domain) {
             continue;
         }
         if (job.options.outside == Outside::error)
-            refuse("point " + std::to_string(job.points.first + i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " +
-                   number(x[2]) + ") is outside wall " + std::to_string(wall - as_given.begin()) +
-                   ": move it, or drop seeds that are outside");
+            refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
+                   beyond_wall(walls, static_cast<std::size_t>(wall - as_given.begin()), *wall, x) + outside_remedy);
         leave_out(i, job.points.count(), job.outside);
     }
     job.box_volume = 0;
@@ -239,6 +273,31 @@ void take_walls(Job& job, Domain& domain) {
     if (faces.size() >= 4) job.box_volume = polyhedron.measure(faces).volume / job.scale / job.scale / job.scale;
 }
 
+// Names the wall of a triclinic box that x is farthest beyond, and how far.
+std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
+    const std::array edges{cell.a, cell.b, cell.c};
+    double farthest = -infinity, size = 0;
+    int edge = 0, side = 0;
+    for (int k = 0; k < 3; ++k) {
+        if (cell.periodic[k]) continue;
+        const auto &u = edges[(k + 1) % 3], &v = edges[(k + 2) % 3];
+        const Vector3 normal = cross(u, v);
+        const double length = std::hypot(normal[0], normal[1], normal[2]);
+        double place = 0, height = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            place += normal[axis] / length * (x[axis] - cell.origin[axis]);
+            height += normal[axis] / length * edges[k][axis];
+            size = std::max({size, std::abs(x[axis]), std::abs(cell.origin[axis])});
+        }
+        if (height < 0) place = -place, height = -height;
+        const double beyond = std::max(-place, place - height);
+        if (beyond <= farthest) continue;
+        farthest = beyond, edge = k, side = place > 0 ? 1 : 0;
+    }
+    return " is outside of the cell, whose edge " + std::string(1, "abc"[edge]) + " is not periodic (wall " +
+           std::to_string(-1 - 2 * edge - side) + ")" + by_how_much(farthest, 0x1p-48 * size);
+}
+
 // Seeds beyond the walls of a triclinic box.
 void take_off_outside(Job& job, const Domain& domain) {
     if (!domain.has_cell_walls()) return;
@@ -247,10 +306,8 @@ void take_off_outside(Job& job, const Domain& domain) {
         const exact::Point at = scaled(x, job.scale);  // of seeds far outside nothing finite may be left
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
         if (job.options.outside == Outside::error)
-            refuse("point " + std::to_string(job.points.first + i) + ": (" + number(x[0]) + ", " + number(x[1]) + ", " +
-                   number(x[2]) +
-                   ") is outside of the cell, along an edge that is not periodic: move it, or drop seeds that are "
-                   "outside");
+            refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
+                   beyond_cell(*job.options.cell, x) + outside_remedy);
         leave_out(i, job.points.count(), job.outside);
     }
 }
@@ -266,7 +323,8 @@ void make_domain(Job& job) {
             job.box.lower[k] = domain->box.lower[k] / job.scale, job.box.upper[k] = domain->box.upper[k] / job.scale;
             for (const double x : {job.box.lower[k], job.box.upper[k]})
                 if (!std::isfinite(x))
-                    refuse(std::string("cell: it reaches beyond the largest double along ") + axis_name[k]);
+                    refuse(std::string("cell: it reaches beyond the largest double along ") + axis_name[k] +
+                           ": give lengths in a larger unit");
         }
         job.box_volume = domain->volume / job.scale / job.scale / job.scale;
     } else {
@@ -303,7 +361,7 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
     if (given.empty()) return {};
     if (given.size() != count)
         refuse(std::string(radii ? "radii" : "weights") + " hold " + std::to_string(given.size()) + " numbers for " +
-               std::to_string(count) + " " + of);
+               std::to_string(count) + " " + of + ": give one for each");
     std::vector<double> weights(count);
     for (std::size_t i = 0; i < count; ++i) {
         const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(first + i); };
@@ -313,7 +371,8 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
         if (!std::isfinite(weight)) refuse(place() + " = " + number(given[i]) + " is too large: its square overflows");
         const double in_units = weight * scale * scale;
         if (in_units / scale / scale != weight || std::abs(in_units) > largest_scaled_weight)
-            refuse(place() + " = " + number(given[i]) + " is too large or too small beside the box");
+            refuse(place() + " = " + number(given[i]) +
+                   " is too large or too small beside the box: give all lengths in one unit");
         weights[i] = in_units;
     }
     return weights;
@@ -379,7 +438,8 @@ Job validate(const Points& points, const Options& options) {
         refuse("points hold " + std::to_string(points.coordinates()) +
                " coordinates, which is not a multiple of 3: the shape must be (N,3)");
     if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-        throw Error(ErrorCode::unsupported, std::to_string(points.count()) + " seeds are too many: at most 2147483647");
+        throw Error(ErrorCode::unsupported,
+                    std::to_string(points.count()) + " seeds are too many: give at most 2147483647, or stream them");
     Job job;
     const Box bounds = check_points(points, options, job.outside);
     job.points = points;

@@ -1,5 +1,6 @@
 #include "stream/spool.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -37,8 +38,12 @@ std::uint64_t free_bytes(const std::string& folder) {
 }
 
 TemporaryFile::TemporaryFile(const std::string& folder) {
+#ifdef O_TMPFILE
+    descriptor_ = ::open(temporary_folder(folder).c_str(), O_TMPFILE | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
+    if (descriptor_ >= 0) return;
+#endif
     std::string name = (fs::path(temporary_folder(folder)) / ".votess-XXXXXX").string();
-    descriptor_ = ::mkstemp(name.data());
+    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
     if (descriptor_ < 0) fail("it cannot be made in '" + temporary_folder(folder) + "'");
     ::unlink(name.c_str());
 }

@@ -1,16 +1,22 @@
 """Files that appear whole or not at all, signals, progress."""
 
+import contextlib
+import errno
 import os
 import pty
 import re
 import select
+import shutil
 import signal
 import subprocess
+import tempfile
 import time
 import unittest
 from pathlib import Path
 
-from cli_test import CLI, CUBE, CliTest
+import numpy as np
+
+from cli_test import CLI, CUBE, SANITIZED, CliTest
 
 
 class Files(CliTest):
@@ -56,7 +62,7 @@ class Files(CliTest):
 
     def test_working_directory_that_is_gone(self):
         gone = self.folder / "gone"
-        for arguments, code, says in [(["-o", "out.txt"], 2, "'out.txt' lies, for the working directory is gone"),
+        for arguments, code, says in [(["-o", "out.txt"], 2, "'out.txt': the working directory is gone"),
                                       (["-o", str(self.folder / "out.txt")], 0, ""), (["-o", "-"], 0, "")]:
             gone.mkdir()
             done = subprocess.run(["sh", "-c", 'rmdir "$PWD" && exec "$0" "$@"', CLI, "--random", "5", "-q", *arguments],
@@ -159,8 +165,143 @@ class Files(CliTest):
     def test_interrupt_while_writing(self):
         os.mkfifo(self.folder / "pipe")  # without a reader: opening it waits
         process = self.start("--random", "1000", "-q", "-o", "out.txt", "-o", "pipe", stderr=subprocess.PIPE)
-        self.interrupt(process, lambda: len(self.files()) > 1 and time.sleep(0.3) is None)
+        self.interrupt(process, lambda: self.open_files(process) and time.sleep(0.3) is None)
         self.assertEqual(self.files(), ["pipe"])
+
+    def open_files(self, process):
+        """How many files in the folder the process has open, also without a name."""
+        count = 0
+        for link in Path(f"/proc/{process.pid}/fd").glob("*"):
+            with contextlib.suppress(OSError):
+                count += os.readlink(link).startswith(str(self.folder.resolve()) + "/")
+        return count
+
+    def has_unnamed_files(self):
+        with contextlib.suppress(OSError):
+            os.close(os.open(self.folder, os.O_TMPFILE | os.O_RDWR))
+            return True
+        return False
+
+    def test_killed(self):
+        """SIGKILL leaves the folder as it was, when all files but one are complete and at any other moment."""
+        if not self.has_unnamed_files():
+            self.skipTest("this file system has no unnamed files")
+        names = ["out.txt", "out.npz", "out.glb"] + ([] if SANITIZED else ["out.h5"])
+        outputs = [word for name in names for word in ("-o", name)]
+        os.mkfifo(self.folder / "pipe")  # without a reader: opening it waits
+        for old in [[], names]:
+            for name in old:
+                self.put(name, "old")
+            process = self.start("--random", "300", "-q", *outputs, "-o", "pipe")
+            deadline = time.monotonic() + 60
+            while self.open_files(process) < len(names) and time.monotonic() < deadline:
+                time.sleep(0.005)
+            self.assertEqual(self.open_files(process), len(names))
+            time.sleep(0.05)
+            process.kill()
+            process.wait()
+            self.assertEqual(self.files(), sorted([*old, "pipe"]))
+        for name in names:
+            self.assertEqual((self.folder / name).read_text(), "old")
+        began = time.monotonic()
+        self.run_cli("--random", "2000", "-q", *outputs)
+        lasts = time.monotonic() - began
+        for share in np.random.default_rng(6).random(3 if SANITIZED else 8):
+            for name in names:
+                self.put(name, "old")
+            process = self.start("--random", "2000", "-q", *outputs)
+            time.sleep(share * lasts)
+            process.kill()
+            process.wait()
+            self.assertEqual(self.files(), sorted([*names, "pipe"]))
+            new = [(self.folder / name).stat().st_size > 3 for name in names]
+            self.assertEqual(new, sorted(new, reverse=True))  # published in this order, all whole or old
+
+    SHIM = r"""
+        #define _GNU_SOURCE
+        #include <dlfcn.h>
+        #include <errno.h>
+        #include <fcntl.h>
+        #include <stdarg.h>
+        #include <stdio.h>
+        #include <stdlib.h>
+        #include <string.h>
+        #include <sys/stat.h>
+        #include <unistd.h>
+        static void note(const char* what) { dprintf(atoi(getenv("SHIM_LOG")), "%s\n", what); }
+        static int fails(const char* call) {
+            const char* const wish = getenv("SHIM_FAIL");
+            const size_t length = strlen(call);
+            if (!wish || strncmp(wish, call, length) != 0 || wish[length] != '=') return 0;
+            errno = atoi(wish + length + 1);
+            return 1;
+        }
+        int fsync(int descriptor) {
+            struct stat what;
+            fstat(descriptor, &what);
+            const char* const call = S_ISDIR(what.st_mode) ? "sync folder" : "sync file";
+            note(call);
+            return fails(call) ? -1 : 0;
+        }
+        int linkat(int a, const char* from, int b, const char* to, int flags) {
+            note(strstr(to, ".tmp") ? "link temporary" : "link target");
+            return ((int (*)(int, const char*, int, const char*, int))dlsym(RTLD_NEXT, "linkat"))(a, from, b, to, flags);
+        }
+        int rename(const char* from, const char* to) {
+            note("rename");
+            return ((int (*)(const char*, const char*))dlsym(RTLD_NEXT, "rename"))(from, to);
+        }
+        int open(const char* path, int flags, ...) {
+            va_list list;
+            va_start(list, flags);
+            const int mode = va_arg(list, int);
+            va_end(list);
+            if ((flags & O_TMPFILE) == O_TMPFILE && fails("unnamed")) return -1;
+            return ((int (*)(const char*, int, ...))dlsym(RTLD_NEXT, "open"))(path, flags, mode);
+        }
+        """
+
+    def test_power_loss(self):
+        """The bytes reach the disk before the file has its name, the name before the run ends."""
+        compiler = shutil.which(os.environ.get("CC", "cc"))
+        if SANITIZED or not compiler:
+            self.skipTest("needs a C compiler and no sanitizer")
+        build = tempfile.TemporaryDirectory()
+        self.addCleanup(build.cleanup)
+        source, library = Path(build.name) / "shim.c", Path(build.name) / "shim.so"
+        source.write_text(self.SHIM)
+        subprocess.run([compiler, "-w", "-shared", "-fPIC", str(source), "-o", str(library), "-ldl"], check=True)
+
+        def run(fail="", name="out.txt", **options):
+            reader, writer = os.pipe()
+            done = self.run_cli("--random", "9", "-q", "-o", name, pass_fds=[writer], env=dict(
+                os.environ, LD_PRELOAD=str(library), SHIM_LOG=str(writer), SHIM_FAIL=fail), **options)
+            os.close(writer)
+            with os.fdopen(reader) as log:
+                return log.read().splitlines(), done.stderr
+
+        end = ["sync folder"]
+        named = ["sync file", "rename", *end]
+        without = f"unnamed={errno.EOPNOTSUPP}"
+        if self.has_unnamed_files():
+            self.assertEqual(run()[0], ["sync file", "link target", *end])
+            self.assertEqual(run()[0], ["sync file", "link target", "link temporary", "rename", *end])
+        for name in ["out.txt", "out.h5", "out.npz"]:
+            self.assertEqual(run(without, name)[0], named, name)
+            self.assertEqual(run(without, name)[0], named, name)
+        self.assertEqual(self.files(), ["out.h5", "out.npz", "out.txt"])
+        for unknown in [errno.EINVAL, errno.EROFS]:
+            run(f"sync file={unknown}")
+            run(f"sync folder={unknown}")
+        self.put("out.txt", "old")
+        for fail in [f"sync file={errno.EIO}", f"sync file={errno.ENOSPC}"]:
+            log, error = run(fail, code=1)
+            self.assertEqual((log, (self.folder / "out.txt").read_text()), (["sync file"], "old"))
+            self.assertRegex(error, r"\Aclvotess: cannot write 'out.txt': [^\n]+\n\Z")
+        error = run(f"sync folder={errno.EIO}", code=1)[1]
+        self.assertIn("'out.txt' is written, but its folder cannot be brought to the disk", error)
+        self.assertNotEqual((self.folder / "out.txt").read_text(), "old")
+        self.assertEqual(self.files(), ["out.h5", "out.npz", "out.txt"])
 
     def count_lasting(self, seconds):
         """How many points keep one thread busy for about this long."""

@@ -296,10 +296,14 @@ class Streamed(Hdf5Test):
         rng = np.random.default_rng(4)
         directions = rng.normal(size=(15000, 3)) + (0, 0, 2)
         points = directions * (rng.random((15000, 1)) ** 0.3 / np.linalg.norm(directions, axis=1)[:, None])
+        points[9000:9100] = points[:100]  # duplicates
+        points[9100:9150] = points[:50]
         rows = np.column_stack([rng.permutation(15000) + 7, points, rng.random((15000, 2))])
         lines = [",".join([str(int(row[0])), *map(repr, map(float, row[1:]))]) for row in rows]
         self.put("a.csv", "id,x,y,z,mass,r\n" + "\n".join(lines) + "\n\n")
-        self.assertSame("a.csv")
+        self.assertSame("a.csv", "--density", "mass", "--copy", "r")
+        with h5py.File(self.folder / "streamed.h5") as file:
+            self.assertAlmostEqual(np.nansum(file["density"][()] * file["volumes"][()]), rows[:, 4].sum(), places=8)
         self.assertSame("a.csv", "--radii", "r", "--copy", "mass", "--density", "mass")
         self.assertSame("a.csv", "--weights", "mass", "--copy", "all")
         self.assertSame("-", stdin="# x y z\n" + "\n".join(line.replace(",", " ").rsplit(" ", 2)[0] for line in lines))
@@ -340,7 +344,7 @@ class Streamed(Hdf5Test):
 
     def test_refused(self):
         for options, says in [(["-o", "out.npz"], ".h5 only"), (["-o", "out.h5", "-o", "-"], ".h5 only"),
-                              (["--want", "faces"], "the mesh"), (["--min-face", "0.1"], "--min-area"),
+                              (["--want", "faces"], "share vertices"), (["--min-face", "0.1"], "--min-area"),
                               (["--duplicates", "error"], "duplicate_of"),
                               (["--image", "a.png"], "a picture"), (["-x", "lavapipe"], "by the CPU"),
                               (["--locate", "q.npy"], "queries"), (["--temporary", ""], "is empty"),

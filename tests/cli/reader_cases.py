@@ -335,8 +335,29 @@ class Columns(ReaderTest):
         self.put("two.csv", "x,y,z,m\n0,0,0,2\n0,0,0,3\n1,1,1,4\n")
         rows = self.rows("two.csv", "--density", "m", "--format", "%i")
         self.assertEqual([row.split()[1] == "nan" for row in rows], [False, True, False])
+        self.assertEqual(float(rows[0].split()[1]), 5 / float(self.rows("two.csv", "--format", "%v")[0]))
         self.put("none.csv", "x,y,z,m\n")
         self.assertEqual(self.rows("none.csv", "--density", "m", "--copy", "m", "--radii", "m"), [])
+
+    def test_density_of_duplicates(self):
+        """The seed that keeps the cell gets the mass of all seeds at its place, also of those a period away."""
+        rng = np.random.default_rng(5)
+        places = np.round(random_points(40) * 1024) / 1024
+        which = np.concatenate((np.arange(40), rng.integers(0, 40, 60)))[rng.permutation(100)]
+        points = places[which] + rng.integers(-1, 2, (100, 3))
+        mass = rng.random(100)
+        keeper = np.array([np.flatnonzero(which == k)[0] for k in which])
+        np.savez(self.folder / "a.npz", points=points, mass=mass)
+        options = ["a.npz", "--box", "0,0,0,1,1,1", "--periodic", "--density", "mass", "--copy", "mass"]
+        got, volumes = self.carried(*options)
+        expected = np.full(100, np.nan)
+        for i in np.unique(keeper):
+            expected[i] = sum(mass[keeper == i]) / volumes[i]
+        np.testing.assert_allclose(got["density"], expected, rtol=1e-15)
+        np.testing.assert_array_equal(got["mass"], mass)
+        self.assertAlmostEqual(np.nansum(got["density"] * volumes), mass.sum(), places=12)
+        rows = np.array([row.split() for row in self.rows(*options, "--format", "%i")], float)
+        np.testing.assert_array_equal(rows[:, 2], got["density"])
 
     def test_refused(self):
         np.savez(self.folder / "a.npz", points=random_points(25), mass=np.zeros(25), volumes=np.zeros(25), flow=np.zeros((25, 2)))

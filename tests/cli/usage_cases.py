@@ -64,6 +64,18 @@ class Usage(CliTest):
         for option in ["--bogus", "-z", "--walls", "--kernel"]:
             with self.subTest(option):
                 self.refuse("a.txt", option, "-o", "out.txt", says=["unknown option", option.split("=")[0]])
+        for typed, meant in [("--periodc", "periodic"), ("--periodic-xy", None), ("--dnesity=m", "density"),
+                             ("--wall-sphre", "wall-sphere"), ("-periodic", "periodic"), ("--outsid", "outside"),
+                             ("--inter", "interpolate"), ("--image_size", "image-size"), ("--Box", "box"),
+                             ("--x", None), ("--qwertyuiop", None), ("--" + "periodic" * 9, None), ("--=", None)]:
+            message = self.refuse("a.txt", typed, "-o", "out.txt", says=f"unknown option '{typed[:60]}")
+            self.assertIn(f": did you mean --{meant}?\n" if meant else ": clvotess --help-all lists all options\n", message)
+        for arguments, says in [(["--box"], "--box needs a value: --box x0,y0,z0,x1,y1,z1"),
+                                (["-t", "1", "-t", "2"], "--threads is given 2 times: give it once"),
+                                (["-o"], "--output needs a value: -o, --output FILE"),
+                                (["--json=1"], "--json takes no value"),
+                                (["--voro++"], "--voro++ must be the first argument")]:
+            self.refuse("a.txt", *arguments, says=says)
         for name in ["a.vtp", "a.stl", "out", "out.csv"]:
             self.refuse("a.txt", "-o", name, says=[f"'{name}'", ".npz"])
 

@@ -201,7 +201,11 @@ void check_errors(MPI_Comm comm) {
             options);
     bad = points;
     if (is_last) bad[0] = 1.5;
-    refuses(comm, at_last + "point 0: x = 1.5 is outside the box, which spans 0 to 1", bad, ids, options);
+    refuses(comm,
+            at_last +
+                "point 0: x = 1.5 is outside the box, which spans 0 to 1, by 0.5: move it, or drop seeds that are "
+                "outside (outside = drop)",
+            bad, ids, options);
     std::vector<std::int64_t> twice = ids;
     if (is_last) twice[1] = 0;
     refuses(comm, "id 0 is given twice", points, twice, options);

@@ -89,6 +89,14 @@ class SameFile(RanksTest):
         self.put("a.xyz", '2\nLattice="1 0 0 0.3 1 0 0 0.2 1" Properties=species:S:1:pos:R:3\nH 0 0 0\nH 0.5 0.5 0.4\n')
         arrays = self.assert_same("a.xyz", "--want", ALL, ranks=(3,))
         self.assertGreater(len(arrays["shifts"]), 0)
+        # Ranks hand over the mass of duplicates.
+        points[300:400] = points[100:200]
+        points[450:] = points[:50]
+        mass = np.random.default_rng(3).random(500)
+        self.put("d.csv", "x,y,z,m\n" + "".join(f"{line.replace(' ', ',')},{m!r}\n"
+                                               for line, m in zip(text_of(points).splitlines(), mass.tolist())))
+        arrays = self.assert_same("d.csv", "--density", "m", "--copy", "m", ranks=(4,))
+        self.assertAlmostEqual(np.nansum(arrays["density"] * arrays["volumes"]), mass.sum(), places=10)
 
     def test_snapshot(self):
         """Several files, one of them without particles, columns that travel."""

@@ -162,7 +162,8 @@ class Tessellation(Cells):
         ``.npz``, ``.h5``, ``.hdf5`` hold the arrays that were wanted, the domain and the version. The others need
         "faces" in want: ``.vtu`` polyhedra with id, volume, neighbors, centroid and status, without empty cells and
         ascending by their number of vertices, as meshio needs them, so that ``id`` tells the seed; ``.ply`` and ``.obj`` the
-        faces, each once, in ``.ply`` with its two cells; ``.glb`` solids in colors.
+        faces, each once, in ``.ply`` with its two cells; ``.glb`` solids in colors, about 830 bytes a cell of random
+        points and 4 GiB at most.
 
         ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu.
         ``color``: for .ply, which then holds triangles, and .glb: a column of :meth:`to_dataframe`, (N,) values, or

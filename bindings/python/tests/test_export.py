@@ -1,6 +1,10 @@
 """Files that save() writes: arrays, colors, and that they are written whole or not at all."""
 
+import contextlib
+import errno
+import importlib.util
 import os
+import signal
 import stat
 import subprocess
 import sys
@@ -170,7 +174,7 @@ class Whole(Folder):
         with self.assertRaisesRegex(FileNotFoundError, "nowhere"):
             t.save(self.path("nowhere/a.npz"))
         (self.folder / "folder.npz").mkdir()
-        with self.assertRaisesRegex(ValueError, "no regular file"):
+        with self.assertRaisesRegex(ValueError, "not a regular file"):
             t.save(self.path("folder.npz"))
         self.assertEqual(os.listdir(self.folder), ["folder.npz"])
 
@@ -181,6 +185,68 @@ class Whole(Folder):
             with self.assertRaisesRegex(OSError, "disk full"):
                 t.save(self.path("a.npz"))
         self.assertEqual((self.folder / "a.npz").read_text(), "old")
+        self.assertEqual(os.listdir(self.folder), ["a.npz"])
+
+    def test_a_killed_process_leaves_nothing(self):
+        if not hasattr(os, "O_TMPFILE"):
+            self.skipTest("the system has no unnamed files")
+        code = (
+            "import os, signal, sys, pyvotess as vt, numpy as np\n"
+            "t = vt.tessellate(np.random.default_rng(1).random((50, 3)), want='faces,volumes')\n"
+            "at, name = sys.argv[1:]\n"
+            "kill = lambda *_, **__: os.kill(os.getpid(), signal.SIGKILL)\n"
+            "if at == 'sync': os.fsync = kill\n"
+            "if at == 'link': os.link = kill\n"
+            "if at == 'open': import builtins; builtins.open = kill\n"
+            "t.save(name)\n"
+        )
+        (self.folder / "b.glb").write_text("old")
+        for at, name in (("open", "a.glb"), ("sync", "a.npz"), ("link", "b.glb"), ("sync", "a.h5")):
+            if name == "a.h5" and importlib.util.find_spec("h5py") is None:
+                continue
+            done = subprocess.run([sys.executable, "-c", code, at, self.path(name)], capture_output=True)
+            self.assertEqual((done.returncode, done.stderr), (-signal.SIGKILL, b""), name)
+            self.assertEqual(os.listdir(self.folder), ["b.glb"], name)
+        self.assertEqual((self.folder / "b.glb").read_text(), "old")
+
+    def test_power_loss(self):
+        """The bytes reach the disk before the file has its name, the name before save() returns."""
+        t = vt.tessellate(uniform(9))
+        calls = []
+
+        def noting(name, call, fail=None):
+            def noted(*args, **options):
+                what = "folder" if name == "fsync" and stat.S_ISDIR(os.fstat(args[0]).st_mode) else name
+                calls.append(what)
+                if what == fail:
+                    raise OSError(number, "no")
+                return call(*args, **options)
+
+            return noted
+
+        def save(fail=None):
+            calls.clear()
+            with contextlib.ExitStack() as stack:
+                for name in ("fsync", "link", "replace"):
+                    stack.enter_context(mock.patch.object(os, name, noting(name, getattr(os, name), fail)))
+                t.save(self.path("a.npz"))
+            return [*calls]
+
+        number = errno.EINVAL
+        self.assertIn(save(), (["fsync", "link", "folder"], ["fsync", "replace", "folder"]))
+        self.assertIn(save(), (["fsync", "link", "link", "replace", "folder"], ["fsync", "replace", "folder"]))
+        with mock.patch.object(os, "O_TMPFILE", os.O_RDONLY, create=True):  # a folder opened so cannot be written
+            self.assertEqual(save(), ["fsync", "replace", "folder"])
+        self.assertEqual(save("fsync")[-1], "folder")  # a file system that knows no fsync
+        self.assertEqual(save("folder")[-1], "folder")
+        (self.folder / "a.npz").write_text("old")
+        number = errno.EIO
+        with self.assertRaisesRegex(OSError, "no"):
+            save("fsync")
+        self.assertEqual((self.folder / "a.npz").read_text(), "old")
+        self.assertEqual(os.listdir(self.folder), ["a.npz"])
+        with self.assertRaisesRegex(OSError, "no"):
+            save("folder")
         self.assertEqual(os.listdir(self.folder), ["a.npz"])
 
     @unittest.skipUnless(os.name == "posix", "links and permissions are those of POSIX")

@@ -1,13 +1,16 @@
 """Meshes that save() writes, read back: by NumPy, and by other packages where they are installed."""
 
+import json
 import os
+import struct
+import subprocess
 import sys
 import unittest
 import xml.etree.ElementTree
 from unittest import mock
 
 import numpy as np
-from helpers import CELL, Folder, cells, have, lattice, once, uniform
+from helpers import CELL, UNIT_BOX, Folder, cells, have, lattice, once, uniform
 
 import pyvotess as vt
 from pyvotess.export import colors
@@ -191,29 +194,81 @@ class FacesTest(Folder):
 
 
 class Glb(Folder):
-    @have("trimesh")
-    def test_solids(self):
-        import trimesh
+    def read(self):
+        """The JSON of a.glb, and the arrays of all its primitives: positions, colors, rows, triangles."""
+        content = (self.folder / "a.glb").read_bytes()
+        magic, version, length, size, kind = struct.unpack_from("<4sIII4s", content)
+        self.assertEqual((magic, version, length, kind), (b"glTF", 2, len(content), b"JSON"))
+        head = json.loads(content[20 : 20 + size])
+        parts, before = [[], [], [], []], 0
+        for primitive in head["meshes"][0]["primitives"]:
+            arrays = []
+            for name in ("POSITION", "COLOR_0", "_CELL", "indices"):
+                number = primitive["indices"] if name == "indices" else primitive["attributes"][name]
+                accessor = head["accessors"][number]
+                view = head["bufferViews"][accessor["bufferView"]]
+                width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+                kind = {5126: "<f4", 5125: "<u4", 5123: "<u2", 5121: "<u1"}[accessor["componentType"]]
+                self.assertEqual(view["byteLength"], np.dtype(kind).itemsize * width * accessor["count"])
+                array = np.frombuffer(content, kind, width * accessor["count"], 28 + size + view["byteOffset"])
+                arrays.append(array.reshape(-1, 3 if name == "indices" else width).squeeze())
+            self.assertEqual(np.unique(arrays[3]).tolist(), list(range(len(arrays[0]))))
+            arrays[3], before = arrays[3].astype(int) + before, before + len(arrays[0])
+            for part, array in zip(parts, arrays):
+                part.append(array)
+        self.assertLessEqual(len(content) - 28 - size - head["buffers"][0]["byteLength"], 0)
+        return (head, *map(np.concatenate, parts))
 
-        for options in ({}, {"periodic": True}, {"box": None, "cell": CELL, "outside": "drop"}):
+    def test_solids(self):
+        # The last one takes two primitives.
+        for options in ({}, {"periodic": True}, {"box": None, "cell": CELL, "outside": "drop"}, {"count": 3000}):
             t = cells(**options)
             rgb = np.random.default_rng(4).integers(0, 256, (len(t), 3)).astype(np.uint8)
             t.save(self.path("a.glb"), color=rgb)
-            scene = trimesh.load(self.path("a.glb"), process=False)
-            (mesh,) = scene.dump()  # the node moves it
-            np.testing.assert_allclose(mesh.bounds, [t.vertices.min(axis=0), t.vertices.max(axis=0)], atol=1e-6)
+            head, positions, colors, rows, corners = self.read()
+            self.assertEqual(len(head["meshes"][0]["primitives"]), 2 if len(t) > 3000 else 1)
             counts = np.diff(t.cell_vertices.indptr)
             cell = np.repeat(np.arange(len(t)), counts)
-            np.testing.assert_allclose(mesh.vertices, t.vertices[t.cell_vertices.indices], atol=1e-6)
+            np.testing.assert_array_equal(rows, cell)
+            # y is up: z becomes y, and y becomes -z.
+            turned = positions + np.array(head["nodes"][0]["translation"])
+            places = np.column_stack((turned[:, 0], -turned[:, 2], turned[:, 1]))
+            np.testing.assert_allclose(places, t.vertices[t.cell_vertices.indices], atol=1e-6)
             x = rgb / 255
             linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
-            seen = scene.geometry["cells"].visual.vertex_attributes["color"][:, :3]
-            np.testing.assert_allclose(seen, 255 * linear[cell], atol=0.51)
-            owner = cell[mesh.faces]
+            np.testing.assert_allclose(colors[:, :3], 255 * linear[cell], atol=0.51)
+            self.assertTrue((colors[:, 3] == 255).all())
+            owner = cell[corners]
             self.assertTrue((owner == owner[:, :1]).all(), "a triangle has the vertices of one cell")
-            a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+            a, b, c = (places[corners[:, k]] for k in range(3))
             volumes = np.bincount(owner[:, 0], np.einsum("ij,ij->i", a, np.cross(b, c)) / 6, len(t))
             np.testing.assert_allclose(volumes, t.volumes, atol=1e-6)
+
+    def test_as_clvotess(self):
+        """The same arrays, byte for byte."""
+        program = os.environ.get("VOTESS_CLI")
+        if not program:
+            self.skipTest("VOTESS_CLI names no clvotess")
+        points = uniform(200)
+        np.save(self.path("p.npy"), points)
+        vt.tessellate(points, box=UNIT_BOX, want="faces,volumes").save(self.path("a.glb"), colormap="ember")
+        one = self.read()[1:]
+        subprocess.run([program, self.path("p.npy"), "--box", "0,0,0,1,1,1", "--colormap", "ember", "-o",
+                        self.path("a.glb"), "-q"], check=True)  # fmt: skip
+        for mine, other in zip(one, self.read()[1:]):
+            np.testing.assert_array_equal(mine, other)
+
+    def test_too_large(self):
+        with mock.patch("pyvotess.export.glb._LARGEST_FILE", 1000):
+            with self.assertRaisesRegex(ValueError, "would take 1 MB, but .glb ends at 4 GiB: write .vtu"):
+                cells().save(self.path("a.glb"))
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_no_cells(self):
+        vt.tessellate(np.empty((0, 3)), box=UNIT_BOX, want="faces,volumes").save(self.path("a.glb"))
+        content = (self.folder / "a.glb").read_bytes()
+        self.assertEqual(struct.unpack_from("<4sIII4s", content)[2:4], (len(content), len(content) - 20))
+        self.assertEqual(list(json.loads(content[20:])), ["asset"])
 
     @have("trimesh")
     def test_far_from_zero(self):
@@ -222,9 +277,10 @@ class Glb(Folder):
         t = vt.tessellate(uniform(50) + 1e6, want="faces,volumes")
         t.save(self.path("a.glb"))
         (mesh,) = trimesh.load(self.path("a.glb"), process=False).dump()
-        np.testing.assert_allclose(mesh.vertices, t.vertices[t.cell_vertices.indices], rtol=0, atol=1e-6)
+        x, y, z = t.vertices[t.cell_vertices.indices].T
+        np.testing.assert_allclose(mesh.vertices, np.column_stack((x, z, -y)), rtol=0, atol=1e-6)
 
-    @have("pygltflib", "trimesh")
+    @have("pygltflib")
     def test_pygltflib(self):
         import pygltflib
 
@@ -238,10 +294,9 @@ class Glb(Folder):
 
     def test_without_its_package(self):
         t = cells()
-        for module, name in (("trimesh", "a.glb"), ("h5py", "a.h5")):
-            with mock.patch.dict(sys.modules, {module: None}):
-                with self.assertRaisesRegex(ImportError, f"{name[1:]}.*pip install {module}"):
-                    t.save(self.path(name))
+        with mock.patch.dict(sys.modules, {"h5py": None}):
+            with self.assertRaisesRegex(ImportError, ".h5.*pip install h5py"):
+                t.save(self.path("a.h5"))
         self.assertEqual(os.listdir(self.folder), [])
 
 

@@ -37,7 +37,7 @@ std::string to_png(const votess::Picture& picture) {
 #else
 
 void check_png() {
-    throw bad_input("--image: this clvotess was built without libpng");
+    throw bad_input("--image: this clvotess was built without libpng: build it where libpng-dev is installed");
 }
 
 std::string to_png(const votess::Picture&) {

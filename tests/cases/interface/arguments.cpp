@@ -6,6 +6,7 @@
 
 #include "cpu/clip/cell_kernels.hpp"
 #include "support/check.hpp"
+#include "support/random.hpp"
 
 namespace {
 
@@ -55,6 +56,50 @@ TEST_SUITE("api") {
         }
         const float narrow[] = {0, 0, 0, 1, std::numeric_limits<float>::infinity(), 0};
         CHECK_THROWS_AS((void)votess::tessellate(std::span<const float>(narrow)), votess::Error);
+    }
+
+    TEST_CASE("how far a seed is outside, and of what") {
+        const auto distance_in = [](const std::string& message) {
+            const auto at = message.find(", by ");
+            return at == std::string::npos ? -1 : std::stod(message.substr(at + 5));
+        };
+        test::Random random(17);
+        for (int run = 0; run < 60; ++run) {
+            const double scale = std::ldexp(1, static_cast<int>(random.below(800)) - 400);
+            const double beyond = scale * std::ldexp(random.uniform(0.5, 1), -static_cast<int>(random.below(30)));
+            const auto axis = static_cast<std::size_t>(random.below(3));
+            const double sign = random.below(2) == 0 ? -1 : 1;
+            // Box -scale..scale.
+            test::Coordinates points(9, 0.25 * scale);
+            points[3] = points[7] = -0.5 * scale;
+            points[6 + axis] = sign * (scale + beyond);
+            votess::Options options = boxed(test::cube(-scale, scale));
+            std::string message = refusal(points, options);
+            CAPTURE(message);
+            CHECK(has(message, "point 2: " + std::string(1, "xyz"[axis]) + " = "));
+            CHECK(distance_in(message) == doctest::Approx(beyond).epsilon(0.01));
+            CHECK(has(message, "outside = drop"));
+            // The same box as a cell.
+            options.box.reset();
+            options.cell = {{-scale, -scale, -scale}, {2 * scale, 0, 0}, {0, 2 * scale, 0}, {0, 0, 2 * scale}, {}};
+            message = refusal(points, options);
+            CHECK(has(message, "wall " + std::to_string(-1 - 2 * static_cast<int>(axis) - (sign > 0)) + ")"));
+            CHECK(distance_in(message) == doctest::Approx(beyond).epsilon(0.01));
+            // Walls whose normals have the length 7.
+            options = {};
+            options.walls = {{{-1, 0, 0}, 2 * scale}, {{2, 3, -6}, 7 * scale}, {{-2, -3, 6}, 7 * scale}};
+            for (std::size_t k = 0; k < 3; ++k)
+                points[6 + k] = sign * options.walls[1].normal[k] / 7 * (scale + beyond);
+            message = refusal(points, options);
+            CHECK(has(message, sign > 0 ? "wall 1 (2 x + 3 y + -6 z <= " : "wall 2 (-2 x + -3 y + 6 z <= "));
+            CHECK(has(message, sign > 0 ? ", -8 in lists)" : ", -9 in lists)"));
+            CHECK(distance_in(message) == doctest::Approx(beyond).epsilon(0.01));
+        }
+        // Beyond a wall by less than rounding shows: 3 times 0.1 is more than 0.3.
+        votess::Options options = boxed(test::unit_box());
+        options.walls = {{{3, 0, 0}, 0.3}};
+        CHECK(has(refusal({0.1, 0.5, 0.5}, options), ", by less than "));
+        CHECK(distance_in(refusal({-1e308, 0, 0, 1e308, 0, 0}, boxed(test::cube(-1e308, 0.9e308)))) > 0);
     }
 
     TEST_CASE("a seed outside the given box") {

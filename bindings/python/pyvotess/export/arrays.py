@@ -72,7 +72,8 @@ def write_npz(path: str, t: Tessellation, columns: Arrays) -> None:
 def write_h5(path: str, t: Tessellation, columns: Arrays) -> None:
     """Datasets at the root; the domain but for the walls, and the texts, are attributes of the root."""
     h5py = imported("h5py", "writing .h5")
-    with h5py.File(path, "w") as file:
+    # The default driver does not open a file that has no name yet.
+    with h5py.File(path, "w", driver="stdio") as file:
         for name, array in {**_result_arrays(t), **columns}.items():
             file.create_dataset(name, data=array)
         for name, array in _domain_arrays(t).items():

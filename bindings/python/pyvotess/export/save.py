@@ -33,7 +33,7 @@ _KINDS: Dict[str, _Kind] = {
     ".vtu": _Kind(mesh=True, columns=True),
     ".ply": _Kind(mesh=True, color=True),
     ".obj": _Kind(mesh=True),
-    ".glb": _Kind(mesh=True, color=True, package="trimesh"),
+    ".glb": _Kind(mesh=True, color=True),
 }
 
 
