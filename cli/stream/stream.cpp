@@ -151,7 +151,7 @@ private:
 
 class Sink : public votess::StreamSink {
 public:
-    Sink(const Arguments& arguments, InputPieces& pieces, Beside& beside, const std::string& domain_from)
+    Sink(const Arguments& arguments, InputPieces& pieces, Beside& beside, const DomainFrom& domain_from)
         : arguments_(arguments), pieces_(pieces), beside_(beside), domain_from_(domain_from) {}
 
     void begin(const votess::StreamHead& head) override {
@@ -251,7 +251,7 @@ private:
     const Arguments& arguments_;
     InputPieces& pieces_;
     Beside& beside_;
-    const std::string& domain_from_;
+    const DomainFrom& domain_from_;
     votess::StreamHead head_;
     votess::Tessellation domain_;
     std::deque<OutputFile> files_;
@@ -304,7 +304,7 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
     const auto pieces = arguments.random_count ? open_random(*arguments.random_count, arguments.rng_seed, piece_rows)
                                                : open_pieces(arguments.input, arguments.read, piece_rows);
     votess::Options options = arguments.options;
-    const std::string domain_from = choose_domain(pieces->domain, arguments.periodic, options);
+    const DomainFrom domain_from = choose_domain(pieces->domain, arguments.periodic, options);
     options.progress = [&progress](double fraction) {
         progress.show(fraction);
         return interrupting_signal() == 0;

@@ -97,7 +97,11 @@ private:
         const std::vector<double> axes = file.attribute("/", "periodic");
         if (axes.size() == 3) {
             std::vector<double> walls;
-            if (file.has("walls") && file.open("walls").has_columns(4)) file.open("walls").append_to(walls);
+            if (file.has("walls") && file.open("walls").has_columns(4)) {
+                const Hdf5Dataset planes = file.open("walls");
+                file.check_unpacked(planes.bytes());
+                planes.append_to(walls);
+            }
             return stated_domain(file.attribute("/", "box"), {axes[0] != 0, axes[1] != 0, axes[2] != 0},
                                  file.attribute("/", "cell"), file.attribute("/", "origin"), walls);
         }
@@ -201,6 +205,9 @@ private:
                                    std::to_string(points.rows()) + " points");
             }
         }
+        double bytes = points.bytes() + (part_->ids ? part_->ids->bytes() : 0);
+        for (const Hdf5Dataset& column : part_->columns) bytes += column.bytes();
+        file.check_unpacked(bytes);
         part_->file = std::move(later);
     }
 
@@ -237,6 +244,7 @@ private:
             const bool named = std::ranges::find(columns, name, &InputColumn::name) != columns.end();
             if (!beside || named || path == name_ || name == "ParticleIDs" || name == "ids") continue;
             const Hdf5Dataset values = file.open(path);
+            if (columns.size() == most_columns) throw bad_input(file.path() + ": too many columns for --copy all");
             if (values.is_numbers() && values.rows() == rows)
                 columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
         }
