@@ -95,13 +95,6 @@ class VtkFiles(ReaderTest):
             self.refuse(self.put("b.vtp", content), "-o", "out.npz", says=[says] if isinstance(says, str) else says)
         self.refuse("a.vtp", "--radii", "r", says=["'r'", "none"])
 
-    def test_damaged(self):
-        points = random_points(40)
-        for mode, encoded, packed in [("ascii", False, False), ("binary", False, True), ("binary", False, False),
-                                      ("appended", False, True), ("appended", True, False), ("appended", False, False)]:
-            self.save("a.vtp", points, mode, encoded, packed=packed, block=256, columns={"r": points[:, 0]})
-            self.damage("a.vtp", "r")
-
     def grid(self, name):
         reader = vtkXMLUnstructuredGridReader()
         reader.SetFileName(str(self.folder / name))

@@ -25,6 +25,14 @@ std::string group_of(const std::string& path) {
     return slash == std::string::npos ? "" : path.substr(0, slash + 1);
 }
 
+// A file, and how far it has been read.
+struct Part {
+    std::optional<Hdf5File> file;  // none for the first, which stays open
+    std::optional<Hdf5Dataset> points, ids;
+    std::vector<Hdf5Dataset> columns;
+    std::uint64_t next = 0;
+};
+
 class Hdf5Pieces : public InputPieces {
 public:
     // rows: so many in a piece.
@@ -80,14 +88,6 @@ public:
     }
 
 private:
-    // A file, and how far it has been read.
-    struct Part {
-        std::optional<Hdf5File> file;  // none for the first, which stays open
-        std::optional<Hdf5Dataset> points, ids;
-        std::vector<Hdf5Dataset> columns;
-        std::uint64_t next = 0;
-    };
-
     static std::string without_slash(const std::string& path) {
         return path.substr(std::min(path.find_first_not_of('/'), path.size()));
     }

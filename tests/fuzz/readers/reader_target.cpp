@@ -1,13 +1,12 @@
 // The target of fuzzing for each reader of clvotess: LLVMFuzzerTestOneInput() feeds it with one file. A reader gives
 // whole points or one line of complaint; anything else ends this program. libFuzzer drives it, or standalone.cpp.
-#include <fcntl.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <string_view>
@@ -73,7 +72,7 @@ void read_all_ways(Read read, bool frames = false) {
     const auto with = [&](const ReadRequest& request) { (void)refusal([&] { check(read(request)); }); };
     with({});
     ReadRequest wishes;
-    wishes.columns = {"radius", "r", "4"};
+    wishes.columns = {"r", "radius", "4"};
     with(wishes);
     wishes.columns_may_lack = true;
     with(wishes);
@@ -85,20 +84,24 @@ void read_all_ways(Read read, bool frames = false) {
     with(wishes);
 }
 
-// A file in memory, for readers that open it by its path.
+// A file in memory where there is /dev/shm, for readers that open it by its path.
 class MemoryFile {
 public:
-    explicit MemoryFile(std::string_view bytes) : descriptor_(memfd_create("fuzz", MFD_CLOEXEC)) {
-        if (descriptor_ < 0 || write(descriptor_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()))
+    explicit MemoryFile(std::string_view bytes) {
+        const std::filesystem::path shared = "/dev/shm";
+        path_ = (exists(shared) ? shared : std::filesystem::temp_directory_path()) / "votess_fuzz_XXXXXX";
+        const int descriptor = mkstemp(path_.data());
+        if (descriptor < 0 || write(descriptor, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()))
             std::abort();
+        close(descriptor);
     }
     MemoryFile(const MemoryFile&) = delete;
     MemoryFile& operator=(const MemoryFile&) = delete;
-    ~MemoryFile() { close(descriptor_); }
-    [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+    ~MemoryFile() { unlink(path_.c_str()); }
+    [[nodiscard]] const std::string& path() const { return path_; }
 
 private:
-    int descriptor_;
+    std::string path_;
 };
 
 using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
