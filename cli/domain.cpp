@@ -81,10 +81,9 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
     const bool axes_alone = any(stated.periodic) && !stated.box;  // for the user's box
     if (!periodic && (given ? axes_alone : options.box.has_value())) axes = stated.periodic;
     if (periodic) axes = *periodic;
-    return {given ? DomainSource::option : DomainSource::stated,
-            periodic               ? DomainSource::option
-            : given && !axes_alone ? DomainSource::by_default
-                                   : stated.periodic_from};
+    return {given ? DomainSource::option : DomainSource::stated, periodic               ? DomainSource::option
+                                                                 : given && !axes_alone ? DomainSource::by_default
+                                                                                        : stated.periodic_from};
 }
 
 std::string domain_text(const votess::Tessellation& cells, const DomainFrom& from) {
@@ -117,8 +116,8 @@ std::string domain_json(const votess::Tessellation& cells, const DomainFrom& fro
     return std::string(R"({"kind": ")") + kind_of(cells) + R"(", "lower": )" + json_list(cells.box().lower) +
            R"(, "upper": )" + json_list(cells.box().upper) + R"(, "origin": )" + of_cell(&Cell::origin) + R"(, "a": )" +
            of_cell(&Cell::a) + R"(, "b": )" + of_cell(&Cell::b) + R"(, "c": )" + of_cell(&Cell::c) +
-           R"(, "periodic": [)" + periodic + R"(], "from": ")" + word_of(from.box) +
-           R"(", "periodic_from": ")" + word_of(from.periodic) + "\"}";
+           R"(, "periodic": [)" + periodic + R"(], "from": ")" + word_of(from.box) + R"(", "periodic_from": ")" +
+           word_of(from.periodic) + "\"}";
 }
 
 }  // namespace clvotess

@@ -18,8 +18,8 @@ struct DomainFrom {
 // "option", "stated", "assumed" or "default".
 [[nodiscard]] const char* word_of(DomainSource source);
 
-// options: with --box or --cell if given; they get the rest. periodic: of --periodic. Throws Failure when a periodic axis
-// has no length.
+// options: with --box or --cell if given; they get the rest. periodic: of --periodic. Throws Failure when a periodic
+// axis has no length.
 [[nodiscard]] DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
                                        votess::Options& options);
 

@@ -36,8 +36,8 @@ private:
     bool ended_ = false;
 };
 
-// Returns what all members of a file hold, one after the other. Throws Failure, which names the file, when it is damaged
-// or unpacks to more than most_unpacked().
+// Returns what all members of a file hold, one after the other. Throws Failure, which names the file, when it is
+// damaged or unpacks to more than most_unpacked().
 [[nodiscard]] std::string gunzip(std::string_view packed, const std::string& name);
 
 // Throws Failure when a file of `size` bytes unpacks to `unpacked` bytes, more than most_unpacked().

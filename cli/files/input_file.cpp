@@ -87,7 +87,8 @@ std::string read_whole(const std::string& path, bool lines) {
         const std::size_t before = bytes.size();
         const std::size_t left = bytes.capacity() - before;
         more = file.append(bytes, left > 0 ? std::min(left, piece) : piece);
-        if (lines) check_last_line(std::string_view(bytes).substr(before - std::min(before, longest_line + 1)), file.name());
+        if (lines)
+            check_last_line(std::string_view(bytes).substr(before - std::min(before, longest_line + 1)), file.name());
     }
     return bytes;
 }

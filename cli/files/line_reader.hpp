@@ -31,8 +31,8 @@ inline void split_words(std::string_view line, Words& words) {
     }
 }
 
-[[nodiscard]] std::string lower_case(std::string_view text);  // of ASCII
-[[nodiscard]] std::string columns_text(std::size_t count);    // "1 column", "5 columns"
+[[nodiscard]] std::string lower_case(std::string_view text);    // of ASCII
+[[nodiscard]] std::string columns_text(std::size_t count);      // "1 column", "5 columns"
 [[nodiscard]] std::string not_a_number(std::string_view word);  // what is wrong with it
 
 class LineReader {

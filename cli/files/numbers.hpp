@@ -8,8 +8,8 @@
 
 namespace clvotess {
 
-// Reads decimal or scientific notation, nan and inf; a leading + is allowed. Numbers beyond the range of float64 read as
-// infinity, numbers below it as 0.
+// Reads decimal or scientific notation, nan and inf; a leading + is allowed. Numbers beyond the range of float64 read
+// as infinity, numbers below it as 0.
 [[nodiscard]] std::optional<double> read_double(std::string_view text);
 [[nodiscard]] std::optional<std::int64_t> read_int64(std::string_view text);
 [[nodiscard]] std::optional<std::uint64_t> read_uint64(std::string_view text);

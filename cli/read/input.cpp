@@ -15,7 +15,8 @@ namespace clvotess {
 namespace {
 
 constexpr const char* known =
-    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply .vtp .vtu, POSCAR, "
+    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply .vtp .vtu, "
+    "POSCAR, "
     "text without an extension, and on stdin as -; text also as .gz";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {

@@ -31,7 +31,8 @@ public:
     PoscarReader(std::string_view text, const std::string& name) : lines_(text, name) {}
 
     Input read() {
-        if (is_cif(lines_.rest(), lines_.name())) throw bad_input(lines_.name() + ": a text in CIF, and " + conversion(".cif"));
+        if (is_cif(lines_.rest(), lines_.name()))
+            throw bad_input(lines_.name() + ": a text in CIF, and " + conversion(".cif"));
         (void)lines_.need("a comment");
         const Words scale = words_of("the scale of the cell");
         if (scale.size() != 1 && scale.size() != 3) throw lines_.error("expected one or three numbers, the scale");

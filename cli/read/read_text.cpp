@@ -23,8 +23,9 @@ constexpr std::size_t row_bytes = 40;  // about, in a file
 struct Row {
     std::array<std::string_view, kept_fields> fields;
     std::size_t count = 0;
-    const char* comma = nullptr;  // the first that stands between two digits
-    bool other_gaps = false;      // whether blanks alone or a semicolon separate some fields
+    const char* comma = nullptr;    // the first that may be that of a decimal: between digits, no point before it
+    bool commas_everywhere = true;  // in every gap between two fields
+    std::size_t apart = 0;          // fields, where gaps without blanks or semicolons join two
 };
 
 // Which columns of a row hold what.
@@ -77,9 +78,11 @@ private:
         return false;
     }
 
-    // A comma between two digits separates fields only where every gap of the row holds a comma.
+    // A comma between two digits separates fields where every gap of the row holds a comma, unless blanks behind other
+    // commas leave 3 or 4 numbers, as in "0,5, 1, 2".
     void check_commas(const Row& row) const {
-        if (!row.comma || !row.other_gaps) return;
+        const bool may_be_decimals = names_.empty() && (row.apart == 3 || row.apart == 4) && row.apart < row.count;
+        if (!row.comma || (row.commas_everywhere && !may_be_decimals)) return;
         const char *begin = row.comma, *end = row.comma;
         while (begin != line_.data() && !is_blank(begin[-1]) && begin[-1] != ';') --begin;
         while (end != line_.data() + line_.size() && !is_blank(*end) && *end != ';') ++end;
@@ -90,7 +93,8 @@ private:
     void split(std::string_view line, Row& row) const {
         row.count = 0;
         row.comma = nullptr;
-        row.other_gaps = false;
+        row.commas_everywhere = true;
+        row.apart = 0;
         const char* at = line.data();
         const char* const end = at + line.size();
         const auto skip_blanks = [&] {
@@ -105,13 +109,18 @@ private:
                     throw lines_.error("column " + std::to_string(row.count + 1) + " is empty");
             }
             const char* const begin = at;
-            if (row.count > 0 && !comma) row.other_gaps = true;
-            if (row.count > 0 && comma && !row.comma && begin - gap == 1 && is_digit(gap[-1]) && is_digit(*begin))
-                row.comma = gap;
+            const bool joined = row.count > 0 && comma && begin - gap == 1;
+            if (row.count > 0 && !comma) row.commas_everywhere = false;
+            if (!joined) ++row.apart;
+            if (joined && !row.comma && is_digit(gap[-1]) && is_digit(*begin) && !has_point(row)) row.comma = gap;
             while (at != end && !ends_field(*at)) ++at;
             if (row.count < kept_fields) row.fields[row.count] = {begin, static_cast<std::size_t>(at - begin)};
             ++row.count;
         }
+    }
+
+    static bool has_point(const Row& row) {
+        return row.fields[std::min(row.count, kept_fields) - 1].find('.') != std::string_view::npos;
     }
 
     static bool is_header(const Row& row) {
@@ -244,9 +253,8 @@ private:
             input.ids.push_back(*id);
         }
         for (const std::size_t k : layout_.axes) input.points.push_back(lines_.number(row.fields[k]));
-        places_->append(input.columns, [&](std::size_t k, const std::string& name) {
-            return lines_.number(row.fields[k], name);
-        });
+        places_->append(input.columns,
+                        [&](std::size_t k, const std::string& name) { return lines_.number(row.fields[k], name); });
     }
 
     LineReader lines_;

@@ -208,8 +208,8 @@ private:
     XmlScanner scanner_;
     VtkLayout layout_;
     std::vector<Piece> pieces_;
-    std::size_t arrays_ = 0;      // and pieces
-    std::uint64_t numbers_ = 0;   // that were read
+    std::size_t arrays_ = 0;     // and pieces
+    std::uint64_t numbers_ = 0;  // that were read
 };
 
 }  // namespace

@@ -37,7 +37,7 @@ struct OutputData {
     const votess::Tessellation& tessellation;
     const votess::Want& wanted;  // arrays for .npz and .h5; the tessellation may hold more
     const TextFormat& format;
-    std::span<const double> radii;            // for %r; empty when there are none
+    std::span<const double> radii;  // for %r; empty when there are none
     const DomainFrom& domain_from;
     const std::vector<InputColumn>& carried;  // columns of the input, behind what each file holds of a cell
     const Coloring& coloring;                 // of .glb

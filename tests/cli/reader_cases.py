@@ -229,13 +229,14 @@ class HostileFiles(ReaderTest):
                 break
 
     def test_decimal_commas(self):
-        for content in ["0,5 0 1\n", "0,5 0,5 1\n", "0,5;1;2\n", "0,5;1,5;2,5\n", "1 2 3\n0,5\t1\t2\n", "-0,5, 1 2\n"]:
+        for content in ["0,5 0 1\n", "0,5 0,5 1\n", "0,5;1;2\n", "0,5;1,5;2,5\n", "1 2 3\n0,5\t1\t2\n", "-0,5, 1 2\n", "0,5, 1, 2\n", "0,5, -1,5, 2,5\n"]:
             for name in ["a.txt", "a.csv", "a.xyz"]:
                 self.refuse(self.put(name, content), says=[f"{name}:{content.count(chr(10))}:", "decimals need a point"])
         self.refuse(self.put("a.csv", "x;y;z\n0,5;1,5;2\n"), says=["a.csv:2:", "'0,5'", "decimals need a point"])
         self.refuse(self.put("a.xyz", "1\n\nH 0,5 1 2\n"), says=["a.xyz:3:", "decimals need a point"])
         for content, points in [("1,2,3\n", [1, 2, 3]), ("1, 2 ,3\n", [1, 2, 3]), ("7,1,2,3\n", [1, 2, 3]), ("1;2;3\n", [1, 2, 3]),
-                                ("1 , 2 3\n", [1, 2, 3]), ("1 2 3 # 0,5\n", [1, 2, 3]), ("0.5,1,2.5\n", [0.5, 1, 2.5])]:
+                                ("1 , 2 3\n", [1, 2, 3]), ("1,2, 3\n", [1, 2, 3]), ("7,1,2, 3\n", [1, 2, 3]), ("1.5,2 3\n", [1.5, 2, 3]),
+                                ("1,-2,3\n", [1, -2, 3]), ("1 2 3 # 0,5\n", [1, 2, 3]), ("0.5,1,2.5\n", [0.5, 1, 2.5])]:
             got, _ = self.read(self.put("a.txt", content))
             np.testing.assert_array_equal(got, [points], content)
 

@@ -83,7 +83,7 @@ class VtkFiles(ReaderTest):
         for content, says in [(text.replace("1 0.5 2e-1", "1 0.5"), ["points", "after 5 of 6"]),
                               (text.replace("2e-1", "2e-1 7"), "more than the 6"),
                               (text.replace("2e-1", "two"), "'two'"),
-                              (text.replace('"2"', '"99999999999999999"'), "299999999999999997 numbers"),
+                              (text.replace('"2"', '"99999999999999999"'), "99999999999999999 points"),
                               (text.replace('"2"', '"x"'), "NumberOfPoints"),
                               (text.replace('"PolyData"', '"ImageData"'), "'ImageData'"),
                               (text.replace('Components="3" Name', 'Components="2" Name'), "3 components"),

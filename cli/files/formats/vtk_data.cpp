@@ -11,7 +11,7 @@
 namespace clvotess {
 namespace {
 
-constexpr std::uint64_t best_ratio = 1032;  // of deflate
+constexpr std::uint64_t best_ratio = 1032;                    // of deflate
 constexpr std::uint64_t round_size = std::uint64_t{1} << 16;  // numbers or groups, then signals are looked at
 
 int base64_value(char c) {

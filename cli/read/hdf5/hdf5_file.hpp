@@ -153,8 +153,7 @@ public:
         file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
         if (!file_.valid()) throw bad_input(path + ": not an HDF5 file, or a damaged one");
         hsize_t size = 0;
-        if (H5Fget_filesize(file_.id(), &size) < 0 || size > size_)
-            throw bad_input(path + ": the file ends too early");
+        if (H5Fget_filesize(file_.id(), &size) < 0 || size > size_) throw bad_input(path + ": the file ends too early");
     }
 
     // Throws Failure when the datasets together are too large for the file.
@@ -184,7 +183,8 @@ public:
         Walk walk{.failed = {}, .names = {}, .seen = {}, .path = {}, .depth = 0};
         H5O_info_t root{};
         if (H5Oget_info2(file_.id(), &root, H5O_INFO_BASIC) >= 0) walk.seen.insert(root.addr);
-        if (list(file_.id(), walk) < 0 && walk.failed.empty()) walk.failed = "the file is damaged: its datasets cannot be listed";
+        if (list(file_.id(), walk) < 0 && walk.failed.empty())
+            walk.failed = "the file is damaged: its datasets cannot be listed";
         throw_if_interrupted();
         if (!walk.failed.empty()) throw bad_input(path_ + ": " + walk.failed);
         return walk.names;

@@ -187,9 +187,8 @@ private:
                 input.columns = wanted.columns(count);
                 others = false;
             }
-            wanted.append(input.columns, [&](std::size_t k, const std::string& column) {
-                return lines_.number(row[k], column);
-            });
+            wanted.append(input.columns,
+                          [&](std::size_t k, const std::string& column) { return lines_.number(row[k], column); });
         }
         std::string_view next;
         if (lines_.next(next) && next.find_first_not_of(" \t\r") != std::string_view::npos &&

@@ -1,5 +1,7 @@
 // The target of fuzzing for each reader of clvotess: LLVMFuzzerTestOneInput() feeds it with one file. A reader gives
 // whole points or one line of complaint; anything else ends this program. libFuzzer drives it, or standalone.cpp.
+#include "fuzz/readers/reader_target.hpp"
+
 #include <unistd.h>
 
 #include <cmath>
@@ -14,7 +16,6 @@
 #include "failure.hpp"
 #include "files/inflate.hpp"
 #include "files/numbers.hpp"
-#include "fuzz/readers/reader_target.hpp"
 #include "read/input.hpp"
 #include "stream/pieces.hpp"
 
@@ -173,21 +174,13 @@ void parse_hdf5(std::string_view bytes) {
 using Target = void (*)(std::string_view bytes);
 
 const std::map<std::string, Target>& targets() {
-    static const std::map<std::string, Target> all{
-        {"number", read_number},
-        {"text", parse_rows<TextKind::plain>},
-        {"csv", parse_rows<TextKind::csv>},
-        {"gz", parse_gz},
-        {"xyz", parse<parse_xyz, true>},
-        {"poscar", parse<parse_poscar>},
-        {"lammps_dump", parse<parse_lammps_dump, true>},
-        {"lammps_data", parse<parse_lammps_data>},
-        {"ply", parse<parse_ply>},
-        {"vtk", parse<parse_vtk>},
-        {"npy", parse_npy},
-        {"npz", parse<parse_npz>},
+    static const std::map<std::string, Target> all {
+        {"number", read_number}, {"text", parse_rows<TextKind::plain>}, {"csv", parse_rows<TextKind::csv>},
+            {"gz", parse_gz}, {"xyz", parse<parse_xyz, true>}, {"poscar", parse<parse_poscar>},
+            {"lammps_dump", parse<parse_lammps_dump, true>}, {"lammps_data", parse<parse_lammps_data>},
+            {"ply", parse<parse_ply>}, {"vtk", parse<parse_vtk>}, {"npy", parse_npy}, {"npz", parse<parse_npz>},
 #if VOTESS_FUZZ_HDF5
-        {"hdf5", parse_hdf5},
+            {"hdf5", parse_hdf5},
 #endif
     };
     return all;

@@ -59,7 +59,8 @@ std::string damaged(std::string bytes, const std::string& other, std::mt19937_64
     const std::size_t how = below(8);
     if (how == 0) return bytes.substr(0, below(bytes.size() + 1));
     constexpr std::string_view letters = "0123456789-.e\n <>\"/=,;:#";
-    constexpr std::string_view numbers[] = {"-1", "0", "1e999", "0,5", "nan", "4294967296", "18446744073709551615", "9223372036854775808"};
+    constexpr std::string_view numbers[] = {
+        "-1", "0", "1e999", "0,5", "nan", "4294967296", "18446744073709551615", "9223372036854775808"};
     constexpr std::size_t longest_header = 1500, longest_piece = 40;
     for (std::size_t left = 1 + below(4); left > 0 && !bytes.empty(); --left) {
         const std::size_t at = below(below(2) == 0 ? bytes.size() : std::min(bytes.size(), longest_header));
