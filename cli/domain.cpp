@@ -42,8 +42,21 @@ std::string axes_of(const votess::Tessellation& cells) {
 
 }  // namespace
 
-std::string choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
-                          votess::Options& options) {
+const char* word_of(DomainSource source) {
+    switch (source) {
+        case DomainSource::option:
+            return "option";
+        case DomainSource::stated:
+            return "stated";
+        case DomainSource::assumed:
+            return "assumed";
+        default:
+            return "default";
+    }
+}
+
+DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
+                         votess::Options& options) {
     const auto any = [](const std::array<bool, 3>& axes) { return std::ranges::count(axes, true) > 0; };
     const bool given = options.box || options.cell;
     if (!given) {
@@ -62,19 +75,18 @@ std::string choose_domain(const FileDomain& stated, const std::optional<std::arr
                 "the file says which axes are periodic, but not how long the periods are: give --box or --cell, or "
                 "--periodic none");
         }
-        return "bounds";
+        return {DomainSource::by_default, periodic ? DomainSource::option : DomainSource::by_default};
     }
     std::array<bool, 3>& axes = options.cell ? options.cell->periodic : options.periodic;
     const bool axes_alone = any(stated.periodic) && !stated.box;  // for the user's box
-    if (periodic) {
-        axes = *periodic;
-    } else if (given ? axes_alone : options.box.has_value()) {
-        axes = stated.periodic;
-    }
-    return given ? "given" : "file";
+    if (!periodic && (given ? axes_alone : options.box.has_value())) axes = stated.periodic;
+    if (periodic) axes = *periodic;
+    return {given ? DomainSource::option : DomainSource::stated, periodic               ? DomainSource::option
+                                                                 : given && !axes_alone ? DomainSource::by_default
+                                                                                        : stated.periodic_from};
 }
 
-std::string domain_text(const votess::Tessellation& cells, const std::string& from) {
+std::string domain_text(const votess::Tessellation& cells, const DomainFrom& from) {
     std::string text;
     if (const auto& cell = cells.cell()) {
         text = "cell " + short_list(cell->a) + " " + short_list(cell->b) + " " + short_list(cell->c) + " at " +
@@ -87,10 +99,12 @@ std::string domain_text(const votess::Tessellation& cells, const std::string& fr
     }
     const std::string axes = axes_of(cells);
     text += axes.empty() ? ", not periodic" : ", periodic " + axes;
-    return text + (from == "file" ? ", of the file" : from == "bounds" ? ", around the points" : "");
+    if (from.box == DomainSource::by_default) text += ", around the points";
+    const std::string box = word_of(from.box), periodic = word_of(from.periodic);
+    return text + "; " + (box == periodic ? box : "box " + box + ", periodicity " + periodic);
 }
 
-std::string domain_json(const votess::Tessellation& cells, const std::string& from) {
+std::string domain_json(const votess::Tessellation& cells, const DomainFrom& from) {
     const auto& cell = cells.cell();
     const auto of_cell = [&](const std::array<double, 3> votess::TriclinicBox::*vector) {
         return cell ? json_list((*cell).*vector) : "null";
@@ -102,7 +116,8 @@ std::string domain_json(const votess::Tessellation& cells, const std::string& fr
     return std::string(R"({"kind": ")") + kind_of(cells) + R"(", "lower": )" + json_list(cells.box().lower) +
            R"(, "upper": )" + json_list(cells.box().upper) + R"(, "origin": )" + of_cell(&Cell::origin) + R"(, "a": )" +
            of_cell(&Cell::a) + R"(, "b": )" + of_cell(&Cell::b) + R"(, "c": )" + of_cell(&Cell::c) +
-           R"(, "periodic": [)" + periodic + R"(], "from": ")" + from + "\"}";
+           R"(, "periodic": [)" + periodic + R"(], "from": ")" + word_of(from.box) + R"(", "periodic_from": ")" +
+           word_of(from.periodic) + "\"}";
 }
 
 }  // namespace clvotess

@@ -10,14 +10,22 @@
 
 namespace clvotess {
 
-// options: with --box or --cell if given; they get the rest. periodic: of --periodic. Returns where the domain comes
-// from: "given", "file" or "bounds". Throws Failure when an axis is to repeat whose length nobody has told.
-std::string choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
-                          votess::Options& options);
+// Box (or cell) and periodic axes may come from different sources.
+struct DomainFrom {
+    DomainSource box = DomainSource::by_default, periodic = DomainSource::by_default;
+};
 
-// For the summary: "box 0,0,0 to 1,1,1, periodic xy".
-[[nodiscard]] std::string domain_text(const votess::Tessellation& cells, const std::string& from);
-// An object: kind, lower, upper, origin, a, b, c, periodic, from.
-[[nodiscard]] std::string domain_json(const votess::Tessellation& cells, const std::string& from);
+// "option", "stated", "assumed" or "default".
+[[nodiscard]] const char* word_of(DomainSource source);
+
+// options: with --box or --cell if given; they get the rest. periodic: of --periodic. Throws Failure when a periodic
+// axis has no length.
+[[nodiscard]] DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
+                                       votess::Options& options);
+
+// For the summary: "box 0,0,0 to 1,1,1, periodic xy; box stated, periodicity assumed".
+[[nodiscard]] std::string domain_text(const votess::Tessellation& cells, const DomainFrom& from);
+// An object: kind, lower, upper, origin, a, b, c, periodic, from, periodic_from.
+[[nodiscard]] std::string domain_json(const votess::Tessellation& cells, const DomainFrom& from);
 
 }  // namespace clvotess

@@ -25,10 +25,12 @@ private:
     int code_;
 };
 
+// Returns a message as one line of bounded length without control bytes; names out of a file may hold any.
 [[nodiscard]] inline std::string one_line(std::string message) {
+    constexpr std::size_t longest = 2000;
     std::ranges::replace_if(
-        message, [](char c) { return c == '\n' || c == '\r'; }, ' ');
-    return message;
+        message, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+    return message.size() <= longest ? message : message.substr(0, longest) + "...";
 }
 
 [[nodiscard]] inline Failure bad_input(const std::string& message) {

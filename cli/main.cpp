@@ -117,7 +117,7 @@ int run(const Arguments& arguments) {
     std::vector<InputColumn> carried = take_carried(arguments, input);
     arguments.coloring.check(carried);
     summary.input_note = input.note;
-    const std::string domain_from = choose_domain(input.domain, arguments.periodic, options);
+    const DomainFrom domain_from = choose_domain(input.domain, arguments.periodic, options);
     // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
     const bool once = !arguments.picture || options.list_walls || arguments.outputs.empty();
     votess::Options for_picture = options;

@@ -1,25 +1,71 @@
 #!/usr/bin/env bash
-# Random sets of hard kinds, each answer proven cell by cell, on all cores until the time is over.
+# Random sets of hard kinds, each answer proven cell by cell, on all cores until the time is over; or damaged files for
+# the readers of clvotess.
 #   ./tools/fuzz.sh HOURS [KIND...] [--device cpu|lavapipe] [--seed N] [--findings FOLDER] [--jobs N]
 #   ./tools/fuzz.sh --replay FILE [--device cpu|lavapipe]
+#   ./tools/fuzz.sh --readers HOURS [READER...]
 # Kinds: wrapped thin skewed clusters weights walls wedges lattices spheres jobs many; default: all.
-# Prints how many sets of each kind it tried. What fails, hangs, crashes or takes too much is kept in FOLDER (default
-# build/fuzz), reduced, as a text that --replay runs again. Exits 1 when something was found.
+# Readers: number text csv gz xyz poscar lammps_dump lammps_data ply vtk npy npz hdf5; default: all, for equal times.
+# Prints how many sets of each kind it tried, and the seed, which is another for each run. What fails, hangs, crashes or
+# takes too much is kept in FOLDER (default build/fuzz), reduced, as a text that --replay runs again.
+# --readers needs clang with libFuzzer. It goes on with the inputs that earlier runs kept in build/fuzz/readers, and keeps
+# there as READER-crash-... what was found. Exits 1 when something was found.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 if [[ $# -eq 0 ]]; then
-    sed -n '2,7s/^# //p' "$0" >&2
+    sed -n '2,14s/^# //p' "$0" >&2
     exit 2
 fi
-tools/setup.sh run test
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-if ! { cmake --preset release -DVOTESS_BUILD_TESTS=ON &&
-       cmake --build --preset release --parallel "$(nproc)" --target votess_fuzz; } >"$log" 2>&1; then
-    cat "$log"
-    exit 2
+
+build() {  # preset or folder, target, then options of cmake
+    local target=$2 where=(--preset "$1") tree="build/$1"
+    [[ $1 == */* ]] && where=(-S . -B "$1") tree=$1
+    shift 2
+    if ! { cmake "${where[@]}" -DVOTESS_BUILD_TESTS=ON "$@" &&
+           cmake --build "$tree" --parallel "$(nproc)" --target "$target"; } >"$log" 2>&1; then
+        cat "$log"
+        exit 2
+    fi
+}
+
+fuzz_readers() {  # hours, then readers
+    local hours=$1 clang malloc_limit status=0
+    shift
+    clang=$(compgen -c clang++ | grep -E '^clang\+\+(-[0-9]+)?$' | sort -V | tail -n 1 || true)
+    [[ -n $clang ]] || { echo "fuzz: --readers needs clang++ with libFuzzer (Debian: clang libclang-rt-14-dev)" >&2; exit 2; }
+    [[ $# -gt 0 ]] || set -- number text csv gz xyz poscar lammps_dump lammps_data ply vtk npy npz hdf5
+    build build/fuzz/clang votess_reader_fuzzer -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+        "-DCMAKE_CXX_COMPILER=$clang" "-DCMAKE_C_COMPILER=${clang/++/}" -DVOTESS_BUILD_VULKAN=OFF -DVOTESS_FUZZ_READERS=ON
+    local seconds seed kept=build/fuzz/readers
+    seconds=$(awk -v h="$hours" -v n=$# 'BEGIN { printf "%d", h * 3600 / n + 1 }')
+    for reader in "$@"; do
+        seed=$((RANDOM * 32768 + RANDOM + 1))
+        mkdir -p "$kept/$reader"
+        echo "fuzz: reader $reader, $seconds seconds, seed $seed"
+        # HDF5 keeps memory of its own, reads behind the end of what is damaged, and asks for any amount of memory.
+        malloc_limit=4096
+        [[ $reader != hdf5 ]] || malloc_limit=1000000000
+        if ! VOTESS_FUZZ_READER=$reader UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
+            ASAN_OPTIONS="detect_leaks=0:allocator_may_return_null=1:suppressions='$PWD/tests/fuzz/readers/hdf5.supp'" \
+            build/fuzz/clang/bin/votess_reader_fuzzer -max_total_time="$seconds" -seed="$seed" -max_len=16384 -timeout=20 \
+            -rss_limit_mb=4096 -malloc_limit_mb="$malloc_limit" -print_final_stats=1 -verbosity=0 -artifact_prefix="$kept/$reader-" \
+            "$kept/$reader" "tests/fuzz/readers/corpus/$reader"; then
+            echo "found: see $kept/$reader-*; VOTESS_FUZZ_READER=$reader build/fuzz/clang/bin/votess_reader_fuzzer FILE runs it again"
+            status=1
+        fi
+    done
+    exit "$status"
+}
+
+tools/setup.sh run test
+if [[ $1 == --readers ]]; then
+    [[ $# -gt 1 ]] || { echo "fuzz: --readers HOURS [READER...]" >&2; exit 2; }
+    fuzz_readers "${@:2}"
 fi
+build release votess_fuzz
 status=0
 build/release/bin/votess_fuzz "$@" || status=$?
 exit "$status"

@@ -14,4 +14,9 @@ std::string columns_text(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " column" : " columns");
 }
 
+std::string not_a_number(std::string_view word) {
+    if (has_decimal_comma(word)) return in_quotes(word) + " has a decimal comma: decimals need a point, as in 0.5";
+    return in_quotes(word) + " is not a number";
+}
+
 }  // namespace clvotess

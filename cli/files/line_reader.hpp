@@ -9,14 +9,17 @@
 #include <vector>
 
 #include "failure.hpp"
+#include "files/limits.hpp"
 #include "files/numbers.hpp"
+#include "interrupt.hpp"
 
 namespace clvotess {
 
 using Words = std::vector<std::string_view>;
 
+inline constexpr std::string_view blanks = " \t\r\v\f";
+
 inline void split_words(std::string_view line, Words& words) {
-    constexpr std::string_view blanks = " \t\r\v\f";
     words.clear();
     for (;;) {
         const auto begin = line.find_first_not_of(blanks);
@@ -28,8 +31,9 @@ inline void split_words(std::string_view line, Words& words) {
     }
 }
 
-[[nodiscard]] std::string lower_case(std::string_view text);  // of ASCII
-[[nodiscard]] std::string columns_text(std::size_t count);    // "1 column", "5 columns"
+[[nodiscard]] std::string lower_case(std::string_view text);    // of ASCII
+[[nodiscard]] std::string columns_text(std::size_t count);      // "1 column", "5 columns"
+[[nodiscard]] std::string not_a_number(std::string_view word);  // what is wrong with it
 
 class LineReader {
 public:
@@ -42,12 +46,24 @@ public:
         if (line_ == 0 && rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
     }
 
+    // Takes the next line; false at the end. Throws Failure when it is too long, and Interrupted soon after a signal.
     [[nodiscard]] bool next(std::string_view& line) {
         if (rest_.empty()) return false;
-        const auto end = std::min(rest_.find('\n'), rest_.size());
+        const std::string_view near = rest_.substr(0, longest_line + 1);
+        const auto end = std::min(near.find('\n'), near.size());
+        constexpr std::size_t lines_in_a_round = 4096;
+        if (++line_ % lines_in_a_round == 0) throw_if_interrupted();
+        if (end > longest_line) throw error("a line of more than " + std::to_string(longest_line) + " bytes");
         line = rest_.substr(0, end);
         rest_.remove_prefix(std::min(end + 1, rest_.size()));
-        ++line_;
+        return true;
+    }
+    // Takes the next line that is not blank; false at the end.
+    [[nodiscard]] bool next_filled(std::string_view& line) {
+        do {
+            pass_line_ends();
+            if (!next(line)) return false;
+        } while (line.find_first_not_of(blanks) == std::string_view::npos);
         return true;
     }
 
@@ -63,10 +79,18 @@ public:
 
     [[nodiscard]] double number(std::string_view word) const {
         if (const auto value = read_double(word)) return *value;
-        throw error(in_quotes(word) + " is not a number");
+        throw error(not_a_number(word));
+    }
+    // A number of a column that the user named, or of all.
+    [[nodiscard]] double number(std::string_view word, std::string_view column) const {
+        if (const auto value = read_double(word)) return *value;
+        if (has_decimal_comma(word)) throw error(not_a_number(word));
+        throw error(not_a_number(word) + ": the column " + in_quotes(column) +
+                    " holds words; --copy, --density, --radii and --weights take columns of numbers");
     }
     [[nodiscard]] std::int64_t whole(std::string_view word, const char* what) const {
         if (const auto value = read_int64(word)) return *value;
+        if (has_decimal_comma(word)) throw error(not_a_number(word));
         throw error(in_quotes(word) + " is not a whole number, as " + what + " must be");
     }
 
@@ -79,6 +103,16 @@ public:
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
 private:
+    void pass_line_ends() {
+        constexpr std::size_t piece = std::size_t{1} << 20;
+        while (!rest_.empty() && rest_[0] == '\n') {
+            const std::string_view near = rest_.substr(0, piece);
+            const auto count = std::min(near.find_first_not_of('\n'), near.size());
+            throw_if_interrupted();
+            skip(count, count);
+        }
+    }
+
     std::string_view rest_;
     std::string name_;
     std::size_t line_ = 0;

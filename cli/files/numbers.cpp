@@ -1,5 +1,6 @@
 #include "files/numbers.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -23,10 +24,22 @@ std::optional<Integer> read_integer(std::string_view text) {
     return value;
 }
 
-// Only for text that from_chars found to be a number beyond the range of float64: does it lie beyond or below it?
+// For text that from_chars found to be a number outside of the range of float64: does it lie beyond or below it? The
+// first digit that is not 0 and the exponent decide.
 bool is_huge(std::string_view text) {
-    const auto exponent = text.find_first_of("eE");
-    return exponent == std::string_view::npos || exponent + 1 >= text.size() || text[exponent + 1] != '-';
+    const auto mark = std::min(text.find_first_of("eE"), text.size());
+    const std::string_view digits = text.substr(0, mark);
+    const auto point = static_cast<std::int64_t>(std::min(digits.find('.'), digits.size()));
+    const auto first = static_cast<std::int64_t>(std::min(digits.find_first_of("123456789"), digits.size()));
+    std::int64_t exponent = 0;
+    if (mark < text.size()) {
+        const std::string_view word = without_plus(text.substr(mark + 1));
+        constexpr std::int64_t farther_than_any_text = std::int64_t{1} << 62;
+        exponent = read_integer<std::int64_t>(word).value_or(farther_than_any_text);
+        if (word.starts_with('-') && exponent > 0) exponent = -exponent;
+        exponent = std::clamp(exponent, -farther_than_any_text, farther_than_any_text);
+    }
+    return exponent + point - first > 0;
 }
 
 }  // namespace
@@ -42,6 +55,13 @@ std::optional<double> read_double(std::string_view text) {
     }
     if (error != std::errc{}) return std::nullopt;
     return value;
+}
+
+bool has_decimal_comma(std::string_view text) {
+    for (auto at = text.find(','); at != std::string_view::npos; at = text.find(',', at + 1)) {
+        if (at > 0 && at + 1 < text.size() && is_digit(text[at - 1]) && is_digit(text[at + 1])) return true;
+    }
+    return false;
 }
 
 std::optional<std::int64_t> read_int64(std::string_view text) {

@@ -8,10 +8,17 @@
 
 namespace clvotess {
 
-// Decimal or scientific, also nan and inf; a leading + is allowed. Too large for float64 reads as infinity.
+// Reads decimal or scientific notation, nan and inf; a leading + is allowed. Numbers beyond the range of float64 read
+// as infinity, numbers below it as 0.
 [[nodiscard]] std::optional<double> read_double(std::string_view text);
 [[nodiscard]] std::optional<std::int64_t> read_int64(std::string_view text);
 [[nodiscard]] std::optional<std::uint64_t> read_uint64(std::string_view text);
+
+[[nodiscard]] constexpr bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+// Whether a comma stands between two digits, as in 0,5.
+[[nodiscard]] bool has_decimal_comma(std::string_view text);
 
 // Shortest text that reads back as the same value.
 [[nodiscard]] std::string to_text(double value);

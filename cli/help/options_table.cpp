@@ -14,6 +14,7 @@ const std::vector<HelpSection>& help_sections() {
                 says where x, y, z and id are; an .xyz may be frames of a
                 count, a comment and rows `Element x y z`, also extended:
                 the comment says Properties=, Lattice=, Origin= and pbc=
+.extxyz         the same as .xyz
 .npy .npz       NumPy arrays (N, 3), float64 or float32; in .npz the array
                 `points`, the only one that fits, or x, y and z; ids
 .h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
@@ -21,7 +22,8 @@ const std::vector<HelpSection>& help_sections() {
 .dump .lammpstrj  LAMMPS dump in text, also called dump.NAME
 .data .lmp      LAMMPS data file, its section Atoms; also data.NAME. The
                 atom style (`Atoms # full`) or a line of names says where
-                the columns are, or in common styles their number
+                the columns are, or in common styles their number; other
+                words behind the # are a comment
 POSCAR CONTCAR .vasp  of VASP
 .ply            element vertex: x y z, id
 .vtp .vtu       VTK in XML: Points, id out of PointData
@@ -49,9 +51,10 @@ ends at the planes of its faces, walls -1 to -6)"},
              {"--origin x,y,z", "",
               R"(the corner of --cell; default 0,0,0
 Unless --box or --cell is given, a file that states its domain gives it:
-LAMMPS (a data file repeats along all axes), extended XYZ (without pbc
-all), POSCAR (all), BoxSize of a snapshot (none), .npz and .h5 of
-clvotess. --periodic then says which axes of that box repeat)"},
+LAMMPS, extended XYZ, POSCAR, BoxSize of a snapshot, .npz and .h5 of
+clvotess. Axes that the file does not state are assumed periodic for
+LAMMPS without boundary flags, POSCAR and XYZ without pbc, and not for
+snapshots. --periodic then says which axes of that box repeat)"},
              {"--wall nx,ny,nz,d", "",
               R"(keep where nx x + ny y + nz z <= d; repeatable: a convex polyhedron, whose
 walls are -7, -8, ...)"},
@@ -87,7 +90,8 @@ empty one (merge, the default), or the input is refused (error))"},
 .npz   NumPy arrays: indptr, indices (row i of the neighbor lists is
        indices[indptr[i]:indptr[i+1]]), shifts in periodic domains, what
        --want names, status, duplicate_of when there are duplicates, ids,
-       the domain (box, periodic, cell, origin, walls, domain_from),
+       the domain (box, periodic, cell, origin, walls) and its source
+       (domain_from, periodic_from: option, stated, assumed, default),
        units that the file states, version
 .h5    HDF5: the same (also .hdf5), the domain and units as attributes
 .vtu   the cells as polyhedra for ParaView, PyVista and meshio, with id,

@@ -115,7 +115,7 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     const bool refuses_duplicates = options.duplicates == votess::Duplicates::error;
     options.duplicates = votess::Duplicates::merge;
     std::vector<InputColumn> carried;
-    std::string domain_from;
+    DomainFrom domain_from;
     ranks.together([&] {
         complete_columns(arguments, input);
         take_weights(arguments, input, options);

@@ -67,6 +67,7 @@ std::vector<char> pack_whole(const Input& input) {
     const FileDomain& domain = input.domain;
     pack.put(std::span<const votess::Box>(domain.box ? &*domain.box : nullptr, domain.box ? 1 : 0));
     pack.put_one(domain.periodic);
+    pack.put_one(domain.periodic_from);
     pack.put(std::span<const votess::TriclinicBox>(domain.cell ? &*domain.cell : nullptr, domain.cell ? 1 : 0));
     pack.put(std::span<const votess::Wall>(domain.walls));
     pack.put_one(std::uint64_t{input.units.size()});
@@ -95,6 +96,7 @@ std::uint64_t unpack_whole(const std::vector<char>& bytes, Input& input) {
     FileDomain& domain = input.domain;
     if (const auto box = unpack.take<votess::Box>(); !box.empty()) domain.box = box[0];
     domain.periodic = unpack.take_one<std::array<bool, 3>>();
+    domain.periodic_from = unpack.take_one<DomainSource>();
     if (const auto cell = unpack.take<votess::TriclinicBox>(); !cell.empty()) domain.cell = cell[0];
     domain.walls = unpack.take<votess::Wall>();
     for (auto left = unpack.take_one<std::uint64_t>(); left > 0; --left) {

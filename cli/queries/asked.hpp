@@ -12,6 +12,7 @@
 #include <votess/diagram.hpp>
 
 #include "arguments/arguments.hpp"
+#include "domain.hpp"
 #include "files/atomic_file.hpp"
 #include "read/input.hpp"
 
@@ -32,7 +33,7 @@ private:
 
 struct Asked {
     Input seeds, queries;
-    std::string domain_from;  // "given", "file" or "bounds"
+    DomainFrom domain_from;
     votess::Diagram diagram;
 };
 

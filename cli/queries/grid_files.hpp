@@ -10,6 +10,8 @@
 #include <votess/diagram.hpp>
 #include <votess/picture.hpp>
 
+#include "domain.hpp"
+
 namespace clvotess {
 
 class OutputFile;
@@ -20,7 +22,7 @@ struct GridOutput {
     std::string method;
     std::vector<std::string> names;  // of the columns
     const votess::Tessellation& domain;
-    const std::string& domain_from;  // "given", "file" or "bounds"
+    const DomainFrom& domain_from;
 
     // Of the array: without the axis that is projected, and with the columns where there are several.
     [[nodiscard]] std::vector<std::uint64_t> shape() const;

@@ -34,6 +34,10 @@ std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::s
 }
 
 ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where) {
+    if (names.size() > most_columns) {
+        throw bad_input(where + ": " + columns_text(names.size()) + ", more than the " + std::to_string(most_columns) +
+                        " that are read");
+    }
     for (const std::string& wish : request.columns) {
         if (!find(names, wish) && find(names, wish + "_1")) {
             Place& place = places_.emplace_back();
@@ -58,7 +62,7 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
 void ColumnPlaces::add_others(const Words& names, std::span<const std::size_t> taken, const Words& row) {
     for (std::size_t k = 0; k < std::min(names.size(), row.size()); ++k) {
         const bool free = std::ranges::find(taken, k) == taken.end() && !holds(k) && !names[k].empty();
-        if (free && read_double(row[k])) places_.push_back({name_of(names[k]), {k}});
+        if (free && (read_double(row[k]) || has_decimal_comma(row[k]))) places_.push_back({name_of(names[k]), {k}});
     }
 }
 

@@ -17,7 +17,7 @@ namespace clvotess {
 class ColumnPlaces {
 public:
     // names: of all columns, numbers from 1 where they have none. where: for messages. Throws Failure when a column
-    // that the request names is not there, unless it may lack.
+    // that the request names is missing and may not be, or when there are too many columns.
     ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where);
 
     // For `all`: adds the columns that are not taken, for coordinates and ids, and hold a number in this row.
@@ -29,11 +29,11 @@ public:
     [[nodiscard]] std::size_t end() const;
     // The columns, still empty, with room for so many rows.
     [[nodiscard]] std::vector<InputColumn> columns(std::size_t rows) const;
-    // Adds a row: number(k) is that of column k.
+    // Adds a row: number(k, name) is that of column k, and `name` that of the array.
     template <typename Number>
     void append(std::vector<InputColumn>& columns, Number number) const {
         for (std::size_t c = 0; c < places_.size(); ++c) {
-            for (const std::size_t k : places_[c].at) columns[c].values.push_back(number(k));
+            for (const std::size_t k : places_[c].at) columns[c].values.push_back(number(k, places_[c].name));
         }
     }
 

@@ -6,17 +6,18 @@
 
 #include "failure.hpp"
 #include "files/formats/hdf5_module.hpp"
-#include "files/gunzip.hpp"
+#include "files/inflate.hpp"
+#include "files/input_file.hpp"
 #include "files/line_reader.hpp"
-#include "files/mapped_file.hpp"
 #include "stream/pieces.hpp"
 
 namespace clvotess {
 namespace {
 
 constexpr const char* known =
-    "known are .xyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply .vtp .vtu, POSCAR, text "
-    "without an extension, and on stdin as -; text also as .gz";
+    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply .vtp .vtu, "
+    "POSCAR, "
+    "text without an extension, and on stdin as -; text also as .gz";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
     if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
@@ -38,6 +39,7 @@ void refuse_columns(const std::string& path, const ReadRequest& request) {
 std::string kind_of(const std::string& path) {
     if (path == "-") return ".txt";
     const std::string extension = extension_of(path);
+    if (extension == ".extxyz") return ".xyz";
     constexpr std::array<std::string_view, 16> extensions{".xyz", ".txt",  ".dat",  ".csv",       ".npy",  ".npz",
                                                           ".h5",  ".hdf5", ".dump", ".lammpstrj", ".data", ".lmp",
                                                           ".ply", ".vtp",  ".vtu",  ".vasp"};
@@ -68,6 +70,23 @@ bool reads_shares(const std::string& path, const ReadRequest& request) {
     return is_hdf5(path, request) || (!request.text && path != "-" && extension_of(path) == ".npy");
 }
 
+std::string conversion(std::string_view extension) {
+    struct Family {
+        std::string_view extensions, to;
+    };
+    constexpr std::array<Family, 4> families{{
+        {" .cif .pdb .pqr .gro .xsf .cube .traj ", "extended XYZ, for example with ASE: ase convert FILE out.extxyz"},
+        {" .xtc .trr .dcd .gsd .mol2 .nc ", "a LAMMPS dump or XYZ, for example with MDAnalysis or OVITO"},
+        {" .vtk .stl .obj .off .pcd .las .laz ", ".ply, for example with PyVista, Open3D or PDAL"},
+        {" .fits .parquet .xlsx .mat .json .pkl ", ".npy, .csv or .h5, for example with NumPy or pandas"},
+    }};
+    for (const Family& family : families) {
+        if (!extension.empty() && family.extensions.find(" " + std::string(extension) + " ") != std::string_view::npos)
+            return "this format is not read; convert it to " + std::string(family.to);
+    }
+    return {};
+}
+
 std::string extension_of(const std::string& path) {
     return lower_case(std::filesystem::path(path).extension().string());
 }
@@ -79,6 +98,7 @@ FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 
         return std::array<double, 3>{from[at], from[at + 1], from[at + 2]};
     };
     FileDomain domain;
+    domain.periodic_from = DomainSource::stated;
     if (cell.size() == 9 && origin.size() == 3) {
         domain.cell = votess::TriclinicBox{three(origin, 0), three(cell, 0), three(cell, 3), three(cell, 6), periodic};
         return domain;
@@ -106,9 +126,10 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     }
     using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
     const auto parse = [&](Parser parser) {
-        const MappedFile file(path);
-        return parser(packed ? std::string_view(gunzip(file.bytes(), path)) : file.bytes(),
-                      path == "-" ? "stdin" : path, request);
+        const bool lines = !packed && std::ranges::find(binary, extension) == binary.end();
+        std::string bytes = read_whole(path, lines);
+        if (packed) bytes = gunzip(bytes, path);
+        return parser(bytes, path == "-" ? "stdin" : path, request);
     };
     if (extension == ".txt" || extension == ".dat" || extension.empty()) {
         return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::plain, name, wish); });
@@ -123,7 +144,8 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     if (extension == ".data" || extension == ".lmp") return parse(parse_lammps_data);
     if (extension == ".ply") return parse(parse_ply);
     if (extension == ".vtp" || extension == ".vtu") return parse(parse_vtk);
-    throw bad_input("cannot read " + in_quotes(path) + ": " + known);
+    const std::string remedy = conversion(extension);
+    throw bad_input("cannot read " + in_quotes(path) + ": " + (remedy.empty() ? known : remedy));
 }
 
 std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {
@@ -136,9 +158,11 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
         return open_npy(path, rows);
     }
     if (extension == ".csv") return open_text(path, TextKind::csv, request, rows);
-    const bool rows_alone = extension == ".xyz" && !holds_frames(MappedFile(path).bytes(), path);
-    if (extension == ".txt" || extension == ".dat" || extension.empty() || rows_alone)
+    if (extension == ".txt" || extension == ".dat" || extension.empty())
         return open_text(path, TextKind::plain, request, rows);
+    if (extension == ".xyz") {
+        if (auto pieces = open_xyz(path, request, rows)) return pieces;
+    }
     throw bad_input(
         "--memory reads .npy, .h5 and rows of text (.txt .dat .csv, .xyz without frames, no extension, stdin as "
         "-), not " +

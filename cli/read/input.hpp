@@ -15,12 +15,21 @@
 
 namespace clvotess {
 
-// What a file says about the domain of its points.
+// Where a property of the domain comes from.
+enum class DomainSource : std::uint8_t {
+    option,     // of the command line
+    stated,     // by the file
+    assumed,    // by a rule of the format, because the file does not state it
+    by_default  // because nothing says otherwise: the bounds of the points, no periodic axis
+};
+
+// The domain that a file gives to its points.
 struct FileDomain {
     std::optional<votess::Box> box;
-    std::array<bool, 3> periodic{};            // may be told without a box
+    std::array<bool, 3> periodic{};            // may be stated without a box
     std::optional<votess::TriclinicBox> cell;  // instead of box and periodic, with its own
     std::vector<votess::Wall> walls;           // that cut the box
+    DomainSource periodic_from = DomainSource::by_default;
 };
 
 // A number or a word that belongs to the whole of a file.
@@ -73,7 +82,7 @@ struct ReadRequest {
     std::vector<std::string> columns;    // by names, or in files of rows numbers from 1
     bool columns_may_lack = false;       // leaves out those of `columns` that the file has not
     bool all_columns = false;            // the others too
-    std::optional<std::uint64_t> frame;  // LAMMPS dump, .xyz: which one, from 0; default the first
+    std::optional<std::uint64_t> frame;  // LAMMPS dump, XYZ: which one, from 0; default the first
     Share share;                         // of the points, where reads_shares() says so; others read all
 };
 
@@ -104,6 +113,9 @@ enum class TextKind {
 
 // `count` seeds in the unit box, the same on every machine for the same `rng_seed`.
 [[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed, const Share& share = {});
+
+// Returns how files of a known format that is not read become one that is; empty for other extensions.
+[[nodiscard]] std::string conversion(std::string_view extension);
 
 // Extension in lower case with its dot; "" when there is none.
 [[nodiscard]] std::string extension_of(const std::string& path);

@@ -1,12 +1,9 @@
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 
 #include "failure.hpp"
 #include "files/formats/npy_array.hpp"
-#include "interrupt.hpp"
+#include "files/input_file.hpp"
 #include "read/input.hpp"
 #include "stream/pieces.hpp"
 
@@ -15,25 +12,24 @@ namespace {
 
 class NpyFile {
 public:
-    explicit NpyFile(const std::string& path) : stream_(path, std::ios::binary) {
-        if (!stream_) throw bad_input("cannot open " + in_quotes(path) + ": " + std::strerror(errno));
+    // A FIFO is refused before it is opened, which would wait for its writer.
+    explicit NpyFile(const std::string& path) {
         std::error_code problem;
-        const std::uint64_t size = std::filesystem::file_size(path, problem);
-        if (problem) throw bad_input(path + ": not a regular file");
-        const auto read = [this, path](void* to, std::uint64_t count) {
-            stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(count));
-            if (!stream_) throw bad_input(path + ": the file ends too early");
+        if (std::filesystem::exists(path, problem) && !std::filesystem::is_regular_file(path, problem))
+            throw bad_input(path + ": not a regular file");
+        file_.emplace(path);
+        const auto read = [this](void* to, std::uint64_t count) {
+            if (file_->read(static_cast<char*>(to), count) < count)
+                throw bad_input(file_->name() + ": the file ends too early");
         };
-        const auto skip = [this](std::uint64_t count) {
-            stream_.seekg(static_cast<std::streamoff>(count), std::ios::cur);
-        };
-        array_.emplace(ByteSource{size, read, skip}, path);
+        const auto skip = [this](std::uint64_t count) { file_->skip(count); };
+        array_.emplace(ByteSource{file_->size(), read, skip}, path);
         array_->check_points();
     }
     [[nodiscard]] NpyArray& array() { return *array_; }
 
 private:
-    std::ifstream stream_;
+    std::optional<InputFile> file_;
     std::optional<NpyArray> array_;
 };
 
@@ -46,7 +42,6 @@ public:
         return true;
     }
     bool next(Input& piece) override {
-        throw_if_interrupted();
         file_->array().read_next(rows_, piece.points);
         return piece.size() > 0;
     }

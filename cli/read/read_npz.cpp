@@ -5,6 +5,7 @@
 #include "failure.hpp"
 #include "files/formats/npy_array.hpp"
 #include "files/formats/zip_reader.hpp"
+#include "files/line_reader.hpp"
 #include "read/input.hpp"
 
 namespace clvotess {
@@ -143,6 +144,7 @@ private:
         if (!may_be_column(array)) throw bad_input(name_ + ": " + name + " is no array of numbers for each point");
         check_length(name, array, input.size(), "the array of points");
         const auto width = static_cast<std::size_t>(array.is_column() ? 1 : array.shape()[1]);
+        if (width > most_columns) throw bad_input(name_ + ": " + name + " has rows of " + columns_text(width));
         InputColumn& column = input.columns.emplace_back(InputColumn{name, width, {}});
         if (array.is_float()) return array.read_floats(column.values);
         const std::vector<std::int64_t> whole = array.read_whole();
@@ -158,7 +160,8 @@ private:
             if (&member == points || axis || named || name == "ids" || name == "id" || !member.name.ends_with(".npy"))
                 continue;
             const NpyArray array = open(member);
-            if (may_be_column(array) && array.shape()[0] == input.size()) read_column(name, input);
+            const bool fits = may_be_column(array) && array.shape()[0] == input.size();
+            if (fits && (array.is_column() || array.shape()[1] <= most_columns)) read_column(name, input);
         }
     }
 

@@ -7,6 +7,7 @@
 #include "failure.hpp"
 #include "files/binary_numbers.hpp"
 #include "files/line_reader.hpp"
+#include "interrupt.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
 
@@ -79,6 +80,8 @@ private:
             } else if (words_[0] == "element") {
                 const auto count = words_.size() == 3 ? read_uint64(words_[2]) : std::nullopt;
                 if (!count) throw lines_.error("expected: element NAME COUNT");
+                if (elements_.size() == most_arrays)
+                    throw lines_.error("more than the " + std::to_string(most_arrays) + " elements that are read");
                 elements_.push_back({words_[1], *count, {}});
             } else if (words_[0] == "property") {
                 read_property();
@@ -106,6 +109,8 @@ private:
         const auto type = type_of(words_[list ? 3 : 1]);
         const auto count_type = list ? type_of(words_[2]) : std::nullopt;
         if (!type || (list && !count_type)) throw lines_.error("unknown type of a property");
+        if (elements_.back().properties.size() == most_columns)
+            throw lines_.error("more than the " + std::to_string(most_columns) + " properties that are read");
         elements_.back().properties.push_back({words_.back(), *type, count_type});
     }
 
@@ -143,6 +148,8 @@ private:
 
     // Moves past one row; notes where each property that is no list begins.
     void pass_row(const Element& element, std::uint64_t row, std::vector<const char*>& fields) {
+        constexpr std::uint64_t rows_in_a_round = 4096;
+        if (row % rows_in_a_round == 0) throw_if_interrupted();
         std::string_view rest = lines_.rest();
         fields.clear();
         for (const Property& property : element.properties) {
@@ -215,7 +222,7 @@ private:
                 pass_row(element, i, fields);
                 for (const std::size_t k : {*x, *y, *z}) input.points.push_back(value(k));
                 if (id) input.ids.push_back(*load_whole(element.properties[*id].type, fields[*id], swapped_));
-                wanted.append(input.columns, value);
+                wanted.append(input.columns, [&](std::size_t k, const std::string&) { return value(k); });
             }
         }
         return input;
@@ -234,7 +241,9 @@ private:
             }
             for (const std::size_t k : axes) input.points.push_back(lines_.number(words_[k]));
             if (id) input.ids.push_back(lines_.whole(words_[*id], "an id"));
-            wanted.append(input.columns, [this](std::size_t k) { return lines_.number(words_[k]); });
+            wanted.append(input.columns, [this](std::size_t k, const std::string& column) {
+                return lines_.number(words_[k], column);
+            });
         });
     }
 

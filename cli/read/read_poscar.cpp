@@ -12,11 +12,27 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
+// Whether a block of data begins before anything else, as in CIF.
+bool is_cif(std::string_view text, const std::string& name) {
+    LineReader lines(text, name);
+    std::string_view line;
+    Words words;
+    while (lines.next_filled(line)) {
+        split_words(line, words);
+        if (words[0][0] == '#') continue;
+        return words.size() == 1 && lower_case(words[0].substr(0, 5)) == "data_" &&
+               lines.rest().find("_cell_") != std::string_view::npos;
+    }
+    return false;
+}
+
 class PoscarReader {
 public:
     PoscarReader(std::string_view text, const std::string& name) : lines_(text, name) {}
 
     Input read() {
+        if (is_cif(lines_.rest(), lines_.name()))
+            throw bad_input(lines_.name() + ": a text in CIF, and " + conversion(".cif"));
         (void)lines_.need("a comment");
         const Words scale = words_of("the scale of the cell");
         if (scale.size() != 1 && scale.size() != 3) throw lines_.error("expected one or three numbers, the scale");
@@ -32,6 +48,7 @@ public:
             constexpr std::uint64_t most = std::uint64_t{1} << 40;
             if (!number || *number > most) throw lines_.error(in_quotes(word) + " is not a number of atoms");
             count += *number;
+            if (count > most) throw lines_.error("the numbers of atoms add up to more than " + std::to_string(most));
         }
         std::string how = lower_case(words_of("Direct or Cartesian")[0]);
         if (how[0] == 's') how = lower_case(words_of("Direct or Cartesian")[0]);  // Selective dynamics
@@ -51,6 +68,7 @@ public:
                                                : x[0] * edges_[0][k] + x[1] * edges_[1][k] + x[2] * edges_[2][k]);
             }
         }
+        input.domain.periodic_from = DomainSource::assumed;
         input.domain.cell = votess::TriclinicBox{.a = edges_[0], .b = edges_[1], .c = edges_[2]};
         return input;
     }

@@ -6,22 +6,26 @@
 #include <optional>
 
 #include "failure.hpp"
+#include "files/input_file.hpp"
 #include "files/line_reader.hpp"
 #include "files/numbers.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
 #include "stream/pieces.hpp"
-#include "stream/sequential_file.hpp"
 
 namespace clvotess {
 namespace {
 
 constexpr std::size_t kept_fields = 64;
+constexpr std::size_t row_bytes = 40;  // about, in a file
 
 // The fields of one line. `count` may exceed the number of fields kept.
 struct Row {
     std::array<std::string_view, kept_fields> fields;
     std::size_t count = 0;
+    const char* comma = nullptr;    // the first that may be that of a decimal: between digits, no point before it
+    bool commas_everywhere = true;  // in every gap between two fields
+    std::size_t apart = 0;          // fields, where gaps without blanks or semicolons join two
 };
 
 // Which columns of a row hold what.
@@ -52,14 +56,13 @@ public:
         lines_.go_on(text);
         Row row;
         while (next_row(row)) {
-            if (!places_) {
-                if (kind_ == TextKind::csv && names_.empty() && is_header(row)) {
-                    names_ = names_of(line_);
-                    check_names();
-                    continue;
-                }
-                find_places(row);
+            if (!places_ && kind_ == TextKind::csv && names_.empty() && is_header(row)) {
+                names_ = names_of(line_);
+                check_names();
+                continue;
             }
+            check_commas(row);
+            if (!places_) find_places(row);
             if (input.points.empty()) begin(input);
             append_row(row, input);
         }
@@ -68,33 +71,56 @@ public:
 private:
     // The next line that holds any field.
     bool next_row(Row& row) {
-        while (lines_.next(line_)) {
+        while (lines_.next_filled(line_)) {
             split(line_, row);
             if (row.count > 0) return true;
         }
         return false;
     }
 
+    // A comma between two digits separates fields where every gap of the row holds a comma, unless blanks behind other
+    // commas leave 3 or 4 numbers, as in "0,5, 1, 2".
+    void check_commas(const Row& row) const {
+        const bool may_be_decimals = names_.empty() && (row.apart == 3 || row.apart == 4) && row.apart < row.count;
+        if (!row.comma || (row.commas_everywhere && !may_be_decimals)) return;
+        const char *begin = row.comma, *end = row.comma;
+        while (begin != line_.data() && !is_blank(begin[-1]) && begin[-1] != ';') --begin;
+        while (end != line_.data() + line_.size() && !is_blank(*end) && *end != ';') ++end;
+        throw lines_.error(not_a_number({begin, static_cast<std::size_t>(end - begin)}));
+    }
+
     // Between two fields: blanks, with at most one comma or semicolon among them.
     void split(std::string_view line, Row& row) const {
         row.count = 0;
+        row.comma = nullptr;
+        row.commas_everywhere = true;
+        row.apart = 0;
         const char* at = line.data();
         const char* const end = at + line.size();
         const auto skip_blanks = [&] {
             while (at != end && is_blank(*at)) ++at;
             return at == end || *at == '#';
         };
-        while (!skip_blanks()) {
+        for (const char* gap = at; !skip_blanks(); gap = at) {
+            const bool comma = *at == ',';
             if (is_mark(*at)) {
                 if (row.count > 0) ++at;
                 if (skip_blanks() || is_mark(*at))
                     throw lines_.error("column " + std::to_string(row.count + 1) + " is empty");
             }
             const char* const begin = at;
+            const bool joined = row.count > 0 && comma && begin - gap == 1;
+            if (row.count > 0 && !comma) row.commas_everywhere = false;
+            if (!joined) ++row.apart;
+            if (joined && !row.comma && is_digit(gap[-1]) && is_digit(*begin) && !has_point(row)) row.comma = gap;
             while (at != end && !ends_field(*at)) ++at;
             if (row.count < kept_fields) row.fields[row.count] = {begin, static_cast<std::size_t>(at - begin)};
             ++row.count;
         }
+    }
+
+    static bool has_point(const Row& row) {
+        return row.fields[std::min(row.count, kept_fields) - 1].find('.') != std::string_view::npos;
     }
 
     static bool is_header(const Row& row) {
@@ -178,7 +204,8 @@ private:
         }
         if (places.size() != 3 && places.size() != 4) {
             throw lines_.error("this row has " + columns_text(columns) + ", expected 3 (x y z) or 4 (id x y z)" +
-                               (wanted.end() > 0 ? " beside those that are named" : ""));
+                               (wanted.end() > 0 ? " beside those that are named" : "") +
+                               (places.size() == 2 ? "; for points in a plane add a column of zeros" : ""));
         }
         if (places.size() == 4) layout.id = places[0];
         std::copy(places.end() - 3, places.end(), layout.axes.begin());
@@ -217,13 +244,17 @@ private:
             const std::string_view field = row.fields[*layout_.id];
             const auto id = read_int64(field);
             if (!id) {
+                if (has_decimal_comma(field)) throw lines_.error(not_a_number(field));
+                const bool may_be_radii = names_.empty() && row.count == 4 && read_double(field);
                 throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
-                                   (names_.empty() ? " (columns id x y z)" : ""));
+                                   (names_.empty() ? " (columns id x y z)" : "") +
+                                   (may_be_radii ? "; if the columns are x y z r, add --radii 4" : ""));
             }
             input.ids.push_back(*id);
         }
         for (const std::size_t k : layout_.axes) input.points.push_back(lines_.number(row.fields[k]));
-        places_->append(input.columns, [&](std::size_t k) { return lines_.number(row.fields[k]); });
+        places_->append(input.columns,
+                        [&](std::size_t k, const std::string& name) { return lines_.number(row.fields[k], name); });
     }
 
     LineReader lines_;
@@ -241,26 +272,38 @@ private:
 class TextPieces : public InputPieces {
 public:
     TextPieces(const std::string& path, TextKind kind, const ReadRequest& request, std::size_t bytes)
-        : reader_(kind, path == "-" ? "stdin" : path, request), file_(path), bytes_(bytes) {}
+        : file_(path), reader_(kind, file_.name(), request), bytes_(bytes) {
+        read_more();
+    }
 
     bool restart() override { return false; }
     bool next(Input& piece) override {
         piece = {};
-        while (piece.points.empty()) {
-            const bool more = file_.append(text_, bytes_);
-            const std::size_t end = more ? text_.rfind('\n') + 1 : text_.size();  // 0: within a line
+        for (;;) {
+            const std::size_t end = more_ ? text_.rfind('\n') + 1 : text_.size();  // 0: within a line
             reader_.append(std::string_view(text_).substr(0, end), piece);
             text_.erase(0, end);
-            if (!more) break;
+            if (!more_) break;
+            read_more();
+            if (!piece.points.empty()) break;
         }
         return !piece.points.empty();
     }
+    // What is read, and not yet looked at.
+    [[nodiscard]] std::string_view text() const noexcept { return text_; }
+    [[nodiscard]] const std::string& name() const noexcept { return file_.name(); }
 
 private:
+    void read_more() {
+        more_ = file_.append(text_, bytes_);
+        check_last_line(text_, file_.name());
+    }
+
+    InputFile file_;
     TextReader reader_;
-    SequentialFile file_;
     std::size_t bytes_;
-    std::string text_;  // what is read, and not yet looked at
+    std::string text_;
+    bool more_ = true;
 };
 
 }  // namespace
@@ -273,8 +316,12 @@ Input parse_text(std::string_view text, TextKind kind, const std::string& name, 
 
 std::unique_ptr<InputPieces> open_text(const std::string& path, TextKind kind, const ReadRequest& request,
                                        std::size_t rows) {
-    constexpr std::size_t row_bytes = 40;
     return std::make_unique<TextPieces>(path, kind, request, rows * row_bytes);
+}
+
+std::unique_ptr<InputPieces> open_xyz(const std::string& path, const ReadRequest& request, std::size_t rows) {
+    auto pieces = std::make_unique<TextPieces>(path, TextKind::plain, request, rows * row_bytes);
+    return holds_frames(pieces->text(), pieces->name()) ? nullptr : std::move(pieces);
 }
 
 }  // namespace clvotess

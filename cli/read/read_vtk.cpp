@@ -5,7 +5,10 @@
 #include "failure.hpp"
 #include "files/formats/vtk_data.hpp"
 #include "files/formats/xml_scanner.hpp"
+#include "files/inflate.hpp"
+#include "files/limits.hpp"
 #include "files/numbers.hpp"
+#include "interrupt.hpp"
 #include "read/input.hpp"
 
 namespace clvotess {
@@ -38,6 +41,7 @@ private:
         bool is_vtk = false, closed = false;
         std::string_view section;  // Points or PointData, inside a piece
         while (!closed && scanner_.next(tag)) {
+            throw_if_interrupted();
             if (!is_vtk) {
                 if (tag.name != "VTKFile" || !tag.opens) throw error("not a VTK file in XML");
                 is_vtk = true;
@@ -51,6 +55,7 @@ private:
                 const auto count = read_uint64(tag["NumberOfPoints"]);
                 if (!count) throw error("a <Piece> has no valid NumberOfPoints");
                 pieces_.push_back({*count, {}, {}});
+                count_array();
             } else if (tag.name == "Points" || tag.name == "PointData") {
                 section = tag.closes ? std::string_view{} : tag.name;
             } else if (tag.name == "DataArray" && tag.opens && !section.empty() && !pieces_.empty()) {
@@ -96,6 +101,7 @@ private:
             if (!is_points) return;  // strings and the like
             throw error("points of type " + in_quotes(tag["type"]));
         }
+        count_array();
         VtkArray array;
         array.name = tag["Name"];
         array.type = type->second;
@@ -122,12 +128,23 @@ private:
         }
     }
 
-    void append(const Piece& piece, Input& input) const {
+    void count_array() {
+        if (++arrays_ > most_arrays)
+            throw error("more than the " + std::to_string(most_arrays) + " pieces and arrays that are read");
+    }
+
+    // Several arrays may lie at one place of the file, packed or not.
+    void take_budget(std::uint64_t numbers) {
+        numbers_ += numbers;
+        check_unpacked(bytes_.size(), numbers_ * sizeof(double), name_);
+    }
+
+    void append(const Piece& piece, Input& input) {
         if (piece.count == 0) return;
         if (!piece.points || piece.points->components != 3) {
             throw error("a <Piece> of " + std::to_string(piece.count) + " points without <Points> of 3 components");
         }
-        constexpr std::uint64_t most = std::uint64_t{1} << 60;
+        constexpr std::uint64_t most = std::uint64_t{1} << 44;
         if (piece.count > most) throw error(std::to_string(piece.count) + " points are announced, far more than fit");
         const auto add = [](auto& to, auto&& values) {
             if (to.empty()) {
@@ -138,9 +155,11 @@ private:
                 std::copy(values.begin(), values.end(), to.begin() + static_cast<std::ptrdiff_t>(before));
             }
         };
+        take_budget(3 * piece.count);
         add(input.points, load_floats(*piece.points, layout_, 3 * piece.count, name_ + ": points"));
         const VtkArray* const ids = find(piece, "id") ? find(piece, "id") : find(piece, "ids");
         if (ids && ids->components == 1 && !is_float(ids->type)) {
+            take_budget(piece.count);
             add(input.ids, load_wholes(*ids, layout_, piece.count, name_ + ": " + ids->name));
         }
         if (input.columns.empty()) input.columns = wanted(piece);
@@ -154,8 +173,8 @@ private:
                             "there are " +
                             (names.empty() ? "none" : names));
             }
-            constexpr std::uint64_t most_components = 1000;
-            if (column.width == 0 || column.width > most_components) throw error(column.name + " has no valid width");
+            if (column.width == 0 || column.width > most_columns) throw error(column.name + " has no valid width");
+            take_budget(column.width * piece.count);
             add(column.values, load_floats(*array, layout_, column.width * piece.count, name_ + ": " + array->name));
         }
     }
@@ -189,6 +208,8 @@ private:
     XmlScanner scanner_;
     VtkLayout layout_;
     std::vector<Piece> pieces_;
+    std::size_t arrays_ = 0;     // and pieces
+    std::uint64_t numbers_ = 0;  // that were read
 };
 
 }  // namespace

@@ -54,7 +54,7 @@ public:
             if (frame == wanted) return read_frame(comment, frame);
             std::string_view row;
             for (std::uint64_t i = 0; i < count_; ++i)
-                if (!next_row(row)) throw short_frame(i);
+                if (!lines_.next_filled(row)) throw short_frame(i);
             frames_ = frame + 1;
         }
         throw bad_input(lines_.name() + ": there is no frame " + std::to_string(wanted) + ", the file has " +
@@ -62,18 +62,10 @@ public:
     }
 
 private:
-    // The next line that is not blank.
-    bool next_row(std::string_view& line) {
-        while (lines_.next(line)) {
-            if (line.find_first_not_of(" \t\r") != std::string_view::npos) return true;
-        }
-        return false;
-    }
-
     // Reads the count of a frame; false at the end of the file.
     bool begin_frame(std::uint64_t frame) {
         std::string_view line;
-        if (!next_row(line)) return false;
+        if (!lines_.next_filled(line)) return false;
         split_words(line, words_);
         const auto count = words_.size() == 1 ? read_uint64(words_[0]) : std::nullopt;
         if (!count && frame == 0) throw lines_.error("expected one whole number, how many rows follow");
@@ -102,8 +94,9 @@ private:
         }
         for (std::size_t k = 0; k + 2 < fields.size(); k += 3) {
             const auto columns = read_uint64(fields[k + 2]);
-            constexpr std::uint64_t most = 1000;
-            if (!columns || *columns == 0 || *columns > most) throw bad_properties(text);
+            if (!columns || *columns == 0 || *columns > most_columns) throw bad_properties(text);
+            if (names_.size() + *columns > most_columns)
+                throw lines_.error("Properties has more than " + std::to_string(most_columns) + " columns");
             const std::string name = lower_case(fields[k]);
             if ((name == "pos" || name == "position") && *columns == 3) first_ = names_.size();
             const bool whole = fields[k + 1] == "I" && *columns == 1;
@@ -115,9 +108,8 @@ private:
     }
 
     [[nodiscard]] Failure bad_properties(const std::string& text) const {
-        return lines_.error("Properties=" + text +
-                            " must be name:type:columns of each property, with pos:R:3 "
-                            "among them");
+        return lines_.error("Properties must be name:type:columns of each property, with pos:R:3 among them, not " +
+                            in_quotes(text));
     }
 
     [[nodiscard]] std::array<double, 9> numbers_of(const char* key, const std::string& text, std::size_t count) {
@@ -131,9 +123,10 @@ private:
         return numbers;
     }
 
-    // A cell without pbc repeats along all edges, as ASE and OVITO take it.
+    // A cell without pbc repeats along all edges by the rule of ASE and OVITO.
     FileDomain read_domain(std::string_view comment) {
         FileDomain domain;
+        domain.periodic_from = DomainSource::assumed;
         if (const auto lattice = value_of(comment, "lattice")) {
             const auto n = numbers_of("Lattice", *lattice, 9);
             domain.cell =
@@ -146,6 +139,7 @@ private:
         if (const auto pbc = value_of(comment, "pbc")) {
             split_words(*pbc, words_);
             if (words_.size() != 3) throw lines_.error("pbc must be three of T or F, not " + in_quotes(*pbc));
+            domain.periodic_from = DomainSource::stated;
             std::array<bool, 3>& periodic = domain.cell ? domain.cell->periodic : domain.periodic;
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::string word = lower_case(words_[k]);
@@ -181,7 +175,7 @@ private:
         std::optional<ColumnPlaces> wanted;  // known from the first row
         std::string_view line;
         for (std::size_t i = 0; i < count; ++i) {
-            if (!next_row(line)) throw short_frame(i);
+            if (!lines_.next_filled(line)) throw short_frame(i);
             split_words(line, words_);
             if (!wanted) {
                 wanted = wanted_of_row();
@@ -199,7 +193,9 @@ private:
             }
             for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[first + k]));
             if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
-            wanted->append(input.columns, [this](std::size_t k) { return lines_.number(words_[k]); });
+            wanted->append(input.columns, [this](std::size_t k, const std::string& column) {
+                return lines_.number(words_[k], column);
+            });
         }
         const bool more = begin_frame(frame + 1);
         if (more || frame > 0) input.note = "frame " + std::to_string(frame);
@@ -220,12 +216,10 @@ private:
 bool holds_frames(std::string_view text, const std::string& name) {
     LineReader lines(text, name);
     std::string_view line;
+    if (!lines.next_filled(line)) return false;
     Words words;
-    while (lines.next(line)) {
-        split_words(line, words);
-        if (!words.empty()) return words.size() == 1 && read_uint64(words[0]);
-    }
-    return false;
+    split_words(line, words);
+    return words.size() == 1 && read_uint64(words[0]);
 }
 
 Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request) {

@@ -29,6 +29,9 @@ public:
 
 [[nodiscard]] std::unique_ptr<InputPieces> open_text(const std::string& path, TextKind kind, const ReadRequest& request,
                                                      std::size_t rows);
+// Returns nothing when the file holds frames.
+[[nodiscard]] std::unique_ptr<InputPieces> open_xyz(const std::string& path, const ReadRequest& request,
+                                                    std::size_t rows);
 [[nodiscard]] std::unique_ptr<InputPieces> open_npy(const std::string& path, std::size_t rows);
 [[nodiscard]] std::unique_ptr<InputPieces> open_random(std::uint64_t count, std::uint64_t rng_seed, std::size_t rows);
 

@@ -191,7 +191,7 @@ private:
 class Sink : public votess::StreamSink {
 public:
     Sink(const Arguments& arguments, InputPieces& pieces, Beside& beside, std::string folder,
-         const std::string& domain_from)
+         const DomainFrom& domain_from)
         : arguments_(arguments),
           pieces_(pieces),
           beside_(beside),
@@ -308,7 +308,7 @@ private:
     InputPieces& pieces_;
     Beside& beside_;
     std::string folder_;
-    const std::string& domain_from_;
+    const DomainFrom& domain_from_;
     std::optional<WaitingMasses> waiting_;
     std::size_t density_number_ = 0;
     votess::StreamHead head_;
@@ -364,7 +364,7 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
     const auto pieces = arguments.random_count ? open_random(*arguments.random_count, arguments.rng_seed, piece_rows)
                                                : open_pieces(arguments.input, arguments.read, piece_rows);
     votess::Options options = arguments.options;
-    const std::string domain_from = choose_domain(pieces->domain, arguments.periodic, options);
+    const DomainFrom domain_from = choose_domain(pieces->domain, arguments.periodic, options);
     options.progress = [&progress](double fraction) {
         progress.show(fraction);
         return interrupting_signal() == 0;

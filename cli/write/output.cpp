@@ -121,8 +121,9 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
     check_paths(paths, inputs);
 }
 
-std::vector<Attribute> attributes_of(std::vector<Attribute> units, const std::string& domain_from) {
-    units.push_back({"domain_from", domain_from});
+std::vector<Attribute> attributes_of(std::vector<Attribute> units, const DomainFrom& domain_from) {
+    units.push_back({"domain_from", word_of(domain_from.box)});
+    units.push_back({"periodic_from", word_of(domain_from.periodic)});
     units.push_back({"version", VOTESS_VERSION_STRING});
     return units;
 }

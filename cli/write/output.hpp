@@ -7,6 +7,7 @@
 #include <votess/votess.hpp>
 
 #include "coloring.hpp"
+#include "domain.hpp"
 #include "read/input.hpp"
 #include "write/text_format.hpp"
 
@@ -36,15 +37,15 @@ struct OutputData {
     const votess::Tessellation& tessellation;
     const votess::Want& wanted;  // arrays for .npz and .h5; the tessellation may hold more
     const TextFormat& format;
-    std::span<const double> radii;            // for %r; empty when there are none
-    const std::string& domain_from;           // "given", "file" or "bounds"
+    std::span<const double> radii;  // for %r; empty when there are none
+    const DomainFrom& domain_from;
     const std::vector<InputColumn>& carried;  // columns of the input, behind what each file holds of a cell
     const Coloring& coloring;                 // of .glb
     bool says_sizes = false;                  // on stderr, of a file that may be large, before it is written
 };
 
-// What .npz and .h5 hold once: the units of the input, domain_from and version.
-[[nodiscard]] std::vector<Attribute> attributes_of(std::vector<Attribute> units, const std::string& domain_from);
+// What .npz and .h5 hold once: the units of the input, domain_from, periodic_from and version.
+[[nodiscard]] std::vector<Attribute> attributes_of(std::vector<Attribute> units, const DomainFrom& domain_from);
 
 // Columns that go from the input into the output, and the density. Throws Failure when a file has an array of that name
 // itself.

@@ -6,7 +6,7 @@
 namespace clvotess {
 
 bool is_result_array(std::string_view name) {
-    constexpr std::array<std::string_view, 27> names{"ids",
+    constexpr std::array<std::string_view, 28> names{"ids",
                                                      "indptr",
                                                      "indices",
                                                      "shifts",
@@ -32,7 +32,8 @@ bool is_result_array(std::string_view name) {
                                                      "origin",
                                                      "walls",
                                                      "version",
-                                                     "domain_from"};
+                                                     "domain_from",
+                                                     "periodic_from"};
     return std::ranges::find(names, name) != names.end();
 }
 

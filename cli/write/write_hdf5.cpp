@@ -238,7 +238,8 @@ void write_grid_hdf5(OutputFile& file, const GridOutput& grid) {
     for (const auto& [name, text] : {std::pair<std::string, std::string>{"columns", columns},
                                      {"method", grid.method},
                                      {"project", axis},
-                                     {"domain_from", grid.domain_from},
+                                     {"domain_from", word_of(grid.domain_from.box)},
+                                     {"periodic_from", word_of(grid.domain_from.periodic)},
                                      {"version", VOTESS_VERSION_STRING}})
         writer.add_attribute(name, text);
     writer.finish();

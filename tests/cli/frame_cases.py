@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cli_test import CUBE, CliTest, random_points, text_of
+from cli_test import CUBE, ROOT, CliTest, random_points, text_of
 from reader_cases import ReaderTest
 
 
@@ -39,7 +39,7 @@ class FrameFiles(ReaderTest):
             expected = self.rows("a.npy", *options, "--periodic", axes, "--list-walls")
             name = file(f"energy=-3.5 {lattice}{pbc} note=\"a = b\"")
             self.assertEqual(self.rows(name, "--list-walls"), expected)
-            self.assertEqual(self.json(name)["domain"]["from"], "file")
+            self.assertEqual(self.json(name)["domain"]["from"], "stated")
         name = file(f'{lattice} Origin="1 2 3" pbc="T T T"')
         self.assertEqual(self.json(name)["domain"]["origin"], [1, 2, 3])
         name = file(f"{lattice} properties=id:I:1:species:S:1:radius:R:1:forces:R:3:pos:R:3",
@@ -52,7 +52,7 @@ class FrameFiles(ReaderTest):
         # Axes without lengths.
         name = file('pbc="T F T"')
         self.refuse(name, says=["periodic", "--periodic none"])
-        self.assertEqual(self.json(name, "--periodic", "none")["domain"]["from"], "bounds")
+        self.assertEqual(self.json(name, "--periodic", "none")["domain"]["from"], "default")
         box = ["--box=-1,-1,-1,3,3,3"]
         self.assertEqual(self.json(name, *box)["domain"]["periodic"], [True, False, True])
         for comment, says in [('Lattice="1 2 3"', "9 numbers"), ('Lattice="1 0 0 0 1 0 0 0 a"', "'a'"),
@@ -71,7 +71,8 @@ class FrameFiles(ReaderTest):
             got = np.array([row.split() for row in self.rows(name, "--format", "%q")], float)
             np.testing.assert_allclose(got, points @ edges, rtol=0, atol=1e-15)
             domain = self.json(name, "--periodic", "xy", "--outside", "drop")["domain"]
-            self.assertEqual((domain["from"], domain["periodic"]), ("file", [True, True, False]))
+            self.assertEqual((domain["from"], domain["periodic_from"], domain["periodic"]),
+                             ("stated", "option", [True, True, False]))
         flags = "".join(row + " T T F\n" for row in text_of(points @ edges).splitlines())
         self.put("POSCAR", head.format("1") + "30\nSelective dynamics\nCartesian\n" + flags)
         self.assertEqual(self.rows("POSCAR"), self.rows("a.npy", *options))
@@ -104,14 +105,6 @@ class FrameFiles(ReaderTest):
         self.put("e.txt.gz", gzip.compress(b"1 2 3\n1 2\n"))
         self.refuse("e.txt.gz", says="e.txt.gz:2: ")
 
-    def test_damaged(self):
-        rows = [f"{i} H {row} 0.5\n" for i, row in enumerate(text_of(random_points(20)).splitlines())]
-        self.put("a.xyz", "20\nLattice=\"2 0 0 0.5 1 0 0 0 1\" pbc=\"T T F\" "
-                          "Properties=id:I:1:species:S:1:pos:R:3:q:R:1\n" + "".join(rows))
-        self.damage("a.xyz", "q")
-        self.put("a.vasp", "c\n1\n2 0 0\n0.5 1 0\n0 0 1\nCu Ni\n10 10\nDirect\n" + text_of(random_points(20)))
-        self.damage("a.vasp")
-
 
 class Regressions(CliTest):
     """Files of data/ whose lists were once asymmetric."""
@@ -138,13 +131,13 @@ class FileDomains(CliTest):
             expected = self.rows("a.npy", *box, "--periodic", axes, "--format", "%n %v")
             self.assertEqual(self.rows(name, "--format", "%n %v"), expected)
             self.assertRegex(self.run_cli(name).stdout,
-                             f"(?m)^domain +box 0,0,0 to 2,1,1.5, periodic {axes}, of the file$")
+                             f"(?m)^domain +box 0,0,0 to 2,1,1.5, periodic {axes}; stated$")
         # What the user says goes before what the file says.
         self.assertEqual(self.rows(name, *box), self.rows("a.npy", *box))
         self.assertEqual(self.rows(name, "--periodic", "x"), self.rows("a.npy", *box, "--periodic", "x"))
         self.assertEqual(self.rows(name, "--periodic", "none"), self.rows("a.npy", *box))
         domain = self.json(name, "--periodic", "none")["domain"]
-        self.assertEqual((domain["from"], domain["periodic"]), ("file", [False] * 3))
+        self.assertEqual((domain["from"], domain["periodic_from"], domain["periodic"]), ("stated", "option", [False] * 3))
 
     def test_data_file_is_periodic(self):
         points = random_points(60)
@@ -152,6 +145,27 @@ class FileDomains(CliTest):
         self.put("a.data", f"comment\n\n60 atoms\n0 1 xlo xhi\n0 1 ylo yhi\n0 1 zlo zhi\n\nAtoms\n\n{rows}")
         self.put("a.npy", points)
         self.assertEqual(self.rows("a.data"), self.rows("a.npy", "--box", "0,0,0,1,1,1", "--periodic"))
+
+    def test_sources(self):
+        """What a file does not state, but a rule of its format supplies, is assumed."""
+        corpus = ROOT / "tests/fuzz/readers/corpus"
+        for kind, name, sources, axes in [
+                ("lammps_dump/flags", "a.dump", "stated stated", "xy"), ("lammps_dump/no_flags", "a.dump", "stated assumed", "xyz"),
+                ("lammps_data/full", "a.data", "stated assumed", "xyz"), ("xyz/extended", "a.xyz", "stated stated", "xz"),
+                ("xyz/classic", "a.xyz", "default default", ""), ("poscar/direct", "POSCAR", "stated assumed", "xyz"),
+                ("hdf5/own", "a.h5", "stated stated", "xz"), ("hdf5/snapshot", "a.h5", "stated default", ""),
+                ("npz/savez", "a.npz", "stated stated", "xz"), ("text/rows", "a.txt", "default default", "")]:
+            self.put(name, (corpus / kind).read_bytes())
+            domain = self.json(name)["domain"]
+            self.assertEqual((f"{domain['from']} {domain['periodic_from']}", domain["periodic"]),
+                             (sources, [axis in axes for axis in "xyz"]), kind)
+            domain = self.json(name, "--box=-9,-9,-9,9,9,9")["domain"]
+            self.assertEqual((domain["from"], domain["periodic_from"]), ("option", "default"), kind)
+            box, periodic = sources.split()
+            text = self.run_cli(name).stdout
+            self.assertRegex(text, f"(?m)^domain .*; {box if box == periodic else f'box {box}, periodicity {periodic}'}$")
+        self.put("a.xyz", '1\nLattice="1 0 0 0 1 0 0 0 1"\nH 0 0 0\n')
+        self.assertEqual(self.json("a.xyz")["domain"]["periodic_from"], "assumed")
 
     def test_tilted_box(self):
         a, b, c = np.array([2.0, 0, 0]), np.array([0.5, 1.0, 0]), np.array([-0.25, 0.125, 1.5])
@@ -165,7 +179,7 @@ class FileDomains(CliTest):
                   [lower[2], upper[2], 0.125]]
         name = self.dump("a.dump", points, [[float(x) for x in row] for row in bounds], "xy xz yz pp pp pp")
         self.assertEqual(self.rows(name, "--format", "%n"), expected)
-        self.assertRegex(self.run_cli(name).stdout, "(?m)^domain +cell 2,0,0 .*, periodic abc, of the file$")
+        self.assertRegex(self.run_cli(name).stdout, "(?m)^domain +cell 2,0,0 .*, periodic abc; stated$")
         self.assertEqual(self.rows(name, "--periodic", "--format", "%n"), expected)
         # A slab: by the boundaries of the file, or by the user, whom a data file needs for that.
         slab = self.rows("a.npy", *cell, "--periodic", "xy", "--list-walls", "--format", "%n %v")

@@ -152,13 +152,14 @@ class Hdf5Files(Hdf5Test):
         self.refuse("snap_010", "--dataset", "PartType2/Coordinates", says="PartType2/Coordinates")
         # BoxSize is the box, which --periodic repeats.
         for options, axes in [([], "not periodic"), (["--periodic"], "periodic xyz"), (["--periodic", "y"], "periodic y")]:
+            source = "box stated, periodicity " + ("option" if options else "default")
             self.assertRegex(self.run_cli("snap_010", *wish, *options).stdout,
-                             f"(?m)^domain +box 0,0,0 to 1,1,1, {axes}, of the file$")
+                             f"(?m)^domain +box 0,0,0 to 1,1,1, {axes}; {source}$")
             self.assertEqual(self.json("snap_010", *wish, *options)["box_volume"], 1)
         self.snapshot("sides", 1, points, BoxSize=[1.0, 2.0, 3.0])
         self.assertEqual(self.json("sides.hdf5", *wish, "--periodic")["domain"]["upper"], [1, 2, 3])
         self.snapshot("isolated", 1, points, BoxSize=0.0)
-        self.assertEqual(self.json("isolated.hdf5", *wish)["domain"]["from"], "bounds")
+        self.assertEqual(self.json("isolated.hdf5", *wish)["domain"]["from"], "default")
         self.refuse("isolated.hdf5", *wish, "--periodic", says="a periodic axis needs a box")
         self.snapshot("outside", 1, points, BoxSize=0.5)
         self.refuse("outside.hdf5", *wish, says=["point", "outside the box"])
@@ -186,7 +187,7 @@ class Hdf5Files(Hdf5Test):
                 self.run_cli(*source, *want, "-o", "out.npz", "-o", "out.h5", "-o", "out.hdf5")
                 with np.load(self.folder / "out.npz") as arrays, h5py.File(self.folder / "out.h5") as file:
                     self.assertEqual(sorted(arrays.files), sorted([*file, *file.attrs]))
-                    texts = {"version", "domain_from"}
+                    texts = {"version", "domain_from", "periodic_from"}
                     for name in texts:
                         self.assertEqual(arrays[name], file.attrs[name].decode())
                     for name in set(arrays.files) - texts:
@@ -194,6 +195,21 @@ class Hdf5Files(Hdf5Test):
                         self.assertEqual((arrays[name].dtype, arrays[name].shape), (other.dtype, other.shape), name)
                         np.testing.assert_array_equal(arrays[name], other, name)
                 self.assertEqual((self.folder / "out.h5").read_bytes(), (self.folder / "out.hdf5").read_bytes())
+
+    def test_nested(self):
+        """Groups 3,000 deep, and a ring of links: no time and no memory."""
+        points = random_points(5)
+        with h5py.File(self.folder / "deep.h5", "w", libver="latest") as file:
+            group = file
+            for _ in range(3000):
+                group = group.create_group("g")
+            group["points"] = points
+        self.refuse("deep.h5", says="groups are nested more than 64 deep")
+        with h5py.File(self.folder / "ring.h5", "w") as file:
+            file["a/b/points"] = points
+            file["a/b/again"] = file["/"]
+            file["a/points"] = file["a/b/points"]
+        self.assert_points("ring.h5", points)
 
     def test_probes(self):
         points, queries = random_points(40), random_points(5, seed=8)
@@ -222,19 +238,20 @@ class Hdf5Files(Hdf5Test):
             np.testing.assert_array_equal(file.attrs["box"], [[0, 0, 0], [100, 100, 100]])
             np.testing.assert_array_equal(file.attrs["periodic"], [1, 0, 1])
             self.assertEqual((file.attrs["UnitLength_in_cm"], file.attrs["HubbleParam"]), (3.085678e21, 0.7))
-            self.assertEqual(arrays["domain_from"], "file")
+            self.assertEqual((arrays["domain_from"], arrays["periodic_from"]), ("stated", "option"))
             self.assertEqual((arrays["UnitLength_in_cm"], arrays["HubbleParam"]), (3.085678e21, 0.7))
         for name in ["out.h5", "out.npz"]:
             domain = self.json(name, "--dataset", "centroids")["domain"]
             self.assertEqual((domain["from"], domain["upper"], domain["periodic"]),
-                             ("file", [100, 100, 100], [True, False, True]))
+                             ("stated", [100, 100, 100], [True, False, True]))
         self.put("in.npy", random_points(300) * 0.3 + 0.35)
         cell = ["--cell", "2,0,0,0.5,1.5,0,-0.25,0.125,1", "--origin=-0.1,0,0", "--periodic", "xy"]
         for options in [cell, ["--box", "0,0,0,1,1,1", "--wall-sphere", "0.5,0.5,0.5,0.7,200", "--wall", "1,1,1,2"]]:
             expected = self.json("in.npy", *options, "-o", "out.h5", "-o", "out.npz", "--want", "centroids,volumes")
             for name in ["out.h5", "out.npz"]:
                 told = self.json(name)
-                self.assertEqual({**told["domain"], "from": ""}, {**expected["domain"], "from": ""})
+                source = {"from": "stated", "periodic_from": "stated"}
+                self.assertEqual(told["domain"], {**expected["domain"], **source})
                 self.assertAlmostEqual(told["box_volume"], expected["box_volume"], places=12)
 
     def test_output_whole_or_not_at_all(self):
@@ -277,7 +294,7 @@ class Streamed(Hdf5Test):
         told = self.assertSame("a.npy")
         self.assertEqual(sorted(set(told) - set(JSON_KEYS)),
                          ["asked_cells", "blocks", "largest_block", "temporary_bytes"])
-        self.assertEqual((told["points"], told["duplicates"], told["domain"]["from"]), (20000, 50, "bounds"))
+        self.assertEqual((told["points"], told["duplicates"], told["domain"]["from"]), (20000, 50, "default"))
         self.put("single.npy", points.astype("f4"))
         self.assertSame("single.npy", "--want", "centroids,counts,areas,normals,surfaces,radii", "--list-walls",
                         "--box", "0,0,0,1,1,1", "--periodic", "xy")

@@ -305,7 +305,8 @@ class ArrayOutput(CliTest):
         self.assertEqual({name: (array.dtype.str, array.shape[1:]) for name, array in arrays.items()},
                          {"indptr": ("<i8", ()), "indices": ("<i4", ()), "volumes": ("<f8", ()),
                           "centroids": ("<f8", (3,)), "status": ("|u1", ()), "box": ("<f8", (3,)),
-                          "periodic": ("|u1", ()), "version": ("<U5", ()), "domain_from": ("<U5", ())})
+                          "periodic": ("|u1", ()), "version": ("<U5", ()), "domain_from": ("<U6", ()),
+                          "periodic_from": ("<U7", ())})
         indptr, indices = arrays["indptr"], arrays["indices"]
         self.assertEqual((len(indptr), indptr[0], indptr[-1]), (count + 1, 0, len(indices)))
         for name in ["volumes", "centroids", "status"]:
@@ -330,7 +331,7 @@ class ArrayOutput(CliTest):
                                                    "status"]),
                             (["--want=faces"], ["indptr", "indices", "vertices", "cell_vertex_indptr",
                                                 "cell_vertex_indices", "face_offsets", "face_vertices", "status"])]:
-            self.assertEqual(sorted(self.load("--random", "50", *want)), sorted([*names, "box", "periodic", "version", "domain_from"]))
+            self.assertEqual(sorted(self.load("--random", "50", *want)), sorted([*names, "box", "periodic", "version", "domain_from", "periodic_from"]))
         # Text that needs more adds it.
         self.run_cli("--random", "50", "--want", "volumes", "-o", "cells.txt", "--format", "%n %c %w")
         self.assertEqual(len((self.folder / "cells.txt").read_text().splitlines()), 50)

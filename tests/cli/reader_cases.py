@@ -1,17 +1,22 @@
 """Files of every kind that clvotess reads: written by NumPy, h5py, VTK or by hand, whole and damaged."""
 
+import contextlib
+import gzip
 import io
 import os
 import random
 import re
 import shutil
+import signal
 import struct
 import subprocess
+import time
 import zipfile
+import zlib
 
 import numpy as np
 
-from cli_test import CLI, SANITIZED, CliTest, random_points, text_of
+from cli_test import CLI, ROOT, SANITIZED, CliTest, random_points, text_of
 
 MEMORY_LIMIT = [] if SANITIZED or not shutil.which("prlimit") else ["prlimit", f"--as={2**33}"]
 FUZZ = int(os.environ.get("VOTESS_FUZZ_FILES", "1"))  # how many times as many damaged files
@@ -33,21 +38,9 @@ class ReaderTest(CliTest):
         rows = self.rows(name, "--radii", column, *arguments, "--format", "%r")
         np.testing.assert_array_equal(np.array(rows, float), values, name)
 
-    def damage(self, name, column=None):
-        """No damage to a file crashes the reader or takes memory: in one process, thousands of times."""
-        fuzz = os.environ.get("VOTESS_READER_FUZZ")
-        if not fuzz:
-            self.skipTest("VOTESS_READER_FUZZ does not name votess_reader_fuzz")
-        done = subprocess.run([*MEMORY_LIMIT, fuzz, name, str(2000 * FUZZ), *([column] if column else [])],
-                              cwd=self.folder,
-                              capture_output=True, text=True, timeout=300, check=False)
-        self.assertEqual((done.returncode, done.stderr), (0, ""), name)
-        read, refused = map(int, done.stdout.split())
-        self.assertGreater(refused, 500 * FUZZ)
-        self.assertGreater(read, 0)
-
     def damage_program(self, name, tries=20 * FUZZ):
-        """The same with the program, for readers that stand on foreign code: exit code 0 or 2, one line at most."""
+        """No damage to a file crashes the program: exit code 0 or 2, one line at most. For readers that stand on foreign
+        code, which runs in a process of its own; tests/fuzz/readers/ feeds all of them."""
         content = (self.folder / name).read_bytes()
         cuts = sorted({0, 1, len(content) - 1} | {len(content) * k // tries for k in range(tries)})
         cases = [(f"cut to {cut}", content[:cut]) for cut in cuts]
@@ -131,29 +124,15 @@ class ArrayFiles(ReaderTest):
         self.refuse(self.put("b.npz", b"1 2 3\n"), says="not a zip")
 
     def test_npz_damaged(self):
+        """The numbers themselves are guarded by their checksum."""
         points = random_points(60)
         for save in [np.savez, np.savez_compressed]:
             save(self.folder / "a.npz", points=points, ids=np.arange(60), r=points[:, 0])
             content = (self.folder / "a.npz").read_bytes()
-            self.damage("a.npz", "r")
-            # The numbers themselves are guarded by their checksum.
             at = content.index(b"NUMPY") if save is np.savez else 80
             damaged = bytearray(content)
             damaged[at + 500] ^= 4
             self.refuse(self.put("b.npz", bytes(damaged)), says="checksum")
-
-
-class TextFiles(ReaderTest):
-    def test_text_damaged(self):
-        rows = text_of(random_points(20)).splitlines()
-        self.put("a.txt", "".join(f"{i} {row} 0.5 # c\n" for i, row in enumerate(rows)))
-        self.damage("a.txt", "5")
-        self.put("a.csv",
-                 "id,z,y,r,x\n" + "".join(f"{i},{row.replace(' ', ',0.5,', 1).replace(' ', ',')}\n" for i, row in
-                                                    enumerate(rows)))
-        self.damage("a.csv", "r")
-        self.put("a.xyz", "20\n\n" + "".join(f"H {row}\n" for row in rows))
-        self.damage("a.xyz")
 
 
 class PlyFiles(ReaderTest):
@@ -222,21 +201,151 @@ class PlyFiles(ReaderTest):
         self.assertRegex(self.refuse(self.put("a.ply", self.ply("binary_little_endian", plain, rows)), says="nan"),
                          r"\b4\b")
 
-    def test_ply_damaged(self):
-        properties = [("double", "x"), ("float", "y"), ("double", "z"), ("int", "id")]
-        rows = [[*p, i] for i, p in enumerate(random_points(20).tolist())]
-        for kind in ["ascii", "binary_little_endian", "binary_big_endian"]:
-            front = "element other 1\nproperty list int int l\n", (b"1 7\n" if kind == "ascii" else
-                                                                     struct.pack(">ii" if "big" in kind else "<ii", 1,
-                                                                                 7))
-            self.put("a.ply", self.ply(kind, properties, rows, front))
-            self.damage("a.ply", "y")
+
+class HostileFiles(ReaderTest):
+    """Files and pipes that would take memory or time without end, and what people take for other formats."""
+
+    def test_numbers(self):
+        """Python's float rounds right; ours must, however long the text."""
+        generator = random.Random(1)
+
+        def digits(most):
+            return "".join(generator.choice("0123456789") for _ in range(generator.randrange(1, most)))
+
+        words = ["0." + "0" * 100000 + "1", "0." + "0" * 100000 + "1e100001", "1" + "0" * 100000 + "e-100000",
+                 "-0e99999999999999999999", "1e-99999999999999999999", "-5e-324", "2.47e-324", "2.5e-324"]
+        for _ in range(600):
+            exponent = generator.choice(["", f"e{generator.randrange(-400, 400)}", f"E-{digits(30)}"])
+            words.append(generator.choice(["", "-", "+"]) + "0" * generator.randrange(400) * generator.randrange(2) +
+                         digits(40) + generator.choice(["", "." + "0" * generator.randrange(400) + digits(800)]) + exponent)
+        finite = [word for word in words if abs(float(word)) < 1e300]
+        self.put("a.txt", "".join(f"{i} 0 {i} {word}\n" for i, word in enumerate(finite)))
+        self.run_cli("a.txt", "--copy", "4", "-o", "a.npz")
+        with np.load(self.folder / "a.npz") as arrays:
+            self.assertEqual(arrays["column_4"].tolist(), [float(word) for word in finite])
+        for word in words:
+            if float(word) in (float("inf"), -float("inf")):
+                self.refuse(self.put("b.txt", f"0 0 0\n1 1 {word}\n"), says="inf")
+                break
+
+    def test_decimal_commas(self):
+        for content in ["0,5 0 1\n", "0,5 0,5 1\n", "0,5;1;2\n", "0,5;1,5;2,5\n", "1 2 3\n0,5\t1\t2\n", "-0,5, 1 2\n", "0,5, 1, 2\n", "0,5, -1,5, 2,5\n"]:
+            for name in ["a.txt", "a.csv", "a.xyz"]:
+                self.refuse(self.put(name, content), says=[f"{name}:{content.count(chr(10))}:", "decimals need a point"])
+        self.refuse(self.put("a.csv", "x;y;z\n0,5;1,5;2\n"), says=["a.csv:2:", "'0,5'", "decimals need a point"])
+        self.refuse(self.put("a.xyz", "1\n\nH 0,5 1 2\n"), says=["a.xyz:3:", "decimals need a point"])
+        for content, points in [("1,2,3\n", [1, 2, 3]), ("1, 2 ,3\n", [1, 2, 3]), ("7,1,2,3\n", [1, 2, 3]), ("1;2;3\n", [1, 2, 3]),
+                                ("1 , 2 3\n", [1, 2, 3]), ("1,2, 3\n", [1, 2, 3]), ("7,1,2, 3\n", [1, 2, 3]), ("1.5,2 3\n", [1.5, 2, 3]),
+                                ("1,-2,3\n", [1, -2, 3]), ("1 2 3 # 0,5\n", [1, 2, 3]), ("0.5,1,2.5\n", [0.5, 1, 2.5])]:
+            got, _ = self.read(self.put("a.txt", content))
+            np.testing.assert_array_equal(got, [points], content)
+
+    def test_lines_without_end(self):
+        for options in [[], ["--memory", "500M"]]:
+            self.refuse("/dev/zero", *options, says="a line of more than 1048576 bytes")
+            self.refuse(self.put("a.csv", "x,y,z\n" + "1" * 1100000 + ",2,3\n"), *options, says="1048576 bytes")
+        for name in ["a.xyz", "POSCAR", "a.dump", "a.data", "a.ply"]:
+            self.refuse(self.put(name, "ply\n" * (name == "a.ply") + "1" * 1100000 + "\n"), says="1048576 bytes")
+
+    def test_signals(self):
+        os.mkfifo(self.folder / "a.txt")
+        for arguments in [["a.txt"], ["a.txt", "--memory", "500M"], ["-"], ["-", "--memory", "500M"]]:
+            with self.start(*arguments, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+                time.sleep(0.3)
+                began = time.monotonic()
+                process.terminate()
+                process.wait(timeout=20)
+                self.assertIn(process.returncode, [-signal.SIGTERM, 128 + signal.SIGTERM], arguments)
+                self.assertLess(time.monotonic() - began, 5, arguments)  # 0.2 s where the machine is not busy
+        with self.start("-", "--memory", "500M", stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            try:
+                began = None
+                while process.poll() is None:  # rows without end
+                    process.stdin.write(b"\n" * 100000)
+                    if began is None:
+                        began = time.monotonic()
+                    elif time.monotonic() - began > 0.5:
+                        process.terminate()
+            except BrokenPipeError:
+                pass
+            self.assertEqual(process.wait(timeout=20), 128 + signal.SIGTERM)
+            with contextlib.suppress(BrokenPipeError):
+                process.stdin.close()
+        for name in ["b.npy", "b.h5"]:
+            os.mkfifo(self.folder / name)
+            self.refuse(name, says="not a regular file")
+
+    def test_file_that_becomes_shorter(self):
+        environment = self.preloading("""
+            #include <dlfcn.h>
+            #include <unistd.h>
+            extern "C" ssize_t read(int file, void* to, size_t count) {
+                static const auto real = reinterpret_cast<ssize_t (*)(int, void*, size_t)>(dlsym(RTLD_NEXT, "read"));
+                const ssize_t got = real(file, to, count);
+                if (count >= 1 << 20 && (truncate("a.txt", 10) != 0 || truncate("a.npy", 100) != 0)) return -1;
+                return got;
+            }""")
+        for name, options in [("a.txt", []), ("a.txt", ["--memory", "500M"]), ("a.npy", [])]:
+            self.put("a.txt", "0.25 0.5 0.75\n" * 500000)
+            self.put("a.npy", np.zeros((1000000, 3)))
+            done = self.run_cli(name, *options, code=1, env=environment)
+            self.assertRegex(done.stderr, rf"\Aclvotess: {name}: the file was made shorter while it was read\n\Z")
+
+    def test_packed(self):
+        lines = gzip.compress(b"\n" * 2**26)
+        self.refuse(self.put("a.txt.gz", lines * 12), says=["a.txt.gz: its", "unpack to more than", "refused"])
+        self.assert_points(self.put("b.txt.gz", gzip.compress(b"") * 20000 + gzip.compress(b"1 2 3\n")), [[1, 2, 3]])
+        corpus = ROOT / "tests/fuzz/readers/corpus"
+        shutil.copy(corpus / "npz/overlapping", self.folder / "a.npz")
+        self.refuse("a.npz", says="members overlap")
+        with zipfile.ZipFile(self.folder / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+            whole = io.BytesIO()
+            np.save(whole, np.zeros((10**6, 3)))
+            for name in range(16):
+                archive.writestr(f"{name}.npy", whole.getvalue())
+        self.refuse("a.npz", says="unpack to more than")
+        block = zlib.compress(bytes(24 * 10**6))
+        piece = (b'<Piece NumberOfPoints="1000000"><Points><DataArray type="Float64" NumberOfComponents="3" '
+                 b'format="appended" offset="0"/></Points></Piece>')
+        self.put("a.vtu", b'<VTKFile type="UnstructuredGrid" byte_order="LittleEndian" header_type="UInt32" '
+                          b'compressor="vtkZLibDataCompressor"><UnstructuredGrid>' + 15 * piece + b"</UnstructuredGrid>"
+                          b'<AppendedData encoding="raw">_' + struct.pack("<4I", 1, 24 * 10**6, 0, len(block)) + block)
+        self.refuse("a.vtu", says="unpack to more than")
+
+    def test_counts_that_wrap(self):
+        self.put("POSCAR", "c\n1\n1 0 0\n0 1 0\n0 0 1\n" + "1099511627776 " * 70000 + "1\nDirect\n0 0 0\n")
+        self.refuse("POSCAR", says="add up to more than")
+        huge = 2**64 // 3 + 1  # three of them are 2 more than fit
+        for name, content in [("a.xyz", f"{huge}\n\nH 0 0 0\n"), ("a.xyz", f"{2**64}\n\nH 0 0 0\n"),
+                              ("a.ply", f"ply\nformat ascii 1.0\nelement vertex {huge}\nproperty float x\nproperty float y\n"
+                                        "property float z\nend_header\n0 0 0\n"),
+                              ("a.vtp", f'<VTKFile type="PolyData"><PolyData><Piece NumberOfPoints="{huge}"><Points><DataArray '
+                                        'type="Float64" NumberOfComponents="3">0 0</DataArray></Points></Piece></PolyData></VTKFile>')]:
+            self.refuse(self.put(name, content), says=name)
+        whole = (self.folder / self.put("a.npy", np.zeros((2, 3)))).read_bytes()
+        self.refuse(self.put("a.npy", whole.replace(b"(2, 3)", f"({huge}, 3)".encode())), says="a.npy")
+        self.refuse(self.put("a.xyz", "1\nProperties=" + "a:R:1000:" * 5000 + "pos:R:3\nH 0 0 0\n"), says="4096 columns")
+
+    def test_refusals_lead(self):
+        cif = "data_quartz\n_cell_length_a 4.9\nloop_\n_atom_site_label\nSi\n"
+        xyz = "1\nProperties=species:S:1:pos:R:3\nH 0 0 0\n"
+        for name, content, options, says in [
+                ("a.txt", "1 2\n3 4\n", [], ["a.txt:1:", "2 columns, expected 3", "column of zeros"]),
+                ("a.txt", "0.1 0.2 0.3 1.0\n", [], ["'0.1' is not a whole number", "--radii 4"]),
+                ("POSCAR", cif, [], ["CIF", "ase convert"]), ("a.cif", cif, [], ["extended XYZ", "ase convert"]),
+                ("a.pdb", "ATOM\n", [], ["'a.pdb'", "extended XYZ", "ASE"]), ("a.xtc", "x", [], "MDAnalysis"),
+                ("a.stl", "solid\n", [], ".ply"), ("a.extxyz", xyz, ["--copy", "species"],
+                                                    ["'H'", "'species' holds words", "--copy", "take columns of numbers"])]:
+            self.refuse(self.put(name, content), *options, "-o", "out.npz", says=says)
+        for good, content in [("a.txt", "1 2 0\n3 4 0\n"), ("b.extxyz", xyz)]:
+            self.run_cli(self.put(good, content))
+        self.run_cli(self.put("a.txt", "0.1 0.2 0.3 1.0\n"), "--radii", "4")
 
 
 class Columns(ReaderTest):
     """--copy and --density, out of every kind of file."""
 
-    OWN = {"box", "periodic", "cell", "origin", "version", "domain_from", "units", "indptr", "indices", "shifts", "volumes", "status", "ids"}
+    OWN = {"box", "periodic", "cell", "origin", "version", "domain_from", "periodic_from", "units", "indptr", "indices", "shifts", "volumes", "status", "ids"}
 
     def carried(self, *arguments):
         """What an .npz holds beside the result."""

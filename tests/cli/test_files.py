@@ -1,6 +1,6 @@
 """The kinds of files that clvotess reads and writes, beyond text and .npy, each with another program on the other side.
 
-VOTESS_CLI names the program, VOTESS_READER_FUZZ the one that feeds its readers with damaged files.
+VOTESS_CLI names the program.
 """
 
 import shutil
@@ -12,10 +12,10 @@ from frame_cases import FileDomains, FrameFiles, Regressions
 from hdf5_cases import Hdf5Files, Hdf5Module, Streamed
 from lammps_cases import LammpsFiles
 from picture_cases import Pictures
-from reader_cases import ArrayFiles, Columns, PlyFiles, TextFiles
+from reader_cases import ArrayFiles, Columns, HostileFiles, PlyFiles
 from vtk_cases import GltfFiles, VtkFiles
 
-__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "LammpsFiles", "Pictures", "PlyFiles", "Regressions", "Streamed", "TextFiles", "VtkFiles"]
+__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "HostileFiles", "LammpsFiles", "Pictures", "PlyFiles", "Regressions", "Streamed", "VtkFiles"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

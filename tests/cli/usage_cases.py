@@ -92,7 +92,8 @@ class Usage(CliTest):
             self.assertEqual(summary["box_volume"], 8)
             self.assertEqual(summary["domain"], {
                 "kind": "cell", "lower": [0, 0, 0], "upper": [2.5, 2, 2], "origin": [0, 0, 0], "a": [2, 0, 0],
-                "b": [0.5, 2, 0], "c": [0, 0, 2], "periodic": [axis in axes for axis in "xyz"], "from": "given"})
+                "b": [0.5, 2, 0], "c": [0, 0, 2], "periodic": [axis in axes for axis in "xyz"], "from": "option",
+                "periodic_from": "option" if periodic else "default"})
         self.refuse("a.txt", *cell, "--periodic=none", "-o", "out.npz", says=["point", "outside of the cell"])
         self.refuse("a.txt", *cell, "--box", CUBE_BOX, "-o", "out.npz", says="box and cell")
         self.refuse("a.txt", *cell, "--wall", "1,0,0,1", "-o", "out.npz", says="walls and cell")
@@ -107,13 +108,13 @@ class Usage(CliTest):
             self.refuse("a.txt", *periodic, "-o", "out.npz", says="a periodic axis needs a box")
         self.refuse("a.txt", "--periodic", "abc", says=["--periodic", "none", "'abc'"])
         domain = self.json("a.txt", "--periodic=none")["domain"]
-        self.assertEqual((domain["kind"], domain["from"], domain["a"]), ("box", "bounds", None))
+        self.assertEqual((domain["kind"], domain["from"], domain["a"]), ("box", "default", None))
         self.assertRegex(self.run_cli("--random", "9", "--periodic", "xy").stdout,
-                         "(?m)^domain +box 0,0,0 to 1,1,1, periodic xy$")
+                         "(?m)^domain +box 0,0,0 to 1,1,1, periodic xy; option$")
         self.assertRegex(self.run_cli("--random", "9", *cell, "--periodic", "xz").stdout,
-                         "(?m)^domain +cell 2,0,0 0.5,2,0 0,0,2 at 0,0,0, periodic ac$")
+                         "(?m)^domain +cell 2,0,0 0.5,2,0 0,0,2 at 0,0,0, periodic ac; option$")
         self.assertRegex(self.run_cli("a.txt", "--wall", "1,1,1,9").stdout,
-                         "(?m)^domain +box .* to .*, cut by 1 wall, not periodic, around the points$")
+                         "(?m)^domain +box .* to .*, cut by 1 wall, not periodic, around the points; default$")
         self.assertEqual(self.json("a.txt", f"--box={CUBE_BOX}")["box_volume"], 8)
         self.assertEqual(self.json("a.txt", "--box", CUBE_BOX)["box_volume"], 8)
         self.assertEqual(self.json("a.txt", "--box", "0,0,0,1,1,1")["box_volume"], 1)

@@ -83,7 +83,7 @@ class VtkFiles(ReaderTest):
         for content, says in [(text.replace("1 0.5 2e-1", "1 0.5"), ["points", "after 5 of 6"]),
                               (text.replace("2e-1", "2e-1 7"), "more than the 6"),
                               (text.replace("2e-1", "two"), "'two'"),
-                              (text.replace('"2"', '"99999999999999999"'), "299999999999999997 numbers"),
+                              (text.replace('"2"', '"99999999999999999"'), "99999999999999999 points"),
                               (text.replace('"2"', '"x"'), "NumberOfPoints"),
                               (text.replace('"PolyData"', '"ImageData"'), "'ImageData'"),
                               (text.replace('Components="3" Name', 'Components="2" Name'), "3 components"),
@@ -94,13 +94,6 @@ class VtkFiles(ReaderTest):
                               (text.replace("3 2 1", "3 nan 1"), ["point 2", "nan"])]:
             self.refuse(self.put("b.vtp", content), "-o", "out.npz", says=[says] if isinstance(says, str) else says)
         self.refuse("a.vtp", "--radii", "r", says=["'r'", "none"])
-
-    def test_damaged(self):
-        points = random_points(40)
-        for mode, encoded, packed in [("ascii", False, False), ("binary", False, True), ("binary", False, False),
-                                      ("appended", False, True), ("appended", True, False), ("appended", False, False)]:
-            self.save("a.vtp", points, mode, encoded, packed=packed, block=256, columns={"r": points[:, 0]})
-            self.damage("a.vtp", "r")
 
     def grid(self, name):
         reader = vtkXMLUnstructuredGridReader()

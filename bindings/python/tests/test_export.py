@@ -72,11 +72,11 @@ class Arrays(Folder):
         self.assertEqual(np.asarray(arrays["version"]).astype(str), vt.__version__)
 
     def results(self):
-        yield cells(), "given"
-        yield cells(periodic=True), "given"
-        yield cells(box=None), "bounds"
-        yield cells(box=None, cell=CELL, outside="drop"), "given"
-        yield cells(walls=[(1, 1, 1, 2.5)], outside="drop"), "given"
+        yield cells(), "option"
+        yield cells(periodic=True), "option"
+        yield cells(box=None), "default"
+        yield cells(box=None, cell=CELL, outside="drop"), "option"
+        yield cells(walls=[(1, 1, 1, 2.5)], outside="drop"), "option"
 
     def test_npz(self):
         for t, domain_from in self.results():
@@ -86,7 +86,7 @@ class Arrays(Folder):
                 self.assertEqual(str(arrays["domain_from"]), domain_from)
         vt.tessellate(uniform(5), want=()).save(self.path("b.npz"))
         with np.load(self.path("b.npz")) as arrays:
-            self.assertEqual(sorted(arrays), ["box", "domain_from", "periodic", "status", "version"])
+            self.assertEqual(sorted(arrays), ["box", "domain_from", "periodic", "periodic_from", "status", "version"])
         first = (self.folder / "b.npz").read_bytes()
         vt.tessellate(uniform(5), want=()).save(self.path("b.npz"))
         self.assertEqual((self.folder / "b.npz").read_bytes(), first, "equal results give equal files")

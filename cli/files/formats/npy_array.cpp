@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "files/numbers.hpp"
+#include "interrupt.hpp"
 
 namespace clvotess {
 namespace {
@@ -27,6 +28,8 @@ NpyArray::NpyArray(ByteSource source, std::string name) : source_(std::move(sour
     if (source_.size < sizeof start + length_bytes) throw error(ends_early);
     std::uint32_t length = 0;
     source_.read(&length, length_bytes);
+    constexpr std::uint32_t longest_header = std::uint32_t{1} << 16;  // NumPy itself reads 10,000 bytes
+    if (length > longest_header) throw error("the header has " + std::to_string(length) + " bytes, which is too long");
     const std::uint64_t data_begin = sizeof start + length_bytes + std::uint64_t{length};
     if (data_begin > source_.size) throw error(ends_early);
     bytes_ = source_.size - data_begin;
@@ -82,10 +85,12 @@ void NpyArray::parse_header(std::string_view dict) {
         word.remove_prefix(std::min(word.find_first_not_of(' '), word.size()));
         if (word.empty() && list.empty()) break;
         const auto extent = read_uint64(word);
-        if (!extent) throw error("array of shape " + std::string(value.substr(0, end + 1)) + ", expected (N, 3)");
+        if (!extent) throw error("array of shape " + in_quotes(value.substr(0, end + 1)) + ", expected (N, 3)");
         if (*extent != 0 && count_ > std::numeric_limits<std::uint64_t>::max() / *extent) {
-            throw error("the header announces more points than fit, shape " + std::string(value.substr(0, end + 1)));
+            throw error("the header announces more points than fit, shape " + in_quotes(value.substr(0, end + 1)));
         }
+        constexpr std::size_t most_axes = 64;
+        if (shape_.size() == most_axes) throw error("an array of more than 64 axes, expected (N, 3)");
         shape_.push_back(*extent);
         count_ *= *extent;
     }
@@ -115,6 +120,7 @@ template <typename Number, typename Take>
 void NpyArray::next(std::uint64_t count, Take take) {
     std::vector<Number> buffer(std::min<std::uint64_t>(count, std::uint64_t{1} << 16));
     for (std::uint64_t done = 0; done < count;) {
+        throw_if_interrupted();
         const auto some = std::min<std::uint64_t>(buffer.size(), count - done);
         source_.read(buffer.data(), some * sizeof(Number));
         for (std::uint64_t i = 0; i < some; ++i, ++done) take(done, buffer[i]);

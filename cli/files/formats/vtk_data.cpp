@@ -1,17 +1,18 @@
 #include "files/formats/vtk_data.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 
 #include "failure.hpp"
+#include "files/inflate.hpp"
 #include "files/line_reader.hpp"
+#include "interrupt.hpp"
 
 namespace clvotess {
 namespace {
 
-constexpr std::uint64_t best_ratio = 1032;  // of deflate
+constexpr std::uint64_t best_ratio = 1032;                    // of deflate
+constexpr std::uint64_t round_size = std::uint64_t{1} << 16;  // numbers or groups, then signals are looked at
 
 int base64_value(char c) {
     if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -32,6 +33,7 @@ public:
         to.clear();
         to.reserve(count + 2);
         while (to.size() < count) {
+            if (at_ % (4 * round_size) == 0) throw_if_interrupted();
             if (at_ + 4 > text_.size()) return false;
             std::uint32_t group = 0;
             int bytes = 3;
@@ -106,7 +108,10 @@ public:
             if (!stream.read(numbers, head + count * bytes_each)) throw damaged();
             numbers.erase(0, head);
         }
-        for (std::uint64_t i = 0; i < count; ++i) take(i, numbers.data() + i * bytes_each, layout_.swapped);
+        for (std::uint64_t i = 0; i < count; ++i) {
+            if (i % round_size == 0) throw_if_interrupted();
+            take(i, numbers.data() + i * bytes_each, layout_.swapped);
+        }
     }
 
     template <typename Take>
@@ -114,6 +119,7 @@ public:
         std::string_view rest = array_.content;
         constexpr std::string_view blanks = " \t\r\n";
         for (std::uint64_t i = 0; i < count; ++i) {
+            if (i % round_size == 0) throw_if_interrupted();
             rest.remove_prefix(std::min(rest.find_first_not_of(blanks), rest.size()));
             const std::string_view word = rest.substr(0, rest.find_first_of(blanks));
             if (word.empty()) {
@@ -157,23 +163,24 @@ private:
             const std::uint64_t size = header(head, 3 + k);
             if (size > stream.size()) throw damaged();
             packed_size += size;
+            if (packed_size > stream.size()) throw damaged();
         }
         const std::uint64_t full = last_size > 0 && blocks > 0 ? blocks - 1 : blocks;
         if (last_size > expected || (block_size > 0 && full > expected / block_size)) throw damaged();
         check_size(full * block_size + (blocks > 0 ? last_size : 0), expected);
         std::string packed;
-        if (packed_size > stream.size() || expected / best_ratio > packed_size) throw damaged();
+        if (expected / best_ratio > packed_size) throw damaged();
         if (!stream.read(packed, packed_size)) throw damaged();
         numbers.resize(expected);
         std::size_t from = 0, to = 0;
         for (std::uint64_t k = 0; k < blocks; ++k) {
             const std::size_t size = k < full ? block_size : last_size;
-            uLongf got = size;
-            const auto* const source = reinterpret_cast<const Bytef*>(packed.data() + from);
-            const int result = uncompress(reinterpret_cast<Bytef*>(numbers.data() + to), &got, source,
-                                          static_cast<uLong>(header(head, 3 + k)));
-            if (result != Z_OK || got != size) throw damaged();
-            from += header(head, 3 + k);
+            const std::uint64_t packed_block = header(head, 3 + k);
+            Inflater inflater(std::string_view(packed).substr(from, packed_block), Inflater::Frame::zlib);
+            if (inflater.read(numbers.data() + to, size) < size) throw damaged();
+            char beyond = 0;  // reaches the end and its checksum
+            if (inflater.read(&beyond, 1) > 0 || !inflater.ended()) throw damaged();
+            from += packed_block;
             to += size;
         }
     }
@@ -204,7 +211,7 @@ std::vector<double> load_floats(const VtkArray& array, const VtkLayout& layout, 
     if (array.place == VtkArray::Place::text) {
         loader.text(count, [&](std::uint64_t i, std::string_view word) {
             const auto value = read_double(word);
-            if (!value) throw bad_input(where + ": " + in_quotes(word) + " is not a number");
+            if (!value) throw bad_input(where + ": " + not_a_number(word));
             values[i] = *value;
         });
     } else {

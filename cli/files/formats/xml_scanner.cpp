@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "files/limits.hpp"
+
 namespace clvotess {
 namespace {
 
@@ -33,7 +35,8 @@ bool XmlScanner::next(XmlTag& tag) {
     }
     // A value in quotes may hold the end mark.
     std::size_t end = at_ + 1;
-    for (char quote = 0; end < text_.size() && (quote != 0 || text_[end] != '>'); ++end) {
+    const std::size_t last = std::min(text_.size(), at_ + longest_line);
+    for (char quote = 0; end < last && (quote != 0 || text_[end] != '>'); ++end) {
         const char c = text_[end];
         if (quote == 0 && (c == '"' || c == '\'')) {
             quote = c;
@@ -41,7 +44,7 @@ bool XmlScanner::next(XmlTag& tag) {
             quote = 0;
         }
     }
-    if (end >= text_.size()) throw broken();
+    if (end >= last) throw broken();
     std::string_view body = trimmed(text_.substr(at_ + 1, end - at_ - 1));
     at_ = end + 1;
     tag = {};

@@ -1,13 +1,15 @@
 #include "files/formats/zip_reader.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 
 #include "failure.hpp"
 #include "files/binary_numbers.hpp"
+#include "files/inflate.hpp"
+#include "files/limits.hpp"
+#include "interrupt.hpp"
 
 namespace clvotess {
 namespace {
@@ -80,48 +82,27 @@ void take_zip64(const Fields& extra, std::size_t extra_size, std::array<std::uin
     }
 }
 
-class Inflater {
-public:
-    explicit Inflater(std::string_view packed) : rest_(packed) {
-        if (inflateInit2(&stream_, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
+// Refuses members that share bytes, by which a small archive could hold much. Each is its header and its data.
+void check_apart(std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges, const std::string& name) {
+    std::ranges::sort(ranges);
+    for (std::size_t k = 1; k < ranges.size(); ++k) {
+        if (ranges[k].first < ranges[k - 1].second)
+            throw bad_input(name + ": the archive is damaged: members overlap each other");
     }
-    Inflater(const Inflater&) = delete;
-    Inflater& operator=(const Inflater&) = delete;
-    ~Inflater() { inflateEnd(&stream_); }
-
-    [[nodiscard]] bool read(char* to, std::uint64_t count) {
-        constexpr std::uint64_t piece = std::uint64_t{1} << 30;
-        while (count > 0) {
-            if (stream_.avail_in == 0) {
-                const auto given = static_cast<uInt>(std::min<std::uint64_t>(rest_.size(), piece));
-                stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(rest_.data()));
-                stream_.avail_in = given;
-                rest_.remove_prefix(given);
-            }
-            const auto room = static_cast<uInt>(std::min(count, piece));
-            stream_.next_out = reinterpret_cast<Bytef*>(to);
-            stream_.avail_out = room;
-            const int result = inflate(&stream_, Z_NO_FLUSH);
-            const std::uint64_t got = room - stream_.avail_out;
-            to += got;
-            count -= got;
-            if (result != Z_OK && !(result == Z_STREAM_END && count == 0)) return false;
-        }
-        return true;
-    }
-
-private:
-    z_stream stream_{};
-    std::string_view rest_;
-};
+}
 
 }  // namespace
 
 std::vector<ZipMember> list_members(std::string_view bytes, const std::string& name) {
     constexpr std::size_t entry_size = 46, header_size = 30;
     const Directory directory = find_directory(bytes, name);
+    if (directory.count > most_arrays) {
+        throw bad_input(name + ": " + std::to_string(directory.count) + " members, more than the " +
+                        std::to_string(most_arrays) + " that are read");
+    }
     std::vector<ZipMember> members;
-    std::uint64_t at = directory.begin;
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;
+    std::uint64_t at = directory.begin, unpacked = 0;
     for (std::uint64_t i = 0; i < directory.count; ++i) {
         const Fields entry(bytes, at, entry_size, name);
         if (entry.text(0, 4) != "PK\x01\x02") throw entry.broken();
@@ -146,9 +127,14 @@ std::vector<ZipMember> list_members(std::string_view bytes, const std::string& n
         member.packed = bytes.substr(data, packed_size);
         const bool possible = member.deflated ? size / best_ratio <= packed_size : size == packed_size;
         if (!possible) throw header.broken();
+        unpacked += size;
+        check_unpacked(bytes.size(), unpacked, name);
+        ranges.emplace_back(offset, data + packed_size);
         members.push_back(std::move(member));
         at += entry_size + name_size + extra_size + comment_size;
     }
+    ranges.emplace_back(directory.begin, at);
+    check_apart(std::move(ranges), name);
     return members;
 }
 
@@ -162,18 +148,26 @@ ByteSource open_member(const ZipMember& member, const std::string& name) {
     const auto state = std::make_shared<State>();
     state->left = member.size;
     state->stored = member.packed;
-    if (member.deflated) state->inflater = std::make_unique<Inflater>(member.packed);
+    if (member.deflated) state->inflater = std::make_unique<Inflater>(member.packed, Inflater::Frame::none);
     const auto read = [state, expected = member.crc, name](void* to, std::uint64_t count) {
         const Failure damaged = bad_input(name + ": the archive is damaged: the checksum is not that of the member");
         if (count == 0) return;
         if (count > state->left) throw bad_input(name + ": the member ends too early");
-        if (state->inflater) {
-            if (!state->inflater->read(static_cast<char*>(to), count)) throw damaged;
-        } else {
-            std::memcpy(to, state->stored.data(), count);
-            state->stored.remove_prefix(count);
+        constexpr std::uint64_t piece = std::uint64_t{1} << 22;
+        auto* at = static_cast<char*>(to);
+        for (std::uint64_t left = count; left > 0;) {
+            throw_if_interrupted();
+            const std::uint64_t some = std::min(left, piece);
+            if (state->inflater) {
+                if (state->inflater->read(at, some) < some) throw damaged;
+            } else {
+                std::memcpy(at, state->stored.data(), some);
+                state->stored.remove_prefix(some);
+            }
+            state->crc = crc32_z(state->crc, reinterpret_cast<const Bytef*>(at), some);
+            at += some;
+            left -= some;
         }
-        state->crc = crc32_z(state->crc, static_cast<const Bytef*>(to), count);
         state->left -= count;
         if (state->left == 0 && state->crc != expected) throw damaged;
     };

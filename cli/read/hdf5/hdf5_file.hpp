@@ -3,16 +3,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
+#include <filesystem>
+#include <new>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "failure.hpp"
 #include "files/formats/hdf5_handles.hpp"
+#include "files/inflate.hpp"
+#include "files/input_file.hpp"
+#include "files/limits.hpp"
 #include "interrupt.hpp"
 #include "read/input.hpp"
 
@@ -42,7 +46,8 @@ public:
     }
     // One or a row of them for each point.
     [[nodiscard]] bool is_numbers() const {
-        return (extent_.size() == 1 || (extent_.size() == 2 && extent_[1] > 0)) && (is_float() || is_whole());
+        const bool rows = extent_.size() == 2 && extent_[1] > 0 && extent_[1] <= most_columns;
+        return (extent_.size() == 1 || rows) && (is_float() || is_whole());
     }
     [[nodiscard]] std::uint64_t width() const { return extent_.size() == 2 ? extent_[1] : 1; }
     [[nodiscard]] bool is_column() const { return extent_.size() == 1 && (is_float() || is_whole()); }
@@ -64,7 +69,7 @@ public:
         const std::size_t begin = to.size();
         to.resize(begin + rows * columns);
         const Hdf5Handle file_space(H5Dget_space(set_.id()), H5Sclose);
-        constexpr hsize_t piece = hsize_t{1} << 20;
+        const hsize_t piece = std::max<hsize_t>(1, (hsize_t{1} << 22) / std::max<std::uint64_t>(columns, 1));
         for (hsize_t row = 0; row < rows; row += piece) {
             throw_if_interrupted();
             const std::array<hsize_t, 2> start{first + row, 0};
@@ -92,6 +97,15 @@ public:
     [[nodiscard]] Failure error(const std::string& message) const { return bad_input(where_ + " " + message); }
 
 private:
+public:
+    // What it takes when it is read.
+    [[nodiscard]] double bytes() const {
+        double bytes = sizeof(double);
+        for (const hsize_t extent : extent_) bytes *= static_cast<double>(extent);
+        return bytes;
+    }
+
+private:
     // A broken extent must not take memory, nor may parts that were never written read as zeros.
     void check_storage() const {
         const Hdf5Handle plist(H5Dget_create_plist(set_.id()), H5Pclose);
@@ -108,6 +122,17 @@ private:
         if (bytes > static_cast<double>(stored) * (packed ? best_ratio : 1)) {
             throw error("announces more numbers (" + description() + ") than the file holds");
         }
+        if (H5Pget_layout(plist.id()) == H5D_CHUNKED) check_chunk(plist.id());
+    }
+
+    // HDF5 unpacks a chunk as a whole, also one that is larger than the dataset.
+    void check_chunk(hid_t plist) const {
+        std::array<hsize_t, H5S_MAX_RANK> sides{};
+        const int rank = H5Pget_chunk(plist, H5S_MAX_RANK, sides.data());
+        double chunk = static_cast<double>(type_size_);
+        for (int k = 0; k < rank; ++k) chunk *= static_cast<double>(sides[static_cast<std::size_t>(k)]);
+        constexpr double largest = 0x1p28;
+        if (chunk > largest) throw error("has chunks of more than 256 MiB: store it in smaller ones, with h5repack");
     }
 
     std::string where_;
@@ -119,15 +144,22 @@ private:
 
 class Hdf5File {
 public:
+    // A FIFO is refused before it is opened, which would wait for its writer.
     explicit Hdf5File(const std::string& path) : path_(path) {
-        if (!std::ifstream(path)) throw bad_input("cannot open " + in_quotes(path) + ": " + std::strerror(errno));
+        std::error_code problem;
+        if (std::filesystem::exists(path, problem) && !std::filesystem::is_regular_file(path, problem))
+            throw bad_input(path + ": not a regular file");
+        size_ = InputFile(path).size();
         file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
         if (!file_.valid()) throw bad_input(path + ": not an HDF5 file, or a damaged one");
-        std::ifstream stream(path, std::ios::ate | std::ios::binary);
         hsize_t size = 0;
-        if (H5Fget_filesize(file_.id(), &size) < 0 || size > static_cast<std::uint64_t>(stream.tellg())) {
-            throw bad_input(path + ": the file ends too early");
-        }
+        if (H5Fget_filesize(file_.id(), &size) < 0 || size > size_) throw bad_input(path + ": the file ends too early");
+    }
+
+    // Throws Failure when the datasets together are too large for the file.
+    void check_unpacked(double bytes) const {
+        constexpr double most = 0x1p63;
+        clvotess::check_unpacked(size_, static_cast<std::uint64_t>(std::min(bytes, most)), path_);
     }
 
     [[nodiscard]] bool has(const std::string& dataset) const {
@@ -145,16 +177,17 @@ public:
         return {file_.id(), dataset, path_ + ": dataset " + in_quotes(dataset)};
     }
 
+    // Returns the paths of all datasets. Throws Failure when groups are nested too deep: HDF5 itself would take a time
+    // that grows with the square of the depth.
     [[nodiscard]] std::vector<std::string> datasets() const {
-        std::vector<std::string> names;
-        const auto visit = [](hid_t, const char* name, const H5O_info_t* info, void* to) -> herr_t {
-            if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(to)->emplace_back(name);
-            return 0;
-        };
-        if (H5Ovisit2(file_.id(), H5_INDEX_NAME, H5_ITER_INC, visit, &names, H5O_INFO_BASIC) < 0) {
-            throw bad_input(path_ + ": the file is damaged: its datasets cannot be listed");
-        }
-        return names;
+        Walk walk{.failed = {}, .names = {}, .seen = {}, .path = {}, .depth = 0};
+        H5O_info_t root{};
+        if (H5Oget_info2(file_.id(), &root, H5O_INFO_BASIC) >= 0) walk.seen.insert(root.addr);
+        if (list(file_.id(), walk) < 0 && walk.failed.empty())
+            walk.failed = "the file is damaged: its datasets cannot be listed";
+        throw_if_interrupted();
+        if (!walk.failed.empty()) throw bad_input(path_ + ": " + walk.failed);
+        return walk.names;
     }
 
     // Numbers of an attribute of the group Header; empty when it is not there.
@@ -202,7 +235,50 @@ public:
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
 
 private:
+    struct Walk {
+        std::string failed;
+        std::vector<std::string> names;
+        std::set<haddr_t> seen;  // objects, which hard links may join to a ring
+        std::string path;        // of the group that is listed, with a slash at its end
+        int depth = 0;
+    };
+
+    // Called by HDF5, which no exception may pass.
+    static herr_t visit(hid_t group, const char* name, const H5L_info_t* link, void* to) noexcept {
+        Walk& walk = *static_cast<Walk*>(to);
+        try {
+            if (interrupting_signal() != 0) return -1;
+            H5O_info_t object{};
+            if (link->type != H5L_TYPE_HARD) return 0;
+            if (H5Oget_info_by_name2(group, name, &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) return -1;
+            if (!walk.seen.insert(object.addr).second) return 0;
+            if (object.type == H5O_TYPE_DATASET) walk.names.push_back(walk.path + name);
+            if (object.type != H5O_TYPE_GROUP) return 0;
+            if (walk.depth == deepest_group) {
+                walk.failed = "groups are nested more than " + std::to_string(deepest_group) + " deep";
+                return -1;
+            }
+            const Hdf5Handle inner(H5Gopen2(group, name, H5P_DEFAULT), H5Gclose);
+            if (!inner.valid()) return -1;
+            const std::size_t length = walk.path.size();
+            walk.path += std::string(name) + "/";
+            ++walk.depth;
+            const herr_t result = list(inner.id(), walk);
+            --walk.depth;
+            walk.path.resize(length);
+            return result;
+        } catch (const std::bad_alloc&) {
+            walk.failed = "out of memory";
+            return -1;
+        }
+    }
+
+    static herr_t list(hid_t group, Walk& walk) {
+        return H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &walk);
+    }
+
     std::string path_;
+    std::uint64_t size_ = 0;
     Hdf5Handle file_;
 };
 

@@ -25,6 +25,14 @@ std::string group_of(const std::string& path) {
     return slash == std::string::npos ? "" : path.substr(0, slash + 1);
 }
 
+// A file, and how far it has been read.
+struct Part {
+    std::optional<Hdf5File> file;  // none for the first, which stays open
+    std::optional<Hdf5Dataset> points, ids;
+    std::vector<Hdf5Dataset> columns;
+    std::uint64_t next = 0;
+};
+
 class Hdf5Pieces : public InputPieces {
 public:
     // rows: so many in a piece.
@@ -80,14 +88,6 @@ public:
     }
 
 private:
-    // A file, and how far it has been read.
-    struct Part {
-        std::optional<Hdf5File> file;  // none for the first, which stays open
-        std::optional<Hdf5Dataset> points, ids;
-        std::vector<Hdf5Dataset> columns;
-        std::uint64_t next = 0;
-    };
-
     static std::string without_slash(const std::string& path) {
         return path.substr(std::min(path.find_first_not_of('/'), path.size()));
     }
@@ -97,7 +97,11 @@ private:
         const std::vector<double> axes = file.attribute("/", "periodic");
         if (axes.size() == 3) {
             std::vector<double> walls;
-            if (file.has("walls") && file.open("walls").has_columns(4)) file.open("walls").append_to(walls);
+            if (file.has("walls") && file.open("walls").has_columns(4)) {
+                const Hdf5Dataset planes = file.open("walls");
+                file.check_unpacked(planes.bytes());
+                planes.append_to(walls);
+            }
             return stated_domain(file.attribute("/", "box"), {axes[0] != 0, axes[1] != 0, axes[2] != 0},
                                  file.attribute("/", "cell"), file.attribute("/", "origin"), walls);
         }
@@ -201,6 +205,9 @@ private:
                                    std::to_string(points.rows()) + " points");
             }
         }
+        double bytes = points.bytes() + (part_->ids ? part_->ids->bytes() : 0);
+        for (const Hdf5Dataset& column : part_->columns) bytes += column.bytes();
+        file.check_unpacked(bytes);
         part_->file = std::move(later);
     }
 
@@ -237,6 +244,7 @@ private:
             const bool named = std::ranges::find(columns, name, &InputColumn::name) != columns.end();
             if (!beside || named || path == name_ || name == "ParticleIDs" || name == "ids") continue;
             const Hdf5Dataset values = file.open(path);
+            if (columns.size() == most_columns) throw bad_input(file.path() + ": too many columns for --copy all");
             if (values.is_numbers() && values.rows() == rows)
                 columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
         }

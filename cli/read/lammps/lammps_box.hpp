@@ -13,7 +13,9 @@ namespace clvotess {
 struct LammpsBox {
     std::array<double, 3> lower{}, upper{};
     double xy = 0, xz = 0, yz = 0;
-    std::array<bool, 3> periodic{};
+    // LAMMPS takes a box as periodic unless its script says otherwise; dumps may state boundaries, data files cannot.
+    std::array<bool, 3> periodic{true, true, true};
+    DomainSource periodic_from = DomainSource::assumed;
 
     [[nodiscard]] bool tilted() const noexcept { return xy != 0 || xz != 0 || yz != 0; }
 
@@ -43,6 +45,7 @@ struct LammpsBox {
 
     [[nodiscard]] FileDomain domain() const {
         FileDomain domain;
+        domain.periodic_from = periodic_from;
         if (!tilted()) {
             domain.box = votess::Box{lower, upper};
             domain.periodic = periodic;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "failure.hpp"
 
@@ -99,21 +98,22 @@ AtomColumns columns_of_style(const Words& hint, std::size_t size, const LineRead
         }
         return columns_of_hybrid(hint, size);
     }
-    std::string known, sizes;
-    std::string_view before;
+    std::string sizes;
     for (const Style& style : styles) {
-        if (style.name != std::exchange(before, style.name)) add_name(known, style.name);
         if (style.name != name) continue;
         AtomColumns result = made_of(style.columns);
         const std::size_t own = result.names.size();
         if (size == own || size == own + image_flags) return result;
         sizes += (sizes.empty() ? "" : " or ") + std::to_string(own);
     }
-    if (sizes.empty()) {
-        throw lines.error("atom style " + in_quotes(hint[0]) + " is not known: " + known + " hybrid tdpd are");
-    }
     throw lines.error("this row has " + columns_text(size) + ", but atoms of style " + std::string(name) + " have " +
                       sizes + ", and 3 more with image flags");
+}
+
+bool knows_style(const Words& hint) {
+    if (hint.empty()) return false;
+    const std::string_view name = plain_style(hint[0]);
+    return name == "hybrid" || name == "tdpd" || std::ranges::find(styles, name, &Style::name) != styles.end();
 }
 
 AtomColumns columns_by_size(std::size_t size, const LineReader& lines) {
@@ -128,12 +128,12 @@ AtomColumns columns_by_size(std::size_t size, const LineReader& lines) {
 
 std::optional<AtomColumns> columns_by_names(const Words& names) {
     constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
-    const auto place = std::ranges::search(names, axes);
+    const auto place = std::search(names.begin(), names.end(), axes.begin(), axes.end());
     if (names.empty() || !names[0].ends_with("id")) return std::nullopt;
     for (const std::string_view axis : axes) {
-        if (std::ranges::count(names, axis) != 1 || place.empty()) return std::nullopt;
+        if (std::ranges::count(names, axis) != 1 || place == names.end()) return std::nullopt;
     }
-    return AtomColumns{names, static_cast<std::size_t>(place.begin() - names.begin()), false};
+    return AtomColumns{names, static_cast<std::size_t>(place - names.begin()), false};
 }
 
 }  // namespace clvotess

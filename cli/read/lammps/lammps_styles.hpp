@@ -17,8 +17,11 @@ struct AtomColumns {
 };
 
 // The columns of rows of `size` words in an atom style, whose name and sub-styles are the words of `hint`. Throws
-// Failure when there is no such style or its rows have another size.
+// Failure when its rows have another size.
 [[nodiscard]] AtomColumns columns_of_style(const Words& hint, std::size_t size, const LineReader& lines);
+
+// Whether the first word is the name of an atom style.
+[[nodiscard]] bool knows_style(const Words& hint);
 
 // In the common styles the place of the coordinates follows from the number of columns.
 [[nodiscard]] AtomColumns columns_by_size(std::size_t size, const LineReader& lines);

@@ -45,7 +45,7 @@ public:
                 const std::string_view comment = line.substr(std::min(mark + 1, line.size()));
                 split_words(comment, hint);
                 take_names(comment, true);
-                if (named_) hint.clear();
+                if (named_ || !knows_style(hint)) hint.clear();  // a comment about anything
                 return read_atoms(hint);
             }
             read_header();
@@ -120,29 +120,24 @@ private:
         throw lines_.error("which columns are the coordinates is not sure: " + std::string(ask_for_style));
     }
 
-    // A diameter is also there as `radius`, its half.
+    // A diameter can be had as `radius`, its half: a column more, behind those of the file.
     void find_wanted(const AtomColumns& columns, Input& input) {
-        ReadRequest request = request_;
-        std::vector<bool> halved;
-        for (std::string& column : request.columns) {
-            halved.push_back(column == "radius" && std::ranges::find(columns.names, "diameter") != columns.names.end());
-            if (halved.back()) column = "diameter";
+        Words names = columns.names;
+        const auto diameter = std::ranges::find(names, "diameter");
+        const bool wants_radius = std::ranges::find(request_.columns, "radius") != request_.columns.end();
+        if (wants_radius && diameter != names.end() && std::ranges::find(names, "radius") == names.end()) {
+            diameter_ = static_cast<std::size_t>(diameter - names.begin());
+            half_ = names.size();
+            names.push_back("radius");
         }
-        wanted_.emplace(request, columns.names, lines_.name());
+        wanted_.emplace(request_, names, lines_.name());
         const std::array<std::size_t, 4> taken{0, columns.x, columns.x + 1, columns.x + 2};
-        if (request_.all_columns) wanted_->add_others(columns.names, taken, words_);
+        if (request_.all_columns) wanted_->add_others(names, taken, words_);
         input.columns = wanted_->columns(static_cast<std::size_t>(*count_));
-        for (std::size_t c = 0; c < halved.size(); ++c) {
-            if (!halved[c]) continue;
-            input.columns[c].name = "radius";
-            halved_.push_back(c);
-        }
     }
 
     Input read_atoms(const Words& hint) {
         if (!count_) throw lines_.error("the section Atoms comes before the line \"N atoms\"");
-        // LAMMPS takes a box as periodic unless its script says otherwise, and a data file cannot say so.
-        box_.periodic = {true, true, true};
         const bool has_box = bounds_seen_[0] && bounds_seen_[1] && bounds_seen_[2];
         if (!has_box) throw lines_.error("the header lacks the box: lines with xlo xhi, ylo yhi and zlo zhi");
         if (const std::string problem = box_.problem(); !problem.empty()) throw lines_.error(problem);
@@ -191,10 +186,9 @@ private:
                 }
                 if (columns.guessed) flags.back()[k - columns.names.size()] = static_cast<std::uint64_t>(*flag);
             }
-            wanted_->append(input.columns, [this](std::size_t k) { return lines_.number(words_[k]); });
-        }
-        for (const std::size_t c : halved_) {
-            for (double& diameter : input.columns[c].values) diameter *= 0.5;
+            wanted_->append(input.columns, [this](std::size_t k, const std::string& column) {
+                return half_ == k ? 0.5 * lines_.number(words_[diameter_], column) : lines_.number(words_[k], column);
+            });
         }
         if (!flags.empty()) check_guess(input.points, flags);
         return input;
@@ -217,7 +211,8 @@ private:
     bool names_commented_ = false;
     bool four_whole_ = false;  // the last four columns of rows as long as those of style spin
     std::optional<ColumnPlaces> wanted_;
-    std::vector<std::size_t> halved_;  // those of them that are diameters and wanted as radii
+    std::size_t diameter_ = 0;
+    std::optional<std::size_t> half_;  // the column of its half, when it is wanted
 };
 
 }  // namespace

@@ -43,7 +43,8 @@ public:
             const std::string_view head = item.substr(std::min(item.find_first_not_of(' '), item.size()));
             if (head.starts_with("TIMESTEP")) {
                 split_words(lines_.need("the timestep"), words_);
-                if (words_.size() != 1) throw lines_.error("expected one number, the timestep");
+                if (words_.size() != 1 || !read_double(words_[0]))
+                    throw lines_.error("expected one number, the timestep");
                 timestep = words_[0];
                 count_.reset();
                 has_box_ = false;
@@ -94,6 +95,7 @@ private:
         box_ = {};
         if (words_.size() == first + 3) {
             for (std::size_t k = 0; k < 3; ++k) box_.periodic[k] = words_[first + k] == "pp";
+            box_.periodic_from = DomainSource::stated;
         } else if (words_.size() != first) {
             throw lines_.error("expected three boundaries such as pp pp ff");
         }
@@ -185,7 +187,8 @@ private:
                 input.columns = wanted.columns(count);
                 others = false;
             }
-            wanted.append(input.columns, [&](std::size_t k) { return lines_.number(row[k]); });
+            wanted.append(input.columns,
+                          [&](std::size_t k, const std::string& column) { return lines_.number(row[k], column); });
         }
         std::string_view next;
         if (lines_.next(next) && next.find_first_not_of(" \t\r") != std::string_view::npos &&

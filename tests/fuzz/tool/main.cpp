@@ -119,7 +119,7 @@ public:
 
     int run() {
         const auto end = Clock::now() + std::chrono::duration<double>(arguments_.hours * 3600);
-        std::printf("fuzz: %u processes, numbers from %llu, device %s\n", arguments_.jobs,
+        std::printf("fuzz: %u processes, seed %llu, device %s\n", arguments_.jobs,
                     static_cast<unsigned long long>(arguments_.first), arguments_.limits.device.c_str());
         for (std::size_t w = 0; w < workers_.size(); ++w) start(w);
         while (Clock::now() < end) {

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 NAMES = frozenset(
     "ids indptr indices shifts face_areas face_normals volumes centroids surface_areas security_radii face_counts "
     "edge_counts vertex_counts vertices cell_vertex_indptr cell_vertex_indices face_offsets face_vertices status "
-    "duplicate_of box periodic cell origin walls version domain_from".split()
+    "duplicate_of box periodic cell origin walls version domain_from periodic_from".split()
 )
 
 # In the order of the file.
@@ -56,7 +56,11 @@ def _domain_arrays(t: Tessellation) -> Arrays:
 def _texts(t: Tessellation) -> Dict[str, str]:
     from .._library import VERSION
 
-    return {"domain_from": "given" if t._domain_given else "bounds", "version": VERSION}
+    return {
+        "domain_from": "option" if t._domain_given else "default",
+        "periodic_from": "option" if any(t.periodic) else "default",
+        "version": VERSION,
+    }
 
 
 def write_npz(path: str, t: Tessellation, columns: Arrays) -> None:

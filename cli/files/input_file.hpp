@@ -1,0 +1,44 @@
+// A file or stdin, read front to back into memory of the caller. A mapping would end the program by SIGBUS when the
+// file becomes shorter, and its bytes could change under a parser.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace clvotess {
+
+class InputFile {
+public:
+    explicit InputFile(const std::string& path);  // "-" is stdin. Throws Failure
+    InputFile(const InputFile&) = delete;
+    InputFile& operator=(const InputFile&) = delete;
+    ~InputFile();
+
+    // Reads the next bytes and returns how many: fewer than `count` at the end only. Throws Interrupted within one
+    // piece of reading after a signal, and Failure when the file ends before the size that it had when it was opened.
+    std::size_t read(char* to, std::size_t count);
+    // Adds the next bytes, so many if there are; false at the end.
+    bool append(std::string& to, std::size_t count);
+    // Passes over bytes of a regular file.
+    void skip(std::uint64_t count);
+
+    [[nodiscard]] bool is_regular() const noexcept { return regular_; }
+    [[nodiscard]] std::uint64_t size() const noexcept { return size_; }  // when it was opened; 0 unless regular
+    [[nodiscard]] const std::string& name() const noexcept { return name_; }
+
+private:
+    std::string name_;  // for messages
+    int descriptor_;
+    bool regular_ = false;
+    std::uint64_t size_ = 0, done_ = 0;
+};
+
+// Returns all bytes of a file. Where lines are expected, a line that is too long is refused as soon as it is read.
+[[nodiscard]] std::string read_whole(const std::string& path, bool lines);
+
+// Throws Failure when the last line of a text is too long. `name` is for the message.
+void check_last_line(std::string_view text, const std::string& name);
+
+}  // namespace clvotess

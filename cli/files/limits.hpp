@@ -1,0 +1,21 @@
+// Limits of what is read, so that a hostile file takes neither much memory nor much time. The page command-line.md
+// states them for users.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace clvotess {
+
+inline constexpr std::size_t longest_line = std::size_t{1} << 20;  // bytes of text
+inline constexpr std::size_t most_columns = 4096;                  // of a row, a property or an array
+inline constexpr std::size_t most_arrays = 4096;                   // members of an archive, arrays of a file of VTK
+inline constexpr int deepest_group = 64;                           // of HDF5
+
+// Returns the most bytes that a file of `size` bytes may unpack to. Scientific files rarely pack better than 20 to 1.
+[[nodiscard]] constexpr std::uint64_t most_unpacked(std::uint64_t size) {
+    constexpr std::uint64_t any_file = std::uint64_t{256} << 20, ratio = 100;
+    return size > (UINT64_MAX - any_file) / ratio ? UINT64_MAX : any_file + ratio * size;
+}
+
+}  // namespace clvotess

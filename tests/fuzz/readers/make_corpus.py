@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""Writes the corpus of the reader targets: small valid files of every kind, and files that were trouble once.
+
+    make_corpus.py [FOLDER]      default: corpus/ beside this file
+
+Needs NumPy, h5py and VTK. The files are kept in the repository, so that tests need neither.
+"""
+import gzip
+import io
+import pathlib
+import struct
+import sys
+import tempfile
+import zipfile
+import zlib
+
+import h5py
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkPolyData
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+POINTS = np.random.default_rng(1).random((6, 3)).round(3)
+ROWS = [" ".join(map(str, row)) for row in POINTS]
+FOLDER = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent / "corpus")
+
+
+def put(reader, name, content):
+    folder = FOLDER / reader
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def rows(form):
+    return "".join(form.format(i=i + 1, row=row, r=round(0.1 * i, 1)) + "\n" for i, row in enumerate(ROWS))
+
+
+def number():
+    for name, text in {"plain": "-12.5e-3", "denormal": "4.9406564584124654e-324", "largest": "1.7976931348623157e308",
+                       "zeros": "0." + "0" * 400 + "1", "far": "0." + "0" * 400 + "1e401", "huge": "1" + "0" * 400,
+                       "exponent": "1e-99999999999999999999", "tie": "9007199254740993", "nan": "-nan",
+                       "long": "0.3" + "0123456789" * 30 + "e5"}.items():
+        put("number", name, text)
+
+
+def text():
+    put("text", "rows", "# six points\n" + rows("{row}"))
+    put("text", "ids", rows("{i} {row} # {r}"))
+    put("text", "radii", rows("{row} {r}"))
+    put("text", "commas", rows("{row}").replace(" ", ", "))
+    put("text", "decimal_comma", "0,5 0 1\n1 2 3\n")
+    put("text", "line_ends", "\n" * 300 + "\r\n \n" + rows("{row}"))
+    put("csv", "names", "id,z,y,my r,x\n" + rows("{i},{row},{r}").replace(" ", ","))
+    put("csv", "semicolons", '"x";"y";"z";"name"\n' + rows("{row} a{i}").replace(" ", ";"))
+    put("csv", "decimal_comma", "x;y;z\n" + rows("{row}").replace(" ", ";").replace(".", ","))
+    put("gz", "rows", gzip.compress(rows("{row}").encode(), mtime=0))
+    put("gz", "members", gzip.compress(b"1 2 3\n", mtime=0) + gzip.compress(b"", mtime=0) + gzip.compress(b"4 5 6\n", mtime=0))
+    put("gz", "line_ends", gzip.compress(b"\n" * 200000, mtime=0))
+
+
+def atoms():
+    put("xyz", "classic", "6\n\n" + rows("H {row}") + "6\nsecond\n" + rows("O {row}"))
+    put("xyz", "extended", '6\nLattice="1 0 0 0 1 0 0.2 0 1" Properties=species:S:1:pos:R:3:id:I:1:v:R:2 '
+        'pbc="T F T" Origin="0 0 0"\n' + rows("H {row} {i} {r} 2"))
+    put("xyz", "wide", "1\nProperties=" + "a:R:1000:" * 50 + "pos:R:3\nH 1 2 3\n")
+    put("poscar", "direct", "H2 O\n1.0\n1 0 0\n0 1 0\n0.2 0 1\nH O\n4 2\nSelective dynamics\nDirect\n" + rows("{row} T T F"))
+    put("poscar", "cartesian", "x\n-8.0\n2 0 0\n0 2 0\n0 0 2\n6\nCartesian\n" + rows("{row}"))
+    put("poscar", "wraps", "x\n1\n1 0 0\n0 1 0\n0 0 1\n" + "1099511627776 " * 200 + "\nDirect\n0 0 0\n")
+    put("poscar", "cif", "data_quartz\n_cell_length_a 4.9\nloop_\n_atom_site_label\nSi\n")
+    box = "ITEM: BOX BOUNDS {}\n0 1{}\n0 1{}\n0 1{}\n"
+    frame = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n6\n{}ITEM: ATOMS {}\n{}"
+    put("lammps_dump", "flags", "ITEM: UNITS\nmetal\n" + frame.format(0, box.format("pp pp ff", "", "", ""), "id type x y z radius",
+                                                                       rows("{i} 1 {row} {r}")) +
+        frame.format(10, box.format("pp ff ff", "", "", ""), "x y z id", rows("{row} {i}")))
+    put("lammps_dump", "tilted", frame.format(5, box.format("xy xz yz pp pp pp", " 0.1", " 0", " -0.1"), "id xs ys zs element",
+                                              rows("{i} {row} H")))
+    put("lammps_dump", "no_flags", frame.format(5, box.format("", "", "", ""), "id xu yu zu", rows("{i} {row}")))
+    head = "by hand, units = metal\n\n6 atoms\n1 atom types\n0 1 xlo xhi\n0 1 ylo yhi\n0 1 zlo zhi\n{}\nMasses\n\n1 1.0\n\nAtoms{}\n\n{}"
+    put("lammps_data", "full", head.format("0.1 0 -0.1 xy xz yz\n", " # full", rows("{i} 1 1 {r} {row} 0 0 -1")))
+    put("lammps_data", "sphere", head.format("", " # sphere", rows("{i} 1 {r} 1.5 {row}")))
+    put("lammps_data", "any_words", head.format("", " # made by hand", rows("{i} 1 {row}")))
+    put("lammps_data", "names", head.format("", "", "# id type q x y z\n" + rows("{i} 1 {r} {row}")))
+
+
+def ply():
+    head = "ply\nformat {} 1.0\ncomment c\nelement other 2\nproperty list uchar int l\nelement vertex 6\nproperty double x\n" \
+           "property float r\nproperty double y\nproperty double z\nproperty int id\nend_header\n"
+    put("ply", "ascii", head.format("ascii") + "2 1 2\n0\n" + rows("{row} {i}").replace(" ", " 0.5 ", 1))
+    for name, order in [("binary_little_endian", "<"), ("binary_big_endian", ">")]:
+        content = struct.pack(order + "BiiB", 2, 1, 2, 0)
+        content += b"".join(struct.pack(order + "dfddi", p[0], 0.5, p[1], p[2], i) for i, p in enumerate(POINTS))
+        put("ply", name, head.format(name).encode() + content)
+
+
+def vtk():
+    for mode in ["Ascii", "Binary", "Appended"]:
+        for packed in [True, False]:
+            data, points = vtkPolyData(), vtkPoints()
+            points.SetData(numpy_to_vtk(POINTS))
+            data.SetPoints(points)
+            arrays = {"id": np.arange(6), "r": POINTS[:, 0].copy(), "v": POINTS.astype("f4")}
+            for name, values in arrays.items():
+                array = numpy_to_vtk(values)
+                array.SetName(name)
+                data.GetPointData().AddArray(array)
+            writer = vtkXMLPolyDataWriter()
+            with tempfile.NamedTemporaryFile(suffix=".vtp") as file:
+                writer.SetFileName(file.name)
+                writer.SetInputData(data)
+                getattr(writer, "SetDataModeTo" + mode)()
+                writer.SetEncodeAppendedData(packed)
+                (writer.SetCompressorTypeToZLib if packed else writer.SetCompressorTypeToNone)()
+                (writer.SetByteOrderToBigEndian if mode == "Binary" else writer.SetByteOrderToLittleEndian)()
+                writer.Write()
+                put("vtk", mode.lower() + ("_packed" if packed else ""), pathlib.Path(file.name).read_bytes())
+    # Many pieces that all unpack the same block.
+    block = zlib.compress(bytes(24 * 2000))
+    piece = '<Piece NumberOfPoints="2000"><Points><DataArray type="Float64" NumberOfComponents="3" format="appended" offset="0"/></Points></Piece>'
+    put("vtk", "one_block_many_times",
+        ('<VTKFile type="PolyData" byte_order="LittleEndian" header_type="UInt32" compressor="vtkZLibDataCompressor"><PolyData>' +
+         piece * 20 + '</PolyData><AppendedData encoding="raw">_').encode() + struct.pack("<4I", 1, 48000, 0, len(block)) + block)
+
+
+def npy_of(array):
+    file = io.BytesIO()
+    np.save(file, array)
+    return file.getvalue()
+
+
+def arrays():
+    put("npy", "float64", npy_of(POINTS))
+    put("npy", "float32", npy_of(POINTS.astype("f4")))
+    put("npy", "columns", npy_of(np.asfortranarray(POINTS)))
+    put("npy", "shape", npy_of(POINTS).replace(b"(6, 3)", b"(9999999999999999999, 3)"))
+    for save in [np.savez, np.savez_compressed]:
+        file = io.BytesIO()
+        save(file, points=POINTS, ids=np.arange(6), r=POINTS[:, 0], v=POINTS, box=np.array([[0, 0, 0], [1, 1, 1.0]]),
+             periodic=np.array([1, 0, 1], "u1"))
+        put("npz", save.__name__, file.getvalue())
+    file = io.BytesIO()
+    np.savez(file, x=POINTS[:, 0], y=POINTS[:, 1].astype("f4"), z=POINTS[:, 2])
+    put("npz", "axes", file.getvalue())
+    # Two names for one member.
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("a.npy", npy_of(np.zeros((200, 3))))
+        again = zipfile.ZipInfo("b.npy")
+        for key in ["header_offset", "CRC", "compress_size", "file_size", "compress_type"]:
+            setattr(again, key, getattr(archive.infolist()[0], key))
+        archive.filelist.append(again)
+        archive.NameToInfo["b.npy"] = again
+    put("npz", "overlapping", file.getvalue())
+
+
+def hdf5():
+    def save(name, fill, **options):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "a.h5"
+            with h5py.File(path, "w", **options) as file:
+                fill(file)
+            put("hdf5", name, path.read_bytes())
+
+    def own(file):
+        file["points"], file["ids"], file["r"] = POINTS, np.arange(6), POINTS[:, 0]
+        file.attrs.update(box=np.array([[0, 0, 0], [1, 1, 1.0]]), periodic=np.array([1, 0, 1], "u1"))
+
+    def snapshot(file):
+        header = file.create_group("Header")
+        header.attrs.update(BoxSize=1.0, NumPart_ThisFile=[6, 0], NumPart_Total=[6, 0], NumFilesPerSnapshot=1, Time=0.5)
+        group = file.create_group("PartType0")
+        group.create_dataset("Coordinates", data=POINTS, compression="gzip", chunks=(4, 3))
+        group["ParticleIDs"] = np.arange(6, dtype="u8")
+        group["Masses"] = np.ones(6, "f4")
+
+    def nested(file):
+        group = file
+        for _ in range(70):
+            group = group.create_group("g")
+        group["points"] = POINTS
+
+    def ring(file):
+        file["a/points"] = POINTS
+        file["a/again"] = file["/"]
+
+    save("own", own)
+    save("snapshot", snapshot)
+    save("newest", snapshot, libver="latest")
+    save("nested", nested, libver="latest")
+    save("ring", ring)
+
+
+for make in [number, text, atoms, ply, vtk, arrays, hdf5]:
+    make()

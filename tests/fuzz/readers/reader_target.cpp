@@ -1,0 +1,215 @@
+// The target of fuzzing for each reader of clvotess: LLVMFuzzerTestOneInput() feeds it with one file. A reader gives
+// whole points or one line of complaint; anything else ends this program. libFuzzer drives it, or standalone.cpp.
+#include "fuzz/readers/reader_target.hpp"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "failure.hpp"
+#include "files/inflate.hpp"
+#include "files/numbers.hpp"
+#include "read/input.hpp"
+#include "stream/pieces.hpp"
+
+#if VOTESS_FUZZ_HDF5
+#include "files/formats/hdf5_module.hpp"
+extern "C" const clvotess::Hdf5Module clvotess_hdf5;
+namespace clvotess {
+// The module also writes, which is not tested here.
+void write_hdf5(OutputFile&, const OutputData&) {
+    std::abort();
+}
+std::unique_ptr<StreamedFile> create_hdf5(OutputFile&) {
+    std::abort();
+}
+void write_grid_hdf5(OutputFile&, const GridOutput&) {
+    std::abort();
+}
+}  // namespace clvotess
+#endif
+
+namespace {
+
+using namespace clvotess;
+
+[[noreturn]] void complain(const std::string& what) {
+    std::fprintf(stderr, "reader: %s\n", what.c_str());
+    std::abort();
+}
+
+void check(const Input& input) {
+    const std::size_t count = input.size();
+    if (input.points.size() != 3 * count) complain("no whole number of points");
+    if (!input.ids.empty() && input.ids.size() != count) complain("ids of another number than points");
+    for (const InputColumn& column : input.columns)
+        if (column.values.size() != column.width * count) complain("values of another number than points");
+    if (one_line(input.note) != input.note) complain("a note of several lines");
+}
+
+// Returns what was refused, empty when nothing was.
+template <typename Read>
+std::string refusal(Read read) {
+    try {
+        read();
+        return {};
+    } catch (const Failure& failure) {
+        if (failure.code() != exit_code::bad_input) complain(std::string("failed: ") + failure.what());
+        if (*failure.what() == 0) complain("an empty message");
+        return failure.what();
+    }
+}
+
+// With nothing wished, with columns that may lack, with all, and another frame.
+template <typename Read>
+void read_all_ways(Read read, bool frames = false) {
+    const auto with = [&](const ReadRequest& request) { (void)refusal([&] { check(read(request)); }); };
+    with({});
+    ReadRequest wishes;
+    wishes.columns = {"r", "radius", "4"};
+    with(wishes);
+    wishes.columns_may_lack = true;
+    with(wishes);
+    wishes.columns.clear();
+    wishes.all_columns = true;
+    with(wishes);
+    if (!frames) return;
+    wishes.frame = 1;
+    with(wishes);
+}
+
+// A file in memory where there is /dev/shm, for readers that open it by its path.
+class MemoryFile {
+public:
+    explicit MemoryFile(std::string_view bytes) {
+        const std::filesystem::path shared = "/dev/shm";
+        path_ = (exists(shared) ? shared : std::filesystem::temp_directory_path()) / "votess_fuzz_XXXXXX";
+        const int descriptor = mkstemp(path_.data());
+        if (descriptor < 0 || write(descriptor, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()))
+            std::abort();
+        close(descriptor);
+    }
+    MemoryFile(const MemoryFile&) = delete;
+    MemoryFile& operator=(const MemoryFile&) = delete;
+    ~MemoryFile() { unlink(path_.c_str()); }
+    [[nodiscard]] const std::string& path() const { return path_; }
+
+private:
+    std::string path_;
+};
+
+using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
+
+template <Parser parser, bool frames = false>
+void parse(std::string_view bytes) {
+    read_all_ways([&](const ReadRequest& request) { return parser(bytes, "file", request); }, frames);
+}
+
+// Rows in pieces are those of the whole text; so is what is refused, except that a refusal may come earlier.
+template <TextKind kind>
+void parse_rows(std::string_view bytes) {
+    read_all_ways([&](const ReadRequest& request) { return parse_text(bytes, kind, "file", request); });
+    const MemoryFile file(bytes);
+    Input whole, joined;
+    const std::string refused = refusal([&] { whole = parse_text(bytes, kind, file.path()); });
+    const std::string in_pieces = refusal([&] {
+        const auto pieces = open_text(file.path(), kind, {}, 1);
+        for (Input piece; pieces->next(piece);) {
+            check(piece);
+            joined.points.insert(joined.points.end(), piece.points.begin(), piece.points.end());
+            joined.ids.insert(joined.ids.end(), piece.ids.begin(), piece.ids.end());
+        }
+    });
+    if (refused != in_pieces) complain("whole: '" + refused + "', in pieces: '" + in_pieces + "'");
+    const bool equal = whole.points.size() == joined.points.size() && whole.ids == joined.ids &&
+                       (whole.points.empty() || std::memcmp(whole.points.data(), joined.points.data(),
+                                                            whole.points.size() * sizeof(double)) == 0);
+    if (refused.empty() && !equal) complain("rows in pieces differ from those of the whole");
+}
+
+void parse_gz(std::string_view bytes) {
+    (void)refusal([&] { check(parse_text(gunzip(bytes, "file"), TextKind::plain, "file")); });
+}
+
+void parse_npy(std::string_view bytes) {
+    const MemoryFile file(bytes);
+    (void)refusal([&] { check(read_npy(file.path())); });
+    (void)refusal([&] { check(read_npy(file.path(), {1, 3})); });
+    (void)refusal([&] {
+        const auto pieces = open_npy(file.path(), 2);
+        for (Input piece; pieces->next(piece);) check(piece);
+    });
+}
+
+// The C library rounds right as well, and takes more than we do.
+void read_number(std::string_view bytes) {
+    const auto value = read_double(bytes);
+    if (!value) return;
+    const std::string text(bytes);
+    const double expected = std::strtod(text.c_str(), nullptr);
+    if (*value != expected && !(std::isnan(*value) && std::isnan(expected)))
+        complain("'" + text + "' is read as " + to_text(*value) + ", not " + to_text(expected));
+}
+
+#if VOTESS_FUZZ_HDF5
+void parse_hdf5(std::string_view bytes) {
+    const MemoryFile file(bytes);
+    ReadRequest all;
+    all.all_columns = true;
+    (void)refusal([&] { check(clvotess_hdf5.read(file.path(), all)); });
+    (void)refusal([&] {
+        const auto pieces = clvotess_hdf5.open(file.path(), {}, 2);
+        for (Input piece; pieces->next(piece);) check(piece);
+    });
+}
+#endif
+
+using Target = void (*)(std::string_view bytes);
+
+const std::map<std::string, Target>& targets() {
+    static const std::map<std::string, Target> all {
+        {"number", read_number}, {"text", parse_rows<TextKind::plain>}, {"csv", parse_rows<TextKind::csv>},
+            {"gz", parse_gz}, {"xyz", parse<parse_xyz, true>}, {"poscar", parse<parse_poscar>},
+            {"lammps_dump", parse<parse_lammps_dump, true>}, {"lammps_data", parse<parse_lammps_data>},
+            {"ply", parse<parse_ply>}, {"vtk", parse<parse_vtk>}, {"npy", parse_npy}, {"npz", parse<parse_npz>},
+#if VOTESS_FUZZ_HDF5
+            {"hdf5", parse_hdf5},
+#endif
+    };
+    return all;
+}
+
+Target chosen = nullptr;
+
+}  // namespace
+
+bool choose_reader(const std::string& name) {
+    const auto found = targets().find(name);
+    if (found != targets().end()) chosen = found->second;
+    return found != targets().end();
+}
+
+std::string reader_names() {
+    std::string names;
+    for (const auto& [name, target] : targets()) add_name(names, name);
+    return names;
+}
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+    const char* const name = std::getenv("VOTESS_FUZZ_READER");
+    if (name && choose_reader(name)) return 0;
+    std::fprintf(stderr, "VOTESS_FUZZ_READER must be one of: %s\n", reader_names().c_str());
+    std::exit(2);
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    chosen({reinterpret_cast<const char*>(data), size});
+    return 0;
+}
