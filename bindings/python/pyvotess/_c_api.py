@@ -65,9 +65,13 @@ OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 NATURAL_METHODS: Dict[str, int] = {"sibson": 0, "laplace": 1}
 GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
-WantWord = Literal[
-    "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
-]
+#: What want takes: the words above and the arrays that they stand for, as ``votess_want_of`` knows them.
+WantName = Literal[
+    "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces",
+    "indptr", "indices", "shifts", "face_areas", "face_normals", "surface_areas", "security_radii", "face_counts",
+    "edge_counts", "vertex_counts", "cell_vertices", "cell_vertex_indptr", "cell_vertex_indices", "face_offsets",
+    "face_vertices", "status", "duplicate_of", "ids",
+]  # fmt: skip
 DuplicatesWord = Literal["merge", "error"]
 OutsideWord = Literal["error", "drop"]
 PrecisionWord = Literal["single", "double"]
@@ -164,6 +168,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_sizeof_stats": (c_size_t, ()),
     "votess_last_error": (c_char_p, ()),
     "votess_options_init": (c_int, (POINTER(Options), c_size_t)),
+    "votess_want_of": (c_int, (c_char_p, POINTER(c_uint32))),
     "votess_options_implied_want": (c_int, (POINTER(Options), POINTER(c_uint32))),
     "votess_tessellator_new": (c_int, (POINTER(_HANDLE),)),
     "votess_tessellator_free": (None, (_HANDLE,)),

@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import importlib
-import signal
 import sys
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Tuple, Union
+from types import CodeType
+from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Tuple, Type, Union
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ._c_api import ErrorCode
 from ._library import lib
 
 if TYPE_CHECKING:
-    from types import FrameType
+    from types import TracebackType
 
     import numpy.typing as npt
 
@@ -99,55 +99,90 @@ def array_of(
     return np.asarray(_Memory(result, address, shape, np.dtype(dtype)))
 
 
-@contextlib.contextmanager
-def _storing_interrupts(raised: List[BaseException]) -> Iterator[bool]:
-    """While a run lasts, what the handler of Ctrl-C raises goes to ``raised``. Yields whether that is so.
+class Callbacks:
+    """What the library calls while one of its functions runs. Keeps what these callbacks raise.
 
-    Raised inside a ctypes callback it would be printed and lost. Only the main thread gets signals in Python.
+    >>> with Callbacks() as callbacks:
+    ...     status = lib.function(..., callbacks.progress(progress))
+    >>> raise_on_failure(status)
+
+    ctypes prints an error of a callback and goes on. Here the callbacks return what stops the library, and the block
+    raises the error with its traceback. That includes errors of signal handlers: Python runs these in the main thread
+    only, between its own instructions, and so in a callback while the library runs.
     """
-    previous = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(previous):
-        yield False
-        return
 
-    def handler(number: int, frame: Optional[FrameType]) -> None:
-        try:
-            previous(number, frame)
-        except BaseException as error:
-            raised.append(error)
+    def __init__(self) -> None:
+        self._raised: List[BaseException] = []
+        self._kept: List[Any] = []
+        self._code: Optional[CodeType] = None
+        self._thread = threading.get_ident()
+        self._gets_signals = threading.current_thread() is threading.main_thread()
+        self._previous: Any = None
 
-    try:
-        signal.signal(signal.SIGINT, handler)
-    except ValueError:  # a sub-interpreter has no signals
-        yield False
-        return
-    try:
-        yield True
-    finally:
-        signal.signal(signal.SIGINT, previous)
+    def __enter__(self) -> Callbacks:
+        if self._gets_signals:
+            self._previous, sys.unraisablehook = sys.unraisablehook, self._keep
+        return self
+
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], error: Optional[BaseException], traceback: Optional[TracebackType]
+    ) -> None:
+        if self._gets_signals and sys.unraisablehook == self._keep:
+            sys.unraisablehook = self._previous
+        raised, self._raised = self._raised, []
+        if raised and error is None:
+            try:  # KeyboardInterrupt and SystemExit go first
+                raise next((each for each in raised if not isinstance(each, Exception)), raised[0])
+            finally:
+                raised.clear()  # the traceback holds this frame, which holds the list
+
+    def guarded(self, work: Callable[..., int], stop: int) -> Callable[..., int]:
+        """Returns a callback that calls ``work``, or returns ``stop`` once a callback has raised."""
+
+        def callback(*arguments: Any) -> int:
+            try:
+                return stop if self._raised else work(*arguments)
+            except BaseException as error:
+                self._raised.append(error)
+                return stop
+
+        self._code = callback.__code__
+        return callback
+
+    def progress(self, progress: Optional[Progress]) -> Any:
+        """Returns the progress callback for the library, which calls ``progress`` and lets signal handlers run.
+
+        NULL where there is nothing to do.
+        """
+        if progress is None and not self._gets_signals:
+            return _c_api.ProgressCallback()
+
+        def call(fraction: float, _user: Any) -> int:
+            answer = None if progress is None else progress(fraction)
+            return 1 if answer is None or answer else 0
+
+        callback = _c_api.ProgressCallback(self.guarded(call, 0))
+        self._kept.append(callback)
+        return callback
+
+    def _keep(self, unraisable: Any) -> None:
+        """Stands for sys.unraisablehook: keeps what a handler raises at the beginning or end of a callback."""
+        traceback, error = unraisable.exc_traceback, unraisable.exc_value
+        if (
+            traceback is not None
+            and traceback.tb_frame.f_code is self._code
+            and threading.get_ident() == self._thread
+        ):
+            self._raised.append(unraisable.exc_type() if error is None else error.with_traceback(traceback))
+        else:
+            self._previous(unraisable)
 
 
 def run(function: Any, arguments: Tuple[Any, ...], options: _c_api.Options, out: Any, progress: Any) -> None:
-    raised: List[BaseException] = []
-
-    def on_progress(fraction: float, _user: Any) -> int:
-        try:
-            if not raised and progress is not None:
-                answer = progress(fraction)
-                return 1 if answer is None or answer else 0
-        except BaseException as error:
-            raised.append(error)
-        return 0 if raised else 1
-
-    with _storing_interrupts(raised) as storing:
-        if storing or progress is not None:
-            options.progress = _c_api.ProgressCallback(on_progress)
+    """Calls ``function(*arguments, options, out)`` with the progress of a :func:`showing`."""
+    with Callbacks() as callbacks:
+        options.progress = callbacks.progress(progress)
         status = function(*arguments, ctypes.byref(options), out)
-    if raised:
-        try:
-            raise raised[0]
-        finally:
-            raised.clear()  # the traceback holds this frame, which holds the list
     raise_on_failure(status)
 
 

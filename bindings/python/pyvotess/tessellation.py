@@ -76,8 +76,8 @@ class Tessellation(Cells):
     @property
     def neighbors(self) -> Neighbors:
         """Neighbor lists, N rows. Symmetric: i lists j exactly when j lists i."""
-        self._check_wanted("neighbors", "neighbors")
-        return Neighbors(self._data.arrays["indptr"], self._data.arrays["indices"])
+        self._check_wanted("neighbors")
+        return Neighbors(self.indptr, self.indices)
 
     @property
     def least_face(self) -> float:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Tuple
 import numpy as np
 
 from . import _c_api
-from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantWord
+from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantName
 from ._call import Handle, Progress, VotessError, raise_on_failure, run, showing
 from ._input import Domain, as_count, as_points, as_text, as_want, as_word
 from ._library import lib
@@ -56,7 +56,7 @@ def _tessellate(
     options: _c_api.Options,
     points: Any,
     domain: Domain,
-    want: Union[str, Iterable[WantWord]],
+    want: Union[str, Iterable[WantName]],
     list_walls: bool,
     duplicates: DuplicatesWord,
     progress: Union[None, bool, Progress],
@@ -87,7 +87,7 @@ def tessellate(
     periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
-    want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+    want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
     cell: Optional[npt.ArrayLike] = None,
     walls: npt.ArrayLike = (),
     list_walls: bool = False,
@@ -211,7 +211,7 @@ class Tessellator:
         periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
         weights: Optional[npt.ArrayLike] = None,
         radii: Optional[npt.ArrayLike] = None,
-        want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+        want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
         cell: Optional[npt.ArrayLike] = None,
         walls: npt.ArrayLike = (),
         list_walls: bool = False,

@@ -93,7 +93,9 @@ class Delaunay(OfPoints):
         """(N,) int32: some simplex that has the point, or the one that it equals."""
         simplex = np.full(self.npoints, -1, dtype=np.int32)
         simplex[self.simplices.ravel()] = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 4)
-        return np.where(self._duplicate_of >= 0, simplex[self._duplicate_of], simplex)
+        copies = np.flatnonzero(self._duplicate_of >= 0)
+        simplex[copies] = simplex[self._duplicate_of[copies]]
+        return simplex
 
     @cached_property
     def coplanar(self) -> Int32Array:

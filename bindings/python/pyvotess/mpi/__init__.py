@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, 
 import numpy as np
 
 from .. import _c_api
-from .._c_api import DuplicatesWord, OutsideWord, WantWord
+from .._c_api import DuplicatesWord, OutsideWord, WantName
 from .._call import Handle, array_of, raise_on_failure
 from .._input import Domain, as_count, as_points, as_want, as_word
+from .._state import names_of, no_attribute
 from ..mesh import Lists
 from ..stats import VerifyReport
 from ..tessellator import new_options
@@ -80,6 +81,11 @@ class MpiTessellation:
     counts: MpiCounts
     _result: Handle = field(repr=False, compare=False)
 
+    if not TYPE_CHECKING:  # which would allow any name
+
+        def __getattr__(self, name: str) -> Any:
+            raise no_attribute(self, name)
+
     def verify(
         self, comm: Any, points: Optional[npt.ArrayLike] = None, sample: Optional[int] = None, rng_seed: int = 1
     ) -> VerifyReport:
@@ -116,17 +122,6 @@ class MpiTessellation:
         return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value)
 
 
-_OF_WORD: Dict[str, Tuple[str, ...]] = {
-    "volumes": ("volumes",),
-    "centroids": ("centroids",),
-    "counts": ("face_counts", "edge_counts", "vertex_counts"),
-    "areas": ("face_areas",),
-    "normals": ("face_normals",),
-    "surfaces": ("surface_areas",),
-    "radii": ("security_radii",),
-}
-
-
 def _box(result: Handle) -> Float64Array:
     corners = np.empty((2, 3))
     raise_on_failure(_lib.votess_mpi_box(result.pointer, corners[0].ctypes.data, corners[1].ctypes.data))
@@ -139,9 +134,9 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
         name: array_of(result, name, dtype, columns, prefix="votess_mpi_", library=_lib)
         for name, (dtype, columns) in ARRAYS.items()
     }
-    for word, names in _OF_WORD.items():
-        if not want & _c_api.WANT_BITS[word]:
-            arrays.update(dict.fromkeys(names))
+    for word, bit in _c_api.WANT_BITS.items():
+        if word != "neighbors" and not want & bit:  # rows are always there
+            arrays.update((name, None) for name in names_of(word) if name in arrays)
     if not made:
         arrays["points"] = None
     rows = len(arrays["neighbors"])
@@ -174,7 +169,7 @@ def tessellate(
     periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
-    want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+    want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
     cell: Optional[npt.ArrayLike] = None,
     walls: npt.ArrayLike = (),
     list_walls: bool = False,
