@@ -117,7 +117,9 @@ ThreadPool::~ThreadPool() {
 }
 
 bool ThreadPool::run(std::size_t count, const Task& task, const Watch& watch) {
-    return crew_->run(count, task, watch);
+    if (watch || !common_watch_) return crew_->run(count, task, watch);
+    Progress::require(crew_->run(count, task, common_watch_));
+    return true;
 }
 
 }  // namespace votess

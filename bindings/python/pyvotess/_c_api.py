@@ -80,7 +80,8 @@ GridWord = Literal["mean", "dtfe", "nearest", "sibson"]
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 
-ProgressCallback = CFUNCTYPE(c_int, c_double, c_void_p)
+# Callbacks leave out their last argument, the user's pointer: in C the caller clears arguments away.
+ProgressCallback = CFUNCTYPE(c_int, c_double)
 LogCallback = CFUNCTYPE(None, c_char_p, c_void_p)
 
 

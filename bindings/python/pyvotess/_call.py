@@ -7,8 +7,7 @@ import ctypes
 import importlib
 import sys
 import threading
-from types import CodeType
-from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Callable, Generator, Iterator, List, Optional, Tuple, Type, Union
 
 import numpy as np
 
@@ -100,54 +99,57 @@ def array_of(
 
 
 class Callbacks:
-    """What the library calls while one of its functions runs. Keeps what these callbacks raise.
+    """What the library calls while one of its functions runs. The block raises the first error of these callbacks.
 
     >>> with Callbacks() as callbacks:
     ...     status = lib.function(..., callbacks.progress(progress))
     >>> raise_on_failure(status)
 
-    ctypes prints an error of a callback and goes on. Here the callbacks return what stops the library, and the block
-    raises the error with its traceback. That includes errors of signal handlers: Python runs these in the main thread
-    only, between its own instructions, and so in a callback while the library runs.
+    Errors of signal handlers are among them: Python runs handlers between its own instructions in the main thread, and
+    so in a callback while the library runs. ctypes would print the error and return any number to the library.
     """
 
     def __init__(self) -> None:
-        self._raised: List[BaseException] = []
+        self._raised: Optional[BaseException] = None
         self._kept: List[Any] = []
-        self._code: Optional[CodeType] = None
-        self._thread = threading.get_ident()
         self._gets_signals = threading.current_thread() is threading.main_thread()
-        self._previous: Any = None
 
     def __enter__(self) -> Callbacks:
-        if self._gets_signals:
-            self._previous, sys.unraisablehook = sys.unraisablehook, self._keep
         return self
 
     def __exit__(
         self, kind: Optional[Type[BaseException]], error: Optional[BaseException], traceback: Optional[TracebackType]
     ) -> None:
-        if self._gets_signals and sys.unraisablehook == self._keep:
-            sys.unraisablehook = self._previous
-        raised, self._raised = self._raised, []
-        if raised and error is None:
-            try:  # KeyboardInterrupt and SystemExit go first
-                raise next((each for each in raised if not isinstance(each, Exception)), raised[0])
-            finally:
-                raised.clear()  # the traceback holds this frame, which holds the list
-
-    def guarded(self, work: Callable[..., int], stop: int) -> Callable[..., int]:
-        """Returns a callback that calls ``work``, or returns ``stop`` once a callback has raised."""
-
-        def callback(*arguments: Any) -> int:
+        raised, self._raised = self._raised, None
+        self._kept.clear()
+        if raised is not None and error is None:
             try:
-                return stop if self._raised else work(*arguments)
-            except BaseException as error:
-                self._raised.append(error)
-                return stop
+                raise raised
+            finally:
+                del raised  # the traceback holds this frame
 
-        self._code = callback.__code__
+    def guarded(self, prototype: Any, work: Callable[[Any], int], stop: int) -> Any:
+        """Returns a callback that calls ``work`` with the first argument, or returns ``stop`` after an error."""
+        answers = self._answers(work, stop)
+        next(answers)
+        callback = prototype(answers.send)
+        self._kept.append(callback)
         return callback
+
+    def _answers(self, work: Callable[[Any], int], stop: int) -> Generator[int, Any, None]:
+        # Not a function: it would be entered, where handlers of signals run, before its try.
+        answer = stop
+        try:
+            while True:
+                argument = yield answer
+                answer = stop if self._raised is not None else work(argument)
+        except GeneratorExit:
+            return
+        except BaseException as error:
+            if self._raised is None:
+                self._raised = error
+        while True:
+            yield stop
 
     def progress(self, progress: Optional[Progress]) -> Any:
         """Returns the progress callback for the library, which calls ``progress`` and lets signal handlers run.
@@ -157,25 +159,11 @@ class Callbacks:
         if progress is None and not self._gets_signals:
             return _c_api.ProgressCallback()
 
-        def call(fraction: float, _user: Any) -> int:
+        def call(fraction: float) -> int:
             answer = None if progress is None else progress(fraction)
             return 1 if answer is None or answer else 0
 
-        callback = _c_api.ProgressCallback(self.guarded(call, 0))
-        self._kept.append(callback)
-        return callback
-
-    def _keep(self, unraisable: Any) -> None:
-        """Stands for sys.unraisablehook: keeps what a handler raises at the beginning or end of a callback."""
-        traceback, error = unraisable.exc_traceback, unraisable.exc_value
-        if (
-            traceback is not None
-            and traceback.tb_frame.f_code is self._code
-            and threading.get_ident() == self._thread
-        ):
-            self._raised.append(unraisable.exc_type() if error is None else error.with_traceback(traceback))
-        else:
-            self._previous(unraisable)
+        return self.guarded(_c_api.ProgressCallback, call, 0)
 
 
 def run(function: Any, arguments: Tuple[Any, ...], options: _c_api.Options, out: Any, progress: Any) -> None:

@@ -106,7 +106,7 @@ class _Source:
             self._iterator = iter(self._pieces)
         return _stream.GO_ON if self._again else _stream.END
 
-    def next(self, seeds: Any, _user: Any) -> int:
+    def next(self, seeds: Any) -> int:
         try:
             piece = next(self._iterator)
         except StopIteration:
@@ -121,11 +121,11 @@ class _Source:
             setattr(seeds[0], self._beside, beside.ctypes.data)
         return _stream.GO_ON
 
-    def begin(self, head: Any, _user: Any) -> int:
+    def begin(self, head: Any) -> int:
         self.box = np.array([head[0].box_lower[:], head[0].box_upper[:]])
         return _stream.GO_ON
 
-    def rows(self, rows: Any, _user: Any) -> int:
+    def rows(self, rows: Any) -> int:
         some = rows[0]
         counts = {"count": some.count, "more": some.count + 1, "entries": some.entries}
 
@@ -205,10 +205,10 @@ def tessellate_stream(
                 verify=bool(verify),
                 memory=as_count(memory, "memory", 64),
                 temporary=as_text(os.fspath(temporary), "temporary") if temporary is not None else None,
-                restart=_stream.Restart(callbacks.guarded(source.restart, _stream.STOP)),
-                next=_stream.Next(callbacks.guarded(source.next, _stream.STOP)),
-                begin=_stream.Begin(callbacks.guarded(source.begin, _stream.STOP)),
-                rows=_stream.Take(callbacks.guarded(source.rows, _stream.STOP)),
+                restart=callbacks.guarded(_stream.Restart, source.restart, _stream.STOP),
+                next=callbacks.guarded(_stream.Next, source.next, _stream.STOP),
+                begin=callbacks.guarded(_stream.Begin, source.begin, _stream.STOP),
+                rows=callbacks.guarded(_stream.Take, source.rows, _stream.STOP),
             )
             status = _stream.tessellate(
                 ctypes.byref(stream), ctypes.byref(options), ctypes.byref(counts), ctypes.byref(c_stats)
