@@ -6,9 +6,10 @@
 #include <memory>
 
 #include "core/home_process.hpp"
-#include "core/progress.hpp"
 
 namespace votess {
+
+class Progress;
 
 class ThreadPool {
 public:
@@ -36,17 +37,14 @@ private:
     unsigned size_;
     HomeProcess home_;
     std::unique_ptr<Crew> crew_;
-    Watch common_watch_;
 };
 
 // Lets the user cancel jobs that have no watch of their own, while it lives: run() then throws `cancelled`. `progress`
 // stays at `fraction`. It and the pool live longer.
 class Attended {
 public:
-    Attended(ThreadPool& pool, Progress& progress, double fraction) : pool_(pool) {
-        if (progress) pool.common_watch_ = [&, fraction](std::size_t) { return progress.going_on(fraction); };
-    }
-    ~Attended() { pool_.common_watch_ = {}; }
+    Attended(ThreadPool& pool, Progress& progress, double fraction);
+    ~Attended();
     Attended(const Attended&) = delete;
     Attended& operator=(const Attended&) = delete;
 

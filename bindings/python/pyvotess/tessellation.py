@@ -62,7 +62,9 @@ class Tessellation(Cells):
 
     def __repr__(self) -> str:
         wanted = ", ".join(self._wanted) or "status only"
-        return f"<pyvotess.Tessellation of {len(self)} seeds in a {self._domain()}: {wanted}>"
+        copies = self.stats.duplicates
+        seeds = f"{len(self)} seeds" + (f", {copies} duplicate{'s' if copies > 1 else ''}," if copies else "")
+        return f"<pyvotess.Tessellation of {seeds} in a {self._domain()}: {wanted}>"
 
     def _domain(self) -> str:
         return super()._domain() + ("" if self._domain_given else " around them")

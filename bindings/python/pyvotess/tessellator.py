@@ -120,8 +120,11 @@ def tessellate(
         Default: a box repeats along no axis, a cell along all.
     weights, radii : (N,) numbers: a power diagram, with these weights or the squares of these radii. A seed whose cell
         is empty has status EMPTY.
-    want : words out of "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii",
-        "vertices", "faces", as a sequence or with commas in one string. What belongs to entries of the rows adds
+    want : names of arrays, as the result has them and files: "volumes", "centroids", "face_areas", "face_normals",
+        "surface_areas", "security_radii", "face_counts", "vertices", "face_offsets" and others; a sequence, or one
+        string with commas. Or words for groups of them, each of which a name brings whole: "neighbors" (indptr, indices,
+        shifts), "counts" (face_counts, edge_counts, vertex_counts), "areas", "normals", "surfaces", "radii", "vertices"
+        (vertices, cell_vertices) and "faces" (face_offsets, face_vertices). What belongs to entries of the rows adds
         "neighbors"; "faces" adds "vertices", and the walls to the rows.
     cell, origin : a triclinic box instead of ``box``: the vectors of its edges, a row each, and its corner. It repeats
         along all three, or those of ``periodic``; across the others it ends at the planes of its faces.
