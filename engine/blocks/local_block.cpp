@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/progress.hpp"
 #include "cpu/query/locator.hpp"
 #include "input/options.hpp"
 
