@@ -65,9 +65,12 @@ OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 NATURAL_METHODS: Dict[str, int] = {"sibson": 0, "laplace": 1}
 GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
-#: What want takes: the words above and the arrays that they stand for, as ``votess_want_of`` knows them.
+WantWord = Literal[
+    "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
+]
+#: What want takes, as ``votess_want_of`` knows it: words, and the arrays that they stand for.
 WantName = Literal[
-    "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces",
+    WantWord,
     "indptr", "indices", "shifts", "face_areas", "face_normals", "surface_areas", "security_radii", "face_counts",
     "edge_counts", "vertex_counts", "cell_vertices", "cell_vertex_indptr", "cell_vertex_indices", "face_offsets",
     "face_vertices", "status", "duplicate_of", "ids",

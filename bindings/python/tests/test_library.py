@@ -135,7 +135,7 @@ class Loading(unittest.TestCase):
 
     def test_literal_types_hold_the_words(self):
         for words, literal in (
-            (_c_api.WANT_BITS, _c_api.WantName),
+            (_c_api.WANT_BITS, _c_api.WantWord),
             (_c_api.DUPLICATES, _c_api.DuplicatesWord),
             (_c_api.OUTSIDE, _c_api.OutsideWord),
             (_c_api.PRECISIONS, _c_api.PrecisionWord),
