@@ -55,9 +55,10 @@ class Handle:
         self._free = free  # kept here: module globals may be gone when the interpreter ends
 
     def free(self) -> None:
-        if self.pointer:
-            self._free(self.pointer)
-            self.pointer.value = None
+        # Out of reach first: the handler of a signal may raise right after the call, and this be called again.
+        pointer, self.pointer = self.pointer, ctypes.c_void_p()
+        if pointer:
+            self._free(pointer)
 
     def __del__(self) -> None:
         self.free()

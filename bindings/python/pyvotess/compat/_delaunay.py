@@ -47,11 +47,12 @@ class Delaunay(OfPoints):
     hull, which Qhull may merge away, are there; ``coplanar`` lists only points that equal an earlier one.
     """
 
-    @property
-    def __class__(self) -> Any:  # type: ignore[override]
-        """scipy.spatial.Delaunay where that is loaded: scipy.interpolate asks for it by isinstance()."""
-        scipy_spatial = sys.modules.get("scipy.spatial")
-        return getattr(scipy_spatial, "Delaunay", Delaunay)
+    if not TYPE_CHECKING:
+
+        @property
+        def __class__(self) -> Any:
+            """scipy.spatial.Delaunay where that is loaded: scipy.interpolate asks for it by isinstance()."""
+            return getattr(sys.modules.get("scipy.spatial"), "Delaunay", type(self))
 
     def __reduce__(self) -> Any:
         return _empty, (type(self),), self.__dict__

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Tuple, Union
@@ -14,7 +15,7 @@ import numpy as np
 
 from .. import _c_api
 from .._c_api import DuplicatesWord, OutsideWord, WantName
-from .._call import Handle, array_of, raise_on_failure
+from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
 from .._input import Domain, as_count, as_points, as_want, as_word
 from .._state import names_of, no_attribute
 from ..mesh import Lists
@@ -178,6 +179,7 @@ def tessellate(
     origin: Optional[npt.ArrayLike] = None,
     outside: OutsideWord = "error",
     cells: Literal["handed_in", "made"] = "handed_in",
+    progress: Union[None, bool, Progress] = None,
 ) -> MpiTessellation:
     """Voronoi cells of the points of all ranks. Collective: every rank of ``comm`` calls it.
 
@@ -194,42 +196,51 @@ def tessellate(
     cells : "handed_in": those of this rank's points, in their order. "made": those that lie in the rank's region of
         space, ascending by id; saves an exchange.
 
+    progress : as for :func:`pyvotess.tessellate`, of this rank while it finds its cells; stops all ranks.
+
     The others are those of :func:`pyvotess.tessellate`, the same on all ranks. Not "vertices", "faces", nor
     ``duplicates="error"``: VotessError with code UNSUPPORTED.
 
     Raises
     ------
-    ValueError, MemoryError, VotessError : where one rank fails, all raise the same error, which names the rank.
+    ValueError, MemoryError, VotessError : where one rank fails, all raise the same error, which names the rank. Where
+        a progress callback or a signal handler raises, its rank raises that error, and the others VotessError with code
+        CANCELLED.
     """
     communicator = _handle(comm)
-    failure = None
+    failure: Optional[BaseException] = None
     kept: List[Any] = []
-    try:
-        array = as_points(points).astype(np.float64, copy=False)
-        numbers = None if ids is None else _as_ids(ids, len(array))
-        options = new_options("cpu", threads)
-        options.want = as_want(want)
-        options.list_walls = bool(list_walls)
-        options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
-        which = as_word(cells, "cells", _CELLS)
-        kept += Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
-    except Exception as error:  # the other ranks must learn of it
-        failure = error
-    failures = comm.allgather(None if failure is None else str(failure))
-    for rank, text in enumerate(failures):
-        if text is not None:
-            raise ValueError(f"rank {rank}: {text}") from failure
     result = Handle(_lib.votess_mpi_free)
-    raise_on_failure(
-        _lib.votess_mpi_tessellate(
-            communicator,
-            array.ctypes.data,
-            len(array),
-            numbers.ctypes.data if numbers is not None else None,
-            ctypes.byref(options),
-            which,
-            ctypes.byref(result.pointer),
-        )
-    )
+    with contextlib.ExitStack() as stack:
+        try:
+            array = as_points(points).astype(np.float64, copy=False)
+            numbers = None if ids is None else _as_ids(ids, len(array))
+            options = new_options("cpu", threads)
+            options.want = as_want(want)
+            options.list_walls = bool(list_walls)
+            options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
+            which = as_word(cells, "cells", _CELLS)
+            kept += Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
+            shown = stack.enter_context(showing(progress))
+        except BaseException as error:  # the other ranks must learn of it
+            failure = error
+        failures = comm.allgather(None if failure is None else str(failure))
+        if failure is not None and not isinstance(failure, (TypeError, ValueError, VotessError)):
+            raise failure  # of a signal handler
+        for rank, text in enumerate(failures):
+            if text is not None:
+                raise ValueError(f"rank {rank}: {text}") from failure
+        with Callbacks() as callbacks:
+            options.progress = callbacks.progress(shown)
+            status = _lib.votess_mpi_tessellate(
+                communicator,
+                array.ctypes.data,
+                len(array),
+                numbers.ctypes.data if numbers is not None else None,
+                ctypes.byref(options),
+                which,
+                ctypes.byref(result.pointer),
+            )
+        raise_on_failure(status)
     del kept
     return _read(result, options.want, cells == "made", cell is None)
