@@ -176,28 +176,11 @@ void read_count(const char* option, const std::optional<std::string>& text, unsi
 }
 
 votess::Want read_want(const std::string& list) {
-    struct Word {
-        std::string_view name;
-        bool votess::Want::*wish;
-    };
-    using votess::Want;
-    constexpr Word words[] = {{"neighbors", &Want::neighbors}, {"volumes", &Want::volumes},
-                              {"centroids", &Want::centroids}, {"counts", &Want::counts},
-                              {"areas", &Want::areas},         {"normals", &Want::normals},
-                              {"surfaces", &Want::surfaces},   {"radii", &Want::radii},
-                              {"vertices", &Want::vertices},   {"faces", &Want::faces}};
-    Want want;
-    want.neighbors = want.volumes = false;
-    for (const std::string_view name : split_at_commas(list)) {
-        const auto* const word = std::ranges::find(words, name, &Word::name);
-        if (word == std::end(words)) {
-            throw bad_input("--want has the word " + in_quotes(name) +
-                            ", known are neighbors, volumes, centroids, counts, areas, normals, surfaces, radii, "
-                            "vertices and faces");
-        }
-        want.*(word->wish) = true;
+    try {
+        return votess::want_of(list);
+    } catch (const votess::Error& error) {  // "want has ..."
+        throw bad_input(std::string("--") + error.what());
     }
-    return want;
 }
 
 template <std::size_t count>

@@ -125,11 +125,14 @@ without an extension, such as /dev/null, gets text.)"},
   (a point beyond a periodic box counts where it lies inside)
   %%  a percent sign
 Numbers have the fewest digits that read back as the same float64.)"},
-             {"--want LIST", "which arrays: neighbors,volumes (default),centroids,areas,faces, ...",
-              R"(of neighbors,volumes,centroids,counts,areas,normals,surfaces,radii,
-vertices,faces; default neighbors,volumes; an output that needs more adds
-it. Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add
---list-walls)"},
+             {"--want LIST", "which arrays: neighbors,volumes (default),centroids,face_areas,faces, ...",
+              R"(names of arrays, such as face_areas,security_radii, or groups of them:
+neighbors (indptr, indices, shifts), volumes, centroids, counts (of faces,
+edges, vertices), areas (face_areas), normals (face_normals), surfaces
+(surface_areas), radii (security_radii), vertices (vertices,
+cell_vertex_*), faces (face_offsets, face_vertices). An array brings its
+group. Default neighbors,volumes; an output that needs more adds it.
+Polygons (faces, %a %A %e %E %o %t, .vtu, .ply, .obj) add --list-walls)"},
              {"--list-walls", "",
               R"(list the walls of the box too, as neighbors -1 to -6 = xmin, xmax, ymin,
 ymax, zmin, zmax)"},

@@ -61,13 +61,17 @@ private:
         return text;
     }
 
+    [[nodiscard]] Failure no_array(const std::string& name) const {
+        std::vector<const ZipMember*> all;
+        for (const ZipMember& member : members_) all.push_back(&member);
+        return bad_input(name_ + ": no array " + in_quotes(name) + "; there are " + list(all));
+    }
+
     // The member named by --dataset, or `points`, or the only (N, 3) array; nothing when there are x, y, z instead.
     [[nodiscard]] const ZipMember* find_points() const {
         if (!request_.dataset.empty()) {
             if (const ZipMember* const member = find(request_.dataset)) return member;
-            std::vector<const ZipMember*> all;
-            for (const ZipMember& member : members_) all.push_back(&member);
-            throw bad_input(name_ + ": no array " + in_quotes(request_.dataset) + "; there are " + list(all));
+            throw no_array(request_.dataset);
         }
         if (const ZipMember* const member = find("points")) return member;
         if (find("x") && find("y") && find("z")) return nullptr;
@@ -139,7 +143,7 @@ private:
     void read_column(const std::string& name, Input& input) const {
         const ZipMember* const member = find(name);
         if (!member && request_.columns_may_lack) return;
-        if (!member) throw bad_input(name_ + ": no array " + in_quotes(name));
+        if (!member) throw no_array(name);
         NpyArray array = open(*member);
         if (!may_be_column(array)) throw bad_input(name_ + ": " + name + " is no array of numbers for each point");
         check_length(name, array, input.size(), "the array of points");

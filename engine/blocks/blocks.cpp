@@ -48,7 +48,6 @@ Options settled(Options options, const Box& bounds, std::uint64_t seeds) {
     if (options.duplicates == Duplicates::error)
         throw Error(ErrorCode::unsupported, "duplicates = error is not known across blocks: look at the statuses");
     options.weights = options.radii = {};
-    options.progress = {};
     options.device = "cpu";
     check_options(options);
     if (!options.cell) options.box = box_of(options, bounds, seeds);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/progress.hpp"
 #include "cpu/query/locator.hpp"
 #include "input/options.hpp"
 
@@ -37,6 +38,8 @@ void Run::prepare(const Options& options) {
     job = validate({seeds.points, {}}, options_for(seeds, options));
     job.row_order = row_order;
     clipper.begin(job);
+    Progress progress(options.progress);
+    const Attended attended(clipper.pool(), progress, 0);
     clipper.sort();
     clipper.build_search();
 }
@@ -44,6 +47,7 @@ void Run::prepare(const Options& options) {
 void Run::clip(const Options& options, std::size_t first) {
     row_order = places_by_id(seeds.ids, first);
     prepare(options);
+    Progress progress(options.progress);
     Job of_first = job;
     of_first.points.f64 = of_first.points.f64.first(3 * first);
     of_first.options.weights = {};
@@ -52,6 +56,7 @@ void Run::clip(const Options& options, std::size_t first) {
     builder.begin(of_first, pool);
     powers.assign(first, cpu::Star::least_power);
     clipper.clip_first(first, powers, builder, clipping);
+    const Attended attended(pool, progress, clipping.end);
     clipper.set_empty(builder);
     const auto duplicate_of = clipper.duplicate_of();
     builder.set_duplicates(duplicate_of.first(std::min(first, duplicate_of.size())), pool);

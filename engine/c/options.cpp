@@ -154,6 +154,14 @@ votess_status votess_options_init(votess_options* options, size_t size) {
     });
 }
 
+votess_status votess_want_of(const char* names, uint32_t* want) {
+    return guarded([&] {
+        require(names, "names");
+        require(want, "want");
+        *want = bits_of(votess::want_of(names));
+    });
+}
+
 votess_status votess_options_implied_want(const votess_options* options, uint32_t* want) {
     return guarded([&] {
         require(want, "want");

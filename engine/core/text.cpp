@@ -10,4 +10,10 @@ std::string number(double value) {
     return {text, end};
 }
 
+std::string in_quotes(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return "'" + text + "'";
+}
+
 }  // namespace votess

@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/progress.hpp"
+
 namespace votess {
 
 // The threads and what they share with the calling one.
@@ -31,6 +33,7 @@ struct ThreadPool::Crew {
     bool quit = false;
     const Task* task = nullptr;
     const Watch* watch = nullptr;
+    Watch common_watch;  // of Attended
     std::size_t count = 0;
     std::atomic<std::size_t> next{0};
     std::atomic<bool> cancelled{false};
@@ -117,7 +120,17 @@ ThreadPool::~ThreadPool() {
 }
 
 bool ThreadPool::run(std::size_t count, const Task& task, const Watch& watch) {
-    return crew_->run(count, task, watch);
+    if (watch || !crew_->common_watch) return crew_->run(count, task, watch);
+    Progress::require(crew_->run(count, task, crew_->common_watch));
+    return true;
+}
+
+Attended::Attended(ThreadPool& pool, Progress& progress, double fraction) : pool_(pool) {
+    if (progress) pool.crew_->common_watch = [&progress, fraction](std::size_t) { return progress.going_on(fraction); };
+}
+
+Attended::~Attended() {
+    pool_.crew_->common_watch = {};
 }
 
 }  // namespace votess

@@ -9,6 +9,8 @@
 
 namespace votess {
 
+class Progress;
+
 class ThreadPool {
 public:
     // task(index, worker): worker is below size(), each worker runs one task at a time.
@@ -29,11 +31,25 @@ public:
     bool run(std::size_t count, const Task& task, const Watch& watch = {});
 
 private:
+    friend class Attended;
     struct Crew;
 
     unsigned size_;
     HomeProcess home_;
     std::unique_ptr<Crew> crew_;
+};
+
+// Lets the user cancel jobs that have no watch of their own, while it lives: run() then throws `cancelled`. `progress`
+// stays at `fraction`. It and the pool live longer.
+class Attended {
+public:
+    Attended(ThreadPool& pool, Progress& progress, double fraction);
+    ~Attended();
+    Attended(const Attended&) = delete;
+    Attended& operator=(const Attended&) = delete;
+
+private:
+    ThreadPool& pool_;
 };
 
 }  // namespace votess

@@ -1,5 +1,7 @@
 #include "cpu/cpu_engine.hpp"
 
+#include <optional>
+
 namespace votess::cpu {
 
 // Nothing is left for the stage fallback: exact arithmetic decides every sign on the spot.
@@ -7,13 +9,16 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     Progress progress(job.options.progress);
     progress.report(0);
     clipper_.begin(job);
+    std::optional<Attended> attended(std::in_place, clipper_.pool(), progress, 0);
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are pulled while clipping
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
+    attended.reset();
     clipper_.clip_all(result_, clipping);
+    attended.emplace(clipper_.pool(), progress, clipping.end);
     clock.enter(&StageSeconds::download);
     clipper_.set_empty(result_);
     result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());

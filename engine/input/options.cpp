@@ -32,13 +32,6 @@ bool names_device(const std::string& device) {
            std::all_of(device.begin(), device.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// Control bytes become question marks, so that a message stays one line.
-std::string in_quotes(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return "'" + text + "'";
-}
-
 void check_instructions(const std::string& name) {
     if (name.empty() || cpu::find_kernels(name) != nullptr) return;
     if (name != "avx512" && name != "avx2")

@@ -4,11 +4,13 @@
 #include <limits>
 #include <new>
 #include <string>
+#include <utility>
 
 namespace votess::mpi {
 namespace {
 
 constexpr std::size_t most_bytes = std::size_t{1} << 30;  // MPI counts by int
+constexpr int data_tag = 0, stop_tag = 1;
 
 void check(int code, const char* what) {
     if (code == MPI_SUCCESS) return;
@@ -45,6 +47,7 @@ void Ranks::together(const std::function<void()>& work) const {
     std::string text;
     try {
         work();
+    } catch (const Stopped&) {
     } catch (const Error& error) {
         code = static_cast<int>(error.code());
         text = error.what();
@@ -54,9 +57,38 @@ void Ranks::together(const std::function<void()>& work) const {
     } catch (const std::exception& error) {
         code = static_cast<int>(ErrorCode::internal);
         text = error.what();
+    } catch (...) {
+        code = static_cast<int>(ErrorCode::internal);
+        text = "the progress callback threw what is not a std::exception";
     }
+    std::vector<MPI_Request> stops;
+    if (code != 0) stops = stop_others();
     const int first = share_first(code != 0, code, text);
-    if (first < size_) throw Error(static_cast<ErrorCode>(code), "rank " + std::to_string(first) + ": " + text);
+    if (first == size_) return;
+    clear_stops(std::move(stops));
+    throw Error(static_cast<ErrorCode>(code), "rank " + std::to_string(first) + ": " + text);
+}
+
+void Ranks::check_others() const {
+    int failed = 0;
+    check(MPI_Iprobe(MPI_ANY_SOURCE, stop_tag, comm_, &failed, MPI_STATUS_IGNORE), "MPI_Iprobe");
+    if (failed != 0) throw Stopped{};
+}
+
+// Sends an empty message to each other rank; to itself too, so that all ranks get as many.
+std::vector<MPI_Request> Ranks::stop_others() const {
+    std::vector<MPI_Request> sent(static_cast<std::size_t>(size_));
+    for (int r = 0; r < size_; ++r)
+        check(MPI_Isend(nullptr, 0, MPI_BYTE, r, stop_tag, comm_, &sent[static_cast<std::size_t>(r)]), "MPI_Isend");
+    return sent;
+}
+
+// Receives the messages of all ranks that have failed.
+void Ranks::clear_stops(std::vector<MPI_Request> own) const {
+    const int failed = reduced(comm_, own.empty() ? 0 : 1, MPI_INT, MPI_SUM);
+    for (int k = 0; k < failed; ++k)
+        check(MPI_Recv(nullptr, 0, MPI_BYTE, MPI_ANY_SOURCE, stop_tag, comm_, MPI_STATUS_IGNORE), "MPI_Recv");
+    check(MPI_Waitall(static_cast<int>(own.size()), own.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
 }
 
 std::string Ranks::first_of(std::string text) const {
@@ -99,13 +131,13 @@ std::vector<Message> Ranks::exchange(const std::vector<Message>& to) const {
     for (std::size_t step = 1; step < count; ++step) {
         const std::size_t r = (static_cast<std::size_t>(rank_) + step) % count;
         pieces(from[r].size(), [&](std::size_t begin, int bytes, MPI_Request* request) {
-            return MPI_Irecv(from[r].data() + begin, bytes, MPI_BYTE, static_cast<int>(r), 0, comm_, request);
+            return MPI_Irecv(from[r].data() + begin, bytes, MPI_BYTE, static_cast<int>(r), data_tag, comm_, request);
         });
     }
     for (std::size_t step = 1; step < count; ++step) {
         const std::size_t r = (static_cast<std::size_t>(rank_) + step) % count;
         pieces(to[r].size(), [&](std::size_t begin, int bytes, MPI_Request* request) {
-            return MPI_Isend(to[r].data() + begin, bytes, MPI_BYTE, static_cast<int>(r), 0, comm_, request);
+            return MPI_Isend(to[r].data() + begin, bytes, MPI_BYTE, static_cast<int>(r), data_tag, comm_, request);
         });
     }
     check(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");

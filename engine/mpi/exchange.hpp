@@ -23,7 +23,10 @@ public:
     [[nodiscard]] int rank() const { return rank_; }
 
     // Collective, as all that follows. Does the work on each rank; where some fail, all throw the error of the lowest.
+    // Work that calls check_others() stops when another rank has failed.
     void together(const std::function<void()>& work) const;
+    // Not collective. Throws Stopped, which is no failure of this rank, when another one has failed in together().
+    void check_others() const;
     // The text of the lowest rank that has one, else "".
     [[nodiscard]] std::string first_of(std::string text) const;
     // to: by rank. Returns what came, by rank. An empty message is none.
@@ -40,7 +43,11 @@ public:
     [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;
 
 private:
+    struct Stopped {};
+
     int share_first(bool mine, int& code, std::string& text) const;
+    [[nodiscard]] std::vector<MPI_Request> stop_others() const;
+    void clear_stops(std::vector<MPI_Request> own) const;
 
     MPI_Comm comm_ = MPI_COMM_NULL;
     int size_ = 1, rank_ = 0;

@@ -50,6 +50,7 @@ public:
         clip();
         Result result = where == Cells::made ? keep() : send_back();
         result.options = domain_->options();
+        result.options.progress = {};
         counts_.bytes = ranks_.sum(ranks_.bytes_sent());
         result.counts = counts_;
         return result;
@@ -58,6 +59,13 @@ public:
 private:
     [[nodiscard]] std::size_t count() const { return points_.size() / 3; }
     [[nodiscard]] std::size_t ranks() const { return static_cast<std::size_t>(ranks_.size()); }
+
+    // Stops this rank where its user or another rank has stopped. A block begins again at 0 with what it asked for.
+    bool going_on(double fraction) {
+        ranks_.check_others();
+        done_ = std::max(done_, fraction);
+        return !options_.progress || options_.progress(done_);
+    }
 
     void check_input() {
         const auto refuse = [](const std::string& what) { throw Error(ErrorCode::invalid_argument, what); };
@@ -134,8 +142,10 @@ private:
             bounds.upper[k] = ranks_.maximum(bounds.upper[k]);
         }
         std::vector<double> sample;
+        Options watched = options_;
+        watched.progress = [this](double fraction) { return going_on(fraction); };
         ranks_.together([&] {
-            domain_.emplace(options_, bounds, counts_.seeds);
+            domain_.emplace(watched, bounds, counts_.seeds);
             status_ = domain_->check(points_, options_.weights, options_.radii, first_);
             std::vector<double> inside;
             for (std::size_t i = 0; i < count(); ++i) {
@@ -292,6 +302,7 @@ private:
     Handed made_;
     BlockCells cells_;
     Counts counts_;
+    double done_ = 0;  // what the user's progress callback was told
 };
 
 }  // namespace

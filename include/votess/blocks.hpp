@@ -39,8 +39,8 @@ struct BlockVerifierState;
 
 class VOTESS_API BlockDomain {
 public:
-    // options: those of the run, but weights and radii. bounds: of all seeds, where options name neither box nor cell;
-    // seeds: how many there are in all.
+    // options: those of the run, except weights and radii; each Block calls progress while it finds cells, from 0 on.
+    // bounds: of all seeds, where options name neither box nor cell; seeds: how many there are in all.
     BlockDomain(const Options& options, const Box& bounds, std::uint64_t seeds);
 
     // The options with the box that was settled.

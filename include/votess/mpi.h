@@ -28,9 +28,9 @@ typedef struct votess_mpi_result votess_mpi_result;
 VOTESS_API size_t votess_mpi_sizeof_comm(void);
 
 // Collective. points: 3 * count coordinates of this rank; NULL only when count is 0. ids: count, or NULL on all ranks
-// that have seeds. options: NULL = defaults; weights and radii are of this rank's points; progress and log are not
-// called. cells: VOTESS_MPI_*. On success *out is a new result on every rank, else NULL, and the same error on every
-// rank.
+// that have seeds. options: NULL = defaults; weights and radii are of this rank's points; progress is called while this
+// rank finds its cells, and stops all ranks; log is not called. cells: VOTESS_MPI_*. On success *out is a new result on
+// every rank, else NULL, and the same error on every rank.
 VOTESS_API votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t count, const int64_t* ids,
                                                const votess_options* options, int32_t cells, votess_mpi_result** out);
 VOTESS_API void votess_mpi_free(votess_mpi_result* result);

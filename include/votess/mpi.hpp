@@ -44,8 +44,9 @@ struct Result {
 
 // Collective. points: (N, 3), of this rank, which may have none. ids: N, each 0 or more and unlike all others of all
 // ranks; or none on any rank: seeds are numbered rank after rank. Of seeds at one place the lowest id has the cell.
-// options: the same on all ranks, but weights and radii, which are N of this rank's own, and threads, which are those
-// of each rank. Errors as of BlockDomain and Block; where one rank fails all throw the same error, which names the
+// options: the same on all ranks, except weights and radii, which are N of this rank's own, and threads and progress,
+// which are those of each rank. progress is called while the rank finds its cells; where it returns false on one rank
+// all ranks stop. Errors as of BlockDomain and Block; where one rank fails all throw the same error, which names the
 // rank, and indices of its own points, or where there are no ids the numbers that these get.
 [[nodiscard]] VOTESS_API Result tessellate(MPI_Comm comm, std::span<const double> points,
                                            std::span<const std::int64_t> ids = {}, const Options& options = {},

@@ -149,6 +149,8 @@ VOTESS_API const char* votess_last_error(void);
 // Fills in the defaults, struct_size too. options: not NULL. size: sizeof(votess_options) as the caller compiled it;
 // the library writes no byte beyond it.
 VOTESS_API votess_status votess_options_init(votess_options* options, size_t size);
+// Sets *want to the VOTESS_WANT_* bits of names with commas between them, see want_of() in votess.hpp. names: not NULL.
+VOTESS_API votess_status votess_want_of(const char* names, uint32_t* want);
 // *want becomes the VOTESS_WANT_* bits of what a result holds: options->want, and the arrays that these and min_face
 // need. Fails for options that are wrong whatever the points are. The lengths of weights and radii are not looked at.
 VOTESS_API votess_status votess_options_implied_want(const votess_options* options, uint32_t* want);

@@ -130,6 +130,9 @@ struct Want {
     bool vertices = false;   // vertices, cell_vertex_indptr, cell_vertex_indices; and neighbors
     bool faces = false;      // face_offsets, face_vertices; and vertices, neighbors, and walls in the rows
 };
+// Returns the Want of names with commas between them: the words above, and the arrays that they stand for, such as
+// "face_areas,volumes". An array brings its whole word. Throws invalid_argument for another name, or an empty one.
+[[nodiscard]] VOTESS_API Want want_of(std::string_view names);
 
 // Called from the thread that runs tessellate(), at most some ten times a second. `fraction` grows from 0 to 1.
 // Return false to stop: tessellate() then throws ErrorCode::cancelled. It may use other Tessellators, not its own.

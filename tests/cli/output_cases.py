@@ -329,6 +329,11 @@ class ArrayOutput(CliTest):
                             (["--want=surfaces,radii"], ["surface_areas", "security_radii", "status"]),
                             (["--want=vertices"], ["indptr", "indices", "vertices", "cell_vertex_indptr", "cell_vertex_indices",
                                                    "status"]),
+                            (["--want=face_areas, face_counts"], ["indptr", "indices", "face_areas", "face_counts", "edge_counts",
+                                                                  "vertex_counts", "status"]),
+                            (["--want=surface_areas,security_radii"], ["surface_areas", "security_radii", "status"]),
+                            (["--want=face_offsets"], ["indptr", "indices", "vertices", "cell_vertex_indptr",
+                                                       "cell_vertex_indices", "face_offsets", "face_vertices", "status"]),
                             (["--want=faces"], ["indptr", "indices", "vertices", "cell_vertex_indptr",
                                                 "cell_vertex_indices", "face_offsets", "face_vertices", "status"])]:
             self.assertEqual(sorted(self.load("--random", "50", *want)), sorted([*names, "box", "periodic", "version", "domain_from", "periodic_from"]))

@@ -89,7 +89,9 @@ class ArrayFiles(ReaderTest):
         np.savez_compressed(self.folder / "many.npz", points=np.asfortranarray(many))
         self.assert_points("many.npz", many)
         # What clvotess writes it reads back, zip64 or not.
-        self.run_cli("--random", 300, "-o", "own.npz", "--want", "centroids")
+        self.run_cli("--random", 300, "-o", "own.npz", "-o", "own.h5", "--want", "centroids,security_radii")
+        for name in ("own.npz", "own.h5"):  # the word is no name of an array
+            self.refuse(name, "--weights", "radii", says=["'radii'", "security_radii"])
         with np.load(self.folder / "own.npz") as arrays:
             self.assert_points("own.npz", arrays["centroids"])
         with zipfile.ZipFile(self.folder / "z64.npz", "w") as archive:

@@ -73,6 +73,28 @@ def refused(comm, kind, text, *arguments, **options):
         check(False, f"not refused: {text}")
 
 
+def stopped_by_one_rank(comm, points):
+    """An error of one rank's callback leaves that rank; the others are cancelled, and all can go on."""
+    last = comm.size - 1
+
+    def progress(fraction):
+        raise ZeroDivisionError
+
+    try:
+        pyvotess.mpi.tessellate(points, comm, progress=progress if comm.rank == last else None)
+    except ZeroDivisionError:
+        check(comm.rank == last, "an error of another rank")
+    except pyvotess.VotessError as error:
+        check(comm.rank != last and error.code == pyvotess.ErrorCode.CANCELLED, "which rank stopped")
+        check(str(error).startswith(f"rank {last}:"), str(error))
+    else:
+        check(False, "not stopped")
+    refused(comm, ValueError, "progress must be callable", points, comm, progress=3)
+    fractions = []
+    pyvotess.mpi.tessellate(points, comm, progress=fractions.append)
+    check(fractions == sorted(fractions) and len(fractions) > 0, f"{fractions}")
+
+
 def main():
     random = np.random.default_rng(1)
     points = random.random((3000, 3))
@@ -101,6 +123,8 @@ def main():
     refused(WORLD, ValueError, "id 4 is given twice", own, WORLD, ids=np.full(len(own), 4))
     refused(WORLD, ValueError, "cells is 'mine'", own, WORLD, cells="mine")
     refused(WORLD, pyvotess.VotessError, "vertices", own, WORLD, want="vertices")
+    for _ in range(3):
+        stopped_by_one_rank(WORLD, own)
     try:
         pyvotess.mpi.tessellate(own, "world")
     except TypeError as error:

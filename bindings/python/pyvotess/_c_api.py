@@ -68,6 +68,13 @@ GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
 WantWord = Literal[
     "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
 ]
+#: What want takes, as ``votess_want_of`` knows it: words, and the arrays that they stand for.
+WantName = Literal[
+    WantWord,
+    "indptr", "indices", "shifts", "face_areas", "face_normals", "surface_areas", "security_radii", "face_counts",
+    "edge_counts", "vertex_counts", "cell_vertices", "cell_vertex_indptr", "cell_vertex_indices", "face_offsets",
+    "face_vertices", "status", "duplicate_of", "ids",
+]  # fmt: skip
 DuplicatesWord = Literal["merge", "error"]
 OutsideWord = Literal["error", "drop"]
 PrecisionWord = Literal["single", "double"]
@@ -76,7 +83,8 @@ GridWord = Literal["mean", "dtfe", "nearest", "sibson"]
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 
-ProgressCallback = CFUNCTYPE(c_int, c_double, c_void_p)
+# Callbacks leave out their last argument, the user's pointer: in C the caller clears arguments away.
+ProgressCallback = CFUNCTYPE(c_int, c_double)
 LogCallback = CFUNCTYPE(None, c_char_p, c_void_p)
 
 
@@ -164,6 +172,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_sizeof_stats": (c_size_t, ()),
     "votess_last_error": (c_char_p, ()),
     "votess_options_init": (c_int, (POINTER(Options), c_size_t)),
+    "votess_want_of": (c_int, (c_char_p, POINTER(c_uint32))),
     "votess_options_implied_want": (c_int, (POINTER(Options), POINTER(c_uint32))),
     "votess_tessellator_new": (c_int, (POINTER(_HANDLE),)),
     "votess_tessellator_free": (None, (_HANDLE,)),

@@ -5,10 +5,9 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import importlib
-import signal
 import sys
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Generator, Iterator, List, Optional, Tuple, Type, Union
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from ._c_api import ErrorCode
 from ._library import lib
 
 if TYPE_CHECKING:
-    from types import FrameType
+    from types import TracebackType
 
     import numpy.typing as npt
 
@@ -56,9 +55,10 @@ class Handle:
         self._free = free  # kept here: module globals may be gone when the interpreter ends
 
     def free(self) -> None:
-        if self.pointer:
-            self._free(self.pointer)
-            self.pointer.value = None
+        # Out of reach first: the handler of a signal may raise right after the call, and this be called again.
+        pointer, self.pointer = self.pointer, ctypes.c_void_p()
+        if pointer:
+            self._free(pointer)
 
     def __del__(self) -> None:
         self.free()
@@ -99,55 +99,79 @@ def array_of(
     return np.asarray(_Memory(result, address, shape, np.dtype(dtype)))
 
 
-@contextlib.contextmanager
-def _storing_interrupts(raised: List[BaseException]) -> Iterator[bool]:
-    """While a run lasts, what the handler of Ctrl-C raises goes to ``raised``. Yields whether that is so.
+class Callbacks:
+    """What the library calls while one of its functions runs. The block raises the first error of these callbacks.
 
-    Raised inside a ctypes callback it would be printed and lost. Only the main thread gets signals in Python.
+    >>> with Callbacks() as callbacks:
+    ...     status = lib.function(..., callbacks.progress(progress))
+    >>> raise_on_failure(status)
+
+    Errors of signal handlers are among them: Python runs handlers between its own instructions in the main thread, and
+    so in a callback while the library runs. ctypes would print the error and return any number to the library.
     """
-    previous = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(previous):
-        yield False
-        return
 
-    def handler(number: int, frame: Optional[FrameType]) -> None:
+    def __init__(self) -> None:
+        self._raised: Optional[BaseException] = None
+        self._kept: List[Any] = []
+        self._gets_signals = threading.current_thread() is threading.main_thread()
+
+    def __enter__(self) -> Callbacks:
+        return self
+
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], error: Optional[BaseException], traceback: Optional[TracebackType]
+    ) -> None:
+        raised, self._raised = self._raised, None
+        self._kept.clear()
+        if raised is not None and error is None:
+            try:
+                raise raised
+            finally:
+                del raised  # the traceback holds this frame
+
+    def guarded(self, prototype: Any, work: Callable[[Any], int], stop: int) -> Any:
+        """Returns a callback that calls ``work`` with the first argument, or returns ``stop`` after an error."""
+        answers = self._answers(work, stop)
+        next(answers)
+        callback = prototype(answers.send)
+        self._kept.append(callback)
+        return callback
+
+    def _answers(self, work: Callable[[Any], int], stop: int) -> Generator[int, Any, None]:
+        # Not a function: it would be entered, where handlers of signals run, before its try.
+        answer = stop
         try:
-            previous(number, frame)
+            while True:
+                argument = yield answer
+                answer = stop if self._raised is not None else work(argument)
+        except GeneratorExit:
+            return
         except BaseException as error:
-            raised.append(error)
+            if self._raised is None:
+                self._raised = error
+        while True:
+            yield stop
 
-    try:
-        signal.signal(signal.SIGINT, handler)
-    except ValueError:  # a sub-interpreter has no signals
-        yield False
-        return
-    try:
-        yield True
-    finally:
-        signal.signal(signal.SIGINT, previous)
+    def progress(self, progress: Optional[Progress]) -> Any:
+        """Returns the progress callback for the library, which calls ``progress`` and lets signal handlers run.
+
+        NULL where there is nothing to do.
+        """
+        if progress is None and not self._gets_signals:
+            return _c_api.ProgressCallback()
+
+        def call(fraction: float) -> int:
+            answer = None if progress is None else progress(fraction)
+            return 1 if answer is None or answer else 0
+
+        return self.guarded(_c_api.ProgressCallback, call, 0)
 
 
 def run(function: Any, arguments: Tuple[Any, ...], options: _c_api.Options, out: Any, progress: Any) -> None:
-    raised: List[BaseException] = []
-
-    def on_progress(fraction: float, _user: Any) -> int:
-        try:
-            if not raised and progress is not None:
-                answer = progress(fraction)
-                return 1 if answer is None or answer else 0
-        except BaseException as error:
-            raised.append(error)
-        return 0 if raised else 1
-
-    with _storing_interrupts(raised) as storing:
-        if storing or progress is not None:
-            options.progress = _c_api.ProgressCallback(on_progress)
+    """Calls ``function(*arguments, options, out)`` with the progress of a :func:`showing`."""
+    with Callbacks() as callbacks:
+        options.progress = callbacks.progress(progress)
         status = function(*arguments, ctypes.byref(options), out)
-    if raised:
-        try:
-            raise raised[0]
-        finally:
-            raised.clear()  # the traceback holds this frame, which holds the list
     raise_on_failure(status)
 
 

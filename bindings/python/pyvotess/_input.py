@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Un
 import numpy as np
 
 from . import _c_api
+from ._call import raise_on_failure
+from ._library import lib
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -65,15 +67,19 @@ def as_count(value: Any, name: str, bits: int) -> int:
     return number
 
 
-def as_want(want: Union[str, Iterable[_c_api.WantWord]]) -> int:
-    """The bits of these words; what they imply the library adds."""
-    words = [word.strip() for word in want.split(",")] if isinstance(want, str) else list(want)
-    bits = 0
-    for word in words:
-        if word not in _c_api.WANT_BITS:
-            raise ValueError(f"want has {word!r}: the words are {', '.join(_c_api.WANT_BITS)}")
-        bits |= _c_api.WANT_BITS[word]
-    return bits
+def as_want(want: Union[str, Iterable[_c_api.WantName]]) -> int:
+    """The bits of these words and names of arrays; the library adds what they imply."""
+    names = want if isinstance(want, str) else list(want)
+    if not isinstance(names, str):
+        for name in names:
+            if not isinstance(name, str):
+                raise TypeError(f"want has {name!r}: give names of arrays")
+        if not names:
+            return 0
+        names = ",".join(names)
+    bits = ctypes.c_uint32()
+    raise_on_failure(lib.votess_want_of(as_text(names, "want"), ctypes.byref(bits)))
+    return bits.value
 
 
 def as_word(word: Any, name: str, words: Dict[str, int]) -> int:

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     UInt32Array = npt.NDArray[np.uint32]
     UInt8Array = npt.NDArray[np.uint8]
 
-# Arrays of each word of want: name, type, columns (0: one number each).
-_WANTED: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
+#: The arrays of each word of want: name, type, columns (0: one number each).
+ARRAYS: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
     "neighbors": (("indptr", np.int64, 0), ("indices", np.int32, 0)),
     "volumes": (("volumes", np.float64, 0),),
     "centroids": (("centroids", np.float64, 3),),
@@ -75,7 +75,7 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
     arrays = {
         name: array_of(result, name, dtype, columns)
         for word in wanted
-        for name, dtype, columns in _WANTED[word]
+        for name, dtype, columns in ARRAYS[word]
     }
     arrays["status"] = array_of(result, "status", np.uint8)
     for name, dtype, columns in _OPTIONAL:
@@ -110,6 +110,28 @@ def locked(data: ResultData) -> ResultData:
     return data
 
 
+def names_of(word: str) -> Tuple[str, ...]:
+    """The arrays of a word of want."""
+    return tuple(name for name, _, _ in ARRAYS[word])
+
+
+_WORD_OF = {"neighbors": "neighbors", "cell_vertices": "vertices", "faces": "faces"}
+_WORD_OF.update({name: word for word in ARRAYS for name in names_of(word)})
+
+
+def no_attribute(of: object, name: str, wanted: Optional[Tuple[str, ...]] = None) -> AttributeError:
+    """The error where ``of`` lacks an attribute: it says what the array is called, and which want gives it."""
+    word = _WORD_OF.get(name, name)
+    missing = wanted is not None and word in ARRAYS and word not in wanted
+    put = f"put {word!r} into want, which was {wanted}"
+    if missing and name in _WORD_OF:
+        return AttributeError(f"{name} was not computed: {put}")
+    text = f"{type(of).__name__!r} object has no attribute {name!r}"
+    if name in ARRAYS and name not in _WORD_OF:  # a word for arrays of other names
+        text += f": the name is {' or '.join(names_of(name))}" + (f"; {put}" if missing else "")
+    return AttributeError(text)
+
+
 class Cells:
     """What is known of N cells, those of seeds or of queries, in their order."""
 
@@ -121,12 +143,19 @@ class Cells:
         self.__dict__.update(state)
         locked(self._data)
 
-    def _check_wanted(self, name: str, word: str) -> None:
-        if word not in self._wanted:
-            raise AttributeError(f"{name} was not computed: put {word!r} into want, which was {self._wanted}")
+    if not TYPE_CHECKING:  # which would allow any name
 
-    def _wanted_array(self, name: str, word: str) -> npt.NDArray[Any]:
-        self._check_wanted(name, word)
+        def __getattr__(self, name: str) -> Any:
+            if hasattr(type(self), name):
+                return object.__getattribute__(self, name)  # a property that has raised, and does it again
+            raise no_attribute(self, name, self.__dict__.get("_wanted"))
+
+    def _check_wanted(self, name: str) -> None:
+        if _WORD_OF[name] not in self._wanted:
+            raise no_attribute(self, name, self._wanted)
+
+    def _array(self, name: str) -> npt.NDArray[Any]:
+        self._check_wanted(name)
         return self._data.arrays[name]
 
     def __len__(self) -> int:
@@ -147,19 +176,29 @@ class Cells:
 
     @property
     def wanted(self) -> Tuple[str, ...]:
-        """The words of ``want``, with those that they imply."""
+        """The words of ``want``, without the names of single arrays, and with the words that these imply."""
         return self._wanted
 
     @property
     def neighbors(self) -> Lists:
         """Neighbor lists, N rows: ascending ids, walls (negative) first."""
-        self._check_wanted("neighbors", "neighbors")
-        return Lists(self._data.arrays["indptr"], self._data.arrays["indices"])
+        self._check_wanted("neighbors")
+        return Lists(self.indptr, self.indices)
+
+    @property
+    def indptr(self) -> Int64Array:
+        """(N + 1,) int64: row i of ``neighbors`` is ``indices[indptr[i]:indptr[i+1]]``."""
+        return self._array("indptr")
+
+    @property
+    def indices(self) -> Int32Array:
+        """(indptr[N],) int32, the rows of ``neighbors`` one after the other."""
+        return self._array("indices")
 
     @property
     def volumes(self) -> Float64Array:
         """(N,) float64, length unit cubed; 0 where there is no cell."""
-        return self._wanted_array("volumes", "volumes")
+        return self._array("volumes")
 
     @property
     def face_areas(self) -> Float64Array:
@@ -168,7 +207,7 @@ class Cells:
         Those of walls only when the rows list walls. Row i is ``face_areas[indptr[i]:indptr[i+1]]``. The error is at
         most 1e-10 of the area of the cell's whole surface, 1e-5 when ``stats.precision`` is "single".
         """
-        return self._wanted_array("face_areas", "areas")
+        return self._array("face_areas")
 
     @property
     def areas(self) -> Float64Array:
@@ -178,7 +217,7 @@ class Cells:
     @property
     def face_normals(self) -> Float64Array:
         """(indptr[N], 3) float64: outward unit normal of the face behind each entry of ``neighbors.indices``."""
-        return self._wanted_array("face_normals", "normals")
+        return self._array("face_normals")
 
     @property
     def shifts(self) -> Optional[Int8Array]:
@@ -188,12 +227,12 @@ class Cells:
     @property
     def surface_areas(self) -> Float64Array:
         """(N,) float64, area of the whole surface of each cell, walls included."""
-        return self._wanted_array("surface_areas", "surfaces")
+        return self._array("surface_areas")
 
     @property
     def security_radii(self) -> Float64Array:
         """(N,) float64, twice the distance from the seed to the farthest vertex of its cell."""
-        return self._wanted_array("security_radii", "radii")
+        return self._array("security_radii")
 
     @property
     def vertices(self) -> Float64Array:
@@ -201,39 +240,59 @@ class Cells:
 
         Those of a Tessellation that are equal in exact arithmetic are one, shared by all cells that have it.
         """
-        return self._wanted_array("vertices", "vertices")
+        return self._array("vertices")
 
     @property
     def cell_vertices(self) -> Lists:
         """The vertices of each cell, ascending: N rows."""
-        self._check_wanted("cell_vertices", "vertices")
-        return Lists(self._data.arrays["cell_vertex_indptr"], self._data.arrays["cell_vertex_indices"])
+        self._check_wanted("cell_vertices")
+        return Lists(self.cell_vertex_indptr, self.cell_vertex_indices)
+
+    @property
+    def cell_vertex_indptr(self) -> Int64Array:
+        """(N + 1,) int64, where the rows of ``cell_vertices`` begin and end."""
+        return self._array("cell_vertex_indptr")
+
+    @property
+    def cell_vertex_indices(self) -> Int32Array:
+        """(cell_vertex_indptr[N],) int32, rows of ``vertices``."""
+        return self._array("cell_vertex_indices")
 
     @property
     def faces(self) -> Faces:
         """The polygon behind each entry of ``neighbors.indices``, counterclockwise seen from outside the cell."""
-        self._check_wanted("faces", "faces")
-        return Faces(self._data.arrays["face_offsets"], self._data.arrays["face_vertices"])
+        self._check_wanted("faces")
+        return Faces(self.face_offsets, self.face_vertices)
+
+    @property
+    def face_offsets(self) -> Int64Array:
+        """(indptr[N] + 1,) int64, where the polygons of ``faces`` begin and end."""
+        return self._array("face_offsets")
+
+    @property
+    def face_vertices(self) -> Int32Array:
+        """(face_offsets[-1],) int32, rows of ``vertices``, polygon after polygon."""
+        return self._array("face_vertices")
 
     @property
     def centroids(self) -> Float64Array:
         """(N, 3) float64, centers of mass in the coordinates of the points; NaN where there is no cell."""
-        return self._wanted_array("centroids", "centroids")
+        return self._array("centroids")
 
     @property
     def face_counts(self) -> UInt32Array:
         """(N,) uint32, faces of each cell, walls included."""
-        return self._wanted_array("face_counts", "counts")
+        return self._array("face_counts")
 
     @property
     def edge_counts(self) -> UInt32Array:
         """(N,) uint32, edges of each cell."""
-        return self._wanted_array("edge_counts", "counts")
+        return self._array("edge_counts")
 
     @property
     def vertex_counts(self) -> UInt32Array:
         """(N,) uint32, vertices of each cell."""
-        return self._wanted_array("vertex_counts", "counts")
+        return self._array("vertex_counts")
 
     @property
     def status(self) -> UInt8Array:

@@ -32,7 +32,8 @@ def _edges_of_lengths_and_angles(dimensions: Any) -> Float64Array:
 def _parts_of(atoms: Any) -> _Parts:
     zero = np.zeros(3)
     if hasattr(atoms, "get_positions") and hasattr(atoms, "pbc"):  # ASE
-        return atoms.get_positions(), np.asarray(atoms.cell, dtype=np.float64), zero, atoms.pbc
+        corner = np.ravel(atoms.get_celldisp()) if hasattr(atoms, "get_celldisp") else zero  # (3, 1) there
+        return atoms.get_positions(), np.asarray(atoms.cell, dtype=np.float64), corner, atoms.pbc
     if hasattr(atoms, "cart_coords") and hasattr(atoms, "lattice"):  # pymatgen's Structure
         return atoms.cart_coords, atoms.lattice.matrix, zero, getattr(atoms.lattice, "pbc", (True, True, True))
     if hasattr(atoms, "particles") and hasattr(atoms, "cell"):  # OVITO's DataCollection
@@ -58,12 +59,15 @@ def from_ase(atoms: Any, **options: Any) -> Tessellation:
     ----------
     atoms : ``ase.Atoms``; also a pymatgen Structure, an MDAnalysis Universe or group of atoms (periodic along all edges
         when it has dimensions), an OVITO DataCollection. What they call the unit of length is that of the result.
-    options : of :func:`tessellate`, but for points, cell and origin. ``periodic`` goes before what the atoms say;
+    options : of :func:`tessellate`, except points, cell and origin. ``periodic`` goes before what the atoms say;
         ``box`` takes the place of their cell.
 
     Atoms without a cell get the box of :func:`tessellate` around them. Along an edge that does not repeat an atom
     outside of the cell is an error, or dropped with ``outside="drop"``.
     """
+    for name in ("cell", "origin"):
+        if name in options:
+            raise TypeError(f"from_ase() takes {name} from the atoms: give positions and {name} to tessellate()")
     positions, edges, origin, periodic = _parts_of(atoms)
     repeats = tuple(bool(axis) for axis in np.broadcast_to(periodic, 3))
     if options.get("box") is None and np.any(edges):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Literal, Optional, Tuple, Union
 import numpy as np
 
 from . import _c_api
-from ._c_api import DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantWord
+from ._c_api import DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
 from ._call import Handle, array_of, raise_on_failure
 from ._input import Domain, as_one_each, as_points, as_want, as_word
 from ._library import lib
@@ -110,7 +110,7 @@ class Diagram:
     def probe(
         self,
         queries: npt.ArrayLike,
-        want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+        want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
         weights: Optional[npt.ArrayLike] = None,
         list_walls: bool = False,
     ) -> Probes:

@@ -96,9 +96,10 @@ class Delaunay:
     """
 
     tetrahedra: Int32Array  #: (T, 4) seeds, positive: det(b-a, c-a, d-a) > 0
-    centers: Int32Array  #: (T,) the vertex that is the center of the empty sphere
+    #: (T,) numbers of vertices, not coordinates: ``t.vertices[centers[k]]`` is the center of the empty sphere
+    centers: Int32Array
     polytopes: Lists  #: P rows of five or more seeds on one empty sphere, ascending
-    polytope_centers: Int32Array  #: (P,) as centers
+    polytope_centers: Int32Array  #: (P,) numbers of vertices, as centers
     shifts: Optional[Int8Array]  #: (T, 4, 3) box vectors that carry the seeds there; None unless periodic
     polytope_shifts: Optional[Int8Array]  #: (polytopes.indptr[P], 3) the same
 

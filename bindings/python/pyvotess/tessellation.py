@@ -62,7 +62,9 @@ class Tessellation(Cells):
 
     def __repr__(self) -> str:
         wanted = ", ".join(self._wanted) or "status only"
-        return f"<pyvotess.Tessellation of {len(self)} seeds in a {self._domain()}: {wanted}>"
+        copies = self.stats.duplicates
+        seeds = f"{len(self)} seeds" + (f", {copies} duplicate{'s' if copies > 1 else ''}," if copies else "")
+        return f"<pyvotess.Tessellation of {seeds} in a {self._domain()}: {wanted}>"
 
     def _domain(self) -> str:
         return super()._domain() + ("" if self._domain_given else " around them")
@@ -76,8 +78,8 @@ class Tessellation(Cells):
     @property
     def neighbors(self) -> Neighbors:
         """Neighbor lists, N rows. Symmetric: i lists j exactly when j lists i."""
-        self._check_wanted("neighbors", "neighbors")
-        return Neighbors(self._data.arrays["indptr"], self._data.arrays["indices"])
+        self._check_wanted("neighbors")
+        return Neighbors(self.indptr, self.indices)
 
     @property
     def least_face(self) -> float:

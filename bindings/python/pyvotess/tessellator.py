@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Tuple
 import numpy as np
 
 from . import _c_api
-from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantWord
+from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantName
 from ._call import Handle, Progress, VotessError, raise_on_failure, run, showing
 from ._input import Domain, as_count, as_points, as_text, as_want, as_word
 from ._library import lib
@@ -56,7 +56,7 @@ def _tessellate(
     options: _c_api.Options,
     points: Any,
     domain: Domain,
-    want: Union[str, Iterable[WantWord]],
+    want: Union[str, Iterable[WantName]],
     list_walls: bool,
     duplicates: DuplicatesWord,
     progress: Union[None, bool, Progress],
@@ -87,7 +87,7 @@ def tessellate(
     periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
-    want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+    want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
     cell: Optional[npt.ArrayLike] = None,
     walls: npt.ArrayLike = (),
     list_walls: bool = False,
@@ -120,8 +120,11 @@ def tessellate(
         Default: a box repeats along no axis, a cell along all.
     weights, radii : (N,) numbers: a power diagram, with these weights or the squares of these radii. A seed whose cell
         is empty has status EMPTY.
-    want : words out of "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii",
-        "vertices", "faces", as a sequence or with commas in one string. What belongs to entries of the rows adds
+    want : names of arrays, as the result has them and files: "volumes", "centroids", "face_areas", "face_normals",
+        "surface_areas", "security_radii", "face_counts", "vertices", "face_offsets" and others; a sequence, or one
+        string with commas. Or words for groups of them, each of which a name brings whole: "neighbors" (indptr, indices,
+        shifts), "counts" (face_counts, edge_counts, vertex_counts), "areas", "normals", "surfaces", "radii", "vertices"
+        (vertices, cell_vertices) and "faces" (face_offsets, face_vertices). What belongs to entries of the rows adds
         "neighbors"; "faces" adds "vertices", and the walls to the rows.
     cell, origin : a triclinic box instead of ``box``: the vectors of its edges, a row each, and its corner. It repeats
         along all three, or those of ``periodic``; across the others it ends at the planes of its faces.
@@ -211,7 +214,7 @@ class Tessellator:
         periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
         weights: Optional[npt.ArrayLike] = None,
         radii: Optional[npt.ArrayLike] = None,
-        want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+        want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
         cell: Optional[npt.ArrayLike] = None,
         walls: npt.ArrayLike = (),
         list_walls: bool = False,

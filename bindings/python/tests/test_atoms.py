@@ -24,10 +24,14 @@ def fcc111_slab():
     return np.array(places), cell
 
 
-def looks_like(kind, positions, cell, pbc):
+def looks_like(kind, positions, cell, pbc, corner=(0.0, 0.0, 0.0)):
     if kind == "ase":
-        return types.SimpleNamespace(get_positions=lambda: positions, cell=cell, pbc=np.array(pbc))
-    if kind == "pymatgen":
+        displacement = np.reshape(corner, (3, 1))
+        return types.SimpleNamespace(
+            get_positions=lambda: positions, cell=cell, pbc=np.array(pbc), get_celldisp=lambda: displacement
+        )
+    if kind == "pymatgen":  # a lattice begins at 0
+        positions = positions - np.array(corner)
         return types.SimpleNamespace(cart_coords=positions, lattice=types.SimpleNamespace(matrix=cell, pbc=pbc))
 
     class Cell:
@@ -35,12 +39,58 @@ def looks_like(kind, positions, cell, pbc):
             self.pbc = pbc
 
         def __array__(self, dtype=None, copy=None):
-            return np.column_stack((cell.T, (0.0, 0.0, 0.0)))
+            return np.column_stack((cell.T, corner))
 
     return types.SimpleNamespace(particles=types.SimpleNamespace(positions=positions), cell=Cell())
 
 
+def real(kind, positions, cell, pbc, corner):
+    """The object of the package itself; None where it is not installed, or cannot hold such a system."""
+    try:
+        if kind == "ase":
+            import ase
+
+            return ase.Atoms(f"X{len(positions)}", positions=positions, cell=cell, pbc=pbc, celldisp=corner)
+        if kind == "pymatgen":
+            from pymatgen.core import Lattice, Structure
+
+            places = positions - corner
+            return Structure(Lattice(cell, pbc=pbc), ["Cu"] * len(places), places, coords_are_cartesian=True)
+        import ovito.data
+    except ImportError:
+        return None
+    data = ovito.data.DataCollection()
+    data.create_cell(np.column_stack((cell.T, corner)), pbc=pbc)
+    data.create_particles(count=len(positions)).create_property("Position", data=positions)
+    return data
+
+
 class Atoms(unittest.TestCase):
+    def test_displaced_cell_of_ase(self):
+        positions = np.array([(-1, -1, 1), (1, 1, 2.5), (1, -1, 4.5)], float)
+        atoms = looks_like("ase", positions, np.diag([4.0, 4, 8]), (True, True, False), (-2, -2, -3))
+        t = vt.from_ase(atoms)
+        np.testing.assert_allclose(t.volumes, [75.1378, 29.5088, 23.3534], rtol=2e-6)
+        np.testing.assert_array_equal(t.origin, [-2, -2, -3])
+        del atoms.get_celldisp  # other objects of that form
+        atoms.get_positions = lambda: positions + (2, 2, 3)
+        np.testing.assert_allclose(vt.from_ase(atoms).volumes, t.volumes, rtol=1e-13)
+
+    def test_shifted_tilted_partly_periodic(self):
+        corner = np.array((-31.0, 17.5, 4.25))
+        positions = corner + alloy(200)
+        for pbc in ((True, False, True), (False, True, False), (True, True, True)):
+            expected = vt.tessellate(positions, cell=EDGES, origin=corner, periodic=pbc)
+            for kind in ("ase", "pymatgen", "ovito"):
+                for make in (looks_like, real):
+                    atoms = make(kind, positions, EDGES, pbc, corner)
+                    if atoms is None:
+                        continue
+                    t = vt.from_ase(atoms)
+                    self.assertEqual(t.periodic, pbc)
+                    np.testing.assert_array_equal(t.neighbors.indices, expected.neighbors.indices)
+                    np.testing.assert_allclose(t.volumes, expected.volumes, rtol=1e-12)
+
     def test_slab(self):
         positions, cell = fcc111_slab()
         t = vt.from_ase(looks_like("ase", positions, cell, (True, True, False)), min_face=1e-6, list_walls=True)
@@ -80,6 +130,9 @@ class Atoms(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "a periodic axis needs a box"):
             vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (True, True, False)))
         self.assertIsNone(vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (False,) * 3)).cell)
+        for name in ("cell", "origin"):
+            with self.assertRaisesRegex(TypeError, f"takes {name} from the atoms"):
+                vt.from_ase(looks_like("ase", positions, EDGES, (True,) * 3), **{name: None})
 
     def compare(self, atoms):
         t = vt.from_ase(atoms)

@@ -79,6 +79,30 @@ class Derivatives(unittest.TestCase):
         self.assertEqual(empty.derivatives().shape, (0, 0))
 
     @have("scipy")
+    def test_fewer_seeds_than_walls(self):
+        ball = vt.walls.sphere((0.5, 0.5, 0.5), 0.5, 60)
+        domains = (
+            (dict(box=UNIT_BOX), 1),
+            (dict(box=UNIT_BOX, periodic="xy"), 1),
+            (dict(cell=CELL, periodic="z"), np.asarray(CELL)),
+            (dict(walls=ball), 0.5),
+        )
+        direction = np.random.default_rng(8)
+        for options, scale in domains:
+            for count in (1, 2, 3, 5):
+                points = uniform(count, seed=count)
+                points = points @ scale if np.ndim(scale) else 0.5 + scale * (points - 0.5)
+                way = 1e-6 * direction.normal(size=points.shape)
+                t, after, before = (
+                    vt.tessellate(points + s * way, want=WANT, list_walls=True, **options) for s in (0, 1, -1)
+                )
+                for of, name in (("volumes", "volumes"), ("areas", "face_areas")):
+                    numeric = (getattr(after, name) - getattr(before, name)) / 2
+                    closed = t.derivatives(of) @ way.ravel()
+                    self.assertLess(np.abs(numeric - closed).max(), 1e-5 * np.abs(way).max(), f"{of}, {count}, {options}")
+                    self.assertEqual(t.derivatives(of, by="weights").shape, (len(closed), count))
+
+    @have("scipy")
     def test_refused(self):
         t = vt.tessellate(uniform(20), UNIT_BOX, want="faces")
         for arguments, says in ((("centroids",), "'volumes' or 'areas'"), (("areas", "radii"), "'points' or 'weights'")):

@@ -1,11 +1,14 @@
 """What comes out: known answers, wants, rows, the mesh."""
 
+import typing
 import unittest
 
 import numpy as np
 from helpers import EVERYTHING, UNIT_BOX, lattice, uniform
 
 import pyvotess as vt  # noqa: E402
+from pyvotess import _c_api
+from pyvotess.export.columns import color_values
 
 try:
     import scipy.sparse  # noqa: F401
@@ -128,6 +131,9 @@ class KnownAnswers(unittest.TestCase):
         self.assertEqual(t.volumes[10], 0)
         self.assertTrue(np.isnan(t.centroids[10]).all())
         self.assertEqual(t.stats.duplicates, 2)
+        self.assertIn("of 12 seeds, 2 duplicates, in a box", repr(t))
+        self.assertIn("of 11 seeds, 1 duplicate, in a box", repr(vt.tessellate(points[:11])))
+        self.assertRegex(t._repr_html_(), "duplicates</th><td[^>]*>2<")
         report = t.verify()
         self.assertTrue(report, report.failure)
         alone = vt.tessellate(points[:10])
@@ -135,6 +141,47 @@ class KnownAnswers(unittest.TestCase):
 
 
 class Want(unittest.TestCase):
+    def test_names_of_arrays(self):
+        """want takes what arrays are called, in files too; an array brings its word and what that implies."""
+        words = {"indptr": "neighbors", "face_normals": "normals", "security_radii": "radii", "edge_counts": "counts",
+                 "cell_vertices": "vertices", "face_offsets": "faces"}  # fmt: skip
+        for name, word in words.items():
+            t = vt.tessellate(uniform(10), want=name)
+            self.assertEqual(t.wanted, vt.tessellate(uniform(10), want=[word]).wanted)
+            self.assertGreater(len(getattr(t, name)), 0)
+        everything = vt.tessellate(uniform(10), want=[*_c_api.WANT_BITS, "status"], list_walls=True)
+        for name in typing.get_args(_c_api.WantName):
+            t = vt.tessellate(uniform(10), want=f" {name} , status", list_walls=True)
+            if name in ("ids", "cell_vertices") or name in _c_api.WANT_BITS:
+                continue
+            np.testing.assert_equal(getattr(t, name), getattr(everything, name), name)
+        names = set(everything._data.arrays)
+        self.assertLessEqual(names, set(typing.get_args(_c_api.WantName)))
+        self.assertEqual(vt.tessellate(uniform(3), want="status").wanted, ())
+        with self.assertRaisesRegex(ValueError, "'face_area': give words of neighbors.*face_areas"):
+            vt.tessellate(uniform(3), want="face_area")
+        with self.assertRaisesRegex(TypeError, "want has 3"):
+            vt.tessellate(uniform(3), want=["volumes", 3])
+
+    def test_words_are_no_attributes(self):
+        t = vt.tessellate(uniform(10), want="surfaces")
+        rows = []
+        vt.tessellate_stream([uniform(10)], rows.append, 1_000_000)
+        for name, right in (("normals", "face_normals"), ("radii", "security_radii"), ("surfaces", "surface_areas")):
+            for result in (t, rows[0], vt.Diagram(uniform(10)).probe(uniform(2))):
+                with self.assertRaisesRegex(AttributeError, f"'{name}': the name is {right}"):
+                    getattr(result, name)
+        with self.assertRaisesRegex(AttributeError, "surface_areas$"):
+            t.surfaces
+        with self.assertRaisesRegex(AttributeError, "edge_counts or vertex_counts; put 'counts' into want"):
+            t.counts
+        with self.assertRaisesRegex(AttributeError, "face_vertices was not computed: put 'faces' into want"):
+            t.face_vertices
+        with self.assertRaisesRegex(AttributeError, "'Tessellation' object has no attribute 'ids'$"):
+            t.ids
+        with self.assertRaisesRegex(AttributeError, "surface_areas"):
+            color_values(t, "surfaces")
+
     def test_default(self):
         t = vt.tessellate(uniform(10))
         self.assertEqual(len(t.volumes), 10)

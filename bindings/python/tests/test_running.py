@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import traceback
 import unittest
 from unittest import mock
 
@@ -134,6 +135,57 @@ class Running(unittest.TestCase):
             signal.signal(signal.SIGINT, before)
         self.assertEqual(calls, [signal.SIGINT])
         self.assertEqual(t.stats.points, len(t))
+
+    def test_what_other_signal_handlers_raise_arrives(self):
+        class Alarm(Exception):
+            pass
+
+        def handler(number, frame):
+            raise Alarm("time is over")
+
+        points = long_run_points()
+        tessellator = vt.Tessellator(threads=1)
+        calls = {
+            "tessellate": lambda: vt.tessellate(points, threads=1),
+            "faces": lambda: vt.tessellate(points, threads=1, want="faces", progress=lambda fraction: None),
+            "Tessellator": lambda: tessellator.tessellate(points),
+            "stream": lambda: vt.tessellate_stream([points], lambda rows: None, 10_000_000, threads=1),
+            "lloyd": lambda: vt.lloyd(points, threads=1),
+        }
+        errors = io.StringIO()
+        before = signal.signal(signal.SIGALRM, handler)
+        try:
+            for name, call in calls.items():
+                start = time.perf_counter()
+                frames = []
+                with contextlib.redirect_stderr(errors):
+                    try:
+                        signal.setitimer(signal.ITIMER_REAL, 0.1)
+                        call()
+                    except Alarm as error:
+                        frames = [frame.name for frame in traceback.extract_tb(error.__traceback__)]
+                    finally:
+                        signal.setitimer(signal.ITIMER_REAL, 0)
+                self.assertLess(time.perf_counter() - start, 5)
+                self.assertEqual(frames[-1:], ["handler"], name)
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        self.assertEqual(errors.getvalue(), "")
+        self.assertEqual(len(tessellator.tessellate(points[:50])), 50)
+
+    def test_callbacks_of_a_run_stop_at_the_first_error(self):
+        from pyvotess import _c_api, _call
+
+        def fail(fraction):
+            raise ZeroDivisionError(str(fraction))
+
+        with self.assertRaisesRegex(ZeroDivisionError, "0.25"), _call.Callbacks() as callbacks:
+            first, second = callbacks.progress(fail), callbacks.progress(lambda fraction: True)
+            self.assertEqual((second(0.1), first(0.25), first(0.5), second(0.5)), (1, 0, 0, 0))
+        # An error of the block itself goes first; nothing is left over for a collector to complain about.
+        with self.assertRaises(KeyError), _call.Callbacks() as callbacks:
+            callbacks.guarded(_c_api.ProgressCallback, fail, 0)(0.0)
+            raise KeyError
 
     def test_many_threads_at_once(self):
         points = [uniform(2000, seed) for seed in range(6)]

@@ -226,8 +226,13 @@ private:
     [[nodiscard]] std::string path_of(const std::string& column, const Hdf5File& file) const {
         const std::string path = find_column(column, file);
         if (!path.empty()) return path;
+        const std::string group = group_of(name_);
+        std::string list;
+        for (const std::string& other : file.datasets())
+            if (other.starts_with(group) && other.find('/', group.size()) == std::string::npos)
+                add_name(list, other.substr(group.size()));
         throw bad_input(file.path() + ": no dataset " + in_quotes(column) +
-                        ", neither beside the points nor at the root");
+                        ", neither beside the points nor at the root; beside them are " + list);
     }
 
     // The columns that the run names, and all others beside the points if it says so.

@@ -1,7 +1,9 @@
 // Bad input: a one-line error that names the first offending index and its value, and nothing else happens.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
 #include "cpu/clip/cell_kernels.hpp"
@@ -224,6 +226,34 @@ TEST_SUITE("api") {
         votess::Options wrong;
         wrong.threads = 1025;
         CHECK_THROWS_AS((void)votess::implied_want(wrong), votess::Error);
+    }
+
+    TEST_CASE("want_of takes words and the arrays that they stand for") {
+        using votess::Want;
+        const auto bits = [](const Want& w) {
+            return std::array{w.neighbors, w.volumes,  w.centroids, w.counts,   w.areas,
+                              w.normals,   w.surfaces, w.radii,     w.vertices, w.faces};
+        };
+        struct Case {
+            const char* names;
+            std::initializer_list<bool Want::*> words;
+        };
+        for (const Case& c : {Case{"neighbors,volumes", {&Want::neighbors, &Want::volumes}},
+                              {" indptr , shifts", {&Want::neighbors}},
+                              {"face_areas,areas", {&Want::areas}},
+                              {"face_normals", {&Want::normals}},
+                              {"surface_areas", {&Want::surfaces}},
+                              {"security_radii,centroids", {&Want::radii, &Want::centroids}},
+                              {"edge_counts", {&Want::counts}},
+                              {"cell_vertices", {&Want::vertices}},
+                              {"face_vertices", {&Want::faces}},
+                              {"status,duplicate_of,ids", {}}}) {
+            Want expected{.neighbors = false, .volumes = false};
+            for (bool Want::*const word : c.words) expected.*word = true;
+            CHECK_MESSAGE(bits(votess::want_of(c.names)) == bits(expected), c.names);
+        }
+        for (const char* wrong : {"", "volumes,", "face_area", "Volumes", "volumes;areas", "\n"})
+            CHECK_THROWS_WITH_AS((void)votess::want_of(wrong), doctest::Contains("want has '"), votess::Error);
     }
 
     TEST_CASE("the largest values of the tuning options change nothing") {

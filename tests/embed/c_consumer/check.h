@@ -46,6 +46,7 @@ void check_duplicates(votess_tessellator* tessellator);
 // options.c
 void check_bad_input(votess_tessellator* tessellator);
 void check_implied_want(void);
+void check_want_of(void);
 void check_tuning(votess_tessellator* tessellator);
 void check_struct_sizes(votess_tessellator* tessellator);
 // calls.c

@@ -60,6 +60,7 @@ int main(void) {
     check_duplicates(tessellator);
     check_bad_input(tessellator);
     check_implied_want();
+    check_want_of();
     check_tuning(tessellator);
     check_struct_sizes(tessellator);
     check_callbacks(tessellator);

@@ -100,6 +100,15 @@ void check_implied_want(void) {
     CHECK_FAILS(votess_options_implied_want(&options, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "want");
 }
 
+void check_want_of(void) {
+    uint32_t want = 1u << 30;
+    CHECK(votess_want_of("face_areas, counts,status", &want) == VOTESS_OK);
+    CHECK(want == (VOTESS_WANT_AREAS | VOTESS_WANT_COUNTS));
+    CHECK_FAILS(votess_want_of("face_area", &want), VOTESS_ERROR_INVALID_ARGUMENT, "face_areas");
+    CHECK_FAILS(votess_want_of(NULL, &want), VOTESS_ERROR_INVALID_ARGUMENT, "names");
+    CHECK_FAILS(votess_want_of("faces", NULL), VOTESS_ERROR_INVALID_ARGUMENT, "want");
+}
+
 void check_tuning(votess_tessellator* tessellator) {
     votess_options options = options_with_box(2);
     CHECK(options.precision == VOTESS_PRECISION_SINGLE && options.k_init == 0 && options.chunk_size == 0);

@@ -2,5 +2,5 @@
 
 Change the import line and keep the program: ``pyvotess.compat.scipy`` has Voronoi and Delaunay of scipy.spatial for
 three dimensions, ``pyvotess.compat.pyvoro`` and ``pyvotess.compat.pyvoro2`` have those packages' functions. None of
-the packages is imported. Each module tells what differs.
+the packages is imported, except SciPy for its QhullError. Each module lists what differs.
 """

@@ -160,7 +160,9 @@ class CellBlocks:
         corners = number[mirrored].tolist()
         adjacent = self._t.neighbors.indices[entries[0] : entries[-1]]
         if self._ids is not None:
-            adjacent = np.where(adjacent >= 0, self._ids[adjacent], adjacent)
+            is_seed = adjacent >= 0  # the id of a wall is no index
+            adjacent = adjacent.astype(np.int64)
+            adjacent[is_seed] = self._ids[adjacent[is_seed]]
         ends = _pairs(begins.tolist())
         if self._shifts is None:
             return [{"adjacent_cell": j, "vertices": corners[a:b]} for j, (a, b) in zip(adjacent.tolist(), ends)]

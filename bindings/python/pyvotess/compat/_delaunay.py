@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Type
 
 import numpy as np
 
@@ -34,17 +35,27 @@ class Delaunay(OfPoints):
     options : of :func:`pyvotess.tessellate`: ``threads``, ``device``, ``instructions``, ``progress``.
 
     Attributes: ``points``, ``simplices``, ``neighbors``, ``convex_hull``, ``coplanar``, ``vertex_to_simplex``,
-    ``vertex_neighbor_vertices``, ``transform``, ``npoints``, ``nsimplex``, ``ndim``, ``min_bound``, ``max_bound``,
-    ``furthest_site``, as in scipy. All but the first two are made when they are first asked for.
+    ``vertex_neighbor_vertices``, ``transform``, ``equations``, ``paraboloid_scale``, ``paraboloid_shift``, ``npoints``,
+    ``nsimplex``, ``ndim``, ``min_bound``, ``max_bound``, ``furthest_site``, as in scipy. Except the first two they are
+    made when they are first asked for. ``scipy.interpolate.LinearNDInterpolator`` takes the object for its points.
 
     The simplices fill the convex hull. That is checked in exact arithmetic: their surface bends inwards nowhere.
     QhullError is raised when a simplex at the hull is so flat that no box holds the center of its sphere.
 
     What differs from scipy: corners of a simplex are ordered so that det(b-a, c-a, d-a) > 0; five or more points on one
     sphere are cut up from the lowest index, so that their simplices fit those beside them; flat simplices at the
-    hull, which Qhull may merge away, are there; ``coplanar`` lists only points that equal an earlier one;
-    ``equations``, ``paraboloid_*``, ``plane_distance`` and ``lift_points``, which show the inside of Qhull, are not.
+    hull, which Qhull may merge away, are there; ``coplanar`` lists only points that equal an earlier one.
     """
+
+    if not TYPE_CHECKING:
+
+        @property
+        def __class__(self) -> Any:
+            """scipy.spatial.Delaunay where that is loaded: scipy.interpolate asks for it by isinstance()."""
+            return getattr(sys.modules.get("scipy.spatial"), "Delaunay", type(self))
+
+    def __reduce__(self) -> Any:
+        return _empty, (type(self),), self.__dict__
 
     def __init__(
         self,
@@ -93,7 +104,9 @@ class Delaunay(OfPoints):
         """(N,) int32: some simplex that has the point, or the one that it equals."""
         simplex = np.full(self.npoints, -1, dtype=np.int32)
         simplex[self.simplices.ravel()] = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 4)
-        return np.where(self._duplicate_of >= 0, simplex[self._duplicate_of], simplex)
+        copies = np.flatnonzero(self._duplicate_of >= 0)
+        simplex[copies] = simplex[self._duplicate_of[copies]]
+        return simplex
 
     @cached_property
     def coplanar(self) -> Int32Array:
@@ -130,6 +143,57 @@ class Delaunay(OfPoints):
             condition = lengths * np.abs(inverse).sum(axis=1).max(axis=1)
         inverse[~(condition * 1000 * np.finfo(np.float64).eps < 1)] = np.nan
         return np.concatenate((inverse, corners[:, 3:]), axis=1)
+
+    @cached_property
+    def _paraboloid(self) -> Tuple[float, float]:
+        # Qhull brings the heights from the least one to that of a point at infinity, 1.1 times the largest one, to the
+        # size of the coordinates.
+        squares = np.einsum("pk,pk->p", self.points, self.points)
+        scale = float(np.abs(self.points).max() / (1.1 * squares.max() - squares.min()))
+        return scale, float(-squares.min() * scale)
+
+    @property
+    def paraboloid_scale(self) -> float:
+        """Points are lifted to the height ``paraboloid_scale * |x|**2 + paraboloid_shift``."""
+        return self._paraboloid[0]
+
+    @property
+    def paraboloid_shift(self) -> float:
+        """See :attr:`paraboloid_scale`."""
+        return self._paraboloid[1]
+
+    @cached_property
+    def equations(self) -> Float64Array:
+        """(T, 5) float64: unit normal, downwards, and offset of the plane through the lifted corners of each simplex.
+
+        NaN where the simplex is too flat for that.
+        """
+        # In units of the largest coordinate. From corner d to the others, in the order that makes the volume positive.
+        unit = np.abs(self.points).max()
+        scale, shift = self.paraboloid_scale * unit, self.paraboloid_shift / unit
+        corners = self.points[self.simplices] / unit
+        d = corners[:, 3]
+        b, a, c = (corners[:, k] - d for k in range(3))
+        # The plane n.x - volume h = offset is that of the sphere, |x - d|^2 volume = (x - d).toward.
+        volume = np.einsum("tk,tk->t", a, np.cross(b, c))[:, None]
+        pairs = ((a, b, c), (b, c, a), (c, a, b))
+        toward = sum(np.einsum("tk,tk->t", u, u)[:, None] * np.cross(v, w) for u, v, w in pairs)
+        offset = shift * volume - scale * np.einsum("tk,tk->t", d, d * volume + toward)[:, None]
+        planes = np.concatenate((scale * (2 * d * volume + toward), -volume, offset * unit), axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            equations: Float64Array = planes / np.sqrt(np.einsum("tk,tk->t", planes[:, :4], planes[:, :4]))[:, None]
+        return equations
+
+    def lift_points(self, x: npt.ArrayLike) -> Float64Array:
+        """(..., 4) float64: the points (..., 3) on the paraboloid."""
+        array = np.asarray(x, dtype=np.float64)
+        height = self.paraboloid_scale * np.einsum("...k,...k->...", array, array) + self.paraboloid_shift
+        return np.concatenate((array, height[..., None]), axis=-1)
+
+    def plane_distance(self, xi: npt.ArrayLike) -> Float64Array:
+        """(..., T) float64: how far each lifted point lies beyond the plane of each simplex: positive in its sphere."""
+        distances: Float64Array = self.lift_points(xi) @ self.equations[:, :4].T + self.equations[:, 4]
+        return distances
 
     def find_simplex(self, xi: npt.ArrayLike, bruteforce: bool = False, tol: Optional[float] = None) -> Int32Array:
         """(...,) int32: the simplex that each point of ``xi`` (..., 3) lies in, -1 outside of the hull.
@@ -192,6 +256,9 @@ class Delaunay(OfPoints):
         least = np.minimum(first.min(axis=1, initial=np.inf), 1 - first.sum(axis=1))
         return np.asarray(least >= -allowed)
 
+
+def _empty(kind: Type[Delaunay]) -> Delaunay:
+    return kind.__new__(kind)
 
 
 def _tetrahedra(diagram: Diagram) -> Tuple[Int64Array, Int64Array]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any, Type
 
 import numpy as np
 
@@ -12,6 +13,20 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     Float64Array = npt.NDArray[np.float64]
+
+
+class QhullError(RuntimeError):
+    """The points have no diagram in space: they are fewer than four, or all in one plane."""
+
+
+@lru_cache(maxsize=None)
+def qhull_error() -> Type[RuntimeError]:
+    """Returns what is raised: SciPy's class where SciPy is installed, which programs catch, else the one above."""
+    try:
+        from scipy.spatial import QhullError as of_scipy
+    except ImportError:
+        return QhullError
+    return of_scipy  # type: ignore[no-any-return]
 
 
 class OfPoints:
@@ -30,13 +45,13 @@ class OfPoints:
             raise ValueError("points cannot contain NaN")
         self.npoints = len(self.points)
 
-    @property
+    @cached_property
     def min_bound(self) -> Float64Array:
         """(3,) float64, the least coordinates of the points."""
         lower: Float64Array = self.points.min(axis=0)
         return lower
 
-    @property
+    @cached_property
     def max_bound(self) -> Float64Array:
         """(3,) float64, the largest coordinates of the points."""
         upper: Float64Array = self.points.max(axis=0)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..export.geometry import ranges
 from ..tessellator import tessellate
+from ._points import qhull_error
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -27,10 +28,6 @@ _NEAR = 6.0
 #: What the far box leaves, in longest sides of the bounds of the points: vertices lie this far out only where four
 #: points are flat to within rounding. The next is tried when one does not hold all vertices.
 _FAR = (2.0**64, 2.0**100, 2.0**170)
-
-
-class QhullError(RuntimeError):
-    """The points have no diagram in space: they are fewer than four, or all in one plane."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +95,7 @@ def diagram_of_space(points: Float64Array, options: Dict[str, Any]) -> Diagram:
     lower, upper = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     side = float((upper - lower).max())
     if side == 0:
-        raise QhullError("the points are fewer than four, or all equal")
+        raise qhull_error()("the points are fewer than four, or all equal")
     margin = _NEAR * side / np.cbrt(len(points))
     near, is_inner = _tessellate(points, (lower - margin, upper + margin), options)
     # Outside of the near box there are only the cells that reach it, and their own neighbors are all that bounds them.
@@ -150,7 +147,7 @@ def _tessellate_far(
             break
         if _is_hull_convex(t, is_inner):
             return t, is_inner
-    raise QhullError("the points lie in one plane, or some four so close to one that their sphere is too large")
+    raise qhull_error()("the points lie in one plane, or some four so close to one that their sphere is too large")
 
 
 def _match(near: Part, far: Part, is_open: BoolArray, is_far: BoolArray) -> Int64Array:

@@ -309,8 +309,8 @@ def _cells(
         if with_shifts and keep and t.shifts is not None:
             rows = t.neighbors
             seed = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
-            between = np.where(rows.indices[:, None] >= 0, moved[seed] - moved[rows.indices], 0)
-            shifts = t.shifts + between.astype(np.int64)
+            other = np.where(rows.indices >= 0, rows.indices, seed)  # the id of a wall is no index
+            shifts = t.shifts + (moved[seed] - moved[other]).astype(np.int64)
     blocks = CellBlocks(t, keep, offsets, shifts, None if np.array_equal(ids, np.arange(len(ids))) else ids)
     cells: List[Dict[str, Any]] = []
     for number, volume, site, is_empty in zip(ids.tolist(), t.volumes.tolist(), places.tolist(), empty.tolist()):

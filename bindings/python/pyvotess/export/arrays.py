@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict
 
 import numpy as np
 
+from .._state import names_of
 from .optional import imported
 
 if TYPE_CHECKING:
@@ -24,24 +25,14 @@ NAMES = frozenset(
 )
 
 # In the order of the file.
-_WANTED = (
-    ("neighbors", ("indptr", "indices", "shifts")),
-    ("areas", ("face_areas",)),
-    ("normals", ("face_normals",)),
-    ("volumes", ("volumes",)),
-    ("centroids", ("centroids",)),
-    ("surfaces", ("surface_areas",)),
-    ("radii", ("security_radii",)),
-    ("counts", ("face_counts", "edge_counts", "vertex_counts")),
-    ("vertices", ("vertices", "cell_vertex_indptr", "cell_vertex_indices")),
-    ("faces", ("face_offsets", "face_vertices")),
-)
+_AFTER_ROWS = ("areas", "normals", "volumes", "centroids", "surfaces", "radii", "counts", "vertices", "faces")
 
 
 def _result_arrays(t: Tessellation) -> Arrays:
     held = t._data.arrays
-    names = [name for word, some in _WANTED if word in t.wanted for name in some]
-    return {name: held[name] for name in (*names, "status", "duplicate_of") if name in held}
+    names = [name for word in _AFTER_ROWS for name in names_of(word)]
+    names = [*names_of("neighbors"), "shifts", *names, "status", "duplicate_of"]
+    return {name: held[name] for name in names if name in held}
 
 
 def _domain_arrays(t: Tessellation) -> Arrays:

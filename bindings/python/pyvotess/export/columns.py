@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, Container, Dict, Mapping, Optional, Tuple
 
 import numpy as np
 
+from .._state import ARRAYS, names_of
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -36,13 +38,9 @@ def cell_columns(t: Tessellation) -> Dict[str, npt.NDArray[Any]]:
         columns["volumes"] = t.volumes
     if "centroids" in t.wanted:
         columns.update({f"centroid_{axis}": t.centroids[:, k] for k, axis in enumerate("xyz")})
-    for word, names in (
-        ("surfaces", ("surface_areas",)),
-        ("radii", ("security_radii",)),
-        ("counts", ("face_counts", "edge_counts", "vertex_counts")),
-    ):
+    for word in ("surfaces", "radii", "counts"):
         if word in t.wanted:
-            columns.update({name: getattr(t, name) for name in names})
+            columns.update({name: getattr(t, name) for name in names_of(word)})
     columns["status"] = t.status
     if t.duplicate_of is not None:
         columns["duplicate_of"] = t.duplicate_of
@@ -74,8 +72,8 @@ def color_values(t: Tessellation, color: Any) -> Tuple[Float64Array, str]:
         name = _PLOT_WORDS.get(color, color)
         if name in columns:
             return np.asarray(columns[name], np.float64), {"area": "surface area"}.get(color, color)
-        if name in ("volumes", "surface_areas", "neighbors"):
-            getattr(t, name)  # says what to put into want
+        if name in ARRAYS or any(name in names_of(word) for word in ARRAYS):
+            getattr(t, name)  # says what to put into want, or what the array is called
         raise ValueError(
             f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values; "
             f"columns are {', '.join(columns)}"

@@ -30,6 +30,8 @@ def _rows(t: Tessellation) -> List[Tuple[str, str]]:
         rows.append(("mean faces", f"{stats.mean_faces:.4f}"))
     if "volumes" in t.wanted:
         rows.append(("volume sum", f"{stats.volume_sum:.10g} of {stats.box_volume:.10g}"))
+    if stats.duplicates:
+        rows.append(("duplicates", f"{stats.duplicates}"))
     if stats.empty_cells:
         rows.append(("empty cells", f"{stats.empty_cells}"))
     rows.append(("device", f"{stats.device}, {stats.seconds.total:.3g} s"))

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Tuple, Union
@@ -13,9 +14,10 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, 
 import numpy as np
 
 from .. import _c_api
-from .._c_api import DuplicatesWord, OutsideWord, WantWord
-from .._call import Handle, array_of, raise_on_failure
+from .._c_api import DuplicatesWord, OutsideWord, WantName
+from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
 from .._input import Domain, as_count, as_points, as_want, as_word
+from .._state import names_of, no_attribute
 from ..mesh import Lists
 from ..stats import VerifyReport
 from ..tessellator import new_options
@@ -80,6 +82,11 @@ class MpiTessellation:
     counts: MpiCounts
     _result: Handle = field(repr=False, compare=False)
 
+    if not TYPE_CHECKING:  # which would allow any name
+
+        def __getattr__(self, name: str) -> Any:
+            raise no_attribute(self, name)
+
     def verify(
         self, comm: Any, points: Optional[npt.ArrayLike] = None, sample: Optional[int] = None, rng_seed: int = 1
     ) -> VerifyReport:
@@ -116,17 +123,6 @@ class MpiTessellation:
         return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value)
 
 
-_OF_WORD: Dict[str, Tuple[str, ...]] = {
-    "volumes": ("volumes",),
-    "centroids": ("centroids",),
-    "counts": ("face_counts", "edge_counts", "vertex_counts"),
-    "areas": ("face_areas",),
-    "normals": ("face_normals",),
-    "surfaces": ("surface_areas",),
-    "radii": ("security_radii",),
-}
-
-
 def _box(result: Handle) -> Float64Array:
     corners = np.empty((2, 3))
     raise_on_failure(_lib.votess_mpi_box(result.pointer, corners[0].ctypes.data, corners[1].ctypes.data))
@@ -139,9 +135,9 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
         name: array_of(result, name, dtype, columns, prefix="votess_mpi_", library=_lib)
         for name, (dtype, columns) in ARRAYS.items()
     }
-    for word, names in _OF_WORD.items():
-        if not want & _c_api.WANT_BITS[word]:
-            arrays.update(dict.fromkeys(names))
+    for word, bit in _c_api.WANT_BITS.items():
+        if word != "neighbors" and not want & bit:  # rows are always there
+            arrays.update((name, None) for name in names_of(word) if name in arrays)
     if not made:
         arrays["points"] = None
     rows = len(arrays["neighbors"])
@@ -174,7 +170,7 @@ def tessellate(
     periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
-    want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+    want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
     cell: Optional[npt.ArrayLike] = None,
     walls: npt.ArrayLike = (),
     list_walls: bool = False,
@@ -183,6 +179,7 @@ def tessellate(
     origin: Optional[npt.ArrayLike] = None,
     outside: OutsideWord = "error",
     cells: Literal["handed_in", "made"] = "handed_in",
+    progress: Union[None, bool, Progress] = None,
 ) -> MpiTessellation:
     """Voronoi cells of the points of all ranks. Collective: every rank of ``comm`` calls it.
 
@@ -199,42 +196,51 @@ def tessellate(
     cells : "handed_in": those of this rank's points, in their order. "made": those that lie in the rank's region of
         space, ascending by id; saves an exchange.
 
+    progress : as for :func:`pyvotess.tessellate`, of this rank while it finds its cells; stops all ranks.
+
     The others are those of :func:`pyvotess.tessellate`, the same on all ranks. Not "vertices", "faces", nor
     ``duplicates="error"``: VotessError with code UNSUPPORTED.
 
     Raises
     ------
-    ValueError, MemoryError, VotessError : where one rank fails, all raise the same error, which names the rank.
+    ValueError, MemoryError, VotessError : where one rank fails, all raise the same error, which names the rank. Where
+        a progress callback or a signal handler raises, its rank raises that error, and the others VotessError with code
+        CANCELLED.
     """
     communicator = _handle(comm)
-    failure = None
+    failure: Optional[BaseException] = None
     kept: List[Any] = []
-    try:
-        array = as_points(points).astype(np.float64, copy=False)
-        numbers = None if ids is None else _as_ids(ids, len(array))
-        options = new_options("cpu", threads)
-        options.want = as_want(want)
-        options.list_walls = bool(list_walls)
-        options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
-        which = as_word(cells, "cells", _CELLS)
-        kept += Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
-    except Exception as error:  # the other ranks must learn of it
-        failure = error
-    failures = comm.allgather(None if failure is None else str(failure))
-    for rank, text in enumerate(failures):
-        if text is not None:
-            raise ValueError(f"rank {rank}: {text}") from failure
     result = Handle(_lib.votess_mpi_free)
-    raise_on_failure(
-        _lib.votess_mpi_tessellate(
-            communicator,
-            array.ctypes.data,
-            len(array),
-            numbers.ctypes.data if numbers is not None else None,
-            ctypes.byref(options),
-            which,
-            ctypes.byref(result.pointer),
-        )
-    )
+    with contextlib.ExitStack() as stack:
+        try:
+            array = as_points(points).astype(np.float64, copy=False)
+            numbers = None if ids is None else _as_ids(ids, len(array))
+            options = new_options("cpu", threads)
+            options.want = as_want(want)
+            options.list_walls = bool(list_walls)
+            options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
+            which = as_word(cells, "cells", _CELLS)
+            kept += Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
+            shown = stack.enter_context(showing(progress))
+        except BaseException as error:  # the other ranks must learn of it
+            failure = error
+        failures = comm.allgather(None if failure is None else str(failure))
+        if failure is not None and not isinstance(failure, (TypeError, ValueError, VotessError)):
+            raise failure  # of a signal handler
+        for rank, text in enumerate(failures):
+            if text is not None:
+                raise ValueError(f"rank {rank}: {text}") from failure
+        with Callbacks() as callbacks:
+            options.progress = callbacks.progress(shown)
+            status = _lib.votess_mpi_tessellate(
+                communicator,
+                array.ctypes.data,
+                len(array),
+                numbers.ctypes.data if numbers is not None else None,
+                ctypes.byref(options),
+                which,
+                ctypes.byref(result.pointer),
+            )
+        raise_on_failure(status)
     del kept
     return _read(result, options.want, cells == "made", cell is None)

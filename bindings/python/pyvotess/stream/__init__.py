@@ -13,14 +13,15 @@ from __future__ import annotations
 import ctypes
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Optional, Tuple, Union
 
 import numpy as np
 
 from .. import _c_api
-from .._c_api import OutsideWord, WantWord
-from .._call import Progress, run, showing
+from .._c_api import OutsideWord, WantName
+from .._call import Callbacks, Progress, raise_on_failure, showing
 from .._input import Domain, as_count, as_one_each, as_points, as_text, as_want
+from .._state import no_attribute
 from ..stats import Stats, VerifyReport, stats_of
 from ..tessellator import new_options
 from . import _stream_api as _stream
@@ -60,6 +61,11 @@ class StreamRows:
     edge_counts: Optional[UInt32Array]
     vertex_counts: Optional[UInt32Array]
 
+    if not TYPE_CHECKING:  # which would allow any name
+
+        def __getattr__(self, name: str) -> Any:
+            raise no_attribute(self, name)
+
     def __len__(self) -> int:
         return len(self.status)
 
@@ -67,7 +73,8 @@ class StreamRows:
         """Row k of these, that of seed ``first + k``."""
         if self.indptr is None or self.indices is None:
             raise ValueError("neighbors were not wanted")
-        begin, end = self.indptr[k : k + 2] - self.indptr[0]
+        row = range(len(self))[k]
+        begin, end = self.indptr[row : row + 2] - self.indptr[0]
         return self.indices[begin:end]
 
 
@@ -84,75 +91,58 @@ class StreamResult:
     verified: Optional[VerifyReport] = None  #: with ``verify=True``
 
 
-class _Callbacks:
-    """Between the library and what the user gave. What a callback raises is kept: in ctypes it would be lost."""
+class _Source:
+    """Between the library and what the user gave: functions for the library to call."""
 
     def __init__(self, pieces: Iterable[Any], rows: Callable[[StreamRows], Any], beside: Optional[str]) -> None:
         self._pieces, self._rows, self._beside = pieces, rows, beside
         self._iterator: Iterator[Any] = iter(pieces)
         self._again = self._iterator is not pieces
         self._held: Tuple[Any, ...] = ()
-        self.raised: List[BaseException] = []
         self.box: Optional[Float64Array] = None
 
-    def _guarded(self, work: Callable[[], int]) -> int:
-        try:
-            return _stream.STOP if self.raised else work()
-        except BaseException as error:
-            self.raised.append(error)
-            return _stream.STOP
-
     def restart(self, _user: Any) -> int:
-        def work() -> int:
-            if self._again:
-                self._iterator = iter(self._pieces)
-            return _stream.GO_ON if self._again else _stream.END
+        if self._again:
+            self._iterator = iter(self._pieces)
+        return _stream.GO_ON if self._again else _stream.END
 
-        return self._guarded(work)
+    def next(self, seeds: Any) -> int:
+        try:
+            piece = next(self._iterator)
+        except StopIteration:
+            return _stream.END
+        points, numbers = piece if self._beside else (piece, None)
+        array = np.ascontiguousarray(as_points(points, "a piece of points"), dtype=np.float64)
+        self._held = (array,)
+        seeds[0].count, seeds[0].points = len(array), array.ctypes.data
+        if self._beside:
+            beside = as_one_each(numbers, self._beside, len(array), "points")
+            self._held = (array, beside)
+            setattr(seeds[0], self._beside, beside.ctypes.data)
+        return _stream.GO_ON
 
-    def next(self, seeds: Any, _user: Any) -> int:
-        def work() -> int:
-            try:
-                piece = next(self._iterator)
-            except StopIteration:
-                return _stream.END
-            points, numbers = piece if self._beside else (piece, None)
-            array = np.ascontiguousarray(as_points(points, "a piece of points"), dtype=np.float64)
-            self._held = (array,)
-            seeds[0].count, seeds[0].points = len(array), array.ctypes.data
-            if self._beside:
-                beside = as_one_each(numbers, self._beside, len(array), "points")
-                self._held = (array, beside)
-                setattr(seeds[0], self._beside, beside.ctypes.data)
-            return _stream.GO_ON
-
-        return self._guarded(work)
-
-    def begin(self, head: Any, _user: Any) -> int:
+    def begin(self, head: Any) -> int:
         self.box = np.array([head[0].box_lower[:], head[0].box_upper[:]])
         return _stream.GO_ON
 
-    def rows(self, rows: Any, _user: Any) -> int:
-        def work() -> int:
-            some = rows[0]
-            counts = {"count": some.count, "more": some.count + 1, "entries": some.entries}
+    def rows(self, rows: Any) -> int:
+        some = rows[0]
+        counts = {"count": some.count, "more": some.count + 1, "entries": some.entries}
 
-            def array(name: str) -> Any:
-                dtype, columns, of = _stream.ARRAYS[name]
-                address = getattr(some, name)
-                if not address:
-                    empty = name == "status" or (name == "neighbors" and some.indptr)
-                    return np.empty(0, dtype) if empty else None
-                shape = (counts[of], columns) if columns else (counts[of],)
-                size = counts[of] * (columns or 1) * np.dtype(dtype).itemsize
-                return np.frombuffer(ctypes.string_at(address, size), dtype).reshape(shape)
+        def array(name: str) -> Any:
+            dtype, columns, of = _stream.ARRAYS[name]
+            address = getattr(some, name)
+            if not address:
+                empty = name == "status" or (name == "neighbors" and some.indptr)
+                return np.empty(0, dtype) if empty else None
+            shape = (counts[of], columns) if columns else (counts[of],)
+            size = counts[of] * (columns or 1) * np.dtype(dtype).itemsize
+            return np.frombuffer(ctypes.string_at(address, size), dtype).reshape(shape)
 
-            arrays = {name: array(name) for name in _stream.ARRAYS}
-            arrays["indices"] = arrays.pop("neighbors")
-            self._rows(StreamRows(some.first, **arrays))
-            return _stream.GO_ON
-
-        return self._guarded(work)
+        arrays = {name: array(name) for name in _stream.ARRAYS}
+        arrays["indices"] = arrays.pop("neighbors")
+        self._rows(StreamRows(some.first, **arrays))
+        return _stream.GO_ON
 
 
 def tessellate_stream(
@@ -163,7 +153,7 @@ def tessellate_stream(
     beside: Optional[str] = None,
     box: Optional[npt.ArrayLike] = None,
     periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
-    want: Union[str, Iterable[WantWord]] = ("neighbors", "volumes"),
+    want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
     cell: Optional[npt.ArrayLike] = None,
     walls: npt.ArrayLike = (),
     list_walls: bool = False,
@@ -204,34 +194,30 @@ def tessellate_stream(
     options.want = as_want(want)
     options.list_walls = bool(list_walls)
     kept = Domain(box, periodic, None, None, cell, origin, walls, outside).fill(options, 0)
-    callbacks = _Callbacks(pieces, rows, beside)
-    stream = _stream.Stream(
-        struct_size=ctypes.sizeof(_stream.Stream),
-        verify=bool(verify),
-        memory=as_count(memory, "memory", 64),
-        temporary=as_text(os.fspath(temporary), "temporary") if temporary is not None else None,
-        restart=_stream.Restart(callbacks.restart),
-        next=_stream.Next(callbacks.next),
-        begin=_stream.Begin(callbacks.begin),
-        rows=_stream.Take(callbacks.rows),
-    )
+    source = _Source(pieces, rows, beside)
     counts = _stream.Counts(struct_size=ctypes.sizeof(_stream.Counts))
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
-
-    def call(c_stream: Any, c_options: Any, c_counts: Any) -> int:
-        return int(_stream.tessellate(c_stream, c_options, c_counts, ctypes.byref(c_stats)))
-
-    try:
-        with showing(progress) as shown:
-            run(call, (ctypes.byref(stream),), options, ctypes.byref(counts), shown)
-    except Exception:
-        if callbacks.raised:
-            raise callbacks.raised[0] from None
-        raise
+    with showing(progress) as shown:
+        with Callbacks() as callbacks:
+            options.progress = callbacks.progress(shown)
+            stream = _stream.Stream(
+                struct_size=ctypes.sizeof(_stream.Stream),
+                verify=bool(verify),
+                memory=as_count(memory, "memory", 64),
+                temporary=as_text(os.fspath(temporary), "temporary") if temporary is not None else None,
+                restart=callbacks.guarded(_stream.Restart, source.restart, _stream.STOP),
+                next=callbacks.guarded(_stream.Next, source.next, _stream.STOP),
+                begin=callbacks.guarded(_stream.Begin, source.begin, _stream.STOP),
+                rows=callbacks.guarded(_stream.Take, source.rows, _stream.STOP),
+            )
+            status = _stream.tessellate(
+                ctypes.byref(stream), ctypes.byref(options), ctypes.byref(counts), ctypes.byref(c_stats)
+            )
+        raise_on_failure(status)
     del kept
     fields = {name: getattr(counts, name) for name in ("blocks", "largest_block", "asked_cells", "temporary_bytes")}
     if verify:
         names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if counts.checks_skipped & bit)
         failure = counts.failure.decode("utf-8", "replace")
         fields["verified"] = VerifyReport(bool(counts.passed), failure, names, counts.sampled)
-    return StreamResult(callbacks.box if cell is None else None, stats_of(c_stats), **fields)
+    return StreamResult(source.box if cell is None else None, stats_of(c_stats), **fields)

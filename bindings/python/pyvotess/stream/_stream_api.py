@@ -63,10 +63,11 @@ class Rows(ctypes.Structure):
     ]
 
 
+# Without the user's pointer, except where it is the only argument; see ProgressCallback.
 Restart = CFUNCTYPE(c_int, c_void_p)
-Next = CFUNCTYPE(c_int, POINTER(Seeds), c_void_p)
-Begin = CFUNCTYPE(c_int, POINTER(Head), c_void_p)
-Take = CFUNCTYPE(c_int, POINTER(Rows), c_void_p)
+Next = CFUNCTYPE(c_int, POINTER(Seeds))
+Begin = CFUNCTYPE(c_int, POINTER(Head))
+Take = CFUNCTYPE(c_int, POINTER(Rows))
 
 
 class Stream(ctypes.Structure):

@@ -125,6 +125,28 @@ class Compute(unittest.TestCase):
                     near, far = (np.linalg.norm(corners - place, axis=1) for place in (cell["site"], image))
                     np.testing.assert_allclose(near, far, atol=1e-9)
 
+    def test_fewer_points_than_walls(self):
+        for count in (1, 2, 3, 5):
+            points = uniform(count, seed=count) * (4, 3, 2) - (1, 1, 0)
+            ids = np.arange(count) * 7 + 3
+            for periodic in ((True, True, False), (False, True, False), (False, False, True)):
+                bounds = [(-2, -1) if repeats else (-9, 9) for repeats in periodic]
+                slab = ours.OrthorhombicCell(bounds, periodic)
+                cells = ours.compute(points, domain=slab, ids=ids, output="cells", return_face_shifts=True)
+                plain = ours.compute(points, domain=slab, output="cells", return_face_shifts=True)
+                site = {cell["id"]: np.array(cell["site"]) for cell in cells}
+                for cell, same in zip(cells, plain):
+                    corners = np.array(cell["vertices"])
+                    for face, as_index in zip(cell["faces"], same["faces"]):
+                        neighbor, shift = face["adjacent_cell"], np.array(face["adjacent_shift"])
+                        if neighbor < 0:
+                            self.assertEqual((as_index["adjacent_cell"], shift.tolist()), (neighbor, [0, 0, 0]))
+                            continue
+                        self.assertEqual(ids[as_index["adjacent_cell"]], neighbor)
+                        middle = corners[face["vertices"]].mean(axis=0)
+                        other = site[neighbor] + shift * np.ptp(slab.bounds, axis=1)
+                        self.assertAlmostEqual(np.linalg.norm(middle - site[cell["id"]]), np.linalg.norm(middle - other))
+
     def test_documented_calls(self):
         points = np.random.default_rng(0).uniform(-1.5, 1.5, size=(10, 3))
         box = ours.Box(((-2, 2), (-2, 2), (-2, 2)))

@@ -1,12 +1,19 @@
 """Voronoi and Delaunay with scipy's attributes: against scipy where it is installed, and by what must hold anyway."""
 
+import copy
+import pickle
+import sys
 import unittest
+from unittest import mock
 
 import numpy as np
+import pyvotess.compat.scipy
 from helpers import lattice, uniform
+from pyvotess.compat import _points
 from pyvotess.compat.scipy import Delaunay, QhullError, Voronoi
 
 try:
+    import scipy.interpolate
     import scipy.spatial as peer
 except ImportError:
     peer = None
@@ -175,6 +182,23 @@ class VoronoiTest(unittest.TestCase):
                 make(points, qhull_options="Qbb").add_points(points)
             make(points, threads=1).close()
 
+    @needs_scipy
+    def test_error_is_that_of_scipy(self):
+        self.assertIs(QhullError, peer.QhullError)
+        with self.assertRaises(peer.QhullError):
+            Voronoi(uniform(9) * (1, 1, 0))
+
+    def test_error_without_scipy(self):
+        _points.qhull_error.cache_clear()
+        self.addCleanup(_points.qhull_error.cache_clear)
+        with mock.patch.dict(sys.modules, {"scipy.spatial": None}):
+            self.assertIs(pyvotess.compat.scipy.QhullError, _points.QhullError)
+            with self.assertRaisesRegex(_points.QhullError, "one plane"):
+                Delaunay(uniform(9) * (1, 1, 0))
+            self.assertIs(Delaunay(uniform(9)).__class__, Delaunay)
+        with self.assertRaisesRegex(AttributeError, "no attribute 'ConvexHull'"):
+            pyvotess.compat.scipy.ConvexHull
+
 
 class DelaunayTest(unittest.TestCase):
     def test_simplices_fill_the_hull(self):
@@ -237,6 +261,46 @@ class DelaunayTest(unittest.TestCase):
                 self.assertEqual(getattr(ours, name).dtype, getattr(theirs, name).dtype, name)
             for name in ("min_bound", "max_bound"):
                 np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
+
+    @needs_scipy
+    def test_paraboloid_of_scipy(self):
+        for points in (uniform(60, seed=3), 5 * uniform(40) - 90, 1e-3 * uniform(5)):
+            ours, theirs = Delaunay(points), peer.Delaunay(points)
+            for name in ("paraboloid_scale", "paraboloid_shift"):
+                np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=1e-12)
+            row = {tuple(sorted(simplex)): k for k, simplex in enumerate(ours.simplices.tolist())}
+            order = [row[tuple(sorted(simplex))] for simplex in theirs.simplices.tolist()]
+            size = np.abs(points).max()
+            np.testing.assert_allclose(ours.equations[order, :4], theirs.equations[:, :4], rtol=0, atol=1e-10)
+            np.testing.assert_allclose(ours.equations[order, 4], theirs.equations[:, 4], rtol=0, atol=1e-10 * size)
+            queries = points.mean(axis=0) + 1.5 * (points[:4].reshape(2, 2, 3) - points.mean(axis=0))
+            np.testing.assert_allclose(ours.lift_points(queries), theirs.lift_points(queries), rtol=1e-12)
+            distances = ours.plane_distance(queries)[..., order]
+            np.testing.assert_allclose(distances, theirs.plane_distance(queries), rtol=0, atol=1e-10 * size)
+
+    @needs_scipy
+    def test_linear_interpolator_of_scipy(self):
+        for name in ("uniform", "face-centered, turned", "almost a lattice", "thin", "far away"):
+            points = CLOUDS[name]
+            ours = Delaunay(points)
+            self.assertIsInstance(ours, peer.Delaunay)
+            low, size = points.min(axis=0), np.ptp(points, axis=0)
+            queries = low + (uniform(400, seed=7) * 1.2 - 0.1) * size
+            # Where Qhull cuts up a sphere in another way, linear fields are the same.
+            values = [(points - low) / size @ (1, 2, -3)]
+            if name == "uniform":
+                values.append(np.sin(np.arange(len(points))))
+            values = np.column_stack(values)
+            found = scipy.interpolate.LinearNDInterpolator(ours, values)(queries)
+            expected = scipy.interpolate.LinearNDInterpolator(peer.Delaunay(points), values)(queries)
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9, err_msg=name)
+            self.assertTrue(np.isfinite(found).any() and np.isnan(found).any())
+
+    def test_copies(self):
+        tri = Delaunay(uniform(20))
+        for other in (copy.copy(tri), copy.deepcopy(tri), pickle.loads(pickle.dumps(tri))):
+            self.assertIs(type(other), Delaunay)
+            np.testing.assert_array_equal(other.equations, tri.equations)
 
     def test_edges_of_cut_polytopes(self):
         tri = Delaunay(lattice(3))
