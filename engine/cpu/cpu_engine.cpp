@@ -1,5 +1,7 @@
 #include "cpu/cpu_engine.hpp"
 
+#include "input/snapshot.hpp"
+
 namespace votess::cpu {
 
 // Nothing is left for the stage fallback: exact arithmetic decides every sign on the spot.
@@ -9,6 +11,8 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clipper_.begin(job);
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
+    // Sorted seeds hold all coordinates but the bits that wrapping took, and the mesh asks for seeds in input order.
+    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices) job.snapshot->rest();
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are pulled while clipping
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);
