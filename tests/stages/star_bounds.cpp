@@ -82,7 +82,7 @@ struct Small {
 TEST_SUITE("stages") {
     TEST_CASE("star bounds: no seed that cuts a vertex off is beyond its reach") {
         Random random(1);
-        for (int i = 0; i < 20000; ++i) {
+        for (std::size_t i = 0; i < test::by_size(6000, 2000); ++i) {
             const double x = decades(random, -12, 12), longest = x * decades(random, -1, 10);
             const double length = x + longest / 4;
             // Away from the seed, or towards it, by as much as (1) allows.
@@ -100,7 +100,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("star bounds: the widest reach, where the longest normal is as long as may be") {
         Random random(2);
-        for (int i = 0; i < 20000; ++i) {
+        for (std::size_t i = 0; i < test::by_size(6000, 2000); ++i) {
             const double x = decades(random, -6, 6), more = random.chance(0.1) ? 0 : x * x * decades(random, -3, 20);
             const double longest = (x + std::sqrt(x * x + more)) * (1 + 1e-7);
             const mpq_class off = mpq_class(0.6 * bounds::margin) * mpq_class(x + longest / 4);
@@ -117,7 +117,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("star bounds: powers and back") {
         Random random(3);
-        for (int i = 0; i < 20000; ++i) {
+        for (std::size_t i = 0; i < test::by_size(6000, 2000); ++i) {
             const double square = decades(random, -20, 20), sign = random.chance(0.5) ? 1 : -1;
             const double weight = random.chance(0.3) ? square * random.uniform(0.9, 1.1) : sign * decades(random, -20, 20);
             const double power = bounds::power(square, weight);
@@ -196,7 +196,7 @@ TEST_SUITE("stages") {
     TEST_CASE("star bounds: no candidate plane that cuts a vertex off is passed over") {
         Random random(5);
         for_each_set([&](const StarKernels& kernels) {
-            for (std::size_t i = 0; i < test::by_size(20000, 4000); ++i) {
+            for (std::size_t i = 0; i < test::by_size(8000, 2000); ++i) {
                 const double longest = decades(random, 0.3, random.chance(0.5) ? 1.5 : 8.5);
                 const bool weighted = random.chance(0.4);
                 // The seed exactly, and as whole numbers, off by up to half a unit each, as its own place is.
@@ -258,7 +258,7 @@ TEST_SUITE("stages") {
             const auto all_found = [&](double square) {
                 const double distance = std::sqrt(square);
                 bool all = true;
-                for (std::size_t i = 0; i < test::by_size(20000, 4000); ++i) {
+                for (std::size_t i = 0; i < test::by_size(8000, 2000); ++i) {
                     const Vector v = direction(random), from_middle = direction(random);
                     // On the sphere around X, many of them near the seed, where the test allows for least.
                     const double near = random.chance(0.5) ? 1 : random.uniform(0, 1);

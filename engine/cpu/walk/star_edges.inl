@@ -337,13 +337,19 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 !images_known(x, x2, reach2))
                 return false;
             if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
-            if (weighted_) reached_ = std::max(reached_, 4 * most_distance_squared(x2, third));
+            if (weighted_) note_reach(x2, third);
         }
         reached_ = std::max(reached_, 4 * x2);
         if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
         return add_tie(edge, id, third, x) && !is_open(edge);
     }
     return false;
+}
+
+// As unweighted vertices do at once; apart, for these are the most.
+template <class Isa>
+void StarWalk<Isa>::note_reach(double x2, const Third& third) {
+    reached_ = std::max(reached_, 4 * most_distance_squared(x2, third));
 }
 
 // Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.

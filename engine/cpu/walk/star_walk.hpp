@@ -177,6 +177,7 @@ private:
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
         images_beyond2_ = window_open_ ? bounds::least_image_vertex2 : -1;
     }
+    [[gnu::noinline]] void note_reach(double x2, const Third& third);
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2);
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
     // Stacks an edge a -> b, which a vertex has brought, unless its other end is known.
