@@ -293,8 +293,9 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
     if (cell != nullptr) {
         if (!powers_.empty())
             powers_[seeds_.input[seed]] =
-                cell->empty() ? Star::least_power
-                              : bounds::power(cell->radius_squared(), seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
+                cell->empty()
+                    ? Star::least_power
+                    : bounds::power(cell->radius_squared(), seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
         const bool placed = job_.options.want.vertices;
         worker.writer.write(seed, placed ? worker.builder.again(worker.faces) : *cell);
     } else {

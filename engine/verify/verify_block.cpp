@@ -132,19 +132,18 @@ BlockVerifier::BlockVerifier(const BlockDomain& domain, std::span<const std::int
         throw Error(ErrorCode::invalid_argument,
                     "ids, points, weights, cells and holders do not fit: give those of the " + std::to_string(count) +
                         " seeds, and a holder for each entry of their rows");
-    state_ = std::make_unique<detail::BlockVerifierState>(detail::BlockVerifierState{
-        domain.options(),
-        ids,
-        {points.begin(), points.end()},
-        {weights.begin(), weights.end()},
-        cells,
-        holders,
-        {},
-        {},
-        {},
-        {},
-        cpu::Cell(),
-        {}});
+    state_ = std::make_unique<detail::BlockVerifierState>(detail::BlockVerifierState{domain.options(),
+                                                                                     ids,
+                                                                                     {points.begin(), points.end()},
+                                                                                     {weights.begin(), weights.end()},
+                                                                                     cells,
+                                                                                     holders,
+                                                                                     {},
+                                                                                     {},
+                                                                                     {},
+                                                                                     {},
+                                                                                     cpu::Cell(),
+                                                                                     {}});
     if (!std::ranges::is_sorted(ids)) {
         state_->order.resize(count);
         std::iota(state_->order.begin(), state_->order.end(), std::size_t{0});

@@ -119,7 +119,8 @@ TEST_SUITE("stages") {
         Random random(3);
         for (std::size_t i = 0; i < test::by_size(6000, 2000); ++i) {
             const double square = decades(random, -20, 20), sign = random.chance(0.5) ? 1 : -1;
-            const double weight = random.chance(0.3) ? square * random.uniform(0.9, 1.1) : sign * decades(random, -20, 20);
+            const double weight =
+                random.chance(0.3) ? square * random.uniform(0.9, 1.1) : sign * decades(random, -20, 20);
             const double power = bounds::power(square, weight);
             CHECK(mpq_class(power) >= mpq_class(square) - mpq_class(weight));
             CHECK(bounds::back(power, weight) >= square);
@@ -175,8 +176,8 @@ TEST_SUITE("stages") {
                     ++vertices;
                     double longest = 0;
                     for (const std::size_t f : faces)
-                        longest = std::max(
-                            longest, length_of({planes[f].n[0].get_d(), planes[f].n[1].get_d(), planes[f].n[2].get_d()}));
+                        longest = std::max(longest, length_of({planes[f].n[0].get_d(), planes[f].n[1].get_d(),
+                                                               planes[f].n[2].get_d()}));
                     mpq_class off, square;
                     for (std::size_t k = 0; k < 3; ++k) {
                         off += square_of(exact[k] - mpq_class(polygons.positions[v][k]));
@@ -207,18 +208,21 @@ TEST_SUITE("stages") {
                 double norm2 = 0;
                 for (std::size_t k = 0; k < 3; ++k) {
                     at[k][0] = static_cast<std::int32_t>(size * along[k]);
-                    n[k] = at[k][0] + (random.chance(0.8) ? std::copysign(1.0078, along[k]) * (random.chance(0.5) ? 1 : -1)
-                                                          : random.uniform(-1, 1));
+                    n[k] =
+                        at[k][0] + (random.chance(0.8) ? std::copysign(1.0078, along[k]) * (random.chance(0.5) ? 1 : -1)
+                                                       : random.uniform(-1, 1));
                     norm2 += n[k] * n[k];
                     for (int j = 1; j < 16; ++j) at[k][j] = far_away;
                 }
                 // A vertex on the plane, or a little beyond.
                 const double span = weighted ? norm2 * decades(random, -4, 3) : 0;
                 double own = 0, other = 0;
-                if (weighted) own = random.uniform(0, span), other = random.chance(0.5) ? 0 : own - random.uniform(0, span);
+                if (weighted)
+                    own = random.uniform(0, span), other = random.chance(0.5) ? 0 : own - random.uniform(0, span);
                 const double low = std::min({0.0, own, other}), high = std::max({0.0, own, other});
                 const mpq_class h = (mpq_class(n[0]) * n[0] + mpq_class(n[1]) * n[1] + mpq_class(n[2]) * n[2] +
-                                     mpq_class(own) - mpq_class(other)) / 2;
+                                     mpq_class(own) - mpq_class(other)) /
+                                    2;
                 if (h < 0 || norm2 == 0) continue;
                 const double to_plane = h.get_d() / norm2;
                 const Vector side = direction(random);
@@ -233,18 +237,18 @@ TEST_SUITE("stages") {
                 const double more = std::max(0.0, high - own);
                 const double long_normal = std::sqrt(x2) + std::sqrt(x2 + more);
                 const double off = 0.19 * bounds::float_unit * (std::sqrt(x2) + (weighted ? long_normal / 4 : 0));
-                const auto m = weighted ? bounds::float_margin(longest, more, high - low) : bounds::float_margin(longest);
+                const auto m =
+                    weighted ? bounds::float_margin(longest, more, high - low) : bounds::float_margin(longest);
                 float v[4];
-                for (std::size_t k = 0; k < 3; ++k)
-                    v[k] = static_cast<float>(x[k] - off * n[k] / std::sqrt(norm2));
+                for (std::size_t k = 0; k < 3; ++k) v[k] = static_cast<float>(x[k] - off * n[k] / std::sqrt(norm2));
                 v[3] = static_cast<float>(m.by_square * x2 + m.constant);
                 const std::int32_t zero[3] = {0, 0, 0}, three[3] = {-1, -1, -1};
                 std::int32_t ids[16] = {7};
                 float weights[16] = {static_cast<float>(other)};
                 const WindowSeeds window{at[0], at[1], at[2], ids, weighted ? weights : nullptr, 1};
                 const auto candidates = std::make_unique<CandidatePlanes>();
-                REQUIRE(kernels.select(window, zero, static_cast<float>(own), 0,
-                                       std::numeric_limits<float>::max() / 4, *candidates));
+                REQUIRE(kernels.select(window, zero, static_cast<float>(own), 0, std::numeric_limits<float>::max() / 4,
+                                       *candidates));
                 const int found = kernels.touching(*candidates, candidates->count, v, three, 0);
                 CHECK(found == 0);
             }

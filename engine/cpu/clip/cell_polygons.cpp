@@ -26,10 +26,16 @@ std::array<double, 3> unit_normal(const exact::Point& p, const exact::Plane& pla
             const auto d = exact::differences(p, plane).x;
             return unit_vector({d[0].high, d[1].high, d[2].high});
         }
-        case Kind::wall: return unit_vector(plane.seed);
-        case Kind::cell_wall: return unit_vector(plane.rounded_normal());
-        case Kind::lower_wall: n[static_cast<std::size_t>(plane.axis)] = -1; return n;
-        case Kind::upper_wall: n[static_cast<std::size_t>(plane.axis)] = 1; return n;
+        case Kind::wall:
+            return unit_vector(plane.seed);
+        case Kind::cell_wall:
+            return unit_vector(plane.rounded_normal());
+        case Kind::lower_wall:
+            n[static_cast<std::size_t>(plane.axis)] = -1;
+            return n;
+        case Kind::upper_wall:
+            n[static_cast<std::size_t>(plane.axis)] = 1;
+            return n;
     }
     return n;
 }

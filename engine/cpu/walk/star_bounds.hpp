@@ -64,8 +64,8 @@ inline double widest_reach_squared(double x2) {
 inline double power(double square, double weight) {
     return square - weight + 2 * unit * (square + std::abs(weight));
 }
-// At least |X|^2 again, for a seed of weight w. Also of several seeds, from their largest power and largest weight: as no
-// |X|^2 is negative, any power or weight of theirs is no larger in size than one of the two.
+// At least |X|^2 again, for a seed of weight w. Also of several seeds, from their largest power and largest weight: as
+// no |X|^2 is negative, any power or weight of theirs is no larger in size than one of the two.
 inline double back(double power, double weight) {
     return std::max(0.0, power + weight + 4 * unit * (std::abs(power) + std::abs(weight)));
 }
@@ -74,8 +74,8 @@ inline double back(double power, double weight) {
 // matters. Seeds are whole numbers, each coordinate off by half a unit, that of an image by image_rounding more. Hence
 // N, the difference of two of them, is n + d with |d| <= q < 1.8. With H = |N|^2 / 2
 //     (H - N.X) - (|n|^2 / 2 - n.X) = d.(N - X) - |d|^2 / 2 <= q (|N| + |X|).
-// In floats N is rounded by e, |N|^2 by 5 e, products and sums of H - N.X by 3 e |N||X| and 3 e (H + |N||X|), and x by e
-// and by 0.2 e of the vertex. So H - N.X is too large by at most
+// In floats N is rounded by e, |N|^2 by 5 e, products and sums of H - N.X by 3 e |N||X| and 3 e (H + |N||X|), and x by
+// e and by 0.2 e of the vertex. So H - N.X is too large by at most
 //     e (6.3 |N||X| + 9 H) + q (|N| + |X|),
 // whether or not the compiler's target fuses a*b+c. `quantum` stands for q. The longest |N| stands for all.
 inline constexpr double quantum = 2;
@@ -96,14 +96,13 @@ inline FloatMargin float_margin(double longest) {
 inline FloatMargin float_margin(double longest, double more, double span) {
     FloatMargin m = float_margin(longest);
     m.by_square += 1.01 * float_unit * 0.5;
-    m.constant +=
-        1.01 * float_unit * (0.125 * longest * longest + 0.25 * longest * std::sqrt(more) + 3 * span);
+    m.constant += 1.01 * float_unit * (0.125 * longest * longest + 0.25 * longest * std::sqrt(more) + 3 * span);
     return m;
 }
 
 // Images in doubles. A coordinate of an image or a moved seed is off by image_rounding, so a difference n of two by
-// r = 2 sqrt(3) image_rounding = 0.0136. n.X - |n|^2 / 2 is positive for seeds that cut X off. Rounding changes it by at
-// most |n - X| r + r^2 / 2 < |X| r + r^2 / 2, and x by 0.45 margin |n||X|. The test for seeds in a ball
+// r = 2 sqrt(3) image_rounding = 0.0136. n.X - |n|^2 / 2 is positive for seeds that cut X off. Rounding changes it by
+// at most |n - X| r + r^2 / 2 < |X| r + r^2 / 2, and x by 0.45 margin |n||X|. The test for seeds in a ball
 // (StarKernels::inside_ball) allows for 2 margin (|n|^2 + |X|^2). That is enough if 1.97 margin |X| >= r + r^2 / |X|:
 // for |X|^2 above 2^36.8. Nearer vertices of cells with images are left to the clipper. With weights |n - X| is less
 // than sqrt(|X|^2 + more), and the test allows for four times as much, of more, too.

@@ -31,12 +31,12 @@ private:
     static constexpr double unit = bounds::unit, margin = bounds::margin, quantum = bounds::quantum;
     static constexpr double worst_condition2 = bounds::worst_condition * bounds::worst_condition;
     static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;         // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.7;            // of the squared security radius that is typical
-    static constexpr int most_candidates = 160;            // at first; room for others is left
-    static constexpr double near_share = 0.6;              // of the squared reach
-    static constexpr double closest_moved = 0x1p-40;       // of the largest coordinate: nearer is near
-    static constexpr int most_picks = 256;                 // planes tried for one vertex
+    static constexpr double longest_normal = 1e12;    // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.7;       // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;       // at first; room for others is left
+    static constexpr double near_share = 0.6;         // of the squared reach
+    static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer is near
+    static constexpr int most_picks = 256;            // planes tried for one vertex
     static constexpr int most_beginnings = 8;
     static constexpr float parallel = 0x1p-18f;  // rays nearly along a plane do not leave it
     static constexpr int most_new = 24;          // seeds taken at once from beyond the window

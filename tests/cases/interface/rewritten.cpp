@@ -31,18 +31,22 @@ public:
     Rewriter& operator=(const Rewriter&) = delete;
 
 private:
-    void put(std::size_t i, Real value) {
-        std::atomic_ref<Real>(values_[i]).store(value, std::memory_order_relaxed);
-    }
+    void put(std::size_t i, Real value) { std::atomic_ref<Real>(values_[i]).store(value, std::memory_order_relaxed); }
     // Bad numbers stay for a moment only, so that most runs are not refused at once.
     void write(double range) {
         constexpr Real infinity = std::numeric_limits<Real>::infinity(), largest = std::numeric_limits<Real>::max();
-        const Real bad[] = {std::numeric_limits<Real>::quiet_NaN(),      infinity, -infinity, largest, -largest,
-                            std::numeric_limits<Real>::denorm_min(), static_cast<Real>(-3 * range)};
+        const Real bad[] = {std::numeric_limits<Real>::quiet_NaN(),
+                            infinity,
+                            -infinity,
+                            largest,
+                            -largest,
+                            std::numeric_limits<Real>::denorm_min(),
+                            static_cast<Real>(-3 * range)};
         test::Random random(7);
         for (std::size_t round = 0; !stop_; ++round) {
             for (int k = 0; k < 2000; ++k)
-                put(random.below(values_.size()), static_cast<Real>(random.uniform(0, round % 2 == 0 ? range : 0.1 * range)));
+                put(random.below(values_.size()),
+                    static_cast<Real>(random.uniform(0, round % 2 == 0 ? range : 0.1 * range)));
             // A crowd where there was none.
             for (std::size_t i = 0, at = random.below(values_.size()); i < values_.size() / 4; ++i)
                 put((at + i) % values_.size(), static_cast<Real>(0.25 * range));
