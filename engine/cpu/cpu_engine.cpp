@@ -11,7 +11,7 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clipper_.begin(job);
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
-    // Sorted seeds hold all coordinates but the bits that wrapping took, and the mesh asks for seeds in input order.
+    // Periodic domains need what wrapping took from coordinates, and a mesh needs seeds in input order.
     if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices) job.snapshot->rest();
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are pulled while clipping
     clipper_.build_search();

@@ -27,45 +27,45 @@ inline constexpr double worst_condition = 1e6;
 inline constexpr double solved_factor = 80 * unit, weighted_factor = 100 * unit;
 static_assert(weighted_factor * worst_condition < 0.58 * margin);
 
-// At least |X|, by (1).
+// Returns at least |X|, by (1).
 inline double most_distance(double x, double length) {
     return x + 2 * margin * length;
 }
 
-// At least the distance from x to a seed that cuts X off; 0 when there is none. more: at least what the weight of that
-// seed exceeds the own one by, which may be negative.
-// A seed q cuts X off when |q - X|^2 < |X|^2 + more. Both |X| and the step from X to x are bounded by (1), and the
-// excess of 1.4 margin length in each is far more than the rounding of these sums. A bound in units of |x| alone would
-// not do: by (2) L may be much longer than |x| where `more` was large for the planes of X.
+// Returns at least the distance from x to a seed that cuts X off; 0 when there is none. more: at least the excess of
+// its weight over the own one, which may be negative.
+// A seed q cuts X off when |q - X|^2 < |X|^2 + more. (1) bounds both |X| and the step from X to x. The excess of
+// 1.4 margin length in each is far more than the rounding of these sums. A bound in units of |x| alone does not hold:
+// by (2) L may be much longer than |x|, where another seed has a larger `more`.
 inline double reach_from_vertex(double x, double length, double more) {
     const double most = most_distance(x, length), square = most * most + more;
     return square > 0 ? std::sqrt(square) + 2 * margin * length : 0;
 }
 
-// The same for the largest `more` of all seeds, which is 0 or more. By (2) length is less than 1.6 sqrt(x^2 + more)
-// then, so that by (1) both errors together are less than 2 margin sqrt(x^2 + more).
+// Returns the same for the largest `more` of all seeds, which is 0 or more. By (2) length is then less than
+// 1.6 sqrt(x^2 + more). So by (1) both errors together are less than 2 margin sqrt(x^2 + more).
 inline double widest_reach(double x2, double more) {
     return std::sqrt(x2 + more) * (1 + 4 * margin);
 }
 
-// At least the squared distance from p to a seed that cuts X off, for the largest `more`. By the triangle inequality
-// it is less than |X| + sqrt(|X|^2 + more). As above, the sum of the errors is less than 2 margin of the square root.
+// Returns at least the squared distance from the own seed to one that cuts X off, for the largest `more`. The distance
+// is less than |X| + sqrt(|X|^2 + more), by the triangle inequality. The errors are those above.
 inline double widest_reach_squared(double x2, double more) {
     const double reach = std::sqrt(x2) + std::sqrt(x2 + more);
     return reach * reach * (1 + 16 * margin);
 }
-// Without weights: 2 |X|, and |X| <= |x| (1 + 0.45 margin).
+// Returns the same without weights: (2 |X|)^2, where |X| <= |x| (1 + 0.45 margin).
 inline double widest_reach_squared(double x2) {
     return 4 * x2 * (1 + margin);
 }
 
-// Power of a vertex, |X|^2 - w: the same for all its seeds, so one of them finds it for the others. square: at least
-// |X|^2. Rounds up: the difference may cancel.
+// Returns at least the power of a vertex, |X|^2 - w. It is the same for all its seeds, so one of them finds it for the
+// others. square: at least |X|^2. The difference may cancel.
 inline double power(double square, double weight) {
     return square - weight + 2 * unit * (square + std::abs(weight));
 }
-// At least |X|^2 again, for a seed of weight w. Also of several seeds, from their largest power and largest weight: as
-// no |X|^2 is negative, any power or weight of theirs is no larger in size than one of the two.
+// Returns at least |X|^2 again, for a seed of weight w. Or for several seeds, from their largest power and largest
+// weight. No |X|^2 is negative, so any power or weight of theirs is no larger in size than one of these two.
 inline double back(double power, double weight) {
     return std::max(0.0, power + weight + 4 * unit * (std::abs(power) + std::abs(weight)));
 }

@@ -138,7 +138,7 @@ double StarWalk<Isa>::least_weight(std::size_t home) const {
                              seeds_.weights.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
-// And with it the margin of vertices among the candidates.
+// Sets the length and the margin that follows from it.
 template <class Isa>
 void StarWalk<Isa>::set_longest(double length) {
     longest_ = length;

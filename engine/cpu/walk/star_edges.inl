@@ -346,7 +346,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     return false;
 }
 
-// As unweighted vertices do at once; apart, for these are the most.
+// Keeps the reach of a vertex in a power diagram. Not inlined: without weights it costs nothing.
 template <class Isa>
 void StarWalk<Isa>::note_reach(double x2, const Third& third) {
     reached_ = std::max(reached_, 4 * most_distance_squared(x2, third));

@@ -138,13 +138,14 @@ private:
         const double length = std::sqrt(x2) + 0.25 * std::sqrt(std::max(line.longest2, third.square));
         return length * length;
     }
-    // The squared distance of a vertex, or more where weights may move it by more than its own length tells.
+    // At least |X|^2 of a vertex, up to a factor of 1 + 4 margin.
     [[nodiscard]] double most_distance_squared(double x2, const Third& third) const {
         if (!weighted_) return x2;
         const double most = bounds::most_distance(std::sqrt(x2), std::sqrt(third.length2));
         return most * most;
     }
-    // A distance in units as one between places whose coordinates are rounded; size: the largest of these.
+    // Turns a distance in window units into one between places. size: the largest of their coordinates, which are
+    // rounded.
     [[nodiscard]] double in_places(double distance, double size) const {
         return distance * unscale_ * (1 + 4 * margin) + 8 * unit * size;
     }
