@@ -7,6 +7,7 @@
 #include "cpu/clip/cell_kernels.hpp"
 #include "cpu/cpu_engine.hpp"
 #include "input/options.hpp"
+#include "input/snapshot.hpp"
 #if VOTESS_HAVE_VULKAN
 #include "gpu/device_choice.hpp"
 #include "gpu/device_domain.hpp"
@@ -24,6 +25,7 @@ struct Engines::State {
 
     cpu::CpuClipper clipper;  // and its threads, for both engines
     cpu::CpuEngine cpu{clipper};
+    Snapshot snapshot;
     std::unique_ptr<Engine> gpu;
     std::string gpu_name;  // the device name that chose it
     HomeProcess gpu_home;  // where it was opened
@@ -34,6 +36,14 @@ Engines::~Engines() = default;
 
 Engine& Engines::cpu() {
     return state_->cpu;
+}
+
+Points Engines::take(const Points& points, unsigned threads) {
+    return state_->snapshot.take(points, state_->clipper.pool_of(threads));
+}
+
+Snapshot& Engines::snapshot() {
+    return state_->snapshot;
 }
 
 void Engines::forget_gpu() {
@@ -100,8 +110,11 @@ detail::Result run_job(Engine& engine, const Job& job, StageClock& clock) {
 
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
     StageClock clock;
-    Job job = validate(points, options);
+    check_options(options);
+    check_shape(points);
+    Job job = validate(engines.take(points, options.threads), options);
     job.arrays = &arrays;
+    job.snapshot = &engines.snapshot();
     bool on_cpu = false;
     try {
         Engine& engine = engines.choose(job);

@@ -20,6 +20,9 @@ public:
     // `unsupported` with the reason when it cannot be had.
     Engine& choose(const Job& job);
     Engine& cpu();
+    // Copies points with this number of threads, see input/snapshot.hpp.
+    Points take(const Points& points, unsigned threads);
+    [[nodiscard]] Snapshot& snapshot();
     // The next choice of a GPU opens it anew.
     void forget_gpu();
     // For tests: the engine that a device name stands for, until it is forgotten.

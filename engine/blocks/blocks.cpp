@@ -1,6 +1,7 @@
 // The interface of votess/blocks.hpp.
 #include "votess/blocks.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "blocks/messages.hpp"
@@ -71,7 +72,8 @@ const Options& BlockDomain::options() const noexcept {
 }
 
 double BlockDomain::volume(std::span<const double> seed) const {
-    return validate({seed, {}}, state_->options).box_volume;
+    const std::vector<double> copy(seed.begin(), seed.end());
+    return validate({copy, {}}, state_->options).box_volume;
 }
 
 std::vector<CellStatus> BlockDomain::check(std::span<const double> points, std::span<const double> weights,
@@ -79,9 +81,12 @@ std::vector<CellStatus> BlockDomain::check(std::span<const double> points, std::
     Options options = state_->options;
     options.weights = weights;
     options.radii = radii;
-    Job job = with_memory([&] { return validate({points, {}, first}, options); });
-    job.outside.resize(points.size() / 3, CellStatus::certified);
-    return std::move(job.outside);
+    return with_memory([&] {
+        const std::vector<double> copy(points.begin(), points.end());
+        Job job = validate({copy, {}, first}, options);
+        job.outside.resize(copy.size() / 3, CellStatus::certified);
+        return std::move(job.outside);
+    });
 }
 
 std::vector<double> BlockDomain::places(std::span<const double> points) const {
@@ -99,7 +104,11 @@ std::vector<double> BlockDomain::places(std::span<const double> points) const {
 void BlockDomain::split(std::span<const double> sample, std::size_t blocks) {
     if (blocks == 0) throw Error(ErrorCode::invalid_argument, "a run has one block or more");
     std::vector<exact::Point> points(sample.size() / 3);
-    for (std::size_t i = 0; i < points.size(); ++i) points[i] = point_of(sample, i, 1);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] = point_of(sample, i, 1);
+        if (!std::ranges::all_of(points[i], [](double x) { return std::isfinite(x); }))
+            throw Error(ErrorCode::invalid_argument, "place " + std::to_string(i) + " of the sample is not finite");
+    }
     state_->partition.emplace(std::move(points), blocks);
 }
 
@@ -118,15 +127,15 @@ Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::
         (!tags.empty() && tags.size() != count))
         throw Error(ErrorCode::invalid_argument, "ids, points, weights and tags of a block are not as many: give " +
                                                      std::to_string(count) + " of each, points three times that");
-    for (std::size_t i = 0; i < count; ++i)
-        if (ids[i] < 0 || (i > 0 && ids[i] <= ids[i - 1]))
-            throw Error(ErrorCode::invalid_argument, "ids of a block ascend from 0 on: the one at " +
-                                                         std::to_string(i) + " is " + std::to_string(ids[i]));
     state_ = with_memory([&] {
         blocks::Seeds own{{ids.begin(), ids.end()},
                           {points.begin(), points.end()},
                           {weights.begin(), weights.end()},
                           {tags.begin(), tags.end()}};
+        for (std::size_t i = 0; i < count; ++i)
+            if (own.ids[i] < 0 || (i > 0 && own.ids[i] <= own.ids[i - 1]))
+                throw Error(ErrorCode::invalid_argument, "ids of a block ascend from 0 on: the one at " +
+                                                             std::to_string(i) + " is " + std::to_string(own.ids[i]));
         own.tags.resize(count, 0);
         return std::make_unique<detail::BlockState>(domain.options(), std::move(own));
     });

@@ -6,6 +6,7 @@
 
 #include "core/progress.hpp"
 #include "cpu/query/locator.hpp"
+#include "cpu/walk/star_bounds.hpp"
 #include "input/options.hpp"
 
 namespace votess::blocks {
@@ -73,7 +74,7 @@ double Run::reach_of(std::size_t cell, double heaviest) const {
             power = std::max(power, powers[static_cast<std::size_t>(neighbor)]);
     }
     const double weight = job.domain->weights.empty() ? 0 : job.domain->weights[cell];
-    const double square = std::max(0.0, power + weight);
+    const double square = cpu::bounds::back(power, weight);
     return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - weight))) * reach_slack;
 }
 
@@ -138,7 +139,7 @@ double LocalBlock::longest_reach(double heaviest) const {
     const auto& weights = job_.domain->weights;
     const auto [lightest, own_heaviest] =
         weights.empty() ? std::pair(0.0, 0.0) : std::pair(std::ranges::min(weights), std::ranges::max(weights));
-    const double square = std::max(0.0, std::ranges::max(all_.powers) + own_heaviest);
+    const double square = cpu::bounds::back(std::ranges::max(all_.powers), own_heaviest);
     return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - lightest))) * reach_slack;
 }
 

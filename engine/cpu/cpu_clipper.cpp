@@ -7,6 +7,7 @@
 #include "core/ceil.hpp"
 #include "core/text.hpp"
 #include "cpu/sort/sort_inside.hpp"
+#include "cpu/walk/star_bounds.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
 
@@ -30,13 +31,17 @@ void CpuClipper::begin(const Job& job) {
     end();
     job_ = job;
     progress_ = Progress(job.options.progress);
-    const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
-    const unsigned threads = job.options.threads == 0 ? hardware : job.options.threads;
-    if (!pool_ || pool_->size() != threads || !pool_->has_threads()) pool_.emplace(threads);
+    pool_of(job.options.threads);
     const Kernels* kernels = find_kernels(job.options.instructions);
     if (kernels == nullptr) throw Error(ErrorCode::internal, "the options have not been checked");
     if (kernels != kernels_) workers_.clear();
     kernels_ = kernels;
+}
+
+ThreadPool& CpuClipper::pool_of(unsigned threads) {
+    if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+    if (!pool_ || pool_->size() != threads || !pool_->has_threads()) pool_.emplace(threads);
+    return *pool_;
 }
 
 void CpuClipper::end() {
@@ -288,8 +293,9 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
     if (cell != nullptr) {
         if (!powers_.empty())
             powers_[seeds_.input[seed]] =
-                cell->empty() ? Star::least_power
-                              : cell->radius_squared() - (seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
+                cell->empty()
+                    ? Star::least_power
+                    : bounds::power(cell->radius_squared(), seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
         const bool placed = job_.options.want.vertices;
         worker.writer.write(seed, placed ? worker.builder.again(worker.faces) : *cell);
     } else {

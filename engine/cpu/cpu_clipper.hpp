@@ -21,6 +21,8 @@ namespace votess::cpu {
 class CpuClipper : public ExactClipper {
 public:
     void begin(const Job& job) override;
+    // Makes the pool of so many threads, 0 = all of the machine, unless it is there. begin() does so too.
+    ThreadPool& pool_of(unsigned threads);
     // In a child made by fork() it gets new threads.
     ThreadPool& pool() override {
         if (!pool_->has_threads()) pool_.emplace(pool_->size());

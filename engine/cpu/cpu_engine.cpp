@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "input/snapshot.hpp"
+
 namespace votess::cpu {
 
 // Nothing is left for the stage fallback: exact arithmetic decides every sign on the spot.
@@ -12,6 +14,8 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     std::optional<Attended> attended(std::in_place, clipper_.pool(), progress, 0);
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
+    // Periodic domains need what wrapping took from coordinates, and a mesh needs seeds in input order.
+    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices) job.snapshot->rest();
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are pulled while clipping
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);

@@ -38,7 +38,7 @@ Queries check_queries(const DiagramState& state, std::span<const double> x, std:
     given.weights = weights;
     given.radii = radii;
     check_options(given);
-    Queries queries{x, scaled_weights(given, x.size() / 3, "queries", state.job.scale)};
+    Queries queries{{x.begin(), x.end()}, scaled_weights(given, x.size() / 3, "queries", state.job.scale)};
     if (!queries.weights.empty() && !state.job.domain->has_weights())
         throw Error(ErrorCode::invalid_argument,
                     "queries have weights, but the seeds have none: give these weights too, which may be 0");

@@ -48,7 +48,7 @@ struct DiagramState {
 
 // The queries of a call; weights: times scale squared, or none.
 struct Queries {
-    std::span<const double> x;
+    std::vector<double> x;  // copied, see input/snapshot.hpp
     std::vector<double> weights;
     [[nodiscard]] std::size_t count() const { return x.size() / 3; }
 };

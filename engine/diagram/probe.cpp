@@ -14,7 +14,7 @@ Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOp
     Options wanted;
     wanted.want = options.want;
     Job job = state.job;
-    job.points = {x, {}};
+    job.points = {queries.x, {}};
     job.options.want = with_implied(wanted);
     job.options.list_walls = options.list_walls || options.want.faces;
     job.outside.clear();

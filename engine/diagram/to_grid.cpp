@@ -65,7 +65,7 @@ Result build(const DiagramState& state) {
 
 void locate_centers(DiagramState& state, const fields::Task& task, std::span<const double> centers,
                     std::span<double> field) {
-    const std::vector<std::int32_t> seeds = locate(state, {centers, {}});
+    const std::vector<std::int32_t> seeds = locate(state, {{centers.begin(), centers.end()}, {}});
     const std::size_t m = task.columns;
     for (std::size_t q = 0; q < seeds.size(); ++q)
         if (seeds[q] >= 0) std::copy_n(&task.values[static_cast<std::size_t>(seeds[q]) * m], m, &field[q * m]);

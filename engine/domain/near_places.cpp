@@ -22,10 +22,13 @@ std::array<double, 3> NearPlaces::fraction(const exact::Point& x) const {
     return domain_.reduced.fraction({x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]});
 }
 
-// Along an axis that does not repeat, what lies beyond the ends of the grid counts to its last steps.
+// Returns a step of the grid for any fraction, NaN and infinity included: frames may hold them. Beyond the ends of an
+// axis that does not repeat it is the last step there.
 std::int64_t NearPlaces::step(std::size_t j, double fraction) const {
-    const double f = domain_.periodic[j] ? fraction - std::floor(fraction) : std::clamp(fraction, 0.0, 1.0);
-    return std::min(static_cast<std::int64_t>(f * static_cast<double>(steps_[j])), steps_[j] - 1);
+    const double f = domain_.periodic[j] ? fraction - std::floor(fraction) : fraction;
+    const double at = f * static_cast<double>(steps_[j]);
+    if (!(at > 0)) return 0;
+    return static_cast<std::int64_t>(std::min(at, static_cast<double>(steps_[j] - 1)));
 }
 
 // Where a fraction differs by d, so do places by the width of the domain along it times d.

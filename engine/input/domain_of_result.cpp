@@ -30,11 +30,12 @@ std::vector<double> wrapped_points(const Tessellation& t, std::span<const double
                                                      " cells");
     std::vector<double> places(points.begin(), points.end());
     if (t.periodic() == std::array<bool, 3>{}) return places;
-    const Job job = validate({points, {}}, domain_options(t));
+    const std::vector<double> copy = places;  // read once, see input/snapshot.hpp
+    const Job job = validate({copy, {}}, domain_options(t));
     const Domain& domain = *job.domain;
     for (std::size_t i = 0; i < t.size(); ++i) {
         if (t.status()[i] == CellStatus::outside) continue;
-        const exact::Point x{points[3 * i] * job.scale, points[3 * i + 1] * job.scale, points[3 * i + 2] * job.scale};
+        const exact::Point x{copy[3 * i] * job.scale, copy[3 * i + 1] * job.scale, copy[3 * i + 2] * job.scale};
         const auto shift = wrap(domain, x);
         if (!shift || *shift == exact::Shift{}) continue;
         const auto at = exact::differences({}, exact::Plane::bisector(x, *shift, domain.lattice)).x;

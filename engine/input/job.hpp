@@ -13,6 +13,8 @@
 
 namespace votess {
 
+class Snapshot;
+
 // The input as given; one of the two spans is in use.
 struct Points {
     std::span<const double> f64;
@@ -40,6 +42,8 @@ struct Job {
     std::optional<std::int32_t> probes_of;
     // Arrays of an earlier run, whose memory ResultBuilder::begin() takes; may be null.
     detail::Result* arrays = nullptr;
+    // Owner of the points. An engine that needs them no more may call rest(). May be null.
+    Snapshot* snapshot = nullptr;
 };
 
 }  // namespace votess

@@ -355,16 +355,17 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
     if (given.size() != count)
         refuse(std::string(radii ? "radii" : "weights") + " hold " + std::to_string(given.size()) + " numbers for " +
                std::to_string(count) + " " + of + ": give one for each");
-    std::vector<double> weights(count);
+    std::vector<double> weights(given.begin(), given.end());  // read once, see input/snapshot.hpp
     for (std::size_t i = 0; i < count; ++i) {
+        const double value = weights[i];
         const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(first + i); };
-        if (!std::isfinite(given[i])) refuse(place() + " = " + number(given[i]) + " is not finite");
-        if (radii && given[i] < 0) refuse(place() + " = " + number(given[i]) + " is negative");
-        const double weight = radii ? given[i] * given[i] : given[i];
-        if (!std::isfinite(weight)) refuse(place() + " = " + number(given[i]) + " is too large: its square overflows");
+        if (!std::isfinite(value)) refuse(place() + " = " + number(value) + " is not finite");
+        if (radii && value < 0) refuse(place() + " = " + number(value) + " is negative");
+        const double weight = radii ? value * value : value;
+        if (!std::isfinite(weight)) refuse(place() + " = " + number(value) + " is too large: its square overflows");
         const double in_units = weight * scale * scale;
         if (in_units / scale / scale != weight || std::abs(in_units) > largest_scaled_weight)
-            refuse(place() + " = " + number(given[i]) +
+            refuse(place() + " = " + number(value) +
                    " is too large or too small beside the box: give all lengths in one unit");
         weights[i] = in_units;
     }
@@ -425,14 +426,18 @@ Box box_of(const Options& options, const Box& bounds, std::uint64_t count) {
     return box;
 }
 
-Job validate(const Points& points, const Options& options) {
-    check_options(options);
+void check_shape(const Points& points) {
     if (points.coordinates() % 3 != 0)
         refuse("points hold " + std::to_string(points.coordinates()) +
                " coordinates, which is not a multiple of 3: the shape must be (N,3)");
     if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
         throw Error(ErrorCode::unsupported,
                     std::to_string(points.count()) + " seeds are too many: give at most 2147483647, or stream them");
+}
+
+Job validate(const Points& points, const Options& options) {
+    check_options(options);
+    check_shape(points);
     Job job;
     const Box bounds = check_points(points, options, job.outside);
     job.points = points;

@@ -13,6 +13,8 @@ void check_k_init(std::uint32_t k_init);
 // none. of: what the points are called; first: the number of the first one.
 std::vector<double> scaled_weights(const Options& options, std::size_t count, const char* of, double scale,
                                    std::uint64_t first = 0);
+// How many points there are, without a look at them.
+void check_shape(const Points& points);
 // The points alone, against a box if there is one: their bounds. outside: as in the job.
 Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside);
 // The box of the run, where options name no cell; bounds: of all seeds, of which there are `count`.

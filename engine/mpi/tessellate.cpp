@@ -36,9 +36,17 @@ std::uint64_t digest(const Options& options) {
 class Run {
 public:
     Run(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids, const Options& options)
-        : ranks_(comm), points_(points), options_(options), weights_(options.weights.begin(), options.weights.end()) {
-        ids_.assign(ids.begin(), ids.end());
+        : ranks_(comm),
+          points_(points.begin(), points.end()),
+          options_(options),
+          weights_(options.weights.begin(), options.weights.end()),
+          radii_(options.radii.begin(), options.radii.end()),
+          ids_(ids.begin(), ids.end()) {
+        options_.weights = weights_;
+        options_.radii = radii_;
     }
+    Run(const Run&) = delete;
+    Run& operator=(const Run&) = delete;
 
     Result operator()(Cells where) {
         first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0 ? 0 : ranks_.sum_before(std::uint64_t{count()});
@@ -85,7 +93,7 @@ private:
             if (ids_[i] < 0) refuse("id " + std::to_string(i) + " = " + std::to_string(ids_[i]) + " is negative");
         if (!options_.weights.empty() && !options_.radii.empty())
             refuse("weights and radii are both given: weights are the squares of radii, give one of them");
-        for (const double radius : options_.radii) weights_.push_back(radius * radius);
+        for (const double radius : radii_) weights_.push_back(radius * radius);
     }
 
     void compare_options() {
@@ -290,9 +298,10 @@ private:
     }
 
     Ranks ranks_;
-    std::span<const double> points_;
-    const Options& options_;
-    std::vector<double> weights_;
+    // The caller's arrays, copied once: another thread may write into them.
+    std::vector<double> points_;
+    Options options_;
+    std::vector<double> weights_, radii_;  // the weights are squares of radii from check_input() on
     std::vector<std::int64_t> ids_;
     std::uint64_t first_ = 0;  // number of the first point, in messages
     std::optional<BlockDomain> domain_;

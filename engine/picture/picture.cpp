@@ -147,8 +147,9 @@ Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const d
 
 }  // namespace picture
 
-Picture render(const Tessellation& tessellation, std::span<const double> points, const PictureOptions& options) {
-    picture::check(tessellation, points, options);
+Picture render(const Tessellation& tessellation, std::span<const double> given, const PictureOptions& options) {
+    picture::check(tessellation, given, options);
+    const std::vector<double> points(given.begin(), given.end());  // another thread may write into them
     const picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
                              tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};
     const picture::DomainShape domain{tessellation.box(), picture::domain_corners(tessellation),

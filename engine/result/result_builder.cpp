@@ -93,8 +93,10 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     result_.periodic = job.domain->periodic;
     result_.cell = job.options.cell;
     result_.walls = job.options.walls;
-    result_.weights.assign(job.options.weights.begin(), job.options.weights.end());
-    for (const double radius : job.options.radii) result_.weights.push_back(radius * radius);
+    // Scaling by a power of two loses nothing.
+    result_.weights.clear();
+    if (!job.options.weights.empty() || !job.options.radii.empty())
+        for (const double weight : job.domain->weights) result_.weights.push_back(weight / job.scale / job.scale);
     box_volume_ = job.box_volume;
     result_.lists_walls = job.options.list_walls;
     result_.probed = job.probes_of.has_value();

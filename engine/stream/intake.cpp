@@ -116,6 +116,7 @@ void Intake::read(const Task& task) {
     }
     if (looked_ && !source_.restart()) throw Error(ErrorCode::invalid_use, "the source of seeds did not begin again");
     StreamSeeds some;
+    std::vector<double> points, weights;  // read once, see input/snapshot.hpp
     while (some = {}, source_.next(some)) {
         if (some.points.size() % 3 != 0)
             refuse("points of a piece hold " + std::to_string(some.points.size()) +
@@ -125,12 +126,16 @@ void Intake::read(const Task& task) {
             if (!values.empty() && values.size() != count)
                 refuse(std::string(name) + " of a piece hold " + std::to_string(values.size()) + " numbers for " +
                        std::to_string(count) + " points");
+        if (count > 0) check_kind(first, some);
         for (std::size_t begin = 0; begin < count; begin += most_at_once_) {
             const std::size_t size = std::min(most_at_once_, count - begin);
-            const auto part = [&](std::span<const double> values) {
-                return values.empty() ? values : values.subspan(begin, size);
+            const auto copy = [](std::span<const double> values, std::vector<double>& to) {
+                to.assign(values.begin(), values.end());
             };
-            task(first, StreamSeeds{some.points.subspan(3 * begin, 3 * size), part(some.weights), part(some.radii)});
+            const std::span<const double> beside = some.radii.empty() ? some.weights : some.radii;
+            copy(some.points.subspan(3 * begin, 3 * size), points);
+            copy(beside.empty() ? beside : beside.subspan(begin, size), weights);
+            task(first, some.radii.empty() ? StreamSeeds{points, weights, {}} : StreamSeeds{points, {}, weights});
             first += size;
         }
     }
@@ -139,14 +144,18 @@ void Intake::read(const Task& task) {
                                                 std::to_string(first) + ": it must give the same ones again");
 }
 
-void Intake::check(std::uint64_t first, const StreamSeeds& some) {
+void Intake::check_kind(std::uint64_t first, const StreamSeeds& some) {
     const bool weighted = !some.weights.empty() || !some.radii.empty();
     const bool all_like_this = weighted == weighted_ && (some.weights.empty() || !radii_);
-    if (first > 0 && !all_like_this) refuse("some pieces of seeds have weights, others have radii or none of both");
+    if ((first > 0 || looked_) && !all_like_this)
+        refuse("some pieces of seeds have weights, others have radii or neither");
     if (!some.weights.empty() && !some.radii.empty())
         refuse("weights and radii are both given: weights are the squares of radii, give one of them");
     weighted_ = weighted;
     radii_ |= !some.radii.empty();
+}
+
+void Intake::check(std::uint64_t first, const StreamSeeds& some) {
     std::vector<CellStatus> outside;
     const Box box = check_points({some.points, {}, first}, options_, outside);
     for (const exact::Point& x : {box.lower, box.upper}) include(bounds_, x);

@@ -40,6 +40,8 @@ private:
     // Calls task(first, some) with not too many seeds at once.
     template <class Task>
     void read(const Task& task);
+    // Throws unless the piece has weights, radii or neither as the pieces before it had.
+    void check_kind(std::uint64_t first, const StreamSeeds& some);
     void check(std::uint64_t first, const StreamSeeds& some);
     void take_sample(std::uint64_t first, std::span<const double> points);
     [[nodiscard]] blocks::Partition partition(const Options& settled, std::size_t blocks);

@@ -45,12 +45,13 @@ std::string check_euler(const Tessellation& t) {
 
 }  // namespace
 
-VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
+VerifyReport verify(const Tessellation& t, std::span<const double> given, const VerifyOptions& options) {
     require_whole_diagram(t, "verify");
-    if (points.size() != 3 * t.size())
-        throw Error(ErrorCode::invalid_argument, "verify: points hold " + std::to_string(points.size()) +
+    if (given.size() != 3 * t.size())
+        throw Error(ErrorCode::invalid_argument, "verify: points hold " + std::to_string(given.size()) +
                                                      " coordinates, the result has " + std::to_string(t.size()) +
                                                      " cells");
+    const std::vector<double> points(given.begin(), given.end());  // read once, see input/snapshot.hpp
     VerifyReport report;
     auto check = [&](const char* name, bool possible, auto run) {
         if (!possible)

@@ -19,7 +19,7 @@ namespace detail {
 struct BlockVerifierState {
     Options options;
     std::span<const std::int64_t> ids;
-    std::span<const double> points, weights;
+    std::vector<double> points, weights;  // copied, see input/snapshot.hpp
     const BlockCells& cells;
     std::span<const std::int32_t> holders;
     std::vector<std::size_t> order;       // rows by id, where ids do not ascend
@@ -132,8 +132,18 @@ BlockVerifier::BlockVerifier(const BlockDomain& domain, std::span<const std::int
         throw Error(ErrorCode::invalid_argument,
                     "ids, points, weights, cells and holders do not fit: give those of the " + std::to_string(count) +
                         " seeds, and a holder for each entry of their rows");
-    state_ = std::make_unique<detail::BlockVerifierState>(detail::BlockVerifierState{
-        domain.options(), ids, points, weights, cells, holders, {}, {}, {}, {}, cpu::Cell(), {}});
+    state_ = std::make_unique<detail::BlockVerifierState>(detail::BlockVerifierState{domain.options(),
+                                                                                     ids,
+                                                                                     {points.begin(), points.end()},
+                                                                                     {weights.begin(), weights.end()},
+                                                                                     cells,
+                                                                                     holders,
+                                                                                     {},
+                                                                                     {},
+                                                                                     {},
+                                                                                     {},
+                                                                                     cpu::Cell(),
+                                                                                     {}});
     if (!std::ranges::is_sorted(ids)) {
         state_->order.resize(count);
         std::iota(state_->order.begin(), state_->order.end(), std::size_t{0});

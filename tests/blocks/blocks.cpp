@@ -19,7 +19,8 @@ votess::Options options_of(const PointSet& set) {
     options.threads = 1;
     options.box = set.box;
     options.list_walls = true;
-    options.want.counts = options.want.centroids = options.want.areas = true;
+    options.want.counts = options.want.centroids = options.want.areas = options.want.normals = true;
+    options.want.surfaces = options.want.radii = true;
     return options;
 }
 
@@ -93,7 +94,8 @@ TEST_CASE("blocks: sets of the kinds of the fuzz") {
             for (const test::fuzz::Job& job : test::fuzz::make_case(kind, number).jobs) {
                 votess::Options options = job.options("cpu");
                 options.want = {};
-                options.want.counts = options.want.centroids = true;
+                options.want.counts = options.want.centroids = options.want.areas = options.want.normals = true;
+                options.want.surfaces = options.want.radii = true;
                 try {
                     const auto whole = votess::tessellate(job.points, options);
                     ++sets;

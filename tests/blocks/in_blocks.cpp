@@ -85,6 +85,8 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
         const BlockCells& from = cells[b];
         if (!from.volumes.empty()) out.volumes.resize(size);
         if (!from.centroids.empty()) out.centroids.resize(3 * size, NAN);
+        if (!from.surface_areas.empty()) out.surface_areas.resize(size);
+        if (!from.security_radii.empty()) out.security_radii.resize(size);
         if (!from.face_counts.empty()) out.face_counts.resize(size), out.edge_counts.resize(size);
         for (std::size_t i = 0; i < own[b].ids.size(); ++i) {
             const auto place = static_cast<std::size_t>(own[b].ids[i]);
@@ -93,6 +95,8 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
             if (!from.duplicate_of.empty()) out.duplicate_of[place] = from.duplicate_of[i];
             put(out.volumes, from.volumes, place, i);
             put(out.centroids, from.centroids, place, i, 3);
+            put(out.surface_areas, from.surface_areas, place, i);
+            put(out.security_radii, from.security_radii, place, i);
             put(out.face_counts, from.face_counts, place, i);
             put(out.edge_counts, from.edge_counts, place, i);
         }
@@ -109,6 +113,8 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
                 for (std::size_t k = 0; k < 3 && !from.shifts.empty(); ++k)
                     out.shifts.push_back(from.shifts[3 * e + k]);
                 if (!from.areas.empty()) out.areas.push_back(from.areas[e]);
+                for (std::size_t k = 0; k < 3 && !from.normals.empty(); ++k)
+                    out.normals.push_back(from.normals[3 * e + k]);
             }
         }
         out.indptr.push_back(static_cast<std::int64_t>(out.neighbors.size()));
@@ -138,6 +144,9 @@ std::string difference(const InBlocks& found, const Tessellation& t) {
     if (!std::ranges::equal(cells.face_counts, t.face_counts())) return "counts of faces differ";
     if (!std::ranges::equal(cells.edge_counts, t.edge_counts())) return "counts of edges differ";
     if (!cells.areas.empty() && !std::ranges::equal(cells.areas, t.face_areas())) return "areas differ in last digits";
+    if (!std::ranges::equal(cells.normals, t.face_normals())) return "normals differ in last digits";
+    if (!std::ranges::equal(cells.surface_areas, t.surface_areas())) return "surfaces differ in last digits";
+    if (!std::ranges::equal(cells.security_radii, t.security_radii())) return "security radii differ in last digits";
     const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
     if (!cells.centroids.empty() && !std::ranges::equal(cells.centroids, t.centroids(), same))
         return "centroids differ in last digits";

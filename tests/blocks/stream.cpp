@@ -25,7 +25,7 @@ votess::Options options_of(const PointSet& set) {
     options.device = "cpu";
     options.threads = 2;
     options.box = set.box;
-    options.want.counts = options.want.centroids = true;
+    options.want.counts = options.want.centroids = options.want.normals = true;
     return options;
 }
 

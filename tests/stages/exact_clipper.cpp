@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "cpu/cpu_clipper.hpp"
+#include "fuzz/kinds/kinds.hpp"
 #include "input/options.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
@@ -66,6 +67,33 @@ std::string compare(const Tessellation& full, const Tessellation& parts) {
     return test::check_same_cells(full, parts);
 }
 
+// Clips all cells from the lists of a full run, so that none of them is walked.
+Tessellation clip_lists(const votess::Points& points, const votess::Options& options, const Tessellation& full) {
+    const votess::Job job = validate(points, options);
+    votess::cpu::CpuClipper clipper;
+    ResultBuilder builder;
+    clipper.begin(job);
+    builder.begin(job, clipper.pool());
+    Cells cells;
+    std::vector<std::uint32_t> lengths;
+    for (std::size_t i = 0; i < full.size(); ++i) {
+        if (full.status()[i] != CellStatus::certified) {
+            builder.set_empty(i, full.status()[i]);
+            continue;
+        }
+        cells.push_back(static_cast<std::int32_t>(i));
+        lengths.push_back(static_cast<std::uint32_t>(full.neighbors(i).size()));
+    }
+    std::vector<std::array<std::int8_t, 3>> shifts(full.shifts().size() / 3);
+    for (std::size_t e = 0; e < shifts.size(); ++e) std::copy_n(&full.shifts()[3 * e], 3, shifts[e].begin());
+    clipper.clip_listed({cells, lengths, full.indices(), shifts}, builder, whole);
+    builder.set_duplicates(clipper.duplicate_of(), clipper.pool());
+    auto result = std::make_shared<votess::detail::Result>();
+    builder.finish(*result, clipper.pool());
+    clipper.end();
+    return Tessellation(std::move(result));
+}
+
 std::vector<test::PointSet> some_families(std::size_t n) {
     return {test::uniform(n, 1),
             test::clustered(n, 2),
@@ -94,6 +122,33 @@ TEST_SUITE("stages") {
                           "");
             }
         }
+    }
+
+    TEST_CASE("exact clipper: cells that are clipped from lists have the digits of those that are walked") {
+        const std::uint64_t first = test::environment("VOTESS_LISTED_SEED", 1);
+        std::uint64_t sets = 0;
+        for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
+            const std::uint64_t usual = kind.name == "many" ? 1 : 20;
+            const std::uint64_t count = test::environment("VOTESS_LISTED_SETS", test::by_size(usual, usual / 10 + 1));
+            for (std::uint64_t number = first; number < first + count; ++number) {
+                CAPTURE(kind.name);
+                CAPTURE(number);
+                for (const test::fuzz::Job& given : test::fuzz::make_case(kind, number).jobs) {
+                    votess::Options options = given.options("cpu");
+                    options.want = {.neighbors = true, .volumes = true, .centroids = true, .counts = true};
+                    options.want.areas = options.want.normals = options.want.surfaces = options.want.radii = true;
+                    options.list_walls = true;
+                    try {
+                        const auto full = votess::tessellate(given.points, options);
+                        CHECK(test::check_identical(full, clip_lists({given.points, {}}, options, full)) == "");
+                        ++sets;
+                    } catch (const votess::Error& error) {
+                        CHECK(error.code() != votess::ErrorCode::internal);  // some are there to be refused
+                    }
+                }
+            }
+        }
+        CHECK(sets > 10);
     }
 
     TEST_CASE("exact clipper: single cells and a sparse part") {

@@ -110,8 +110,8 @@ def tessellate(
     Parameters
     ----------
     points : (N, 3) array of real numbers, any length unit; N may be 0.
-        float64 and float32 in C order are read in place; other arrays are converted, without loss. Not to be
-        changed by another thread meanwhile.
+        float64 and float32 in C order are copied; other arrays are converted, without loss. Where another thread
+        changes the array during the call, cells are wrong, and nothing else is.
     box : (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1)), the domain.
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
         A point outside of it is an error.

@@ -1,11 +1,44 @@
 #include "cpu/clip/cell_polygons.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "cpu/clip/cell.hpp"
 
 namespace votess::cpu {
+namespace {
+
+// Subnormal vectors are made longer first: their length would be rounded to few bits.
+std::array<double, 3> unit_vector(const std::array<double, 3>& n) {
+    const double length = std::hypot(n[0], n[1], n[2]);
+    if (length < 0x1p-900) return unit_vector({n[0] * 0x1p500, n[1] * 0x1p500, n[2] * 0x1p500});
+    return {n[0] / length, n[1] / length, n[2] / length};
+}
+
+}  // namespace
+
+std::array<double, 3> unit_normal(const exact::Point& p, const exact::Plane& plane) {
+    using Kind = exact::Plane::Kind;
+    std::array<double, 3> n{};
+    switch (plane.kind) {
+        case Kind::bisector: {
+            const auto d = exact::differences(p, plane).x;
+            return unit_vector({d[0].high, d[1].high, d[2].high});
+        }
+        case Kind::wall:
+            return unit_vector(plane.seed);
+        case Kind::cell_wall:
+            return unit_vector(plane.rounded_normal());
+        case Kind::lower_wall:
+            n[static_cast<std::size_t>(plane.axis)] = -1;
+            return n;
+        case Kind::upper_wall:
+            n[static_cast<std::size_t>(plane.axis)] = 1;
+            return n;
+    }
+    return n;
+}
 
 void read_polygons(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellPolygons& out) {
     out.clear();

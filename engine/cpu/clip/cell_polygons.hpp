@@ -2,10 +2,11 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "exact/predicate.hpp"
 
 namespace votess::cpu {
 
@@ -34,12 +35,10 @@ struct CellPolygons {
     }
 };
 
-// No square leaves the range, and a subnormal vector, whose length would be rounded to few bits, is made longer first.
-inline std::array<double, 3> unit_vector(const std::array<double, 3>& n) {
-    const double length = std::hypot(n[0], n[1], n[2]);
-    if (length < 0x1p-900) return unit_vector({n[0] * 0x1p500, n[1] * 0x1p500, n[2] * 0x1p500});
-    return {n[0] / length, n[1] / length, n[2] / length};
-}
+// Returns the outward unit normal of a plane as a seed at p sees it. All rows take normals from here, so that their
+// digits do not depend on how a cell was found: each component of the exact normal is rounded once, and only then is
+// the length divided out.
+std::array<double, 3> unit_normal(const exact::Point& p, const exact::Plane& plane);
 
 // faces: the canonical ones of the cell; ranks: by face, all different.
 void read_polygons(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellPolygons& out);

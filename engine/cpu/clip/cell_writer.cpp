@@ -130,7 +130,7 @@ void CellWriter::write(Cell& cell) {
         const CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
         ids_.push_back(plane.id);
         if (periodic_) face_shifts_.push_back(plane.shift);
-        if (want_.normals) face_normals_.push_back(unit_vector(plane.n));
+        if (want_.normals) face_normals_.push_back(unit_normal(cell.seed(), plane.source));
     }
     if (moved_) count_from_domain(ids_);
     if (ranked_) rank_faces(ids_);

@@ -10,14 +10,7 @@
 // open lies on no plane of a done seed, and the other end of it neither: done seeds need not be looked at again.
 //
 // In a power diagram a seed may lie outside of its cell. A seed of weight w cuts off a vertex at the distance R only if
-// it is nearer than R + sqrt(R^2 + w - w_p), which stands for 2 R below.
-//
-// Margin. With e = 2^-24, planes N rounded to floats from integers that are exact to q = 1.8 units, H = |N|^2/2, and a
-// vertex X known to 62 u cond |X| < 0.2 e |X| (cond <= worst_condition), rounding changes H - N.X by at most
-//     e (6.3 |N||X| + 9 H) + q (|X| + |N| + q / 2),
-// whether or not the compiler's target fuses a*b+c. Where it is used, 2 stands for q in the first two terms of the last
-// bracket, which pays for the third as long as |N| may be 9 units. With weights that span W, H is off by e 3 W more,
-// and a vertex, in units of |X| + |N| / 4 for the longest N of its planes, by as much as before (star_edges.inl).
+// it is nearer than R + sqrt(R^2 + w - w_p), which stands for 2 R below. star_bounds.hpp says what rounding may do.
 #pragma once
 
 #include <array>

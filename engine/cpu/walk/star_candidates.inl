@@ -92,6 +92,7 @@ bool StarWalk<Isa>::gather_candidates() {
     if (weighted_) {
         more_ = std::max(0.0, domain_->most_more(weight_)) * scale * scale;
         weight = window_.weight(weight_);
+        weight_span_ = window_.weight_span(weight);
     }
     const auto p = probing_ ? window_.position(p_) : window_.position(seed_);
     if (!probing_) window_.hide(seed_);
@@ -137,16 +138,14 @@ double StarWalk<Isa>::least_weight(std::size_t home) const {
                              seeds_.weights.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
-// With it the margin derived in star.hpp, for a vertex of squared length x2: |X| <= X^2 / L + L / 4.
+// Sets the length and the margin that follows from it.
 template <class Isa>
 void StarWalk<Isa>::set_longest(double length) {
     longest_ = length;
-    const double square = length * length;
-    rounding_by_square_ = 1.01 * (float_unit * 6.5 + quantum / length);
-    rounding_ = 1.01 * (float_unit * (6.5 * 0.25 + 4.6) * square + quantum * 1.25 * length);
-    if (!weighted_) return;
-    rounding_by_square_ += 1.01 * float_unit * 0.5;
-    rounding_ += 1.01 * float_unit * (0.125 * square + 0.25 * length * std::sqrt(more_) + 3 * window_.weight_span());
+    const bounds::FloatMargin m =
+        weighted_ ? bounds::float_margin(longest_, more_, weight_span_) : bounds::float_margin(longest_);
+    rounding_by_square_ = m.by_square;
+    rounding_ = m.constant;
 }
 
 // The squared distance within which all seeds are candidates that were looked for within this one.
@@ -299,7 +298,7 @@ bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, con
         at.lower[k] = at.upper[k] = p_[k] + offset;
         size = std::max(size, std::abs(p_[k]) + std::abs(offset));
     }
-    const double reach = std::sqrt(dot(wide(x), wide(x)) + more_) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
+    const double reach = in_places(bounds::widest_reach(dot(wide(x), wide(x)), more_), size);
     std::size_t nodes = 1;
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
@@ -340,11 +339,12 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
 // n.x - h <= 0 for all seeds. Along the edge n.x - h is linear: if it is >= 0 at some vertex, it is so at all vertices
 // behind, and the search around those has found the seed.
 template <class Isa>
-bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* three, int& added) {
+bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
+                               int& added) {
     Box at;
-    double x2 = 0, size = 0, reach2 = 0;
+    double x2 = 0, length = 0, size = 0, reach2 = 0;
     GroupTest test{p_, scale_, {}, 0};
-    auto look_around = [&] {
+    auto look_around = [&](double length2) {
         size = 0;
         for (int k = 0; k < 3; ++k) {
             const double offset = x.x[k] * unscale_;
@@ -353,20 +353,20 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
             test.v[k] = x.x[k];
         }
         x2 = dot(wide(x), wide(x));
-        const double reach = std::sqrt(x2 + more_) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
+        length = std::sqrt(length2);
+        const double reach = in_places(bounds::widest_reach(x2, more_), size);
         reach2 = reach * reach;
         test.slack = 2 * margin * x2;
     };
-    look_around();
+    look_around(of_vertex.length2);
     // The same for seeds that are no heavier, 0 if there is none: the sphere shrinks to nothing for the lightest.
     auto reach_of = [&](double heaviest) {
         const double more = (heaviest - weight_) * scale_ * scale_;
         if (more >= more_) return reach2;
-        const double square =
-            x2 * (1 + 8 * margin) + more + 8 * unit * (std::abs(heaviest) + std::abs(weight_)) * scale_ * scale_;
-        if (!(square > 0)) return 0.0;
-        const double reach =
-            (std::sqrt(square) + 4 * margin * std::sqrt(x2)) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
+        const double rounding = 8 * unit * (std::abs(heaviest) + std::abs(weight_)) * scale_ * scale_;
+        const double distance = bounds::reach_from_vertex(std::sqrt(x2), length, more + rounding);
+        if (distance == 0) return 0.0;
+        const double reach = in_places(distance, size);
         return reach * reach;
     };
     std::size_t nodes = 1;
@@ -401,7 +401,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, Four x, const std::int32_t* thr
                 if (++added == most_new) return true;
                 if (excess > 0 && solve(line, third, nearer)) {
                     x = nearer;
-                    look_around();
+                    look_around(error_length2(line, third, dot(wide(x), wide(x))));
                     inside &= find_inside(begin, test);
                 }
             }

@@ -18,6 +18,7 @@
 #include "cpu/walk/kernels/star_kernels.hpp"
 #include "cpu/walk/neighborhood.hpp"
 #include "cpu/walk/star.hpp"
+#include "cpu/walk/star_bounds.hpp"
 #include "cpu/walk/window.hpp"
 #include "exact/corner.hpp"
 #include "exact/predicate.hpp"

@@ -130,7 +130,7 @@ bool StarWalk<Isa>::complete() {
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) {
         typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
-        power_found_ = std::max(power_found_, (1 + 4 * margin) * 0.25 * needed - weight_);
+        power_found_ = std::max(power_found_, bounds::power((1 + 4 * margin) * 0.25 * needed, weight_));
     }
     return collect_faces();
 }
@@ -298,11 +298,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             return false;
         }
         const double x2 = dot(wide(x), wide(x));
-        third.length2 = x2;
-        if (!plain_ && weighted_) {
-            const double length = std::sqrt(x2) + 0.25 * std::sqrt(std::max(line.longest2, third.square));
-            third.length2 = length * length;
-        }
+        third.length2 = error_length2(line, third, x2);
         if (!(x2 < longest_normal * longest_normal)) {
             if (have_walls_ || !add_walls()) return false;
             lane = -1;
@@ -329,7 +325,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
             int added = 0;
-            if (!add_inside(line, x, three, added)) return false;
+            if (!add_inside(line, third, x, three, added)) return false;
             searched = vertices_ > 0 && added < most_new;
             if (added > 0) {
                 lane = -1;
@@ -341,12 +337,19 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 !images_known(x, x2, reach2))
                 return false;
             if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
+            if (weighted_) note_reach(x2, third);
         }
         reached_ = std::max(reached_, 4 * x2);
         if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
         return add_tie(edge, id, third, x) && !is_open(edge);
     }
     return false;
+}
+
+// Keeps the reach of a vertex in a power diagram. Not inlined: without weights it costs nothing.
+template <class Isa>
+void StarWalk<Isa>::note_reach(double x2, const Third& third) {
+    reached_ = std::max(reached_, 4 * most_distance_squared(x2, third));
 }
 
 // Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
@@ -363,7 +366,7 @@ bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2) {
         vertex[k] = p_[k] + offset;
         size = std::max(size, std::abs(p_[k]) + std::abs(offset));
     }
-    const double radius = std::sqrt(x2 + more_) * unscale_ * (1 + 4 * margin) + 8 * unit * size;
+    const double radius = in_places(bounds::widest_reach(x2, more_), size);
     return reach2 * unscale_ * unscale_ < own_images_ * own_images_ * (1 - 4 * margin) &&
            radius < seeds_.images->reach(vertex);
 }
@@ -395,7 +398,7 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
 // Bounds the error of n.x, in units of |n| and the length of the vertex.
 template <class Isa>
 double StarWalk<Isa>::relative_error(const Third& third) const {
-    return (weighted_ ? weighted_factor : solved_factor) * third.condition() + 8 * unit;
+    return (weighted_ ? bounds::weighted_factor : bounds::solved_factor) * third.condition() + 8 * unit;
 }
 
 // On which side of a plane the vertex lies: 0 where rounding may decide.
@@ -448,8 +451,8 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     if (keep_ == Keep::places) keep_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    const double power = (1 + 4 * margin) * dot(wide(x), wide(x)) * unscale_ * unscale_ - weight_;
-    cells_.give_tie(tied_cells_, numbers_[vertices_], power);
+    const double square = (1 + 4 * margin) * most_distance_squared(dot(wide(x), wide(x)), third);
+    cells_.give_tie(tied_cells_, numbers_[vertices_], bounds::power(square * unscale_ * unscale_, weight_));
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 

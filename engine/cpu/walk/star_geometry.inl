@@ -80,7 +80,7 @@ bool StarWalk<Isa>::knows_vertices() const {
         const Wide square = wide(position_[v]) * wide(position_[v]);
         largest = square > largest ? square : largest;
     }
-    return solved_factor * std::sqrt(std::sqrt(largest[3])) <=
+    return bounds::solved_factor * std::sqrt(std::sqrt(largest[3])) <=
            accepted_error * std::sqrt(std::max({largest[0], largest[1], largest[2]}));
 }
 
@@ -122,15 +122,7 @@ void StarWalk<Isa>::polygons(std::span<const std::uint32_t> ranks, CellPolygons&
 template <class Isa>
 void StarWalk<Isa>::normals(std::vector<std::array<double, 3>>& out) {
     out.clear();
-    for (int p = 0; p < planes_; ++p) {
-        if (out_[p] == 0) continue;
-        need_plane(p);
-        if (id_[p] < 0) {
-            out.push_back(wall_of(id_[p]).normal);
-        } else {
-            out.push_back(unit_vector({n_[p].x[0], n_[p].x[1], n_[p].x[2]}));
-        }
-    }
+    for (const std::int32_t id : faces()) out.push_back(unit_normal(base_.point, exact_plane(id)));
 }
 
 }  // namespace votess::cpu

@@ -28,22 +28,15 @@ public:
     void normals(std::vector<std::array<double, 3>>& out) override;
 
 private:
-    static constexpr double unit = 0x1p-53;
-    static constexpr double float_unit = 0x1p-24;
-    static constexpr double quantum = 2;                // of window integers: more than q in star.hpp
-    static constexpr double worst_condition2 = 1e12;    // (|na||nb||nc| / det)^2
-    static constexpr double margin = 2e-8;              // more than the relative error of a vertex that is accepted
-    static constexpr double solved_factor = 80 * unit;  // Cell's 62 u, and 13 u for normals that are rounded twice
-    // The same with weights, which move planes, by |X| + |n| / 4 for the longest n.
-    static constexpr double weighted_factor = 100 * unit;
+    static constexpr double unit = bounds::unit, margin = bounds::margin, quantum = bounds::quantum;
+    static constexpr double worst_condition2 = bounds::worst_condition * bounds::worst_condition;
     static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;         // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.7;            // of the squared security radius that is typical
-    static constexpr int most_candidates = 160;            // at first; room for others is left
-    static constexpr double near_share = 0.6;              // of the squared reach
-    static constexpr double closest_moved = 0x1p-40;       // of the largest coordinate: nearer is near
-    static constexpr double least_image_vertex2 = 0x1p36;  // of squared window units, where images are rounded
-    static constexpr int most_picks = 256;                 // planes tried for one vertex
+    static constexpr double longest_normal = 1e12;    // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.7;       // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;       // at first; room for others is left
+    static constexpr double near_share = 0.6;         // of the squared reach
+    static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer is near
+    static constexpr int most_picks = 256;            // planes tried for one vertex
     static constexpr int most_beginnings = 8;
     static constexpr float parallel = 0x1p-18f;  // rays nearly along a plane do not leave it
     static constexpr int most_new = 24;          // seeds taken at once from beyond the window
@@ -109,7 +102,7 @@ private:
         Four n;
         double h, square;             // square = |n|^2
         double norms2, determinant2;  // |na|^2 |nb|^2 |nc|^2 and det(na, nb, nc)^2
-        double length2;               // of the vertex, or more: what its error is measured by
+        double length2;               // of the vertex, or more: what its error is measured by, see star_bounds.hpp
         [[nodiscard]] double condition() const { return std::sqrt(norms2 / determinant2); }
     };
 
@@ -137,9 +130,24 @@ private:
     }
     // At least the squared distance within which a seed may cut off a vertex of squared length x2.
     [[nodiscard]] double reach_squared(double x2) const {
-        if (plain_ || !weighted_) return 4 * x2 * (1 + margin);
-        const double reach = std::sqrt(x2) + std::sqrt(x2 + more_);
-        return reach * reach * (1 + 16 * margin);
+        return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : bounds::widest_reach_squared(x2, more_);
+    }
+    // The square of `length` in star_bounds.hpp, for a vertex of squared length x2.
+    [[nodiscard]] double error_length2(const Line& line, const Third& third, double x2) const {
+        if (plain_ || !weighted_) return x2;
+        const double length = std::sqrt(x2) + 0.25 * std::sqrt(std::max(line.longest2, third.square));
+        return length * length;
+    }
+    // At least |X|^2 of a vertex, up to a factor of 1 + 4 margin.
+    [[nodiscard]] double most_distance_squared(double x2, const Third& third) const {
+        if (!weighted_) return x2;
+        const double most = bounds::most_distance(std::sqrt(x2), std::sqrt(third.length2));
+        return most * most;
+    }
+    // Turns a distance in window units into one between places. size: the largest of their coordinates, which are
+    // rounded.
+    [[nodiscard]] double in_places(double distance, double size) const {
+        return distance * unscale_ * (1 + 4 * margin) + 8 * unit * size;
     }
     [[nodiscard]] double weight_of(std::int32_t id) const {
         return seeds_.weights[static_cast<std::size_t>(seeds_.images == nullptr ? id : seeds_.images->home(id))];
@@ -168,8 +176,9 @@ private:
     void set_image_reach(double reach) {
         reach = std::min(reach, own_images_);
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
-        images_beyond2_ = window_open_ ? least_image_vertex2 : -1;
+        images_beyond2_ = window_open_ ? bounds::least_image_vertex2 : -1;
     }
+    [[gnu::noinline]] void note_reach(double x2, const Third& third);
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2);
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
     // Stacks an edge a -> b, which a vertex has brought, unless its other end is known.
@@ -218,7 +227,8 @@ private:
     [[nodiscard]] bool is_extra(std::int32_t id) const;
     [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
     [[nodiscard, gnu::noinline]] unsigned find_inside_weighted(std::size_t begin, const GroupTest& test) const;
-    [[gnu::noinline]] bool add_inside(const Line& line, Four x, const std::int32_t* three, int& added);
+    [[gnu::noinline]] bool add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
+                                      int& added);
 
     // star_walls.inl
     struct Wall {
@@ -291,6 +301,7 @@ private:
     double covered_ = 0;                            // squared distance within which all seeds not done are candidates
     double near_covered_ = 0;                       // and are among the near ones
     double longest_ = 0;                            // at least the length of the longest candidate normal
+    double weight_span_ = 0;                        // of the candidates and the seed, in squared units
     double rounding_ = 0, rounding_by_square_ = 0;  // margin of a vertex: rounding_by_square_ times its square more
     double reached_ = 0;                            // largest squared security radius of the vertices found
     double scale_ = 1, unscale_ = 1;  // planes and vertices times this: window units, or 1 without a window

@@ -6,13 +6,13 @@
 #include <limits>
 
 #include "cpu/sort/seed_images.hpp"
+#include "cpu/walk/star_bounds.hpp"
 
 namespace votess::cpu {
 namespace {
 
 constexpr std::size_t least_groups = 4;  // fewer tell nothing about the surroundings
 constexpr int most_tries = 12;
-constexpr double most_rounding = 0x1p-8;    // of images, in units
 constexpr double widest_span = 1e28;        // of weights in squared units, which are floats
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
@@ -95,7 +95,7 @@ bool Window::open(std::size_t home, const Box& box, double radius, double weight
     // Twice the extent, times the scale, is at most window_range * (1 - 2^-20): the rounding of origin and extent.
     scale_ = std::ldexp(1.0, 28 - std::ilogb(extent) - 1);
     // Images have been rounded, seeds have not.
-    if (seeds_.images != nullptr && seeds_.images->largest_coordinate() * 0x1p-53 * scale_ > most_rounding)
+    if (seeds_.images != nullptr && seeds_.images->largest_coordinate() * 0x1p-53 * scale_ > bounds::image_rounding)
         return false;
     reach_ = radius;
 
@@ -119,7 +119,7 @@ std::array<std::int32_t, 3> Window::position(const std::array<double, 3>& x) con
 
 bool Window::weigh() {
     weight_.resize(x_.size());
-    float least = 0, most = 0;
+    least_weight_ = most_weight_ = 0;
     for (int i = 0; i < count_; ++i) {
         const std::int32_t id = id_[i];
         const bool image = seeds_.images != nullptr && seeds_.images->is_image(id);
@@ -127,12 +127,11 @@ bool Window::weigh() {
         const bool exists = static_cast<std::size_t>(id) < (image ? seeds_.images_end : seeds_.size());
         const auto seed = static_cast<std::size_t>(exists && image ? seeds_.images->home(id) : id);
         weight_[i] = exists ? weight(seeds_.weights[seed]) : 0;
-        least = std::min(least, weight_[i]);
-        most = std::max(most, weight_[i]);
+        least_weight_ = std::min(least_weight_, weight_[i]);
+        most_weight_ = std::max(most_weight_, weight_[i]);
     }
     for (int k = count_; k < count_ + 16; ++k) weight_[k] = 0;
-    weight_span_ = double{most} - least;
-    return weight_span_ < widest_span;
+    return double{most_weight_} - least_weight_ < widest_span;
 }
 
 }  // namespace votess::cpu

@@ -2,6 +2,7 @@
 // coordinates are exact to half a unit and have all bits of a float, however far from the origin the seeds lie.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -40,11 +41,13 @@ public:
     }
     // The same of any point inside the box.
     [[nodiscard]] std::array<std::int32_t, 3> position(const std::array<double, 3>& x) const;
-    // In a power diagram: a weight as those of the window are, and how far these lie apart, in squared units.
+    // In a power diagram: a weight as those of the window are, and how far these and it lie apart, in squared units.
     [[nodiscard]] float weight(double weight) const {
         return static_cast<float>((weight - base_weight_) * scale_ * scale_);
     }
-    [[nodiscard]] double weight_span() const { return weight_span_; }
+    [[nodiscard]] double weight_span(float own) const {
+        return double{std::max(most_weight_, own)} - std::min(least_weight_, own);
+    }
     // Whether a seed of the home is there: not if squares of distances underflow.
     [[nodiscard]] bool holds(std::size_t seed) const { return place(seed) < static_cast<std::size_t>(count_); }
     // Takes a seed of the home out of the candidates, if it is there, and back again.
@@ -75,7 +78,8 @@ private:
     std::size_t group_count_ = 0;
     std::vector<std::int32_t> x_, y_, z_, id_;
     std::vector<float> weight_;
-    double base_weight_ = 0, weight_span_ = 0;
+    double base_weight_ = 0;
+    float least_weight_ = 0, most_weight_ = 0;
     int count_ = 0;
     std::array<std::size_t, home_groups> home_places_{};  // of the first seeds of the home's groups
     std::array<double, 3> origin_{};

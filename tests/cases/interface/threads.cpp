@@ -48,7 +48,7 @@ TEST_SUITE("threads") {
             auto options = with_threads(1);
             options.box = set.box;
             options.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = true};
-            options.want.surfaces = options.want.radii = true;
+            options.want.surfaces = options.want.radii = options.want.normals = true;
             const auto few = votess::tessellate(set.points, options);
             options.threads = 64;  // shorter ones
             CHECK(test::check_identical(few, votess::tessellate(set.points, options)) == "");

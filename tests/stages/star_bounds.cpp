@@ -1,0 +1,291 @@
+// star: the bounds of star_bounds.hpp against rationals, where rounding is as bad as they allow, and as it is.
+#include "cpu/walk/star_bounds.hpp"
+
+#include <doctest/doctest.h>
+#include <gmpxx.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "cpu/cpu_clipper.hpp"
+#include "input/options.hpp"
+#include "support/check.hpp"
+#include "support/rational_planes.hpp"
+
+using namespace votess::cpu;
+using test::Random;
+using Vector = std::array<double, 3>;
+
+namespace {
+
+double decades(Random& random, double lower, double upper) {
+    return std::pow(10, random.uniform(lower, upper));
+}
+
+Vector direction(Random& random) {
+    Vector v;
+    double square;
+    do {
+        square = 0;
+        for (double& x : v) x = random.uniform(-1, 1), square += x * x;
+    } while (square < 0.01 || square > 1);
+    for (double& x : v) x /= std::sqrt(square);
+    return v;
+}
+
+double length_of(const Vector& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+mpq_class square_of(const mpq_class& x) {
+    return x * x;
+}
+
+template <class Test>
+void for_each_set(const Test& test) {
+    for (const Kernels* supported : supported_kernels())
+        if (std::string(supported->name) != "avx512") test(star_kernels(supported->name));
+}
+
+// A seed at the origin in a small cell among heavy seeds that are far away, and light ones that are not.
+struct Small {
+    std::vector<double> points{0, 0, 0}, weights;
+    Small(Random& random, double size) {
+        weights.push_back(random.chance(0.5) ? 0 : random.uniform(-3, 3));
+        const double largest = decades(random, -2, 0);
+        for (int i = 0; i < 14; ++i) {
+            const bool near = random.chance(0.2);
+            const double r = near ? size * random.uniform(0.5, 3) : largest * random.uniform(0.3, 1);
+            const double h = size * random.uniform(0.5, 1.5);
+            const Vector d = direction(random);
+            double square = 0;
+            for (const double x : d) points.push_back(r * x), square += points.back() * points.back();
+            weights.push_back(weights[0] + square - 2 * h * r);
+        }
+    }
+    [[nodiscard]] test::RationalPlane plane(std::size_t i) const {
+        test::RationalPlane plane;
+        plane.h = (mpq_class(weights[0]) - mpq_class(weights[i])) / 2;
+        for (std::size_t k = 0; k < 3; ++k) {
+            plane.n[k] = mpq_class(points[3 * i + k]) - mpq_class(points[k]);
+            plane.h += plane.n[k] * plane.n[k] / 2;
+        }
+        return plane;
+    }
+};
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("star bounds: no seed that cuts a vertex off is beyond its reach") {
+        Random random(1);
+        for (std::size_t i = 0; i < test::by_size(6000, 2000); ++i) {
+            const double x = decades(random, -12, 12), longest = x * decades(random, -1, 10);
+            const double length = x + longest / 4;
+            // Away from the seed, or towards it, by as much as (1) allows.
+            const mpq_class off = mpq_class(0.6 * bounds::margin) * mpq_class(length) * (random.chance(0.8) ? 1 : -1);
+            const mpq_class exact = mpq_class(x) + off;
+            CHECK(mpq_class(bounds::most_distance(x, length)) >= exact);
+            double more = x * x * decades(random, -12, 12);
+            if (random.chance(0.6)) more = -x * x * (1 - decades(random, -17, 0));
+            const mpq_class square = exact * exact + mpq_class(more);
+            const mpq_class reach(bounds::reach_from_vertex(x, length, more));
+            if (square > 0) CHECK(reach >= abs(off));
+            if (square > 0) CHECK(square_of(reach - abs(off)) >= square);
+        }
+    }
+
+    TEST_CASE("star bounds: the widest reach, where the longest normal is as long as may be") {
+        Random random(2);
+        for (std::size_t i = 0; i < test::by_size(6000, 2000); ++i) {
+            const double x = decades(random, -6, 6), more = random.chance(0.1) ? 0 : x * x * decades(random, -3, 20);
+            const double longest = (x + std::sqrt(x * x + more)) * (1 + 1e-7);
+            const mpq_class off = mpq_class(0.6 * bounds::margin) * mpq_class(x + longest / 4);
+            const mpq_class exact = mpq_class(x) + off, square = exact * exact + mpq_class(more);
+            const mpq_class reach(bounds::widest_reach(x * x, more));
+            CHECK(square_of(reach - off) >= square);
+            // At least (a + sqrt(b))^2, a = |X|, b = |X|^2 + more.
+            const mpq_class rest = mpq_class(bounds::widest_reach_squared(x * x, more)) - exact * exact - square;
+            CHECK(rest * rest >= 4 * exact * exact * square);
+            const mpq_class alone = mpq_class(x) * (1 + mpq_class(0.45 * bounds::margin));
+            CHECK(mpq_class(bounds::widest_reach_squared(x * x)) >= 4 * alone * alone);
+        }
+    }
+
+    TEST_CASE("star bounds: powers and back") {
+        Random random(3);
+        for (std::size_t i = 0; i < test::by_size(6000, 2000); ++i) {
+            const double square = decades(random, -20, 20), sign = random.chance(0.5) ? 1 : -1;
+            const double weight =
+                random.chance(0.3) ? square * random.uniform(0.9, 1.1) : sign * decades(random, -20, 20);
+            const double power = bounds::power(square, weight);
+            CHECK(mpq_class(power) >= mpq_class(square) - mpq_class(weight));
+            CHECK(bounds::back(power, weight) >= square);
+            const double other = decades(random, -20, 20), other_weight = -sign * decades(random, -20, 20);
+            const double largest = std::max(power, bounds::power(other, other_weight));
+            CHECK(bounds::back(largest, std::max(weight, other_weight)) >= std::max(square, other));
+        }
+    }
+
+    // Cells much smaller than the normals of their faces.
+    TEST_CASE("star bounds: vertices and powers of cells among heavy seeds") {
+        Random random(4);
+        std::size_t vertices = 0, beyond_length = 0;
+        for (std::uint64_t i = 0; i < test::environment("VOTESS_BOUNDS_CELLS", test::by_size(300, 60)); ++i) {
+            const double size = decades(random, -13, -1);
+            const Small small(random, size);
+            votess::Options options;
+            options.box = test::cube(-4, 4);
+            options.weights = small.weights;
+            const votess::Job job = votess::validate({small.points, {}}, options);
+            CpuClipper clipper;
+            clipper.begin(job);
+            clipper.prepare();
+            const auto& input = clipper.seeds().input;
+            const auto seed = static_cast<std::size_t>(std::ranges::find(input, 0) - input.begin());
+            REQUIRE(seed < input.size());
+            for (const Kernels* kernels : supported_kernels()) {
+                const auto star = make_star(kernels->name, clipper.seeds(), clipper.hierarchy());
+                star->begin_job(*job.domain);
+                star->begin(seed / Star::alignment * Star::alignment, seed + 1, Star::Keep::places);
+                if (!star->build(seed) || star->faces().empty()) continue;
+                std::vector<std::uint32_t> ranks;
+                for (const std::int32_t id : star->faces())
+                    ranks.push_back(static_cast<std::uint32_t>(
+                        std::ranges::count_if(star->faces(), [id](auto other) { return other < id; })));
+                CellPolygons polygons;
+                star->polygons(ranks, polygons);
+                std::vector<std::vector<std::size_t>> faces_of(polygons.positions.size());
+                bool walled = false;
+                std::vector<test::RationalPlane> planes;
+                for (std::size_t f = 0; f < polygons.size(); ++f) {
+                    const std::int32_t id = star->faces()[f];
+                    walled |= id < 0;
+                    if (id >= 0) planes.push_back(small.plane(static_cast<std::size_t>(input[id])));
+                    for (const std::uint32_t v : polygons.face(f)) faces_of[v].push_back(f);
+                }
+                if (walled) continue;
+                for (std::size_t v = 0; v < faces_of.size(); ++v) {
+                    const auto& faces = faces_of[v];
+                    mpq_class exact[3];
+                    if (faces.size() != 3 || !test::solve(planes[faces[0]], planes[faces[1]], planes[faces[2]], exact))
+                        continue;
+                    ++vertices;
+                    double longest = 0;
+                    for (const std::size_t f : faces)
+                        longest = std::max(longest, length_of({planes[f].n[0].get_d(), planes[f].n[1].get_d(),
+                                                               planes[f].n[2].get_d()}));
+                    mpq_class off, square;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        off += square_of(exact[k] - mpq_class(polygons.positions[v][k]));
+                        square += square_of(exact[k]);
+                    }
+                    const double length = length_of(polygons.positions[v]) + longest / 4;
+                    CHECK(off <= square_of(mpq_class(0.6 * bounds::margin * length)));
+                    beyond_length += off > square_of(mpq_class(bounds::margin)) * square ? 1 : 0;
+                    CHECK(mpq_class(star->power_found()) >= square - mpq_class(small.weights[0]));
+                }
+            }
+        }
+        CHECK(vertices > 500);
+        CHECK(beyond_length > 10);  // what a bound in units of |X| would have missed
+    }
+
+    TEST_CASE("star bounds: no candidate plane that cuts a vertex off is passed over") {
+        Random random(5);
+        for_each_set([&](const StarKernels& kernels) {
+            for (std::size_t i = 0; i < test::by_size(8000, 2000); ++i) {
+                const double longest = decades(random, 0.3, random.chance(0.5) ? 1.5 : 8.5);
+                const bool weighted = random.chance(0.4);
+                // The seed exactly, and as whole numbers, off by up to half a unit each, as its own place is.
+                const Vector along = direction(random);
+                const double size = longest * (random.chance(0.5) ? 1 - 1e-7 : random.uniform(0, 1));
+                std::int32_t at[3][16];
+                Vector n;
+                double norm2 = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    at[k][0] = static_cast<std::int32_t>(size * along[k]);
+                    n[k] =
+                        at[k][0] + (random.chance(0.8) ? std::copysign(1.0078, along[k]) * (random.chance(0.5) ? 1 : -1)
+                                                       : random.uniform(-1, 1));
+                    norm2 += n[k] * n[k];
+                    for (int j = 1; j < 16; ++j) at[k][j] = far_away;
+                }
+                // A vertex on the plane, or a little beyond.
+                const double span = weighted ? norm2 * decades(random, -4, 3) : 0;
+                double own = 0, other = 0;
+                if (weighted)
+                    own = random.uniform(0, span), other = random.chance(0.5) ? 0 : own - random.uniform(0, span);
+                const double low = std::min({0.0, own, other}), high = std::max({0.0, own, other});
+                const mpq_class h = (mpq_class(n[0]) * n[0] + mpq_class(n[1]) * n[1] + mpq_class(n[2]) * n[2] +
+                                     mpq_class(own) - mpq_class(other)) /
+                                    2;
+                if (h < 0 || norm2 == 0) continue;
+                const double to_plane = h.get_d() / norm2;
+                const Vector side = direction(random);
+                const double shift = std::sqrt(norm2) * (random.chance(0.5) ? 0 : random.uniform(0, 3));
+                Vector x;
+                for (std::size_t k = 0; k < 3; ++k) x[k] = to_plane * n[k] * (1 + 0x1p-45) + shift * side[k];
+                const double along_n = (x[0] * n[0] + x[1] * n[1] + x[2] * n[2]) / norm2;
+                for (std::size_t k = 0; k < 3; ++k) x[k] += (to_plane * (1 + 0x1p-44) - along_n) * n[k];
+                if (mpq_class(n[0]) * x[0] + mpq_class(n[1]) * x[1] + mpq_class(n[2]) * x[2] < h) continue;
+
+                const double x2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+                const double more = std::max(0.0, high - own);
+                const double long_normal = std::sqrt(x2) + std::sqrt(x2 + more);
+                const double off = 0.19 * bounds::float_unit * (std::sqrt(x2) + (weighted ? long_normal / 4 : 0));
+                const auto m =
+                    weighted ? bounds::float_margin(longest, more, high - low) : bounds::float_margin(longest);
+                float v[4];
+                for (std::size_t k = 0; k < 3; ++k) v[k] = static_cast<float>(x[k] - off * n[k] / std::sqrt(norm2));
+                v[3] = static_cast<float>(m.by_square * x2 + m.constant);
+                const std::int32_t zero[3] = {0, 0, 0}, three[3] = {-1, -1, -1};
+                std::int32_t ids[16] = {7};
+                float weights[16] = {static_cast<float>(other)};
+                const WindowSeeds window{at[0], at[1], at[2], ids, weighted ? weights : nullptr, 1};
+                const auto candidates = std::make_unique<CandidatePlanes>();
+                REQUIRE(kernels.select(window, zero, static_cast<float>(own), 0, std::numeric_limits<float>::max() / 4,
+                                       *candidates));
+                const int found = kernels.touching(*candidates, candidates->count, v, three, 0);
+                CHECK(found == 0);
+            }
+        });
+    }
+
+    TEST_CASE("star bounds: the rounding of images does not hide a seed in a ball") {
+        Random random(6);
+        const double r = 2 * std::sqrt(3.0) * bounds::image_rounding;
+        for_each_set([&](const StarKernels& kernels) {
+            const auto all_found = [&](double square) {
+                const double distance = std::sqrt(square);
+                bool all = true;
+                for (std::size_t i = 0; i < test::by_size(8000, 2000); ++i) {
+                    const Vector v = direction(random), from_middle = direction(random);
+                    // On the sphere around X, many of them near the seed, where the test allows for least.
+                    const double near = random.chance(0.5) ? 1 : random.uniform(0, 1);
+                    Vector n, x;
+                    double from_x = 0;
+                    for (std::size_t k = 0; k < 3; ++k) n[k] = -near * v[k] + (1 - near) * from_middle[k];
+                    const double size = length_of(n);
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        n[k] = distance * v[k] + distance * n[k] / size * (1 - 0x1p-40);
+                        x[k] = distance * v[k] * (1 - 0.45 * bounds::margin);
+                        from_x += (n[k] - distance * v[k]) * (n[k] - distance * v[k]);
+                    }
+                    double seeds[3][8];
+                    for (std::size_t k = 0; k < 3; ++k)
+                        for (double& at : seeds[k]) at = n[k] + r * (n[k] - distance * v[k]) / std::sqrt(from_x);
+                    double x2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+                    const GroupTest ball{{}, 1, x, 2 * bounds::margin * x2};
+                    all &= kernels.inside_ball(seeds[0], seeds[1], seeds[2], ball, 0) == 0xff;
+                }
+                return all;
+            };
+            CHECK(all_found(bounds::least_image_vertex2));
+            CHECK_FALSE(all_found(bounds::least_image_vertex2 / 2));
+        });
+    }
+}
