@@ -1,6 +1,6 @@
-// The density that is linear in Delaunay tetrahedra, which are the bodies. A body has barycentric coordinates, so a flat
-// one is cut like any other: its parts sum to it, and the integrals of the coordinates are their moments. Volumes come
-// from exact differences between the corners.
+// The density that is linear in Delaunay tetrahedra, which are the bodies. A body has barycentric coordinates, so a
+// flat one is cut like any other: its parts sum to it, and the integrals of the coordinates are their moments. Volumes
+// come from exact differences between the corners.
 #include <cmath>
 #include <limits>
 #include <string>
@@ -220,8 +220,8 @@ public:
             const auto& [begin, count] = corners[k];
             for (std::size_t i = begin; i < begin + count; ++i) {
                 const std::size_t seed = triangulation_.seed(i);
-                const auto share = static_cast<double>(triangulation_.volume(number) / around_[seed]) /
-                                   static_cast<double>(count);
+                const auto share =
+                    static_cast<double>(triangulation_.volume(number) / around_[seed]) / static_cast<double>(count);
                 for (std::size_t c = 0; c < m; ++c) at_corners_[k * m + c] += share * masses_.values[seed * m + c];
             }
         }
@@ -304,8 +304,7 @@ void divide(const Task& task, const Masses& masses) {
             if (std::abs(x) < least && mass != 0) lost += std::abs(mass - std::ldexp(x, -exponent) * size.mantissa);
             if (std::abs(x) > std::abs(task.grid[largest])) largest = element;
         }
-        if (lost > rounding * all)
-            refuse_density(task, largest, std::ldexp(all, masses.exponents[c]), size);
+        if (lost > rounding * all) refuse_density(task, largest, std::ldexp(all, masses.exponents[c]), size);
     }
 }
 

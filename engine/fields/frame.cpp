@@ -64,8 +64,8 @@ Vector Frame::position(const double* x) const {
 }
 
 Vector Frame::difference(const double* from, const double* to) const {
-    return in_grid({to[0] * scale_ - from[0] * scale_, to[1] * scale_ - from[1] * scale_,
-                   to[2] * scale_ - from[2] * scale_});
+    return in_grid(
+        {to[0] * scale_ - from[0] * scale_, to[1] * scale_ - from[1] * scale_, to[2] * scale_ - from[2] * scale_});
 }
 
 Vector Frame::in_grid(const Vector& difference) const {

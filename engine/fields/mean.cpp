@@ -10,7 +10,12 @@ namespace {
 class Cells final : public Carrier {
 public:
     Cells(const Task& task, const Tessellation& t)
-        : t_(t), values_(task.values), columns_(task.columns), frame_(task.frame), size_(task.frame.cell_size()), grid_(task.grid) {}
+        : t_(t),
+          values_(task.values),
+          columns_(task.columns),
+          frame_(task.frame),
+          size_(task.frame.cell_size()),
+          grid_(task.grid) {}
 
     bool load(std::size_t seed, Body& body) override {
         if (t_.status()[seed] != CellStatus::certified) return false;

@@ -7,8 +7,8 @@
 
 namespace votess::fields {
 
-// How coordinates of a body become those of the grid: along axis k, at[k] + along[k].x. So a small or flat body keeps its
-// digits.
+// How coordinates of a body become those of the grid: along axis k, at[k] + along[k].x. So a small or flat body keeps
+// its digits.
 struct Place {
     Vector at{};
     std::array<Vector, 3> along{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
