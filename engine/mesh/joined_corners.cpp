@@ -1,6 +1,7 @@
 #include "mesh/joined_corners.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -39,18 +40,19 @@ public:
         for (std::size_t v = 0; v < r_.vertex_image_of.size(); ++v)
             sets_.unite(static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(r_.vertex_image_of[v]),
                         wide(shift_in(r_.vertex_shifts, v, 1)));
-        find_touched();
     }
 
-    void join() {
-        join_near();
-        do {
-            pairs_.clear();
-            for (std::size_t f = 0; f < dropped(); ++f) shrink(polygon(r_.dropped_offsets, r_.dropped_vertices, f));
-            if (pairs_.empty()) join_false_corners();
+    // False when there is nothing to join.
+    bool join() {
+        find_near();
+        mark_touched();
+        if (std::ranges::find(touched_, true) == touched_.end()) return false;
+        while (!pairs_.empty() || find_more()) {
             for (const auto& [a, b] : pairs_) join(a, b);
-        } while (!pairs_.empty());
+            pairs_.clear();
+        }
         check_faces();
+        return true;
     }
 
     [[nodiscard]] Place place(std::int32_t vertex) {
@@ -73,11 +75,13 @@ private:
                                                      ": give a smaller min_face or min_area");
     }
 
-    // By set: whether a dropped face has a vertex of it. Sets that others join have no polygon less.
-    void find_touched() {
+    // A vertex may be joined when a dropped face has it or an image of it, or an edge that is short.
+    void mark_touched() {
         touched_.assign(vertices(), false);
         for (const std::int32_t v : r_.dropped_vertices) touched_[place(v).root] = true;
-        for (std::size_t v = 0; v < vertices(); ++v) touched_[v] = touched_[place(static_cast<std::int32_t>(v)).root];
+        for (const auto& [a, b] : pairs_) touched_[place(a).root] = touched_[place(b).root] = true;
+        for (std::size_t v = 0; v < vertices(); ++v)
+            touched_[v] = touched_[place(static_cast<std::int32_t>(v)).root];  // which is no larger
     }
 
     [[nodiscard]] double distance2(std::int32_t a, std::int32_t b) const {
@@ -97,14 +101,33 @@ private:
         sets_.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), {});
     }
 
-    void join_near() {
+    // Ends of short edges. Of a face that was kept an edge is short if the face would have no area without it, had it
+    // the edge all along.
+    void find_near() {
         for (std::size_t f = 0; f < dropped(); ++f) {
             const auto corners = polygon(r_.dropped_offsets, r_.dropped_vertices, f);
-            for (std::size_t k = 0; k < corners.size(); ++k) {
-                const std::int32_t next = corners[(k + 1) % corners.size()];
-                if (distance2(corners[k], next) <= r_.least_face) join(corners[k], next);
-            }
+            for (std::size_t k = 0; k < corners.size(); ++k)
+                add_near(corners[k], corners[(k + 1) % corners.size()], r_.least_face);
         }
+        for (std::size_t entry = 0; entry < r_.indices.size(); ++entry) {
+            if (r_.indices[entry] < 0) continue;
+            const auto corners = polygon(r_.face_offsets, r_.face_vertices, entry);
+            double around = 0;
+            for (std::size_t k = 0; k < corners.size(); ++k)
+                around += std::sqrt(distance2(corners[k], corners[(k + 1) % corners.size()]));
+            const double least = r_.least_face / (around / 2);
+            for (std::size_t k = 0; k < corners.size(); ++k)
+                add_near(corners[k], corners[(k + 1) % corners.size()], least * least);
+        }
+    }
+    void add_near(std::int32_t a, std::int32_t b, double most2) {
+        if (distance2(a, b) <= most2) pairs_.emplace_back(a, b);
+    }
+
+    bool find_more() {
+        for (std::size_t f = 0; f < dropped(); ++f) shrink(polygon(r_.dropped_offsets, r_.dropped_vertices, f));
+        if (pairs_.empty()) join_false_corners();
+        return !pairs_.empty();
     }
 
     // What a polygon is now: equal corners are one, and a way to a corner and back is none. A polygon that is no face
@@ -195,7 +218,7 @@ private:
         }
     }
 
-    // At the sets that dropped faces touch.
+    // At the sets that are touched.
     void find_meetings() {
         meetings_.clear();
         const auto add = [&](std::int32_t v, std::size_t cell, std::int64_t entry) {
@@ -238,9 +261,9 @@ private:
 }  // namespace
 
 JoinedCorners::JoinedCorners(const Result& result) : result_(result) {
-    if (result.dropped_offsets.size() < 2) return;
+    if (result.dropped_offsets.empty()) return;
     Joiner joiner(result);
-    joiner.join();
+    if (!joiner.join()) return;
     const std::size_t vertices = result.vertices.size() / 3;
     originals_.resize(vertices);
     shifts_.resize(vertices);

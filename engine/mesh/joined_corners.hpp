@@ -1,4 +1,5 @@
-// Vertices of the mesh that are one: images in a periodic domain, and those that dropped faces joined.
+// Vertices of the mesh that are one: images in a periodic domain, and where small faces were dropped, those that
+// dropped faces and short edges joined.
 #pragma once
 
 #include <vector>
@@ -12,7 +13,7 @@ public:
     // Throws invalid_argument where the faces that are left no longer are faces, see delaunay().
     explicit JoinedCorners(const detail::Result& result);
 
-    // Whether dropped faces joined any.
+    // Whether dropped faces or short edges joined any.
     [[nodiscard]] bool any() const { return !originals_.empty(); }
     // The first of the vertices that are one, and how far the vertex is from it.
     [[nodiscard]] std::size_t original(std::int32_t vertex) const {
