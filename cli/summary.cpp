@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "files/numbers.hpp"
@@ -45,6 +46,11 @@ std::string reasons_of(const votess::Stats& stats) {
     for (const Reason& reason : fallback_reasons(stats))
         if (reason.cells > 0) text += (text.empty() ? "" : ", ") + std::to_string(reason.cells) + " " + reason.meaning;
     return text;
+}
+
+std::optional<std::uint64_t> tiny_faces(const Summary& summary) {
+    if (!summary.stats.tiny_faces && summary.verified) return summary.verified->tiny_faces;
+    return summary.stats.tiny_faces;
 }
 
 std::string rounded(const char* format, double value) {
@@ -99,6 +105,9 @@ std::string plain_summary(const Summary& summary) {
     }
     if (stats.duplicates > 0) line("duplicates", std::to_string(stats.duplicates));
     if (stats.empty_cells > 0) line("empty cells", std::to_string(stats.empty_cells));
+    if (const auto tiny = tiny_faces(summary); tiny.value_or(0) > 0)
+        line("tiny faces", std::to_string(*tiny) + " below 1e-9 of the mean area, as of a lattice that was rounded; " +
+                               "--min-face 1e-6 drops them");
     if (stats.fallback_cells > 0)
         line("fallback", std::to_string(stats.fallback_cells) + " cells: " + reasons_of(stats));
     line("exact", std::to_string(stats.exact_cells) + " cells needed exact arithmetic");
@@ -156,6 +165,8 @@ std::string json_summary(const Summary& summary) {
     for (const Reason& reason : fallback_reasons(stats)) member(reason.name, std::to_string(reason.cells));
     text += "}";
     member("exact_cells", std::to_string(stats.exact_cells));
+    const auto tiny = tiny_faces(summary);
+    member("tiny_faces", tiny ? std::to_string(*tiny) : "null");
     member("threads", std::to_string(stats.threads));
     text += ", \"seconds\": {";
     for (const auto& [name, seconds] : stages_of(summary)) member(name, json_number(seconds));

@@ -155,6 +155,15 @@ votess_status votess_verify(const votess_result* result, const double* points, s
     });
 }
 
+votess_status votess_count_tiny_faces(const votess_result* result, const double* points, size_t count,
+                                      uint64_t* tiny_faces) {
+    return guarded([&] {
+        require(result, "result");
+        require(tiny_faces, "tiny_faces");
+        *tiny_faces = votess::count_tiny_faces(result->tessellation, coordinates(points, count));
+    });
+}
+
 votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count, double* places) {
     return guarded([&] {
         require(result, "result");

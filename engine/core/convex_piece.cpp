@@ -124,9 +124,9 @@ bool ConvexPiece::cut(const Vector& n, double h) {
     return !empty();
 }
 
-void ConvexPiece::split(std::size_t axis, double h, ConvexPiece& below) {
+void ConvexPiece::split(const Vector& n, double h, ConvexPiece& below) {
     beyond_.clear();
-    for (const Vector& corner : surface_.corners) beyond_.push_back(corner[axis] - h);
+    for (const Vector& corner : surface_.corners) beyond_.push_back(dot(n, corner) - h);
     const Sides at = sides();
     below.clear();
     if (!at.beyond) {
@@ -138,11 +138,12 @@ void ConvexPiece::split(std::size_t axis, double h, ConvexPiece& below) {
     }
 }
 
-std::pair<double, double> ConvexPiece::extent(std::size_t axis) const {
-    double least = surface_.corners.front()[axis], largest = least;
+std::pair<double, double> ConvexPiece::extent(const Vector& n) const {
+    double least = dot(n, surface_.corners.front()), largest = least;
     for (const Vector& corner : surface_.corners) {
-        least = std::min(least, corner[axis]);
-        largest = std::max(largest, corner[axis]);
+        const double x = dot(n, corner);
+        least = std::min(least, x);
+        largest = std::max(largest, x);
     }
     return {least, largest};
 }

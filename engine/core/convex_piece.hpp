@@ -28,8 +28,8 @@ public:
 
     // Keeps what lies where n.x <= h. False when that is nothing.
     bool cut(const Vector& n, double h);
-    // Keeps what lies where x[axis] >= h; `below` becomes the rest.
-    void split(std::size_t axis, double h, ConvexPiece& below);
+    // Keeps what lies where n.x >= h; `below` becomes the rest.
+    void split(const Vector& n, double h, ConvexPiece& below);
 
     struct Measure {
         double volume = 0;
@@ -39,8 +39,8 @@ public:
     // it matters that polygons of rounded corners are not planar.
     [[nodiscard]] Measure measure(std::size_t corner = 0) const;
     [[nodiscard]] double volume(std::size_t corner = 0) const { return measure(corner).volume; }
-    // Returns the least and the largest x[axis] of a polyhedron that is not empty.
-    [[nodiscard]] std::pair<double, double> extent(std::size_t axis) const;
+    // Returns the least and the largest n.x of a polyhedron that is not empty.
+    [[nodiscard]] std::pair<double, double> extent(const Vector& n) const;
     // A ball that holds all corners.
     struct Ball {
         Vector center{};

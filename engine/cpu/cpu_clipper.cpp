@@ -279,7 +279,10 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
     };
     Progress::require(pool_->run(blocks, std::cref(task), watch));  // by reference: no allocation
     clip_hard(out, share);
-    for (const Worker& worker : workers_) out.count(worker.writer.counters());
+    for (const Worker& worker : workers_) {
+        out.count(worker.writer.counters());
+        out.count(worker.writer.tally());
+    }
     if (fallback) out.count({.fallback_cells = cells.size()});
 }
 

@@ -50,7 +50,10 @@ void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, con
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
     Progress::require(pool_->run(blocks, std::cref(task), watch));
-    for (const Worker& worker : workers_) out.count(worker.writer.counters());
+    for (const Worker& worker : workers_) {
+        out.count(worker.writer.counters());
+        out.count(worker.writer.tally());
+    }
 }
 
 }  // namespace votess::cpu

@@ -99,22 +99,22 @@ std::size_t to_grid(DiagramState& state, std::span<const double> values, const G
     std::array<std::size_t, 3> shape = options.shape;
     if (options.project && integrates) shape[static_cast<std::size_t>(*options.project)] = 1;  // it needs no steps
     const fields::Frame frame(state.job, shape);
-    const fields::Task task{frame, values, options.columns, grid};
+    const fields::Task task{frame, values, options.columns, grid, options.project};
     std::size_t without_place = 0;
     if (integrates) {
         const auto result = std::make_shared<const Result>(build(state));
         const Tessellation cells(result);
-        const fields::Built built{state.points, *result, cells};
+        const fields::Built built{state.job, *result, cells};
         const std::scoped_lock lock(state.at_work);
         if (options.method == GridMethod::mean) fields::add_mean(task, built, state.clipper.pool());
         if (options.method == GridMethod::dtfe) without_place = fields::add_dtfe(task, built, state.clipper.pool());
     } else {
         const auto evaluate = options.method == GridMethod::nearest ? locate_centers : interpolate_centers;
-        fields::add_at_centers(task, options.project, [&](std::span<const double> centers, std::span<double> field) {
+        fields::add_at_centers(task, [&](std::span<const double> centers, std::span<double> field) {
             evaluate(state, task, centers, field);
         });
     }
-    if (options.project) {
+    if (options.project && options.method != GridMethod::dtfe) {
         const fields::Axis& axis = frame.axis(static_cast<std::size_t>(*options.project));
         for (double& x : grid) x *= axis.length / static_cast<double>(axis.count);
     }

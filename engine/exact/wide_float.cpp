@@ -12,10 +12,13 @@ WideFloat::WideFloat(double x) {
     *this = WideFloat(from_int128<1>(static_cast<std::int64_t>(std::ldexp(fraction, 53))), exponent - 53);
 }
 
-WideFloat::operator double() const {
+template <class Real>
+Real WideFloat::to_real() const {
     const auto [mantissa, exponent] = to_scaled<Quad>(mantissa_);
-    return std::ldexp(static_cast<double>(mantissa), exponent + exponent_);
+    return std::ldexp(static_cast<Real>(mantissa), exponent + exponent_);
 }
+template double WideFloat::to_real() const;
+template long double WideFloat::to_real() const;
 
 WideFloat WideFloat::operator-() const {
     WideFloat result = *this;

@@ -25,7 +25,8 @@ public:
         exponent_ = exponent - shift + 64 * (width - limbs);
     }
 
-    explicit operator double() const;
+    explicit operator double() const { return to_real<double>(); }
+    explicit operator long double() const { return to_real<long double>(); }  // with more exponents
 
     WideFloat operator-() const;
     friend WideFloat operator+(const WideFloat& a, const WideFloat& b);
@@ -41,6 +42,8 @@ public:
 
 private:
     static constexpr int limbs = 37;
+    template <class Real>
+    [[nodiscard]] Real to_real() const;
 
     // The number is mantissa * 2^exponent, the mantissa as long as it can be, or 0.
     WideInt<limbs> mantissa_;

@@ -11,8 +11,7 @@ constexpr std::size_t centers_at_once = std::size_t{1} << 20;
 
 }  // namespace
 
-void add_at_centers(const Task& task, std::optional<int> projected,
-                    const std::function<void(std::span<const double>, std::span<double>)>& evaluate) {
+void add_at_centers(const Task& task, const std::function<void(std::span<const double>, std::span<double>)>& evaluate) {
     const std::size_t cells = task.frame.cells(), m = task.columns;
     std::vector<double> centers, field;
     for (std::size_t begin = 0; begin < cells; begin += centers_at_once) {
@@ -25,7 +24,7 @@ void add_at_centers(const Task& task, std::optional<int> projected,
         field.assign(count * m, 0);
         evaluate(centers, field);
         for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t to = task.frame.index(task.frame.cell(begin + i), projected);
+            const std::size_t to = task.frame.index(task.frame.cell(begin + i), task.projected);
             for (std::size_t c = 0; c < m; ++c) task.grid[to * m + c] += field[i * m + c];
         }
     }

@@ -1,7 +1,12 @@
-// The density that is linear in Delaunay tetrahedra, which are the bodies. The integral of a linear function over a
-// part is that of its values at the corners, each times the integral of a barycentric coordinate.
+// The density that is linear in Delaunay tetrahedra, which are the bodies. A body has barycentric coordinates, so a
+// flat one is cut like any other: its parts sum to it, and the integrals of the coordinates are their moments. Volumes
+// come from exact differences between the corners.
 #include <cmath>
+#include <limits>
+#include <string>
 
+#include "core/text.hpp"
+#include "exact/wide_float.hpp"
 #include "fields/methods.hpp"
 #include "fields/overlay.hpp"
 #include "mesh/dual.hpp"
@@ -9,68 +14,79 @@
 namespace votess::fields {
 namespace {
 
-// In a tetrahedron that fills less of its bounds the density is its mean: barycentric coordinates have no digits.
-constexpr double least_filled = 1e-10;
+// Seeds 1e-323 apart span volumes of 1e-969.
+using Volume = long double;
+static_assert(std::numeric_limits<Volume>::max_exponent >= 16384);
 
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+constexpr std::size_t of_task = 4096;  // seeds or tetrahedra
 
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+template <class Real>
+using Vectors = std::array<std::array<Real, 3>, 3>;
+
+template <class Real>
+Real determinant(const Vectors<Real>& m) {
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) + m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
 // Seeds, by where they begin in a list: the place and the density there are their means.
 struct Corner {
     std::size_t begin, count;
 };
-
-// In coordinates of the grid.
-struct Tetrahedron {
-    std::array<Corner, 4> corners{};
-    Vector first{};                 // corner 0
-    std::array<Vector, 3> edges{};  // from there to the others
-    double determinant = 0;         // of the edges
-
-    [[nodiscard]] double volume() const { return std::abs(determinant) / 6; }
-};
+using Corners = std::array<Corner, 4>;
 
 // The tetrahedra of the dual, and the parts of its polytopes. These are cut from their center, and facets of more than
 // three corners from theirs: in the same way from both sides, and whatever the order of the seeds.
 class Triangulation {
 public:
-    Triangulation(const Built& built, const Frame& frame)
-        : frame_(frame), places_(wrapped_points(built.tessellation, built.points)) {
+    Triangulation(const Built& built, const Frame& frame, ThreadPool& pool) : job_(built.job), frame_(frame) {
+        wraps_.resize(job_.domain->is_periodic() ? job_.points.count() : 0);
+        for_tasks(pool, wraps_.size(),
+                  [&](std::size_t i) { wraps_[i] = wrap(*job_.domain, point(i)).value_or(exact::Shift{}); });
         const Delaunay dual = delaunay(built.tessellation);
         whole_ = dual.tetrahedra.size() / 4;
         for (std::size_t k = 0; k < dual.tetrahedra.size(); ++k)
             members_.push_back({dual.tetrahedra[k], shift_in(dual.tetrahedra_shifts, k, 1)});
         cut_polytopes(dual, polytope_facets(built.result, dual));
+        volumes_.resize(whole_ + parts_.size());
+        for_tasks(pool, size(), [&](std::size_t number) { volumes_[number] = find_volume(corners(number)); });
     }
 
-    [[nodiscard]] std::size_t size() const { return whole_ + parts_.size(); }
+    [[nodiscard]] std::size_t size() const { return volumes_.size(); }
+    [[nodiscard]] Corners corners(std::size_t number) const {
+        if (number >= whole_) return parts_[number - whole_];
+        Corners corners;
+        for (std::size_t k = 0; k < 4; ++k) corners[k] = {4 * number + k, 1};
+        return corners;
+    }
     [[nodiscard]] std::size_t seed(std::size_t member) const { return at(members_[member].seed); }
+    // Six times the volume, at the scale of the job. 0 in a domain so extreme that WideFloat cannot tell it from 0.
+    [[nodiscard]] Volume volume(std::size_t number) const { return volumes_[number]; }
 
-    [[nodiscard]] Tetrahedron operator[](std::size_t number) const {
-        Tetrahedron t;
-        if (number < whole_)
-            for (std::size_t k = 0; k < 4; ++k) t.corners[k] = {4 * number + k, 1};
-        else
-            t.corners = parts_[number - whole_];
-        const Member& home = members_[t.corners[0].begin];
-        const double* place = &places_[3 * at(home.seed)];
-        std::array<Vector, 4> from_home;
-        for (std::size_t k = 0; k < 4; ++k) from_home[k] = mean_from(home, t.corners[k]);
-        t.first = frame_.position(place);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            t.first[axis] += periods(home.shift[axis], axis) + from_home[0][axis];
-            for (std::size_t k = 0; k < 3; ++k) t.edges[k][axis] = from_home[k + 1][axis] - from_home[0][axis];
+    // How barycentric coordinates 1 to 3 become those of the grid.
+    [[nodiscard]] Place place(std::size_t number) const {
+        const Corners four = corners(number);
+        const Member& home = members_[four[0].begin];
+        const Vector to_home = exact::difference<double>(frame_.origin(), image(home, {}));
+        const Vector first = frame_.in_grid(to_home), mean = frame_.in_grid(mean_from<double>(home, four[0]));
+        Place place;
+        for (std::size_t axis = 0; axis < 3; ++axis) place.at[axis] = first[axis] + mean[axis];
+        const Vectors<double> edges = edges_of<double>(four);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vector edge = frame_.in_grid(edges[k]);
+            for (std::size_t axis = 0; axis < 3; ++axis) place.along[axis][k] = edge[axis];
         }
-        t.determinant = dot(t.edges[0], cross(t.edges[1], t.edges[2]));
-        return t;
+        return place;
     }
 
 private:
+    template <class Visit>
+    static void for_tasks(ThreadPool& pool, std::size_t count, const Visit& visit) {
+        pool.run(ceil_div(count, of_task), [&](std::size_t task, unsigned) {
+            for (std::size_t k = task * of_task; k < std::min(count, (task + 1) * of_task); ++k) visit(k);
+        });
+    }
+
     void cut_polytopes(const Delaunay& dual, const PolytopeFacets& facets) {
         for (std::size_t p = 0; p < dual.polytope_centers.size(); ++p) {
             const auto begin = at(dual.polytope_indptr[p]), end = at(dual.polytope_indptr[p + 1]);
@@ -90,131 +106,221 @@ private:
         }
     }
 
-    [[nodiscard]] double periods(int shift, std::size_t axis) const {
-        return static_cast<double>(shift * frame_.axis(axis).count);
+    // At the scale of the job.
+    [[nodiscard]] exact::Point point(std::size_t i) const {
+        return {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale,
+                job_.points[3 * i + 2] * job_.scale};
+    }
+    // From the place of a seed as given to where it lies as a member.
+    [[nodiscard]] exact::Shift shift_of(const Member& m) const {
+        if (wraps_.empty()) return {};
+        exact::Shift shift = wraps_[at(m.seed)];
+        for (std::size_t k = 0; k < 3; ++k) shift[k] += m.shift[k];
+        return shift;
+    }
+    // The member as seen from a place that is moved by the shift.
+    [[nodiscard]] exact::Plane image(const Member& m, const exact::Shift& moved) const {
+        exact::Shift shift = shift_of(m);
+        for (std::size_t k = 0; k < 3; ++k) shift[k] -= moved[k];
+        return exact::Plane::bisector(point(at(m.seed)), shift, job_.domain->lattice);
     }
 
-    // From a seed to a corner.
-    [[nodiscard]] Vector mean_from(const Member& home, const Corner& corner) const {
-        Vector mean{};
+    // From a member to a corner.
+    template <class Real>
+    [[nodiscard]] std::array<Real, 3> mean_from(const Member& home, const Corner& corner) const {
+        const exact::Point from = point(at(home.seed));
+        const exact::Shift moved = shift_of(home);
+        std::array<Real, 3> mean{};
         for (std::size_t i = corner.begin; i < corner.begin + corner.count; ++i) {
-            const Member& m = members_[i];
-            const Vector d = frame_.difference(&places_[3 * at(home.seed)], &places_[3 * at(m.seed)]);
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                mean[axis] +=
-                    (d[axis] + periods(m.shift[axis] - home.shift[axis], axis)) / static_cast<double>(corner.count);
+            const std::array<Real, 3> d = exact::difference<Real>(from, image(members_[i], moved));
+            for (std::size_t axis = 0; axis < 3; ++axis) mean[axis] = mean[axis] + d[axis];
         }
+        if (corner.count > 1)
+            for (Real& x : mean) x = x / static_cast<Real>(static_cast<double>(corner.count));
         return mean;
     }
+    // From corner 0 to the others.
+    template <class Real>
+    [[nodiscard]] Vectors<Real> edges_of(const Corners& corners) const {
+        const Member& home = members_[corners[0].begin];
+        Vectors<Real> edges;
+        for (std::size_t k = 0; k < 3; ++k) edges[k] = mean_from<Real>(home, corners[k + 1]);
+        if (corners[0].count == 1) return edges;
+        const std::array<Real, 3> first = mean_from<Real>(home, corners[0]);
+        for (auto& edge : edges)
+            for (std::size_t axis = 0; axis < 3; ++axis) edge[axis] = edge[axis] - first[axis];
+        return edges;
+    }
 
+    // Six times the volume, to a relative 1e-12. Let m be the product over the axes of the largest difference between
+    // members. A determinant of rounded edges errs by less than 64 u m; where corners are the means of n members, so
+    // that edges are sums that may cancel, by less than 300 (n + 3) u m. What that spoils is found with more digits.
+    [[nodiscard]] Volume find_volume(const Corners& corners) const {
+        std::size_t most = 1;
+        for (const Corner& corner : corners) most = std::max(most, corner.count);
+        const double errors = most == 1 ? 64 : 300 * static_cast<double>(most + 3);
+        Volume m = 1;
+        for (const double extent : extents(corners)) m *= Volume{extent};
+        const Volume rounded = determinant(edges_of<double>(corners));
+        if (rounded * 1e-12L > Volume{errors * 0x1p-53} * m && rounded > 0x1p-900L) return rounded;
+        const auto better = static_cast<Volume>(determinant(edges_of<exact::Quad>(corners)));
+        if (better * 1e-12L > Volume{errors * 0x1p-112} * m) return better;
+        return std::max(Volume{0}, static_cast<Volume>(determinant(edges_of<exact::WideFloat>(corners))));
+    }
+    // Along each axis, how far the members of the corners are from one of them at most.
+    [[nodiscard]] Vector extents(const Corners& corners) const {
+        const Member& home = members_[corners[0].begin];
+        const exact::Point from = point(at(home.seed));
+        const exact::Shift moved = shift_of(home);
+        Vector extents{};
+        for (const Corner& corner : corners)
+            for (std::size_t i = corner.begin; i < corner.begin + corner.count; ++i) {
+                const Vector d = exact::difference<double>(from, image(members_[i], moved));
+                for (std::size_t axis = 0; axis < 3; ++axis) extents[axis] = std::max(extents[axis], std::abs(d[axis]));
+            }
+        return extents;
+    }
+
+    const Job& job_;
     const Frame& frame_;
-    std::vector<double> places_;
-    std::size_t whole_ = 0;  // how many tetrahedra the dual has
+    std::vector<exact::Shift> wraps_;  // by seed; in periodic domains
+    std::size_t whole_ = 0;            // how many tetrahedra the dual has
     std::vector<Member> members_;
-    std::vector<std::array<Corner, 4>> parts_;  // of polytopes
+    std::vector<Corners> parts_;  // of polytopes
+    std::vector<Volume> volumes_;
 };
 
-// (N, m), mass for a unit of volume in coordinates of the grid.
-struct Densities {
+// What seeds carry, each column times a power of two that brings its largest mass to order one.
+struct Masses {
     std::size_t columns;
-    std::vector<double> values;
+    std::vector<double> values;   // (N, m)
+    std::vector<int> exponents;   // by column
+    std::vector<bool> is_finite;  // by column: all that was given
 };
 
 class Tetrahedra final : public Carrier {
 public:
-    Tetrahedra(const Triangulation& triangulation, const Densities& densities, std::span<double> grid)
-        : triangulation_(triangulation), densities_(densities), grid_(grid) {}
+    Tetrahedra(const Triangulation& triangulation, std::span<const Volume> around, const Masses& masses,
+               std::span<double> grid)
+        : triangulation_(triangulation), around_(around), masses_(masses), grid_(grid) {
+        constexpr Vector o{}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+        for (const std::array<Vector, 3>& face : {std::array{o, y, x}, {o, z, y}, {o, x, z}, {x, y, z}})
+            whole_.add_polygon(face);
+    }
 
     bool load(std::size_t number, Body& body) override {
-        t_ = triangulation_[number];
-        if (t_.determinant == 0) return false;
-        read_densities();
-        const Vector o{};
-        const auto& [a, b, c] = t_.edges;
-        body.at = t_.first;
-        body.piece.clear();
-        for (std::array<Vector, 3> face : {std::array{o, b, a}, {o, c, b}, {o, a, c}, {a, b, c}}) {
-            if (t_.determinant < 0) std::swap(face[1], face[2]);
-            body.piece.add_polygon(face);
+        if (triangulation_.volume(number) == 0) return false;
+        body.place = triangulation_.place(number);
+        body.piece.assign(whole_);
+        // A corner has the mass of a quarter of the volume at the density of the corner.
+        const std::size_t m = masses_.columns;
+        at_corners_.assign(4 * m, 0);
+        const Corners corners = triangulation_.corners(number);
+        for (std::size_t k = 0; k < 4; ++k) {
+            const auto& [begin, count] = corners[k];
+            for (std::size_t i = begin; i < begin + count; ++i) {
+                const std::size_t seed = triangulation_.seed(i);
+                const auto share =
+                    static_cast<double>(triangulation_.volume(number) / around_[seed]) / static_cast<double>(count);
+                for (std::size_t c = 0; c < m; ++c) at_corners_[k * m + c] += share * masses_.values[seed * m + c];
+            }
         }
-        double bounds = 1;
-        for (std::size_t k = 0; k < 3; ++k) bounds *= body.piece.extent(k).second - body.piece.extent(k).first;
-        is_flat_ = t_.volume() < least_filled * bounds;
-        slopes_ = {cross(b, c), cross(c, a), cross(a, b)};
-        for (Vector& slope : slopes_)
-            for (double& x : slope) x /= t_.determinant;
         return true;
     }
 
     void add(std::size_t cell, const ConvexPiece::Measure& part) override {
-        std::array<double, 4> shares;
-        shares.fill(part.volume / 4);
-        if (!is_flat_) {
-            shares[0] = part.volume;
-            for (std::size_t k = 1; k < 4; ++k) {
-                shares[k] = dot(slopes_[k - 1], part.moment);
-                shares[0] -= shares[k];
-            }
-        }
-        const std::size_t m = densities_.columns;
+        const auto& [x, y, z] = part.moment;
+        const std::array<double, 4> integrals{part.volume - (x + y + z), x, y, z};
+        const std::size_t m = masses_.columns;
         for (std::size_t k = 0; k < 4; ++k)
-            for (std::size_t c = 0; c < m; ++c) grid_[cell * m + c] += t_.volume() * shares[k] * at_corners_[k * m + c];
+            for (std::size_t c = 0; c < m; ++c) grid_[cell * m + c] += 4 * integrals[k] * at_corners_[k * m + c];
     }
 
 private:
-    void read_densities() {
-        const std::size_t m = densities_.columns;
-        at_corners_.assign(4 * m, 0);
-        for (std::size_t k = 0; k < 4; ++k) {
-            const auto& [begin, count] = t_.corners[k];
-            for (std::size_t i = begin; i < begin + count; ++i)
-                for (std::size_t c = 0; c < m; ++c)
-                    at_corners_[k * m + c] +=
-                        densities_.values[triangulation_.seed(i) * m + c] / static_cast<double>(count);
-        }
-    }
-
     const Triangulation& triangulation_;
-    const Densities& densities_;
+    std::span<const Volume> around_;
+    const Masses& masses_;
     std::span<double> grid_;
-    // The tetrahedron loaded last, and the gradients of the barycentric coordinates of corners 1 to 3.
-    Tetrahedron t_;
-    std::vector<double> at_corners_;  // densities
-    std::array<Vector, 3> slopes_{};
-    bool is_flat_ = false;
+    ConvexPiece whole_;
+    std::vector<double> at_corners_;  // of the tetrahedron loaded last: (4, m)
 };
 
-// The integral over space of what is 1 at a seed, 0 at the others, and linear in tetrahedra: a quarter of the volume of
-// those around the seed.
-std::vector<double> integrals(const Triangulation& triangulation, std::size_t seeds) {
-    std::vector<double> integrals(seeds, 0);
-    for (std::size_t number = 0; number < triangulation.size(); ++number) {
-        const Tetrahedron t = triangulation[number];
-        for (const auto& [begin, count] : t.corners)
+// By seed: the volumes of the tetrahedra around it, of those where it is one of n at a corner the n-th part. 0 where it
+// has none.
+std::vector<Volume> volumes_around(const Triangulation& triangulation, std::size_t seeds) {
+    std::vector<Volume> around(seeds, 0);
+    for (std::size_t number = 0; number < triangulation.size(); ++number)
+        for (const auto& [begin, count] : triangulation.corners(number))
             for (std::size_t i = begin; i < begin + count; ++i)
-                integrals[triangulation.seed(i)] += t.volume() / 4 / static_cast<double>(count);
+                around[triangulation.seed(i)] += triangulation.volume(number) / static_cast<Volume>(count);
+    return around;
+}
+
+Masses scaled_masses(const Task& task, std::span<const std::int32_t> duplicate_of) {
+    const std::size_t m = task.columns, seeds = task.values.size() / m;
+    Masses masses{m, std::vector<double>(seeds * m, 0), std::vector<int>(m, 0), std::vector<bool>(m, true)};
+    for (std::size_t c = 0; c < m; ++c) {
+        double largest = 0;
+        for (std::size_t i = 0; i < seeds; ++i) {
+            const double mass = std::abs(task.values[i * m + c]);
+            if (!std::isfinite(mass))
+                masses.is_finite[c] = false;
+            else
+                largest = std::max(largest, mass);
+        }
+        if (largest > 0) masses.exponents[c] = std::ilogb(largest);
+        for (std::size_t i = 0; i < seeds; ++i) {
+            const std::size_t to = duplicate_of.empty() || duplicate_of[i] < 0 ? i : at(duplicate_of[i]);
+            masses.values[to * m + c] += std::ldexp(task.values[i * m + c], -masses.exponents[c]);
+        }
     }
-    return integrals;
+    return masses;
+}
+
+[[noreturn]] void refuse_density(const Task& task, std::size_t element, double mass, const Size& size) {
+    const double digits = std::log10(size.mantissa) + size.exponent * std::log10(2.0);
+    throw Error(ErrorCode::invalid_argument,
+                "to_grid: element " + std::to_string(element / task.columns) + " of the grid has the mass " +
+                    number(mass) + " in 1e" + std::to_string(std::lround(digits)) +
+                    ", a density that float64 cannot hold: give coordinates or masses in other units");
+}
+
+// Masses become densities. What underflows may be as little as rounding takes.
+void divide(const Task& task, const Masses& masses) {
+    constexpr double least = std::numeric_limits<double>::min(), rounding = 1e-14;
+    const Size size = task.frame.cell_size(task.projected);
+    const std::size_t m = task.columns;
+    for (std::size_t c = 0; c < m; ++c) {
+        const int exponent = masses.exponents[c] - size.exponent;
+        double all = 0, lost = 0;
+        std::size_t largest = c;
+        for (std::size_t element = c; element < task.grid.size(); element += m) {
+            double& x = task.grid[element];
+            const double mass = x;
+            all += std::abs(mass);
+            x = std::ldexp(mass / size.mantissa, exponent);
+            if (!std::isfinite(x) && masses.is_finite[c])
+                refuse_density(task, element, std::ldexp(mass, masses.exponents[c]), size);
+            if (std::abs(x) < least && mass != 0) lost += std::abs(mass - std::ldexp(x, -exponent) * size.mantissa);
+            if (std::abs(x) > std::abs(task.grid[largest])) largest = element;
+        }
+        if (lost > rounding * all) refuse_density(task, largest, std::ldexp(all, masses.exponents[c]), size);
+    }
 }
 
 }  // namespace
 
 std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool) {
-    const std::size_t n = built.tessellation.size(), m = task.columns;
-    const Triangulation triangulation(built, task.frame);
-    const std::vector<double> parts = integrals(triangulation, n);
     const std::span<const std::int32_t> duplicate_of = built.tessellation.duplicate_of();
-    Densities densities{m, std::vector<double>(n * m, 0)};
-    std::size_t without = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-        const std::size_t to = duplicate_of.empty() || duplicate_of[i] < 0 ? i : at(duplicate_of[i]);
-        without += parts[to] == 0;
-        if (parts[to] == 0) continue;
-        for (std::size_t c = 0; c < m; ++c) densities.values[to * m + c] += task.values[i * m + c] / parts[to];
-    }
+    const Triangulation triangulation(built, task.frame, pool);
+    const std::vector<Volume> around = volumes_around(triangulation, built.tessellation.size());
+    const Masses masses = scaled_masses(task, duplicate_of);
     overlay(task.frame, pool, triangulation.size(),
-            [&] { return std::make_unique<Tetrahedra>(triangulation, densities, task.grid); });
-    for (double& x : task.grid) x /= task.frame.cell_volume();
+            [&] { return std::make_unique<Tetrahedra>(triangulation, around, masses, task.grid); });
+    divide(task, masses);
+    std::size_t without = 0;
+    for (std::size_t i = 0; i < around.size(); ++i)
+        without += around[duplicate_of.empty() || duplicate_of[i] < 0 ? i : at(duplicate_of[i])] == 0;
     return without;
 }
 

@@ -1,6 +1,7 @@
 #include "fields/frame.hpp"
 
 #include <cmath>
+#include <string>
 
 namespace votess::fields {
 namespace {
@@ -8,49 +9,50 @@ namespace {
 // They depend on the grid alone, and with them the order of all sums.
 constexpr std::int64_t tiles_along_axis = 8;
 
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+// Beyond this many grid cells from the domain's corner a body's place has no digits.
+constexpr double farthest = 0x1p31;
 
 }  // namespace
 
-Frame::Frame(const Job& job, const std::array<std::size_t, 3>& shape) {
-    std::array<Vector, 3> box_edges{};
+Frame::Frame(const Job& job, const std::array<std::size_t, 3>& shape) : scale_(job.scale) {
+    const auto scaled = [&](const Vector& x) { return Vector{x[0] * scale_, x[1] * scale_, x[2] * scale_}; };
     if (job.options.cell) {
-        origin_ = job.options.cell->origin;
-        box_edges = {job.options.cell->a, job.options.cell->b, job.options.cell->c};
+        const auto& [origin, a, b, c, periodic] = *job.options.cell;
+        origin_ = scaled(origin);
+        edges_ = {scaled(a), scaled(b), scaled(c)};
     } else {
-        origin_ = job.box.lower;
-        for (std::size_t k = 0; k < 3; ++k) box_edges[k][k] = job.box.upper[k] - job.box.lower[k];
+        origin_ = scaled(job.box.lower);
+        const Vector upper = scaled(job.box.upper);
+        for (std::size_t k = 0; k < 3; ++k) edges_[k][k] = upper[k] - origin_[k];
     }
-    // A power of two keeps products of lengths in range.
-    double largest = 0;
-    for (const Vector& edge : box_edges)
-        for (const double x : edge) largest = std::max(largest, std::abs(x));
-    const double scale = std::ldexp(1.0, -std::ilogb(largest));
+    std::array<Vector, 3> unit = edges_;  // of order one
     for (std::size_t k = 0; k < 3; ++k) {
         axes_[k].count = static_cast<std::int64_t>(shape[k]);
         axes_[k].periodic = job.domain->periodic[k];
         axes_[k].tile = ceil_div(axes_[k].count, tiles_along_axis);
-        for (double& x : box_edges[k]) x *= scale;
-        axes_[k].length = std::sqrt(dot(box_edges[k], box_edges[k])) / scale;
+        exponents_[k] = std::ilogb(std::max({std::abs(unit[k][0]), std::abs(unit[k][1]), std::abs(unit[k][2])}));
+        for (double& x : unit[k]) x = std::ldexp(x, -exponents_[k]);
+        const int half = exponents_[k] / 2;
+        powers_[k] = {std::ldexp(1.0, -half), std::ldexp(1.0, half - exponents_[k])};
+        lengths_[k] = std::sqrt(dot(unit[k], unit[k]));
+        axes_[k].length = std::ldexp(lengths_[k], exponents_[k] - std::ilogb(scale_));
     }
-    const double determinant = dot(box_edges[0], cross(box_edges[1], box_edges[2]));
-    mirrored_ = determinant < 0;
-    cell_volume_ = std::abs(determinant);
+    determinant_ = dot(unit[0], cross(unit[1], unit[2]));
+    mirrored_ = determinant_ < 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        const auto count = static_cast<double>(axes_[k].count);
-        const Vector across = cross(box_edges[(k + 1) % 3], box_edges[(k + 2) % 3]);
-        for (std::size_t i = 0; i < 3; ++i) {
-            rows_[k][i] = across[i] / determinant * scale * count;
-            edges_[k][i] = box_edges[k][i] / scale / count;
-        }
-        cell_volume_ = cell_volume_ / count / scale;
+        rows_[k] = cross(unit[(k + 1) % 3], unit[(k + 2) % 3]);
+        for (double& x : rows_[k]) x = x / determinant_ * static_cast<double>(axes_[k].count);
     }
+}
+
+Size Frame::cell_size(std::optional<int> projected) const {
+    Size size{std::abs(determinant_), 0};
+    for (int k = 0; k < 3; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        size.mantissa /= k == projected ? lengths_[i] : static_cast<double>(axes_[i].count);
+        if (k != projected) size.exponent += exponents_[i] - std::ilogb(scale_);
+    }
+    return size;
 }
 
 std::size_t Frame::cells() const {
@@ -58,18 +60,33 @@ std::size_t Frame::cells() const {
 }
 
 Vector Frame::position(const double* x) const {
-    return difference(origin_.data(), x);
+    return in_grid({x[0] * scale_ - origin_[0], x[1] * scale_ - origin_[1], x[2] * scale_ - origin_[2]});
 }
 
 Vector Frame::difference(const double* from, const double* to) const {
-    const Vector d{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-    return {dot(rows_[0], d), dot(rows_[1], d), dot(rows_[2], d)};
+    return in_grid(
+        {to[0] * scale_ - from[0] * scale_, to[1] * scale_ - from[1] * scale_, to[2] * scale_ - from[2] * scale_});
+}
+
+Vector Frame::in_grid(const Vector& difference) const {
+    Vector x;
+    for (std::size_t k = 0; k < 3; ++k) {
+        x[k] = dot(rows_[k], difference) * powers_[k][0] * powers_[k][1];
+        if (!(std::abs(x[k]) < farthest))
+            throw Error(ErrorCode::unsupported,
+                        std::string("to_grid: an edge of the domain is so short beside the others that places along it "
+                                    "have no digits, edge ") +
+                            "abc"[k]);
+    }
+    return x;
 }
 
 Vector Frame::center(const Cell& cell) const {
     Vector x = origin_;
     for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t i = 0; i < 3; ++i) x[i] += (static_cast<double>(cell[k]) + 0.5) * edges_[k][i];
+        for (std::size_t i = 0; i < 3; ++i)
+            x[i] += (static_cast<double>(cell[k]) + 0.5) * (edges_[k][i] / static_cast<double>(axes_[k].count));
+    for (double& c : x) c /= scale_;
     return x;
 }
 
@@ -89,9 +106,16 @@ Cell Frame::cell(std::size_t index) const {
     return cell;
 }
 
-Range Frame::cover(std::size_t k, double least, double largest) const {
+// Whole numbers are compared relative to `at`, where nothing near is rounded.
+Range Frame::cover(std::size_t k, double at, double least, double largest) const {
     const Axis& axis = axes_[k];
-    Range range{static_cast<std::int64_t>(std::floor(least)), static_cast<std::int64_t>(std::ceil(largest)) - 1};
+    const auto from_at = [at](std::int64_t number) { return static_cast<double>(number) - at; };
+    Range range{static_cast<std::int64_t>(std::floor(at + least)),
+                static_cast<std::int64_t>(std::ceil(at + largest)) - 1};
+    if (least < from_at(range.first)) --range.first;
+    if (least >= from_at(range.first + 1)) ++range.first;
+    if (largest > from_at(range.last + 1)) ++range.last;
+    if (largest <= from_at(range.last)) --range.last;
     range.last = std::max(range.last, range.first);
     // Rounding may put the rim of the domain outside of it.
     if (!axis.periodic) {

@@ -32,7 +32,7 @@ struct Axis {
     std::int64_t count = 1;  // grid cells
     bool periodic = false;
     double length = 0;      // of the box or the edge
-    std::int64_t tile = 1;  // grid cells of a tile, but for the last one
+    std::int64_t tile = 1;  // grid cells of a tile; the last one may have fewer
 
     [[nodiscard]] std::int64_t tiles() const { return ceil_div(count, tile); }
     // Tiles too are numbered on beyond a periodic domain.
@@ -47,6 +47,12 @@ struct Axis {
     }
 };
 
+// mantissa * 2^exponent, which no double need hold.
+struct Size {
+    double mantissa = 1;
+    int exponent = 0;
+};
+
 // Coordinates of the grid count grid cells: those of cell (i, j, k) go from i to i + 1, and so on.
 class Frame {
 public:
@@ -54,27 +60,36 @@ public:
 
     [[nodiscard]] const Axis& axis(std::size_t k) const { return axes_[k]; }
     [[nodiscard]] std::size_t cells() const;
-    [[nodiscard]] double cell_volume() const { return cell_volume_; }
+    // Volume of a grid cell; its area across an axis that is projected.
+    [[nodiscard]] Size cell_size(std::optional<int> projected = {}) const;
     // Whether the coordinates of the grid are left-handed in space.
     [[nodiscard]] bool mirrored() const { return mirrored_; }
-    // A place and a difference of places in coordinates of the grid.
+    // A place of the input, and a difference of two, in coordinates of the grid.
     [[nodiscard]] Vector position(const double* x) const;
     [[nodiscard]] Vector difference(const double* from, const double* to) const;
+    // A difference that is times the scale of the job, and where the domain begins at that scale.
+    [[nodiscard]] Vector in_grid(const Vector& difference) const;
+    [[nodiscard]] const Vector& origin() const { return origin_; }
     // The center of a grid cell, in space.
     [[nodiscard]] Vector center(const Cell& cell) const;
 
     // Where a grid cell lies in an array, and back. Along an axis that is projected the array has one element.
     [[nodiscard]] std::size_t index(const Cell& cell, std::optional<int> projected = {}) const;
     [[nodiscard]] Cell cell(std::size_t index) const;
-    // The grid cells along an axis that a body meets whose coordinates go from `least` to `largest`.
-    [[nodiscard]] Range cover(std::size_t k, double least, double largest) const;
+    // Returns the grid cells along an axis that a body meets whose coordinates go from at + least to at + largest.
+    [[nodiscard]] Range cover(std::size_t k, double at, double least, double largest) const;
 
 private:
     std::array<Axis, 3> axes_;
+    double scale_ = 1;  // of the job, as all lengths below
     Vector origin_{};
-    std::array<Vector, 3> edges_{};  // of a grid cell
-    std::array<Vector, 3> rows_{};   // of the matrix from space to the grid
-    double cell_volume_ = 0;
+    std::array<Vector, 3> edges_{};  // of the domain
+    // Edges differ in length by any factor, so these are of edges times 2^-exponents_[k].
+    std::array<Vector, 3> rows_{};  // of the matrix from space to the grid
+    std::array<double, 3> lengths_{};
+    double determinant_ = 0;
+    std::array<int, 3> exponents_{};
+    std::array<std::array<double, 2>, 3> powers_{};  // 2^-exponents_[k] is the product of two, for it may overflow
     bool mirrored_ = false;
 };
 

@@ -10,7 +10,12 @@ namespace {
 class Cells final : public Carrier {
 public:
     Cells(const Task& task, const Tessellation& t)
-        : t_(t), values_(task.values), columns_(task.columns), frame_(task.frame), grid_(task.grid) {}
+        : t_(t),
+          values_(task.values),
+          columns_(task.columns),
+          frame_(task.frame),
+          size_(task.frame.cell_size()),
+          grid_(task.grid) {}
 
     bool load(std::size_t seed, Body& body) override {
         if (t_.status()[seed] != CellStatus::certified) return false;
@@ -18,7 +23,7 @@ public:
         const auto begin = static_cast<std::size_t>(t_.indptr()[seed]),
                    end = static_cast<std::size_t>(t_.indptr()[seed + 1]);
         const double* first = vertex(static_cast<std::size_t>(t_.face_offsets()[begin]));
-        body.at = frame_.position(first);
+        body.place.at = frame_.position(first);
         body.piece.clear();
         for (std::size_t face = begin; face < end; ++face) {
             polygon_.clear();
@@ -27,9 +32,8 @@ public:
             if (frame_.mirrored()) std::ranges::reverse(polygon_);
             body.piece.add_polygon(polygon_);
         }
-        const bool known =
-            !t_.volumes().empty() && t_.stats().precision == Precision::double_ && std::isnormal(frame_.cell_volume());
-        volume_ = known ? t_.volumes()[seed] / frame_.cell_volume() : body.piece.volume();
+        volume_ = std::isnormal(t_.volumes()[seed]) ? std::ldexp(t_.volumes()[seed] / size_.mantissa, -size_.exponent)
+                                                    : body.piece.volume();
         return true;
     }
 
@@ -47,6 +51,7 @@ private:
     std::span<const double> values_;
     std::size_t columns_;
     const Frame& frame_;
+    Size size_;  // of a grid cell
     std::span<double> grid_;
     std::vector<Vector> polygon_;
     // The cell loaded last. The volume of a tiny one has more digits than the polyhedron of its rounded vertices, which

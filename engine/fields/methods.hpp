@@ -18,20 +18,22 @@ struct Task {
     std::span<const double> values;  // (N, columns)
     std::size_t columns;
     std::span<double> grid;
+    std::optional<int> projected;
 };
 
 // The seeds and their cells, with faces.
 struct Built {
-    std::span<const double> points;
+    const Job& job;  // whose points are in float64
     const detail::Result& result;
     const Tessellation& tessellation;  // of the result
 };
 
 void add_mean(const Task& task, const Built& built, ThreadPool& pool);
-// Returns the number of seeds whose mass has no place.
+// Fills the grid with densities; along an axis that is projected, with column densities. Returns the number of seeds
+// whose mass has no place. Throws invalid_argument for densities that float64 cannot hold.
 std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool);
 // evaluate(centers, field): writes a row of columns for each center of a grid cell.
-void add_at_centers(const Task& task, std::optional<int> projected,
+void add_at_centers(const Task& task,
                     const std::function<void(std::span<const double> centers, std::span<double> field)>& evaluate);
 
 }  // namespace votess::fields

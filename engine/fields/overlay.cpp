@@ -39,7 +39,10 @@ void for_places(const Window& window, const Cell& step, const Visit& visit) {
 
 bool is_vague(const ConvexPiece& piece, double volume) {
     double bounds = 1;
-    for (std::size_t k = 0; k < 3; ++k) bounds *= piece.extent(k).second - piece.extent(k).first;
+    for (const Vector& axis : Place{}.along) {
+        const auto [least, largest] = piece.extent(axis);
+        bounds *= largest - least;
+    }
     return !(volume > least_filled * bounds && std::abs(piece.volume(1) - volume) < most_uneven * volume);
 }
 
@@ -115,7 +118,7 @@ private:
     [[nodiscard]] Window tiles_met(const Body& body) const {
         Window tiles;
         for (std::size_t k = 0; k < 3; ++k) {
-            const Range cells = cover(frame_, body.piece, body.at, k);
+            const Range cells = cover(frame_, body.piece, body.place, k);
             tiles[k] = {frame_.axis(k).tile_of(cells.first), frame_.axis(k).tile_of(cells.last)};
         }
         return tiles;
@@ -123,7 +126,7 @@ private:
 
     [[nodiscard]] Cell cell_of_first_corner(const Body& body) const {
         Cell cell{};
-        for (std::size_t k = 0; k < 3; ++k) cell[k] = frame_.cover(k, body.at[k], body.at[k]).first;
+        for (std::size_t k = 0; k < 3; ++k) cell[k] = frame_.cover(k, body.place.at[k], 0, 0).first;
         return cell;
     }
 
@@ -132,7 +135,7 @@ private:
         Window window;
         for (std::size_t k = 0; k < 3; ++k) window[k] = frame_.axis(k).cells_of(tile[k]);
         worker.copy.assign(worker.body.piece);
-        worker.slicer.slice(worker.copy, worker.body.at, window, take);
+        worker.slicer.slice(worker.copy, worker.body.place, window, take);
     }
 
     // Adds what a body has in a tile and, in a periodic domain, in its images.

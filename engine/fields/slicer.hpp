@@ -7,16 +7,23 @@
 
 namespace votess::fields {
 
-// A convex body in coordinates of the grid.
-struct Body {
+// How coordinates of a body become those of the grid: along axis k, at[k] + along[k].x. So a small or flat body keeps
+// its digits.
+struct Place {
     Vector at{};
-    ConvexPiece piece;  // relative to `at`, so that a small one keeps its digits
+    std::array<Vector, 3> along{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+};
+
+// A convex body.
+struct Body {
+    Place place;
+    ConvexPiece piece;
 };
 
 // The grid cells that a piece meets along an axis.
-inline Range cover(const Frame& frame, const ConvexPiece& piece, const Vector& at, std::size_t axis) {
-    const auto [least, largest] = piece.extent(axis);
-    return frame.cover(axis, at[axis] + least, at[axis] + largest);
+inline Range cover(const Frame& frame, const ConvexPiece& piece, const Place& place, std::size_t axis) {
+    const auto [least, largest] = piece.extent(place.along[axis]);
+    return frame.cover(axis, place.at[axis], least, largest);
 }
 
 class Slicer {
@@ -26,31 +33,31 @@ public:
     // Calls take(cell, part) for what each grid cell of the window, an index, has of the piece, of which nothing is
     // left. The parts of all windows of a grid add up to it.
     template <class Take>
-    void slice(ConvexPiece& piece, const Vector& at, const Window& window, const Take& take) {
+    void slice(ConvexPiece& piece, const Place& place, const Window& window, const Take& take) {
         Cell cell{};
-        slice_along(0, piece, at, window, cell, take);
+        slice_along(0, piece, place, window, cell, take);
     }
 
 private:
     template <class Take>
-    void slice_along(std::size_t k, ConvexPiece& piece, const Vector& at, const Window& window, Cell& cell,
+    void slice_along(std::size_t k, ConvexPiece& piece, const Place& place, const Window& window, Cell& cell,
                      const Take& take) {
         if (k == 3) {
             take(frame_.index(cell), piece);
             return;
         }
-        const Range covered = cover(frame_, piece, at, k);
-        const auto lower_side = [&](std::int64_t number) { return static_cast<double>(number) - at[k]; };
+        const Range covered = cover(frame_, piece, place, k);
+        const auto lower_side = [&](std::int64_t number) { return static_cast<double>(number) - place.at[k]; };
         ConvexPiece& below = below_[k];
-        if (covered.first < window[k].first) piece.split(k, lower_side(window[k].first), below);
+        if (covered.first < window[k].first) piece.split(place.along[k], lower_side(window[k].first), below);
         const std::int64_t last = std::min(covered.last, window[k].last);
         for (cell[k] = std::max(covered.first, window[k].first); cell[k] <= last && !piece.empty(); ++cell[k]) {
             if (cell[k] == covered.last) {
-                slice_along(k + 1, piece, at, window, cell, take);
+                slice_along(k + 1, piece, place, window, cell, take);
                 return;
             }
-            piece.split(k, lower_side(cell[k] + 1), below);
-            if (!below.empty()) slice_along(k + 1, below, at, window, cell, take);
+            piece.split(place.along[k], lower_side(cell[k] + 1), below);
+            if (!below.empty()) slice_along(k + 1, below, place, window, cell, take);
         }
     }
 

@@ -103,7 +103,8 @@ void GpuEngine::begin(const Job& job) {
     for (auto& chunk : chunks_)
         if (chunk) chunk->wait();
     download_.wait();
-    lists_only_ = needs_polytopes(job_.options.want);
+    // Small faces are told by areas of double precision, so that it does not matter which device found them.
+    lists_only_ = needs_polytopes(job_.options.want) || job_.options.min_face > 0 || job_.options.min_area > 0;
     clipper_.begin(job_);
     result_.begin(job_, clipper_.pool());
 }

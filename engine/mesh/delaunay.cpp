@@ -1,4 +1,5 @@
-// The dual of the mesh, read off its polygons: no predicate, the cells are exact already.
+// The dual of the mesh, read off its polygons: no predicate, the cells are exact already. Where faces were dropped,
+// tetrahedra become polytopes.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -7,6 +8,7 @@
 
 #include "input/domain_of_result.hpp"
 #include "mesh/dual.hpp"
+#include "mesh/joined_corners.hpp"
 
 namespace votess {
 namespace {
@@ -19,21 +21,34 @@ struct Passage {
     std::int32_t before, after;
 };
 
-// How many cells meet at each vertex; 0 on the walls, and for images.
-std::vector<std::int32_t> count_cells(const Result& r) {
+// How many cells meet at each vertex; 0 on the walls, and for those that another one stands for.
+std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& joined) {
     std::vector<std::int32_t> cells(r.vertices.size() / 3, 0);
-    for (const std::int32_t v : r.cell_vertex_indices) ++cells[original(r, v)];
+    std::vector<std::pair<std::size_t, ByteShift>> of_cell;
+    for (std::size_t i = 0; joined.any() && i < r.status.size(); ++i) {
+        of_cell.clear();
+        for (auto k = at(r.cell_vertex_indptr[i]); k < at(r.cell_vertex_indptr[i + 1]); ++k) {
+            const std::int32_t v = r.cell_vertex_indices[k];
+            of_cell.emplace_back(joined.original(v), joined.shift(v));
+        }
+        std::ranges::sort(of_cell);
+        for (std::size_t k = 0; k < of_cell.size(); ++k)
+            if (k == 0 || of_cell[k] != of_cell[k - 1]) ++cells[of_cell[k].first];
+    }
+    for (std::size_t k = 0; !joined.any() && k < r.cell_vertex_indices.size(); ++k)
+        ++cells[joined.original(r.cell_vertex_indices[k])];
     for (std::size_t entry = 0; entry < r.indices.size(); ++entry) {
         if (r.indices[entry] >= 0) continue;
         for (std::int64_t k = r.face_offsets[entry]; k < r.face_offsets[entry + 1]; ++k)
-            cells[original(r, r.face_vertices[at(k)])] = 0;
+            cells[joined.original(r.face_vertices[at(k)])] = 0;
     }
     return cells;
 }
 
 class Dual {
 public:
-    explicit Dual(const Result& result) : r_(result), cells_(count_cells(result)), place_(cells_.size(), none) {
+    explicit Dual(const Result& result)
+        : r_(result), joined_(result), cells_(count_cells(result, joined_)), place_(cells_.size(), none) {
         out_.polytope_indptr.assign(1, 0);
         for (std::size_t v = 0; v < cells_.size(); ++v) {
             if (cells_[v] == 4) {
@@ -70,8 +85,8 @@ private:
             const auto begin = r_.face_offsets[entry], end = r_.face_offsets[entry + 1];
             for (auto k = begin; k < end; ++k) {
                 const std::int32_t v = r_.face_vertices[at(k)];
-                const bool first =
-                    original(r_, v) == at(v) && cells_[at(v)] == 4 && out_.tetrahedra[4 * at(place_[at(v)])] == none;
+                const bool first = joined_.original(v) == at(v) && cells_[at(v)] == 4 &&
+                                   out_.tetrahedra[4 * at(place_[at(v)])] == none;
                 if (!first) continue;
                 passages_.push_back({v, entry, r_.face_vertices[at(k == begin ? end - 1 : k - 1)],
                                      r_.face_vertices[at(k + 1 == end ? begin : k + 1)]});
@@ -94,14 +109,15 @@ private:
         for (std::size_t i = 0; i < r_.status.size(); ++i)
             for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
                 const std::int32_t v = r_.cell_vertex_indices[k];
-                const std::size_t center = original(r_, v);
+                const std::size_t center = joined_.original(v);
                 if (cells_[center] > 4)
-                    members[at(place_[center])].push_back(
-                        {static_cast<std::int32_t>(i), shift_in(r_.vertex_shifts, at(v), -1)});
+                    members[at(place_[center])].push_back({static_cast<std::int32_t>(i), negative(joined_.shift(v))});
             }
         std::size_t to = 0;
         for (auto& polytope : members) {
             std::ranges::sort(polytope);
+            const auto rest = std::ranges::unique(polytope);
+            polytope.erase(rest.begin(), rest.end());
             for (const Member& m : polytope) {
                 if (!out_.polytope_shifts.empty()) std::ranges::copy(m.shift, &out_.polytope_shifts[3 * to]);
                 out_.polytope_indices[to++] = m.seed;
@@ -116,6 +132,7 @@ private:
     }
 
     const Result& r_;
+    const JoinedCorners joined_;
     std::vector<std::int32_t> cells_;  // by vertex
     std::vector<std::int32_t> place_;  // by vertex: of its tetrahedron or polytope
     std::vector<Passage> passages_;
@@ -129,9 +146,6 @@ Delaunay delaunay(const Tessellation& tessellation) {
     const Result& result = *tessellation.result_;
     if (result.face_offsets.empty() && !result.status.empty())
         throw Error(ErrorCode::invalid_argument, "delaunay: the tessellation has no polygons, set want.faces");
-    if (result.least_face > 0)
-        throw Error(ErrorCode::invalid_argument,
-                    "delaunay: the tessellation has lost faces, set min_face and min_area to 0");
     return Dual(result).make();
 }
 

@@ -36,6 +36,10 @@ inline ByteShift shift_in(std::span<const std::int8_t> shifts, std::size_t i, in
     return shift;
 }
 
+inline ByteShift negative(const ByteShift& a) {
+    return {static_cast<std::int8_t>(-a[0]), static_cast<std::int8_t>(-a[1]), static_cast<std::int8_t>(-a[2])};
+}
+
 inline ByteShift sum(const ByteShift& a, const ByteShift& b) {
     ByteShift s{};
     for (std::size_t k = 0; k < 3; ++k) s[k] = static_cast<std::int8_t>(a[k] + b[k]);
@@ -48,7 +52,7 @@ struct PolytopeFacets {
     std::vector<std::size_t> corner_begin{0};  // by facet, and the end of the last
     std::vector<Member> corners;               // of a facet in turn, counterclockwise seen from outside
 };
-// result: what the dual was read off.
+// result: what the dual was read off, with all of its faces.
 PolytopeFacets polytope_facets(const detail::Result& result, const Delaunay& dual);
 
 }  // namespace votess

@@ -42,6 +42,24 @@ void compact_polygons(Result& r, const std::vector<bool>& stays) {
     r.face_vertices.resize_uninitialized(to);
 }
 
+// Each once, from the side whose area counts.
+void keep_dropped_polygons(Result& r, const Rows& rows, const std::vector<bool>& stays) {
+    if (r.face_offsets.empty()) return;
+    std::vector<std::int64_t> offsets{0};
+    std::vector<std::int32_t> vertices;
+    for (std::size_t i = 0; i < r.status.size(); ++i)
+        for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry) {
+            if (stays[entry] || !(FaceLabel{static_cast<std::int32_t>(i), {}} < rows.label(entry))) continue;
+            vertices.insert(vertices.end(), &r.face_vertices[static_cast<std::size_t>(r.face_offsets[entry])],
+                            &r.face_vertices[static_cast<std::size_t>(r.face_offsets[entry + 1] - 1)] + 1);
+            offsets.push_back(static_cast<std::int64_t>(vertices.size()));
+        }
+    r.dropped_offsets.resize_uninitialized(offsets.size());
+    r.dropped_vertices.resize_uninitialized(vertices.size());
+    std::ranges::copy(offsets, r.dropped_offsets.begin());
+    std::ranges::copy(vertices, r.dropped_vertices.begin());
+}
+
 }  // namespace
 
 std::uint64_t drop_small_faces(Result& r, double share, double area) {
@@ -57,6 +75,7 @@ std::uint64_t drop_small_faces(Result& r, double share, double area) {
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry)
             if (r.indices[entry] >= 0) stays[entry] = !(area_of_pair(r, rows, i, entry) < r.least_face);
+    keep_dropped_polygons(r, rows, stays);
     std::size_t before = 0, dropped = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const auto end = static_cast<std::size_t>(r.indptr[i + 1]);

@@ -17,6 +17,9 @@ struct Result {
     bool lists_walls = false;
     bool probed = false;  // the cells of probes, which do not fit together
     double least_face = 0;
+    // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.
+    Buffer<std::int64_t> dropped_offsets;
+    Buffer<std::int32_t> dropped_vertices;
     Buffer<std::int64_t> indptr;
     // Large arrays that are written at once: faults of small pages would take as long as copying rows into them.
     Buffer<std::int32_t> indices{Buffer<std::int32_t>::Pages::huge};

@@ -11,6 +11,7 @@
 
 #include "core/ceil.hpp"
 #include "core/peak_memory.hpp"
+#include "core/vector3.hpp"
 #include "input/implied_wants.hpp"
 #include "result/face_filter.hpp"
 
@@ -84,6 +85,8 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     settled_ = false;
     memory_.reset(std::clamp(8 * count, least_segment, most_segment));
     counters_ = {};
+    faces_.begin(0);
+    scale_ = job.scale;
     want_neighbors_ = want.neighbors;
     want_areas_ = want.areas;
     want_normals_ = want.normals;
@@ -101,6 +104,8 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     result_.lists_walls = job.options.list_walls;
     result_.probed = job.probes_of.has_value();
     result_.least_face = 0;
+    result_.dropped_offsets.resize_uninitialized(0);
+    result_.dropped_vertices.resize_uninitialized(0);
     min_face_ = job.options.min_face;
     min_area_ = job.options.min_area;
     fill(result_.status, count, CellStatus::certified, pool);
@@ -160,6 +165,11 @@ void ResultBuilder::count(const CellCounters& counters) {
     counters_.exact_cells += counters.exact_cells;
     counters_.fallback_cells += counters.fallback_cells;
     counters_.empty_cells += counters.empty_cells;
+}
+
+void ResultBuilder::count(const FaceTally& faces) {
+    const std::lock_guard lock(mutex_);
+    faces_.add(faces);
 }
 
 void ResultBuilder::check_values(const RowValues& values, std::size_t ids) const {
@@ -248,6 +258,7 @@ void ResultBuilder::finish(detail::Result& result, ThreadPool& pool) {
     check_status(pool);
     if (!settled_) settle({}, pool);
     mesh_.finish(result_, pool);
+    if (faces_.cells() == 0 && !result_.face_offsets.empty()) measure_polygons(pool);
     if (min_face_ > 0 || min_area_ > 0) counters_.faces -= drop_small_faces(result_, min_face_, min_area_);
     finish_stats(result_.stats, pool);
     result_.stats.device = std::move(result.stats.device);
@@ -361,6 +372,49 @@ void ResultBuilder::place_block(const Block& block) {
     }
 }
 
+// At the scale of the job, where no square overflows.
+void ResultBuilder::measure_polygons(ThreadPool& pool) {
+    const detail::Result& r = result_;
+    const auto corner = [&](std::int64_t k) {
+        const double* x = &r.vertices[3 * static_cast<std::size_t>(r.face_vertices[static_cast<std::size_t>(k)])];
+        return Vector3{x[0] * scale_, x[1] * scale_, x[2] * scale_};
+    };
+    for_blocks(pool, r.status.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        FaceTally tally;
+        tally.begin(std::numeric_limits<double>::max());
+        std::vector<double> areas;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (r.status[i] != CellStatus::certified) continue;
+            areas.clear();
+            for (auto entry = static_cast<std::size_t>(r.indptr[i]); entry < static_cast<std::size_t>(r.indptr[i + 1]);
+                 ++entry) {
+                if (r.indices[entry] < 0) continue;
+                const std::int64_t first = r.face_offsets[entry], last = r.face_offsets[entry + 1];
+                const Vector3 apex = corner(first);
+                Vector3 twice{};
+                for (std::int64_t k = first + 1; k + 1 < last; ++k) {
+                    const Vector3 part = cross(minus(corner(k), apex), minus(corner(k + 1), apex));
+                    for (std::size_t axis = 0; axis < 3; ++axis) twice[axis] += part[axis];
+                }
+                areas.push_back(0.5 * std::sqrt(dot(twice, twice)));
+            }
+            tally.add(areas);
+        }
+        count(tally);
+    });
+}
+
+// Of the faces that are left.
+void ResultBuilder::count_tiny_faces(Stats& stats) const {
+    stats.tiny_faces = faces_.count();
+    if (result_.least_face == 0) return;
+    const double limit = faces_.limit() / scale_ / scale_;
+    std::uint64_t count = 0;
+    for (std::size_t entry = 0; entry < result_.indices.size() && result_.least_face < limit; ++entry)
+        count += result_.indices[entry] >= 0 && result_.face_areas[entry] < limit ? 1 : 0;
+    stats.tiny_faces = count;
+}
+
 void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
     stats.points = result_.status.size();
     stats.empty_cells = stats.duplicates + counters_.empty_cells;
@@ -375,6 +429,7 @@ void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
         sums[block] = accurate_sum(volumes.subspan(begin, end - begin));
     });
     stats.volume_sum = accurate_sum(sums);
+    if (faces_.cells() == cells && !result_.probed) count_tiny_faces(stats);
     stats.box_volume = box_volume_;
     stats.threads = pool.size();
     stats.peak_memory_bytes = peak_memory();

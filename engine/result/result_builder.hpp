@@ -11,6 +11,7 @@
 #include "core/thread_pool.hpp"
 #include "input/job.hpp"
 #include "mesh/mesh_builder.hpp"
+#include "result/face_tally.hpp"
 #include "result/result.hpp"
 
 namespace votess {
@@ -61,6 +62,8 @@ public:
     [[nodiscard]] MeshBuilder& mesh() { return mesh_; }
     // From any thread.
     void count(const CellCounters& counters);
+    // From any thread. Faces of cells whose areas are good to double precision.
+    void count(const FaceTally& faces);
 
     // From any thread. A cell that is not there: volume and counts 0, centroid NaN.
     void set_empty(std::size_t i, CellStatus status);
@@ -102,16 +105,19 @@ private:
     void copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
                       std::size_t count);
     void finish_stats(Stats& stats, ThreadPool& pool) const;
+    void measure_polygons(ThreadPool& pool);
+    void count_tiny_faces(Stats& stats) const;
 
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
     bool settled_ = false;
     double min_face_ = 0, min_area_ = 0;
-    double box_volume_ = 0;
+    double box_volume_ = 0, scale_ = 1;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until settle()
     std::mutex mutex_;       // of what follows
     Arena memory_;
     std::vector<Block> blocks_;
     CellCounters counters_;
+    FaceTally faces_;
     MeshBuilder mesh_;
 };
 

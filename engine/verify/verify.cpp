@@ -45,6 +45,21 @@ std::string check_euler(const Tessellation& t) {
 
 }  // namespace
 
+std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> points) {
+    require_whole_diagram(t, "count_tiny_faces");
+    if (t.stats().tiny_faces) return *t.stats().tiny_faces;
+    if (points.size() != 3 * t.size())
+        throw Error(ErrorCode::invalid_argument, "count_tiny_faces: points hold " + std::to_string(points.size()) +
+                                                     " coordinates, the result has " + std::to_string(t.size()) +
+                                                     " cells");
+    Options options = domain_options(t);
+    options.weights = t.weights();
+    options.device = "cpu";
+    options.want = {};
+    options.want.neighbors = false;
+    return tessellate(points, options).stats().tiny_faces.value();
+}
+
 VerifyReport verify(const Tessellation& t, std::span<const double> given, const VerifyOptions& options) {
     require_whole_diagram(t, "verify");
     if (given.size() != 3 * t.size())
@@ -68,6 +83,7 @@ VerifyReport verify(const Tessellation& t, std::span<const double> given, const 
     check("sample", !any || !t.indptr().empty() || !t.volumes().empty(),
           [&] { return any ? check_sample(t, points, options, report.sampled) : std::string(); });
     report.passed = report.failure.empty();
+    report.tiny_faces = count_tiny_faces(t, points);
     return report;
 }
 

@@ -64,9 +64,10 @@ enum class GridMethod : std::int32_t {
     // tetrahedra from its center, and its facets from theirs, where the density is the mean of that at the corners: so
     // the order of the seeds does not matter, and W becomes four times the integral of what is 1 at the seed and 0 at
     // the others. The average over a grid cell is exact: the grid times the volume of a grid cell sums to all mass, to
-    // a relative 1e-12. Duplicates add their mass to the seed that has the cell. A seed in no tetrahedron has no
-    // density: one that was dropped, that has no cell, or that lies at the rim of a domain that is not periodic, where
-    // delaunay() lacks simplices. to_grid() counts them.
+    // a relative 1e-12, however flat or small the tetrahedra are. Duplicates add their mass to the seed that has the
+    // cell. A seed in no tetrahedron has no density: one that was dropped, that has no cell, or that lies at the rim of
+    // a domain that is not periodic, where delaunay() lacks simplices. to_grid() counts them. It throws
+    // invalid_argument where the average over a grid cell is a number that float64 cannot hold.
     dtfe = 1,
     // values[i] of the cell that holds the center of the grid cell, as Diagram::locate() says; 0 outside of the domain.
     nearest = 2,

@@ -129,6 +129,7 @@ typedef struct votess_stats {
     // vertices than the device holds, the search ended too early, the device had failed before, or cannot do the
     // domain.
     uint64_t fallback_uncertain, fallback_overflow, fallback_exhausted, fallback_skipped, fallback_domain;
+    int64_t tiny_faces;  // faces far smaller than the mean, see Stats::tiny_faces in votess.hpp; -1 when unknown
 } votess_stats;
 
 typedef struct votess_tessellator votess_tessellator;
@@ -276,6 +277,9 @@ VOTESS_API votess_status votess_verify(const votess_result* result, const double
                                        uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled,
                                        char* failure, size_t failure_size);
 
+// Writes Stats::tiny_faces to *tiny_faces, see count_tiny_faces() in votess.hpp. points, count: as votess_verify.
+VOTESS_API votess_status votess_count_tiny_faces(const votess_result* result, const double* points, size_t count,
+                                                 uint64_t* tiny_faces);
 // Writes to places, 3 * count, where the points lie inside a periodic domain, see wrapped_points() in votess.hpp.
 VOTESS_API votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count,
                                                double* places);

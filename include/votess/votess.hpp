@@ -220,6 +220,11 @@ struct Stats {
     std::uint64_t fallback_cells = 0;  // cells redone on the CPU after another device
     FallbackReasons fallback_reasons;  // they add up to fallback_cells
     std::uint64_t exact_cells = 0;     // cells where exact arithmetic decided a sign
+    // Of faces, walls left out: those with an area below 1e-9 of the mean, or rather below the largest power of two
+    // within that. Coordinates of lattices that were rounded have such faces; Options::min_face drops them. Known where
+    // the CPU measured all cells, for volumes, centroids, areas, surfaces or radii, and where there are polygons;
+    // count_tiny_faces() finds it elsewhere.
+    std::optional<std::uint64_t> tiny_faces;
     unsigned threads = 0;              // CPU threads used
     StageSeconds seconds;
     std::uint64_t peak_memory_bytes = 0;  // peak resident memory of the process so far
@@ -341,7 +346,12 @@ struct Delaunay {
     std::vector<std::int8_t> polytope_shifts;      // three for each of these, as above
     std::vector<std::int32_t> polytope_centers;    // P
 };
-// Needs Want::faces without min_face and min_area, else throws invalid_argument, as for cells of probes.
+// Needs Want::faces, else throws invalid_argument, as for cells of probes. After min_face or min_area the vertices that
+// dropped faces joined are one, named by the first of them: a rounded lattice has the polytopes of the lattice. A
+// dropped face shrinks to a point, or when it is long to an edge; vertices nearer than the square root of least_face()
+// are joined, and those that no longer are corners of all their cells. Each polytope is a union of tetrahedra, so
+// volumes sum up as before. Throws invalid_argument where that leaves no complex: a face that was not dropped would
+// shrink too, or a vertex would meet its own image.
 [[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
 
 // The checker of --verify. Volumes sum to the domain's (relative 1e-9; 1e-4 when stats().precision is single), neighbor
@@ -361,11 +371,18 @@ struct VerifyReport {
     std::string failure;               // one line on the first failed check; empty when passed
     std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
     std::size_t sampled = 0;           // cells tried by brute force, up to the one that failed
+    // No failure: as in Stats. Of rows found in blocks unknown.
+    std::optional<std::uint64_t> tiny_faces;
 };
 // points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's, and for
 // cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
+
+// Returns Stats::tiny_faces; where that is unknown, it tessellates the points again on the CPU and measures. points, and
+// what it throws: as verify().
+[[nodiscard]] VOTESS_API std::uint64_t count_tiny_faces(const Tessellation& tessellation,
+                                                        std::span<const double> points);
 
 // Where the seeds lie inside a periodic domain, 3N: points, moved by whole box vectors and each coordinate rounded
 // once. Tessellation::shifts() count from there. Seeds that were dropped stay where they are. points: as in verify().

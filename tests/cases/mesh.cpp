@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -20,6 +21,37 @@ votess::Options mesh_options(const std::optional<votess::Box>& box = std::nullop
 
 votess::Tessellation mesh_of(const test::PointSet& set) {
     return votess::tessellate(set.points, mesh_options(set.box));
+}
+
+// The seeds of each simplex, moved so that the lowest is at home; how often.
+using Simplices = std::map<std::vector<std::array<int, 4>>, int>;
+Simplices simplices_of(const votess::Delaunay& dual, std::span<const std::size_t> names = {}) {
+    Simplices simplices;
+    const auto add = [&](std::span<const std::int32_t> seeds, std::span<const std::int8_t> shifts) {
+        std::vector<std::array<int, 4>> members;
+        for (std::size_t k = 0; k < seeds.size(); ++k) {
+            const auto seed = static_cast<std::size_t>(seeds[k]);
+            members.push_back({static_cast<int>(names.empty() ? seed : names[seed]), 0, 0, 0});
+            for (std::size_t axis = 0; axis < 3 && !shifts.empty(); ++axis)
+                members.back()[axis + 1] = shifts[3 * k + axis];
+        }
+        std::ranges::sort(members);
+        const auto home = members[0];
+        for (auto& m : members)
+            for (std::size_t axis = 1; axis < 4; ++axis) m[axis] -= home[axis];
+        ++simplices[members];
+    };
+    const auto some = [](const auto& values, std::size_t begin, std::size_t count) {
+        return std::span(values).subspan(values.empty() ? 0 : begin, values.empty() ? 0 : count);
+    };
+    for (std::size_t t = 0; 4 * t < dual.tetrahedra.size(); ++t)
+        add(some(dual.tetrahedra, 4 * t, 4), some(dual.tetrahedra_shifts, 12 * t, 12));
+    for (std::size_t p = 0; p < dual.polytope_centers.size(); ++p) {
+        const auto begin = static_cast<std::size_t>(dual.polytope_indptr[p]),
+                   count = static_cast<std::size_t>(dual.polytope_indptr[p + 1]) - begin;
+        add(some(dual.polytope_indices, begin, count), some(dual.polytope_shifts, 3 * begin, 3 * count));
+    }
+    return simplices;
 }
 
 }  // namespace
@@ -227,7 +259,7 @@ TEST_SUITE("cases") {
         const auto report = votess::verify(t, set.points);
         CHECK(report.failure == "");
         CHECK(report.skipped == std::vector<std::string>{"euler"});
-        CHECK_THROWS_AS((void)votess::delaunay(t), votess::Error);
+        CHECK(t.stats().tiny_faces == 0);
         for (const double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
             options.min_face = bad;
             CHECK_THROWS_AS((void)votess::tessellate(set.points, options), votess::Error);
@@ -251,6 +283,104 @@ TEST_SUITE("cases") {
         }
         CHECK(inner > 50);
         CHECK(raw_extra > 0);
+    }
+
+    TEST_CASE("tiny faces: as many as the areas say, whatever was wanted") {
+        test::PointSet rounded = test::scaled(test::fcc(4), 0.1),
+                       clustered = test::clustered(test::by_size(2000, 400), 6);
+        for (double& x : rounded.points) x = 0.3 + x / 3;
+        rounded.box = test::cube(0.3 - 0.05, 0.3 + 0.45 / 3 + 0.05);
+        for (double& x : clustered.points) x *= 0x1p-300;
+        clustered.box.reset();
+        for (const auto& set : {rounded, clustered, test::uniform(500, 3), test::cubic(4)}) {
+            CAPTURE(set.name);
+            votess::Options options = mesh_options(set.box);
+            const auto all = votess::tessellate(set.points, options);
+            double sum = 0, faces = 0;
+            for (std::size_t e = 0; e < all.indices().size(); ++e)
+                if (all.indices()[e] >= 0) sum += all.face_areas()[e], ++faces;
+            const double limit = std::ldexp(1.0, std::ilogb(1e-9 * sum / faces));
+            std::uint64_t tiny = 0;
+            for (std::size_t e = 0; e < all.indices().size(); ++e)
+                tiny += all.indices()[e] >= 0 && all.face_areas()[e] < limit ? 1 : 0;
+            CAPTURE(tiny);
+            if (set.name == rounded.name) CHECK(tiny > 0);
+            CHECK(all.stats().tiny_faces == tiny);
+            options.want = {.neighbors = false};
+            CHECK(votess::tessellate(set.points, options).stats().tiny_faces == tiny);
+            options.want = {.volumes = false, .faces = true};
+            CHECK(votess::tessellate(set.points, options).stats().tiny_faces == tiny);
+            options.want = {.volumes = false};
+            const auto lists = votess::tessellate(set.points, options);
+            CHECK_FALSE(lists.stats().tiny_faces.has_value());
+            CHECK(votess::count_tiny_faces(lists, set.points) == tiny);
+            CHECK(votess::verify(lists, set.points, {1, 1}).tiny_faces == tiny);
+            options.min_face = 1e-8;
+            CHECK(votess::tessellate(set.points, options).stats().tiny_faces == 0);
+        }
+    }
+
+    TEST_CASE("Delaunay after min_face: a lattice that was rounded and turned has its polytopes again") {
+        // A rotation and a scale that no float64 holds exactly.
+        const double turn[3][3] = {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6}};
+        const auto turned = [&](const std::array<double, 3>& x) {
+            std::array<double, 3> y{};
+            for (std::size_t i = 0; i < 3; ++i)
+                for (std::size_t k = 0; k < 3; ++k) y[i] += turn[i][k] * x[k] / 3;
+            return y;
+        };
+        for (const auto& set : {test::cubic(4), test::bcc(3), test::fcc(3), test::diamond(2)}) {
+            CAPTURE(set.name);
+            votess::Options exact = mesh_options(set.box);
+            for (std::size_t k = 0; k < 3; ++k) exact.box->lower[k] -= 0.125, exact.box->upper[k] -= 0.125;
+            exact.periodic = {true, true, true};
+            const auto lattice = votess::tessellate(set.points, exact);
+            const auto expected = simplices_of(votess::delaunay(lattice));
+            const double side = exact.box->upper[0] - exact.box->lower[0];
+            votess::Options options = mesh_options();
+            options.cell = votess::TriclinicBox{
+                turned(exact.box->lower), turned({side, 0, 0}), turned({0, side, 0}), turned({0, 0, side}), {}};
+            options.cell->periodic = {true, true, true};
+            test::Coordinates points;
+            for (std::size_t i = 0; i < set.points.size(); i += 3)
+                for (const double x : turned({set.points[i], set.points[i + 1], set.points[i + 2]}))
+                    points.push_back(x);
+            const auto raw = votess::tessellate(points, options);
+            const bool has_ties = !votess::delaunay(lattice).polytope_centers.empty();
+            CHECK((raw.stats().tiny_faces > 0) == has_ties);
+            CHECK((simplices_of(votess::delaunay(raw)) != expected) == has_ties);
+            options.min_face = 1e-6;
+            const auto t = votess::tessellate(points, options);
+            CHECK(t.stats().tiny_faces == 0);
+            CHECK(simplices_of(votess::delaunay(t)) == expected);
+        }
+    }
+
+    TEST_CASE("Delaunay after min_face: unions of tetrahedra, in any order of the seeds") {
+        test::Random random(5);
+        const auto set = test::uniform(test::by_size(600, 200), 17);
+        const auto order = test::permutation(set.size(), random);
+        test::Coordinates permuted;
+        for (const std::size_t i : order) permuted.insert(permuted.end(), &set.points[3 * i], &set.points[3 * i] + 3);
+        votess::Options options = mesh_options(set.box);
+        options.periodic = {true, true, true};
+        const auto whole = simplices_of(votess::delaunay(votess::tessellate(set.points, options)));
+        options.min_face = 1e-3;
+        const auto joined = simplices_of(votess::delaunay(votess::tessellate(set.points, options)));
+        CHECK(joined == simplices_of(votess::delaunay(votess::tessellate(permuted, options)), order));
+        CHECK(joined.size() < whole.size());
+        std::size_t same = 0;
+        for (const auto& [members, count] : whole) same += joined.contains(members) ? 1 : 0;
+        CHECK(same > whole.size() / 2);
+        // A face that is left would shrink to nothing.
+        options.min_face = 1;
+        try {
+            (void)votess::delaunay(votess::tessellate(set.points, options));
+            FAIL("no refusal");
+        } catch (const votess::Error& error) {
+            CHECK(error.code() == votess::ErrorCode::invalid_argument);
+            CHECK(std::string(error.what()).find("delaunay: faces below an area of ") == 0);
+        }
     }
 
     // Weights that leave each second cell of a lattice no more than its seed.

@@ -17,8 +17,8 @@ HIDDEN = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent"}
 SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreign code in the process
 
 JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
-             "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "threads", "seconds", "peak_memory_bytes", "verified",
-             "verified_cells"]
+             "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "tiny_faces", "threads", "seconds",
+             "peak_memory_bytes", "verified", "verified_cells"]
 SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--copy", "--density", "--output", "--format", "--want",
            "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder",

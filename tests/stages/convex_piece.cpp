@@ -47,8 +47,8 @@ TEST_SUITE("stages") {
         ConvexPiece box, below;
         box.add_box({1, 2, 3}, {2, 4, 6});
         CHECK(box.volume() == doctest::Approx(6).epsilon(1e-15));
-        CHECK(box.extent(1) == std::pair(2.0, 4.0));
-        box.split(2, 4, below);
+        CHECK(box.extent({0, 1, 0}) == std::pair(2.0, 4.0));
+        box.split({0, 0, 1}, 4, below);
         CHECK(below.volume() == doctest::Approx(2).epsilon(1e-15));
         CHECK(below.measure().moment[2] == doctest::Approx(7).epsilon(1e-15));
         CHECK(box.measure().moment[2] == doctest::Approx(20).epsilon(1e-15));
@@ -76,7 +76,7 @@ TEST_SUITE("stages") {
             other.cut({-n[0], -n[1], -n[2]}, -h);
             check_sum(whole, one, other);
             ConvexPiece above = copy_of(piece), below;
-            above.split(1, random.uniform(0, 2), below);
+            above.split({0, 1, 0}, random.uniform(0, 2), below);
             check_sum(whole, above, below);
         }
     }
@@ -101,10 +101,10 @@ TEST_SUITE("stages") {
             // Apart from where the measure begins.
             const auto whole = piece.measure();
             CHECK(whole.volume == doctest::Approx(1).epsilon(1e-14));
-            for (const std::size_t axis : {0, 1, 2})
+            for (const Vector& n : {Vector{1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
                 for (const double h : {0.0, 1.0}) {
                     ConvexPiece above = copy_of(piece);
-                    above.split(axis, h, below);
+                    above.split(n, h, below);
                     check_sum(whole, above, below);
                     CHECK(std::abs((h > 0 ? above : below).volume()) < 1e-14);
                 }

@@ -11,6 +11,7 @@ from ctypes import (
     c_double,
     c_int,
     c_int32,
+    c_int64,
     c_size_t,
     c_uint32,
     c_uint64,
@@ -157,6 +158,7 @@ class Stats(ctypes.Structure):
         ("fallback_exhausted", c_uint64),
         ("fallback_skipped", c_uint64),
         ("fallback_domain", c_uint64),
+        ("tiny_faces", c_int64),
     ]
 
 
@@ -256,6 +258,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
             c_size_t,
         ),
     ),
+    "votess_count_tiny_faces": (c_int32, (_HANDLE, c_void_p, c_size_t, POINTER(c_uint64))),
     "votess_wrapped_points": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
     "votess_value_colors": (c_int, (c_void_p, c_size_t, c_int32, c_void_p)),
     "votess_sphere_walls": (c_int, (c_void_p, c_double, c_size_t, c_void_p)),

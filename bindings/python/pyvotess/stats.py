@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 from . import _c_api
 from ._call import Handle, raise_on_failure
@@ -54,6 +54,9 @@ class Stats:
     peak_memory_bytes: int  #: peak resident memory of the process so far
     precision: str  #: of volumes, centroids and areas, "single" or "double"; the CPU always gives "double"
     seconds: StageSeconds
+    #: faces, walls left out, with an area below 1e-9 of the mean (of the largest power of two within that), as rounded
+    #: lattices have them: ``min_face`` drops them. None where neither the CPU measured all cells nor there are polygons.
+    tiny_faces: Optional[int]
 
 
 def read_stats(result: Handle) -> Stats:
@@ -65,6 +68,7 @@ def read_stats(result: Handle) -> Stats:
 def stats_of(c_stats: _c_api.Stats) -> Stats:
     fields: Dict[str, Any] = {field[0]: getattr(c_stats, field[0]) for field in _c_api.Stats._fields_}
     del fields["struct_size"]
+    fields["tiny_faces"] = None if c_stats.tiny_faces < 0 else c_stats.tiny_faces
     fields["precision"] = next(word for word, value in _c_api.PRECISIONS.items() if value == c_stats.precision)
     fields["device"] = fields["device"].decode("utf-8", "replace")
     stages = {name: fields.pop("seconds_" + name) for name in StageSeconds.__dataclass_fields__}
@@ -80,6 +84,7 @@ class VerifyReport:
     failure: str  #: one line on the first failed check; empty when passed
     skipped: Tuple[str, ...]  #: checks whose arrays were not wanted: "volumes", "symmetry", "euler", "sample"
     sampled: int = 0  #: cells tried by brute force, up to the one that failed
+    tiny_faces: Optional[int] = None  #: no failure: as in :class:`Stats`; None for rows found in blocks
 
     def __bool__(self) -> bool:
         return self.passed

@@ -64,7 +64,8 @@ class Tessellation(Cells):
         wanted = ", ".join(self._wanted) or "status only"
         copies = self.stats.duplicates
         seeds = f"{len(self)} seeds" + (f", {copies} duplicate{'s' if copies > 1 else ''}," if copies else "")
-        return f"<pyvotess.Tessellation of {seeds} in a {self._domain()}: {wanted}>"
+        tiny = f"; {self.stats.tiny_faces} tiny faces, see min_face" if self.stats.tiny_faces else ""
+        return f"<pyvotess.Tessellation of {seeds} in a {self._domain()}: {wanted}{tiny}>"
 
     def _domain(self) -> str:
         return super()._domain() + ("" if self._domain_given else " around them")
@@ -87,7 +88,12 @@ class Tessellation(Cells):
         return self._data.least_face
 
     def delaunay(self) -> Delaunay:
-        """The dual Delaunay complex. Needs "faces" in want, and neither ``min_face`` nor ``min_area``."""
+        """The dual Delaunay complex. Needs "faces" in want.
+
+        After ``min_face`` or ``min_area`` the corners that dropped faces joined are one, so that a rounded lattice has
+        the polytopes of the lattice. ValueError where a face that was not dropped would shrink too, or a corner would
+        meet its own image: then give a smaller ``min_face``.
+        """
         handle = Handle(lib.votess_delaunay_free)
         raise_on_failure(lib.votess_delaunay_new(self._handle().pointer, ctypes.byref(handle.pointer)))
         return make_delaunay(
@@ -220,7 +226,8 @@ class Tessellation(Cells):
         Volumes sum to the box (relative 1e-9; 1e-4 when ``stats.precision`` is "single"), neighbor lists are symmetric,
         Euler's formula holds, and ``sample`` cells drawn with ``rng_seed`` equal cells cut anew by every seed; None takes
         as many as take about a second, at least 64 or all, a number that depends on the input alone. Checks whose
-        arrays were not wanted are skipped. A result that was unpickled is compared with its points tessellated again.
+        arrays were not wanted are skipped. ``tiny_faces`` of the report counts faces far smaller than the mean, see
+        :class:`Stats`; where they are not known, the points are tessellated again. A result that was unpickled is compared with its points tessellated again.
         """
         points = np.ascontiguousarray(self._points, dtype=np.float64)
         bits = 8 * ctypes.sizeof(ctypes.c_size_t)
@@ -248,4 +255,10 @@ class Tessellation(Cells):
             )
         )
         names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
-        return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value)
+        tiny = ctypes.c_uint64()
+        raise_on_failure(
+            lib.votess_count_tiny_faces(handle.pointer, points.ctypes.data, len(points), ctypes.byref(tiny))
+        )
+        return VerifyReport(
+            bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value, tiny.value
+        )

@@ -2,6 +2,7 @@
 
 import typing
 import unittest
+import warnings
 
 import numpy as np
 from helpers import EVERYTHING, UNIT_BOX, lattice, uniform
@@ -327,6 +328,32 @@ class Mesh(unittest.TestCase):
         self.assertGreater(len(vt.tessellate(points, box=self.BOX, want="faces").faces), len(t.faces))
         with self.assertRaisesRegex(ValueError, "min_face"):
             vt.tessellate(points, min_face=-1)
+
+    def test_tiny_faces(self):
+        basis = np.array([[0, 0, 0], [0, 0.5, 0.5], [0.5, 0, 0.5], [0.5, 0.5, 0]])
+        atoms = np.concatenate([basis + step for step in np.ndindex(3, 3, 3)])
+        turn = np.linalg.qr(np.array([[1.0, 2, 3], [3, 1, 2], [2, 2, 1]]))[0] * 4.05
+        given = {"cell": 3 * turn, "origin": -0.0625 * turn.sum(axis=0), "device": "cpu"}
+        t = vt.tessellate(atoms @ turn, want="faces", **given)
+        areas = vt.tessellate(atoms @ turn, want="areas", **given).areas
+        tiny = int((areas < 1e-9 * areas.mean()).sum())
+        self.assertGreater(tiny, 0)
+        self.assertEqual(t.stats.tiny_faces, tiny)
+        self.assertIn(f"{tiny} tiny faces", repr(t))
+        self.assertEqual(t.verify(sample=1).tiny_faces, tiny)
+        with self.assertWarnsRegex(UserWarning, f"^{tiny} of .*min_face"):
+            t.voronoi_indices()
+        lists = vt.tessellate(atoms @ turn, want="neighbors", **given)
+        self.assertEqual((lists.stats.tiny_faces, lists.verify(sample=1).tiny_faces), (None, tiny))
+        lattice = vt.tessellate(atoms @ turn, want="faces", min_face=1e-6, **given)
+        self.assertEqual(lattice.stats.tiny_faces, 0)
+        self.assertNotIn("tiny", repr(lattice))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.assertEqual(lattice.voronoi_indices().tolist(), [[0, 12]] * len(atoms))
+        d = lattice.delaunay()
+        self.assertEqual((len(d.tetrahedra), len(d.polytopes)), (2 * len(atoms), len(atoms)))
+        self.assertEqual(set(np.diff(d.polytopes.indptr).tolist()), {6})
 
     def test_not_wanted(self):
         t = vt.tessellate(uniform(10))

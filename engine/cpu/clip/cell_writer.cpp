@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/vector3.hpp"
 #include "cpu/sort/seed_images.hpp"
 #include "input/implied_wants.hpp"
 
@@ -56,6 +57,9 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     row_order_ = job.row_order;
     unscale_ = 1 / job.scale;
     counters_ = {};
+    const Box& box = domain_->box;
+    const Vector3 diagonal = minus(box.upper, box.lower);
+    tally_.begin(4 * dot(diagonal, diagonal));
     rows_size_ = 0;
     // As long as the rows of an earlier job.
     if (want_.areas) areas_.resize_uninitialized(rows_.size());
@@ -164,6 +168,7 @@ void CellWriter::write_none(std::size_t output, CellStatus status) {
 
 void CellWriter::write_measures() {
     const CellMeasures& m = measures_;
+    tally_.add(face_areas_.subspan(wall_faces_));
     if (want_.volumes) out_->volumes()[output_] = m.volume * unscale_ * unscale_ * unscale_;
     if (want_.centroids) {
         const exact::Point p = place();
@@ -277,6 +282,7 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
             return input[images->home(id)];
         });
     shifted_ = shifted;
+    wall_faces_ = walls;
     hidden_ = walls_ ? 0 : walls;
     const std::int32_t* keys = names_.data();
     if (!row_order_.empty()) {

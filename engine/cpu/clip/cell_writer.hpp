@@ -51,6 +51,7 @@ public:
     void end_block(std::span<const std::int32_t> cells);
 
     [[nodiscard]] const CellCounters& counters() const { return counters_; }
+    [[nodiscard]] const FaceTally& tally() const { return tally_; }
 
 private:
     static constexpr std::size_t most_marked = 64;   // ids of a row in which some may be the same
@@ -98,6 +99,7 @@ private:
     std::span<const std::int32_t> row_order_;  // see Job
     double unscale_ = 1;
     CellCounters counters_;
+    FaceTally tally_;
     std::size_t rows_size_ = 0;
     Buffer<std::int32_t> rows_;  // filled up to rows_size_
     Buffer<double> areas_, normals_;
@@ -123,7 +125,8 @@ private:
     // By face: the input index or wall, and the place among all faces of the cell, by index and shift.
     std::vector<std::int32_t> names_, keys_;
     std::vector<std::uint32_t> ranks_;
-    std::size_t hidden_ = 0;  // faces that rows do not list: walls, which come first
+    std::size_t wall_faces_ = 0;  // of the cell, which come first
+    std::size_t hidden_ = 0;      // faces that rows do not list: none, or the walls
     std::vector<FaceLabel> labels_;
     std::vector<std::uint32_t> order_;
 };

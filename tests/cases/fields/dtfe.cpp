@@ -1,5 +1,6 @@
 // to_grid(), dtfe: simplices that fit together, mass that is kept, fields that are linear.
 #include <doctest/doctest.h>
+#include <gmpxx.h>
 
 #include <algorithm>
 #include <map>
@@ -144,6 +145,118 @@ votess::Options with_faces(const std::optional<votess::Box>& box, bool periodic)
     return options;
 }
 
+// Sets whose tetrahedra are flat, long or far below the digits of their places. Most are inside the unit box.
+std::vector<FieldCase> hard_cases() {
+    test::Random random(12);
+    std::vector<FieldCase> cases;
+    const auto number = [&] { return random.uniform(); };
+    const auto add = [&](const char* name, std::size_t n, const auto& place) -> FieldCase& {
+        cases.push_back({name, {}, with_faces(test::unit_box(), false)});
+        std::set<Vec> places;
+        while (places.size() < n) places.insert(place());
+        for (const Vec& place : places)
+            cases.back().points.insert(cases.back().points.end(), place.begin(), place.end());
+        return cases.back();
+    };
+    const std::array<std::array<bool, 3>, 4> axes{
+        {{false, false, false}, {true, false, false}, {false, true, true}, {true, true, true}}};
+    for (const double size : {1e-6, 1e-14, 1e-40, 1e-322})
+        for (const auto& periodic : axes) {
+            add("sheet", 12, [&] { return Vec{number(), number(), size * number()}; }).options.periodic = periodic;
+            add("column", 12, [&] {
+                return Vec{number(), size * number(), size * number()};
+            }).options.periodic = periodic;
+            // Around a corner of the box, so that near seeds have homes a period away.
+            add("cluster", 12, [&] {
+                Vec x{};
+                for (double& c : x) c = random.uniform() < 0.5 ? size * number() : 1 - std::max(size, 1e-15) * number();
+                for (double& c : x) c = c < 1 ? c : 0;
+                return x;
+            }).options.periodic = periodic;
+        }
+    for (const auto& periodic : axes) {
+        FieldCase& c = add("one ulp apart", 10, [&] { return Vec{number(), number(), number()}; });
+        for (std::size_t k = 0; k < 30; ++k) c.points.push_back(std::nextafter(c.points[k], random.below(3) - 1.0));
+        c.options.periodic = periodic;
+        add("oblique sheet", 12, [&] {
+            const double x = number(), y = number();
+            return Vec{x, y, 0.25 + 0.3 * x + 0.2 * y};
+        }).options.periodic = periodic;
+    }
+    return cases;
+}
+
+using Rational = std::array<mpq_class, 3>;
+
+// A tetrahedron whose corners carry barycentric coordinates.
+struct Part {
+    std::array<Rational, 4> place;
+    std::array<std::array<mpq_class, 4>, 4> coordinates;
+    mpq_class volume;
+};
+
+// Adds the integrals of the coordinates where x < h, times `sign`, by halving along edges that cross the plane.
+void add_below(const Part& part, const mpq_class& h, int sign, std::array<mpq_class, 4>& sums) {
+    std::size_t below = 4, beyond = 4;
+    for (std::size_t k = 0; k < 4; ++k) {
+        if (part.place[k][0] < h) below = k;
+        if (part.place[k][0] > h) beyond = k;
+    }
+    if (below == 4) return;
+    if (beyond == 4) {
+        for (const auto& corner : part.coordinates)
+            for (std::size_t k = 0; k < 4; ++k) sums[k] += sign * part.volume * corner[k] / 4;
+        return;
+    }
+    const Rational &from = part.place[below], &to = part.place[beyond];
+    const mpq_class share = (h - from[0]) / (to[0] - from[0]);
+    for (const std::size_t moved : {below, beyond}) {
+        Part half = part;
+        for (std::size_t k = 0; k < 3; ++k) half.place[moved][k] = from[k] + share * (to[k] - from[k]);
+        for (std::size_t k = 0; k < 4; ++k)
+            half.coordinates[moved][k] =
+                part.coordinates[below][k] + share * (part.coordinates[beyond][k] - part.coordinates[below][k]);
+        half.volume *= moved == beyond ? share : 1 - share;
+        add_below(half, h, sign, sums);
+    }
+}
+
+// By seed, for unit masses in the unit box: the mass where x < 1/2. -1 for seeds without a tetrahedron.
+std::vector<double> masses_below(const Dual& d, const test::Coordinates& points) {
+    const std::size_t n = points.size() / 3;
+    std::vector<mpq_class> around(n), below(n);
+    for (std::size_t t = 0; 4 * t < d.simplices.tetrahedra.size(); ++t) {
+        Part part;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Member m = d.corner(t, k);
+            part.coordinates[k][k] = 1;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                part.place[k][axis] = mpq_class(points[3 * static_cast<std::size_t>(m.seed) + axis]) + m.shift[axis];
+        }
+        const auto edge = [&](std::size_t k, std::size_t axis) -> mpq_class {
+            return part.place[k][axis] - part.place[0][axis];
+        };
+        for (std::size_t k = 0; k < 3; ++k)
+            part.volume += edge(1, k) *
+                           (edge(2, (k + 1) % 3) * edge(3, (k + 2) % 3) - edge(2, (k + 2) % 3) * edge(3, (k + 1) % 3));
+        REQUIRE(part.volume > 0);
+        std::array<mpq_class, 4> sums;
+        for (int image = -2; image <= 2; ++image) {
+            add_below(part, mpq_class(2 * image + 1, 2), 1, sums);
+            add_below(part, image, -1, sums);
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            const auto seed = static_cast<std::size_t>(d.corner(t, k).seed);
+            around[seed] += part.volume / 4;
+            below[seed] += sums[k];
+        }
+    }
+    std::vector<double> masses(n, -1);
+    for (std::size_t i = 0; i < n; ++i)
+        if (around[i] > 0) masses[i] = mpq_class(below[i] / around[i]).get_d();
+    return masses;
+}
+
 }  // namespace
 
 TEST_SUITE("dtfe") {
@@ -241,6 +354,80 @@ TEST_SUITE("dtfe") {
                     CHECK(std::abs(sum - mass) <= 1e-12 * mass);
                 }
             }
+    }
+
+    TEST_CASE("dtfe: each mass is where rational arithmetic has it, however flat the tetrahedra are") {
+        std::size_t compared = 0;
+        for (const FieldCase& c : hard_cases()) {
+            CAPTURE(c.name);
+            CAPTURE(c.points);
+            const Dual d(c.points, c.options);
+            REQUIRE(d.t.stats().duplicates == 0);
+            const std::size_t n = c.points.size() / 3;
+            const auto expected =
+                d.simplices.polytope_centers.empty() ? masses_below(d, c.points) : std::vector<double>();
+            std::set<std::int32_t> placed(d.simplices.tetrahedra.begin(), d.simplices.tetrahedra.end());
+            placed.insert(d.simplices.polytope_indices.begin(), d.simplices.polytope_indices.end());
+            if (d.t.periodic() == std::array{true, true, true}) REQUIRE(placed.size() == n);
+            // A column for each seed.
+            std::vector<double> masses(n * n, 0), grid(2 * n);
+            for (std::size_t i = 0; i < n; ++i) masses[i * n + i] = 1;
+            const votess::Diagram diagram(c.points, c.options);
+            const votess::GridOptions options{.shape = {2, 1, 1}, .method = votess::GridMethod::dtfe, .columns = n};
+            REQUIRE(diagram.to_grid(masses, options, grid) == n - placed.size());
+            for (std::size_t i = 0; i < n; ++i) {
+                const double all = placed.contains(static_cast<std::int32_t>(i)) ? 1 : 0;
+                REQUIRE(std::abs((grid[i] + grid[n + i]) / 2 - all) < 1e-13);
+                if (expected.empty() || all == 0) continue;
+                ++compared;
+                REQUIRE(std::abs(grid[i] / 2 - expected[i]) < 1e-12);
+            }
+        }
+        CHECK(compared > 300);
+    }
+
+    TEST_CASE("dtfe: densities that float64 cannot hold are refused, and others are kept at any scale") {
+        const auto points = test::uniform(40, 9).points;
+        for (const double scale : {0x1p-330, 0x1p-345, 0x1p-1000, 0x1p300, 0x1p345, 0x1p1000}) {
+            CAPTURE(scale);
+            auto scaled = points;
+            for (double& x : scaled) x *= scale;
+            const votess::Diagram diagram(scaled, with_faces(votess::Box{{0, 0, 0}, {scale, scale, scale}}, true));
+            for (const double mass : {0x1p-1074, 0x1p-300, 1.0, 0x1p300, 0x1p1023}) {
+                CAPTURE(mass);
+                const int exponent = std::ilogb(mass) - 3 * std::ilogb(scale);
+                std::vector<double> grid(1);
+                const std::vector<double> masses(40, mass);
+                const votess::GridOptions options{.shape = {1, 1, 1}, .method = votess::GridMethod::dtfe};
+                // 40 of these, in a subnormal number that happens to hold them or not.
+                if (exponent + 5 < -1022 && exponent + 5 > -1080) continue;
+                if (exponent + 6 > 1024 || exponent + 5 < -1022) {
+                    try {
+                        diagram.to_grid(masses, options, grid);
+                        FAIL("no refusal");
+                    } catch (const votess::Error& error) {
+                        CHECK(error.code() == votess::ErrorCode::invalid_argument);
+                        CHECK(std::string(error.what()).find("to_grid: element 0 of the grid has the mass ") == 0);
+                    }
+                    continue;
+                }
+                CHECK(diagram.to_grid(masses, options, grid) == 0);
+                CHECK(std::abs(std::ldexp(grid[0], -exponent) - 40) < 1e-12);
+            }
+            // A column density needs less.
+            if (std::abs(std::ilogb(scale)) < 500) {
+                std::vector<double> grid(1);
+                diagram.to_grid(std::vector<double>(40, 1),
+                                {.shape = {1, 1, 1}, .method = votess::GridMethod::dtfe, .project = 1}, grid);
+                CHECK(std::abs(grid[0] * scale * scale - 40) < 1e-12);
+            }
+        }
+        // What is given as infinite or not a number stays so.
+        std::vector<double> masses(40, 1), grid(1);
+        masses[7] = std::numeric_limits<double>::infinity();
+        const votess::Diagram diagram(points, with_faces(test::unit_box(), true));
+        diagram.to_grid(masses, {.shape = {1, 1, 1}, .method = votess::GridMethod::dtfe}, grid);
+        CHECK_FALSE(std::isfinite(grid[0]));
     }
 
     TEST_CASE("dtfe: a periodic lattice of equal masses has one density") {

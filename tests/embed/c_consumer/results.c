@@ -27,6 +27,9 @@ void check_mesh(votess_tessellator* tessellator) {
     CHECK(radii != NULL && length == 8 && fabs(radii[3] - sqrt(3)) < 1e-13);
     CHECK(votess_result_shifts(result, &length) == NULL && length == 0);
     CHECK(votess_result_least_face(result) == 0);
+    uint64_t tiny = 1;
+    CHECK(votess_count_tiny_faces(result, cube, 8, &tiny) == VOTESS_OK && tiny == 0);
+    CHECK_FAILS(votess_count_tiny_faces(result, cube, 8, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "tiny_faces");
     CHECK(votess_result_lists_walls(result) == 1);
 
     CHECK(votess_delaunay_new(result, &dual) == VOTESS_OK);
@@ -120,6 +123,7 @@ void check_cube(votess_tessellator* tessellator) {
               stats.fallback_domain ==
           0);
     CHECK(stats.exact_cells <= 8);
+    CHECK(stats.tiny_faces == 0);
     CHECK(fabs(stats.volume_sum - 8) < 1e-12 && fabs(stats.box_volume - 8) < 1e-12);
     CHECK(stats.seconds_total >= 0 && stats.seconds_clip >= 0);
     CHECK(memchr(stats.device, 0, sizeof stats.device) != NULL && stats.device[0] != '\0');

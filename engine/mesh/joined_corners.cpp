@@ -1,0 +1,277 @@
+#include "mesh/joined_corners.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "core/text.hpp"
+#include "mesh/vertex_sets.hpp"
+
+namespace votess {
+namespace {
+
+using detail::Result;
+
+// A corner of a polygon: a vertex, and the set it belongs to now.
+struct Place {
+    std::int32_t vertex;
+    std::uint32_t root;
+    exact::Shift shift;
+    [[nodiscard]] bool same(const Place& other) const { return root == other.root && shift == other.shift; }
+};
+
+// A cell at a set of vertices, and one of its faces there; or no face, for the cell alone.
+struct Meeting {
+    std::uint32_t root;
+    std::int32_t cell;
+    exact::Shift shift;  // of the cell
+    std::int64_t entry;
+    friend auto operator<=>(const Meeting&, const Meeting&) = default;
+};
+constexpr std::int64_t no_face = -1;
+
+class Joiner {
+public:
+    explicit Joiner(const Result& result) : r_(result), sets_(vertices()) {
+        sets_.init(0, vertices());
+        for (std::size_t v = 0; v < r_.vertex_image_of.size(); ++v)
+            sets_.unite(static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(r_.vertex_image_of[v]),
+                        wide(shift_in(r_.vertex_shifts, v, 1)));
+    }
+
+    // False when there is nothing to join.
+    bool join() {
+        find_near();
+        mark_touched();
+        if (std::ranges::find(touched_, true) == touched_.end()) return false;
+        while (!pairs_.empty() || find_more()) {
+            for (const auto& [a, b] : pairs_) join(a, b);
+            pairs_.clear();
+        }
+        check_faces();
+        return true;
+    }
+
+    [[nodiscard]] Place place(std::int32_t vertex) {
+        const ShiftedVertex found = sets_.find(static_cast<std::uint32_t>(vertex));
+        return {vertex, found.vertex, found.shift};
+    }
+
+private:
+    static exact::Shift wide(const ByteShift& s) { return {s[0], s[1], s[2]}; }
+    [[nodiscard]] std::size_t vertices() const { return r_.vertices.size() / 3; }
+    [[nodiscard]] std::size_t dropped() const { return r_.dropped_offsets.size() - 1; }
+    static std::span<const std::int32_t> polygon(std::span<const std::int64_t> offsets,
+                                                 std::span<const std::int32_t> corners, std::size_t f) {
+        return corners.subspan(at(offsets[f]), at(offsets[f + 1] - offsets[f]));
+    }
+
+    [[noreturn]] void refuse(const std::string& what) const {
+        throw Error(ErrorCode::invalid_argument, "delaunay: faces below an area of " + number(r_.least_face) +
+                                                     " were dropped, and without them " + what +
+                                                     ": give a smaller min_face or min_area");
+    }
+
+    // A vertex may be joined when a dropped face has it or an image of it, or an edge that is short.
+    void mark_touched() {
+        touched_.assign(vertices(), false);
+        for (const std::int32_t v : r_.dropped_vertices) touched_[place(v).root] = true;
+        for (const auto& [a, b] : pairs_) touched_[place(a).root] = touched_[place(b).root] = true;
+        for (std::size_t v = 0; v < vertices(); ++v)
+            touched_[v] = touched_[place(static_cast<std::int32_t>(v)).root];  // which is no larger
+    }
+
+    [[nodiscard]] double distance2(std::int32_t a, std::int32_t b) const {
+        double sum = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double d = r_.vertices[3 * at(a) + k] - r_.vertices[3 * at(b) + k];
+            sum += d * d;
+        }
+        return sum;
+    }
+
+    // Of two corners of one polygon.
+    void join(std::int32_t a, std::int32_t b) {
+        const Place one = place(a), other = place(b);
+        if (one.root == other.root && one.shift != other.shift)
+            refuse("vertex " + std::to_string(one.root) + " would meet its own image");
+        sets_.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), {});
+    }
+
+    // Ends of short edges. Of a face that was kept an edge is short if the face would have no area without it, had it
+    // the edge all along.
+    void find_near() {
+        for (std::size_t f = 0; f < dropped(); ++f) {
+            const auto corners = polygon(r_.dropped_offsets, r_.dropped_vertices, f);
+            for (std::size_t k = 0; k < corners.size(); ++k)
+                add_near(corners[k], corners[(k + 1) % corners.size()], r_.least_face);
+        }
+        for (std::size_t entry = 0; entry < r_.indices.size(); ++entry) {
+            if (r_.indices[entry] < 0) continue;
+            const auto corners = polygon(r_.face_offsets, r_.face_vertices, entry);
+            double around = 0;
+            for (std::size_t k = 0; k < corners.size(); ++k)
+                around += std::sqrt(distance2(corners[k], corners[(k + 1) % corners.size()]));
+            const double least = r_.least_face / (around / 2);
+            for (std::size_t k = 0; k < corners.size(); ++k)
+                add_near(corners[k], corners[(k + 1) % corners.size()], least * least);
+        }
+    }
+    void add_near(std::int32_t a, std::int32_t b, double most2) {
+        if (distance2(a, b) <= most2) pairs_.emplace_back(a, b);
+    }
+
+    bool find_more() {
+        for (std::size_t f = 0; f < dropped(); ++f) shrink(polygon(r_.dropped_offsets, r_.dropped_vertices, f));
+        if (pairs_.empty()) join_false_corners();
+        return !pairs_.empty();
+    }
+
+    // What a polygon is now: equal corners are one, and a way to a corner and back is none. A polygon that is no face
+    // any more has one corner left.
+    std::span<const Place> reduced(std::span<const std::int32_t> corners) {
+        word_.clear();
+        for (const std::int32_t v : corners) {
+            const Place p = place(v);
+            if (!word_.empty() && word_.back().same(p)) continue;
+            if (word_.size() > 1 && word_[word_.size() - 2].same(p))
+                word_.pop_back();
+            else
+                word_.push_back(p);
+        }
+        std::size_t begin = 0, end = word_.size();
+        while (end - begin > 1) {
+            if (word_[begin].same(word_[end - 1]))
+                --end;
+            else if (end - begin > 2 && word_[begin].same(word_[end - 2]))
+                end -= 2;
+            else if (end - begin > 2 && word_[begin + 1].same(word_[end - 1]))
+                ++begin;
+            else if (end - begin == 2)
+                --end;
+            else
+                break;
+        }
+        return std::span(word_).subspan(begin, end - begin);
+    }
+
+    // The nearest two corners of a dropped face that still has an area.
+    void shrink(std::span<const std::int32_t> corners) {
+        const std::span<const Place> left = reduced(corners);
+        if (left.size() < 3) return;
+        double nearest = std::numeric_limits<double>::infinity();
+        std::pair<std::int32_t, std::int32_t> pair;
+        for (std::size_t k = 0; k < left.size(); ++k) {
+            const std::int32_t a = left[k].vertex, b = left[(k + 1) % left.size()].vertex;
+            if (const double d = distance2(a, b); d < nearest) nearest = d, pair = {a, b};
+        }
+        pairs_.push_back(pair);
+    }
+
+    // A set where a cell has but two faces lies within an edge of that cell: it joins the nearest one along a dropped
+    // face.
+    void join_false_corners() {
+        find_meetings();
+        std::vector<std::uint32_t> false_corners;
+        for (auto begin = meetings_.begin(); begin != meetings_.end();) {
+            const auto end =
+                std::find_if(begin, meetings_.end(), [&](const Meeting& m) { return m.root != begin->root; });
+            bool on_wall = false, is_false = false;
+            for (auto cell = begin; cell != end;) {
+                const auto next = std::find_if(
+                    cell, end, [&](const Meeting& m) { return m.cell != cell->cell || m.shift != cell->shift; });
+                constexpr std::ptrdiff_t least = 3;
+                is_false |= next - cell - 1 < least;  // the first has no face
+                for (; cell != next; ++cell) on_wall |= cell->entry != no_face && r_.indices[at(cell->entry)] < 0;
+            }
+            if (is_false && !on_wall) false_corners.push_back(begin->root);
+            begin = end;
+        }
+        if (false_corners.empty()) return;
+        struct Nearest {
+            double distance2 = std::numeric_limits<double>::infinity();
+            std::pair<std::int32_t, std::int32_t> pair;
+        };
+        std::vector<Nearest> nearest(false_corners.size());
+        for (std::size_t f = 0; f < dropped(); ++f) {
+            const auto corners = polygon(r_.dropped_offsets, r_.dropped_vertices, f);
+            for (std::size_t k = 0; k < corners.size(); ++k) {
+                const std::int32_t a = corners[k], b = corners[(k + 1) % corners.size()];
+                const Place one = place(a), other = place(b);
+                if (one.same(other)) continue;
+                const double d = distance2(a, b);
+                for (const std::uint32_t root : {one.root, other.root}) {
+                    const auto found = std::ranges::lower_bound(false_corners, root);
+                    if (found == false_corners.end() || *found != root) continue;
+                    Nearest& best = nearest[static_cast<std::size_t>(found - false_corners.begin())];
+                    if (d < best.distance2) best = {d, {a, b}};
+                }
+            }
+        }
+        for (std::size_t k = 0; k < nearest.size(); ++k) {
+            if (nearest[k].distance2 == std::numeric_limits<double>::infinity())
+                refuse("vertex " + std::to_string(false_corners[k]) + " is no corner of one of its cells");
+            pairs_.push_back(nearest[k].pair);
+        }
+    }
+
+    // At the sets that are touched.
+    void find_meetings() {
+        meetings_.clear();
+        const auto add = [&](std::int32_t v, std::size_t cell, std::int64_t entry) {
+            if (!touched_[at(v)]) return;
+            const Place p = place(v);
+            meetings_.push_back({p.root, static_cast<std::int32_t>(cell), VertexSets::negative(p.shift), entry});
+        };
+        for (std::size_t i = 0; i < r_.status.size(); ++i) {
+            for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k)
+                add(r_.cell_vertex_indices[k], i, no_face);
+            for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]); ++entry)
+                for (const std::int32_t v : polygon(r_.face_offsets, r_.face_vertices, entry))
+                    add(v, i, static_cast<std::int64_t>(entry));
+        }
+        std::ranges::sort(meetings_);
+        const auto rest = std::ranges::unique(meetings_);
+        meetings_.erase(rest.begin(), rest.end());
+    }
+
+    void check_faces() {
+        for (std::size_t i = 0; i < r_.status.size(); ++i)
+            for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]); ++entry) {
+                const auto corners = polygon(r_.face_offsets, r_.face_vertices, entry);
+                if (r_.indices[entry] < 0 || std::ranges::none_of(corners, [&](auto v) { return touched_[at(v)]; }))
+                    continue;
+                if (reduced(corners).size() < 3)
+                    refuse("the face between cells " + std::to_string(i) + " and " + std::to_string(r_.indices[entry]) +
+                           " has no area either");
+            }
+    }
+
+    const Result& r_;
+    VertexSets sets_;
+    std::vector<bool> touched_;                                 // by vertex
+    std::vector<std::pair<std::int32_t, std::int32_t>> pairs_;  // to join
+    std::vector<Place> word_;
+    std::vector<Meeting> meetings_;
+};
+
+}  // namespace
+
+JoinedCorners::JoinedCorners(const Result& result) : result_(result) {
+    if (result.dropped_offsets.empty()) return;
+    Joiner joiner(result);
+    if (!joiner.join()) return;
+    const std::size_t vertices = result.vertices.size() / 3;
+    originals_.resize(vertices);
+    shifts_.resize(vertices);
+    for (std::size_t v = 0; v < vertices; ++v) {
+        const Place place = joiner.place(static_cast<std::int32_t>(v));
+        originals_[v] = static_cast<std::int32_t>(place.root);
+        for (std::size_t k = 0; k < 3; ++k) shifts_[v][k] = static_cast<std::int8_t>(place.shift[k]);
+    }
+}
+
+}  // namespace votess
