@@ -34,7 +34,7 @@ constexpr int most_bits = 60;        // 5 * 61 + 6.2 < 319, with one bit more fo
 int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::array<WordRow, 4>& rows) {
     double largest = 0;
     for (const Plane* plane : planes) {
-        if (plane->has_power() || plane->is_oblique()) return 0;
+        if (plane->has_power() || plane->is_reversed() || plane->is_oblique()) return 0;
         largest = std::max(largest, largest_difference(p, *plane));
     }
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - most_bits) and its inverse must be normal.
