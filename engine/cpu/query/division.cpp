@@ -12,7 +12,7 @@ using Vector = Division::Vector;
 
 // The terms of a share are products of a neighbor's distance and two corners. Their rounding adds up to less than so
 // much of the largest such product, and it may be so much of the volume of P.
-constexpr double rounding = 0x1p-49, accepted_error = 0x1p-41;
+constexpr double rounding = 0x1p-50, accepted_error = 0x1p-40;
 // Bisectors of neighbors whose distance is a smaller share of that of the farthest neighbor have lost digits.
 constexpr double least_apart = 0x1p-8;
 // Gradients of shares are divided by the distance of the nearest neighbor.

@@ -39,23 +39,19 @@ bool NaturalRows::take(std::size_t k, Star& star) {
         give(k);
         return true;
     }
-    const bool sibson = options_.method == NaturalMethod::sibson;
-    // Of a power diagram, the cell does not show which seeds the probe buries.
-    if (!sibson || !shape_.weighted) {
-        read_shape(k, star);
-        const bool known = shape_.find_corners();
-        if (!sibson) return known && give_areas(k);
-        if (known && (!options_.gradients || knows_corners()) &&
-            sibson_.divide(shape_, options_.gradients, division_)) {
-            give_division(k);
-            return true;
-        }
-    }
+    read_shape(k, star);
+    const bool known = shape_.find_corners();
+    if (options_.method == NaturalMethod::laplace) return known && give_areas(k);
     neighbors_.clear();
     for (const std::int32_t id : star.faces()) {
         if (id < 0) continue;
         const SeedImages* images = seeds_.images;
         neighbors_.push_back(images == nullptr ? Member{id} : Member{images->home(id), images->shift(id)});
+    }
+    if (known && (!options_.gradients || knows_corners(0x1p-33)) &&
+        sibson_.divide(shape_, options_.gradients, division_) && buries_none(k)) {
+        give_division(k);
+        return true;
     }
     give_parts(k);
     return true;
@@ -79,6 +75,17 @@ void NaturalRows::take(std::size_t k, Cell& cell) {
     if (at_wall && !options_.at_walls) return give(k);
     if (options_.method == NaturalMethod::sibson) return give_parts(k);
     give_areas(k, cell);
+}
+
+// After the division. Appends the seeds that the probe may bury to its neighbors.
+bool NaturalRows::buries_none(std::size_t k) {
+    if (seeds_.weights.empty()) return true;
+    nearer_.begin(probes_[k]);
+    sibson_.for_vertices(probes_[k].weight, [this](const Vector& x, double power, double error) {
+        nearer_.add_vertex(x, power, error);
+    });
+    const std::size_t neighbors = neighbors_.size();
+    return nearer_.find(neighbors_) && neighbors_.size() == neighbors;
 }
 
 // All of the weight is the seed's.
@@ -140,8 +147,8 @@ void NaturalRows::give_parts(std::size_t k) {
 
 // Whether each corner is known to a small part of the distance of the farthest: it lies near its planes, and they meet
 // at no small angle.
-bool NaturalRows::knows_corners() const {
-    constexpr double accepted_error = 0x1p-41, rounding = 0x1p-52;
+bool NaturalRows::knows_corners(double accepted_error) const {
+    constexpr double rounding = 0x1p-53;
     double farthest_squared = 0;
     for (const auto& corner : shape_.corners) farthest_squared = std::max(farthest_squared, dot(corner.x, corner.x));
     const double farthest = std::sqrt(farthest_squared);
@@ -155,12 +162,12 @@ bool NaturalRows::knows_corners() const {
         }
         const auto& [a, b, c] = corner.planes;
         const double volume = dot(shape_.planes[a].n, cross(shape_.planes[b].n, shape_.planes[c].n));
-        return 3 * off * lengths <= accepted_error * farthest * std::abs(volume);
+        return off * lengths <= accepted_error * farthest * std::abs(volume);
     });
 }
 
 bool NaturalRows::give_areas(std::size_t k) {
-    if (!knows_corners()) return false;
+    if (!knows_corners(0x1p-41)) return false;
     constexpr double least_share = 1e-11;  // below it the sign of an area might be rounding
     const CellPolygons& polygons = shape_.polygons;
     double total = 0, least = std::numeric_limits<double>::infinity();
@@ -188,7 +195,7 @@ bool NaturalRows::give_areas(std::size_t k) {
 }
 
 void NaturalRows::give_areas(std::size_t k, const Cell& cell) {
-    constexpr double accepted_error = 0x1p-42;  // of the sum of all
+    constexpr double accepted_error = 0x1p-37;  // of the sum of all; bounds are some hundred times too large
     for (const Precision precision : {Precision::cell, Precision::quad, Precision::wide}) {
         entries_.clear();
         double total = 0, error = 0;

@@ -32,7 +32,7 @@ public:
 class NaturalRows final : public ProbeSink {
 public:
     NaturalRows(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
-        : seeds_(seeds), divider_(seeds), parts_(seeds, hierarchy, kernels) {}
+        : seeds_(seeds), divider_(seeds), parts_(seeds, hierarchy, kernels), nearer_(seeds, hierarchy) {}
 
     void begin_job(const Job& job, const NaturalOptions& options);
     void begin_run(std::span<const Probe> probes, NaturalSink& out) {
@@ -55,12 +55,13 @@ private:
         std::array<double, 3> gradient;
     };
     void read_shape(std::size_t k, Star& star);
+    [[nodiscard]] bool buries_none(std::size_t k);
     void give_division(std::size_t k);
     void give_parts(std::size_t k);
     // Laplace's. Returns false when rounding might matter.
     [[nodiscard]] bool give_areas(std::size_t k);
     void give_areas(std::size_t k, const Cell& cell);
-    [[nodiscard]] bool knows_corners() const;
+    [[nodiscard]] bool knows_corners(double accepted_error) const;
     void add_entry(std::int32_t seed, double weight, const std::array<double, 3>& moment, double distance);
     void finish(std::size_t k);
     void add_gradients(double total);
@@ -78,6 +79,7 @@ private:
     GraphDivider divider_;
     Division division_;
     Parts parts_;
+    NearerSeeds nearer_;
     std::vector<Member> neighbors_;
     CellFaces faces_;
     std::vector<std::uint32_t> ranks_;

@@ -2,8 +2,8 @@
 // and nearer to a than to any other seed. It is clipped as the cell of a, with the bisector of the probe reversed.
 //
 // Without weights, the neighbors of the probe are all seeds that have a part. In a power diagram the probe may bury
-// seeds: their whole cell was inside its cell. The parts fill the cell, so each has a face in common with another, and
-// a search from part to part finds them all.
+// seeds: their whole cell was inside its cell. NearerSeeds finds them. Where it cannot, a search goes from part to part:
+// the parts fill the cell, so each has a face in common with another.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,9 @@
 
 #include "cpu/clip/cell_builder.hpp"
 #include "cpu/measure/piece.hpp"
+#include "cpu/query/nearer_seeds.hpp"
 
 namespace votess::cpu {
-
-// A sorted seed, and by which shift of it an image is meant, as seen from the place of a probe.
-struct Member {
-    std::int32_t home;
-    exact::Shift shift{};
-    friend auto operator<=>(const Member&, const Member&) = default;
-};
 
 struct Part {
     std::int32_t home;
@@ -35,10 +29,10 @@ struct Part {
 class Parts {
 public:
     Parts(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
-        : seeds_(seeds), builder_(seeds, hierarchy, kernels) {}
+        : seeds_(seeds), builder_(seeds, hierarchy, kernels), nearer_(seeds, hierarchy) {}
 
     void begin_job(const Domain& domain) { builder_.begin_job(domain); }
-    // neighbors: of the probe, without its images. Returns the parts that have a volume.
+    // neighbors: of the probe, without its images; others may be among them. Returns the parts that have a volume.
     [[nodiscard]] std::span<const Part> divide(const Probe& probe, std::span<const Member> neighbors, bool moments);
 
 private:
@@ -47,6 +41,9 @@ private:
     [[nodiscard]] Cell& build(std::size_t k, std::span<const exact::Plane> guards);
     // Returns whether the part of members_[k] has a volume. Its cell is then in cell_, faces_.
     [[nodiscard]] bool clip(std::size_t k);
+    void clip_all();
+    void clip_by_search();
+    void add_vertices_of(std::size_t k);
     void add_neighbors_of(std::size_t k);
     void add(const Member& member);
     // Measures the part of members_[k], which is the cell at hand.
@@ -60,9 +57,10 @@ private:
 
     const SortedSeeds& seeds_;
     CellBuilder builder_;
+    NearerSeeds nearer_;
     const Probe* probe_ = nullptr;
     bool moments_ = false;
-    bool search_ = false;  // for seeds that are no neighbors
+    bool search_ = false;  // builds each part among all seeds, not among the members
     std::vector<Member> members_;
     std::set<Member> found_;  // the same, while it searches
     std::vector<std::int32_t> homes_;
@@ -70,6 +68,7 @@ private:
     std::vector<Known> known_;
     std::vector<Part> parts_;
     const Cell* cell_ = nullptr;
+    std::array<double, 3> to_probe_{};  // from its seed
     CellFaces faces_;
 };
 

@@ -93,7 +93,7 @@ void Sibson::read(const ProbeShape& shape, bool moments, Division& out) {
         longest_squared_ = std::max(longest_squared_, dot(planes[f].n, planes[f].n));
         highest = std::max(highest, std::abs(planes[f].h));
     }
-    const double longest = std::sqrt(longest_squared_);
+    const double longest = longest_ = std::sqrt(longest_squared_);
     for (std::size_t f = 0; f < planes.size(); ++f) {
         if (planes[f].seed >= 0) continue;
         // Normals of walls become as long as the longest of neighbors.
@@ -161,8 +161,7 @@ std::size_t Sibson::meet(const Vector& from, const Vector& along, std::uint32_t 
 
 // Whether, after meet() and that time, the ray has reached the vertex of four neighbors, and no other plane is as near.
 // own: the residual of the first of them.
-bool Sibson::is_proven(double time, double own, std::uint32_t near, double determinant) {
-    if (!(std::abs(determinant) >= least_determinant * longest_cubed_)) return false;
+bool Sibson::is_proven(double time, double own, std::uint32_t near, double margin) {
     for (std::uint32_t rest = near; rest != 0; rest &= rest - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(rest));
         if (!(std::abs(left_[i] - nearing_[i] * time) <= rounding_)) return false;
@@ -173,7 +172,7 @@ bool Sibson::is_proven(double time, double own, std::uint32_t near, double deter
         const Two residual = two(left_.data(), i) - two(nearing_.data(), i) * time;
         least = residual < least ? residual : least;
     }
-    return std::min(least[0], least[1]) > rounding_ * (2 + 24 * longest_cubed_ / std::abs(determinant));
+    return std::min(least[0], least[1]) > margin;
 }
 
 // Goes along an edge of three neighbors from a vertex to a new one, where the next neighbor is as near.
@@ -184,9 +183,12 @@ bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t t
     double time = 0;
     const std::size_t next = meet(from, along, three, excess, speed, time);
     if (next == none || vertices_.size() == most_vertices) return false;
-    if (!is_proven(time, excess - time * speed, three | 1u << next, nearing_[next])) return false;
+    const double own = excess - time * speed, determinant = std::abs(nearing_[next]);
+    const double margin = rounding_ * (2 + 24 * longest_cubed_ / determinant);
+    if (!(determinant >= least_determinant * longest_cubed_)) return false;
+    if (!is_proven(time, own, three | 1u << next, margin)) return false;
     for (std::size_t k = 0; k < 3; ++k) to[k] = from[k] + time * along[k];
-    vertices_.push_back({three | 1u << next, 1u << next, to});
+    vertices_.push_back({three | 1u << next, 1u << next, to, own, 0.5 * margin / longest_});
     return true;
 }
 

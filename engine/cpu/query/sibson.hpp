@@ -51,6 +51,12 @@ class Sibson {
 public:
     // Divides a shape whose corners are known. Returns false where rounding might matter.
     [[nodiscard]] bool divide(const ProbeShape& shape, bool moments, Division& out);
+    // After it: visit(x, power, error) for each vertex inside the cell of a probe of that weight, as for NearerSeeds.
+    template <class Visit>
+    void for_vertices(double weight, Visit visit) const {
+        for (const Vertex& v : vertices_)
+            visit(v.x, v.x[0] * v.x[0] + v.x[1] * v.x[1] + v.x[2] * v.x[2] - weight + 2 * v.excess, v.error);
+    }
 
 private:
     using Vector = std::array<double, 3>;
@@ -59,6 +65,8 @@ private:
         std::uint32_t near;  // bits of these
         std::uint32_t done;  // of these, bit a: the edge that leaves a is known
         Vector x;
+        double excess;  // half of what the power of the neighbors exceeds that of the probe by
+        double error;   // a bound, of x
         // By the edge of three of them; false when that is known.
         [[nodiscard]] bool reach(std::uint32_t three) {
             const std::uint32_t without = near & ~three;
@@ -74,7 +82,7 @@ private:
     [[nodiscard]] Vertex* find(std::uint32_t three, std::size_t begin);
     [[nodiscard]] std::size_t meet(const Vector& from, const Vector& along, std::uint32_t without, double excess,
                                    double speed, double& time);
-    [[nodiscard]] bool is_proven(double time, double own, std::uint32_t near, double determinant);
+    [[nodiscard]] bool is_proven(double time, double own, std::uint32_t near, double margin);
     [[nodiscard]] bool leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along,
                              Vector& to);
 
@@ -87,7 +95,7 @@ private:
     alignas(16) std::array<double, Division::most_neighbors> left_{}, nearing_{};
     std::array<std::uint8_t, Division::most_neighbors> number_{};                  // by plane of the shape
     double rounding_ = 0;                             // of differences of residuals
-    double longest_squared_ = 0, longest_cubed_ = 0;  // of the longest normal
+    double longest_ = 0, longest_squared_ = 0, longest_cubed_ = 0;  // normal
     std::vector<Vertex> vertices_;
 };
 
