@@ -8,6 +8,10 @@ namespace votess::exact {
 namespace {
 
 Normal<double> rounded_normal(const Point& p, const Plane& plane) {
+    if (plane.is_reversed()) {
+        const auto [x, y, z] = differences(p, plane).x;
+        return {-x.high, -y.high, -z.high};
+    }
     if (plane.kind == Plane::Kind::cell_wall) return plane.rounded_normal();
     if (plane.lattice != nullptr) {
         const auto [x, y, z] = image_differences(p, plane).x;

@@ -80,11 +80,15 @@ int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::ar
 }
 
 template <class N, class S>
-Row<N, S> row_of(const WordRow& words, bool bisector) {
+Row<N, S> row_of(const WordRow& words, const Plane& plane) {
     Row<N, S> r{{words.n[0], words.n[1], words.n[2]}, 2 * static_cast<S>(words.wall)};
-    if (bisector) {
+    if (plane.is_bisector()) {
         r.s = 0;
         for (const auto& x : r.n) r.s += static_cast<S>(x) * x;
+    }
+    if (plane.is_reversed()) {
+        for (auto& x : r.n) x = -x;
+        r.s = -r.s;
     }
     return r;
 }
@@ -161,13 +165,13 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
     const int bits = word_rows(p, {&a, &b, &c, &d}, rows);
     if (bits == 0) return side_of_any(p, a, b, c, d);
     auto side = [&]<class N>(N) {
-        return side_of_rows(row_of<N, N>(rows[0], a.is_bisector()), row_of<N, N>(rows[1], b.is_bisector()),
-                            row_of<N, N>(rows[2], c.is_bisector()), row_of<N, N>(rows[3], d.is_bisector()));
+        return side_of_rows(row_of<N, N>(rows[0], a), row_of<N, N>(rows[1], b), row_of<N, N>(rows[2], c),
+                            row_of<N, N>(rows[3], d));
     };
     if (bits <= bits_for_int64) return side(std::int64_t{});
     if (bits <= bits_for_int128) return side(Int128{});
     auto row = [](const WordRow& words, const Plane& plane) {
-        const auto r = row_of<std::int64_t, Int128>(words, plane.is_bisector());
+        const auto r = row_of<std::int64_t, Int128>(words, plane);
         return IntRow{r.n, r.s};
     };
     return IntVertex(row(rows[0], a), row(rows[1], b), row(rows[2], c)).side(row(rows[3], d));

@@ -37,7 +37,7 @@ struct Plane {
     Kind kind = Kind::bisector;
     int axis = 0;                      // lower_wall, upper_wall; cell_wall: the vector that is not in it
     Point seed{};                      // bisector: coordinates of q; wall: its normal, of order one; cell_wall: o
-    double wall = 0;                   // where the wall is, or the offset d; cell_wall: the sign of N
+    double wall = 0;                   // where the wall is, or the offset d; cell_wall: the sign of N; reversed: -1
     Shift shift{};                     // bisector: added to q, cell_wall: to o, in vectors of the lattice
     const Lattice* lattice = nullptr;  // of a bisector null when shift is 0
     DoubleDouble power{};              // bisector: w_p - w_q, exact
@@ -83,13 +83,16 @@ struct Plane {
     }
     // A wall across no axis.
     [[nodiscard]] bool is_oblique() const { return kind == Kind::wall || kind == Kind::cell_wall; }
-    // Neither image nor power nor an oblique wall: S follows from N or the axis.
-    [[nodiscard]] bool plain() const { return lattice == nullptr && !has_power() && !is_oblique(); }
+    // A bisector that keeps the side of q: N and S change their signs.
+    [[nodiscard]] bool is_reversed() const { return is_bisector() && wall < 0; }
+    void reverse() { wall = -1; }
+    // Neither image nor power nor reversed nor an oblique wall: S follows from N or the axis.
+    [[nodiscard]] bool plain() const { return lattice == nullptr && !has_power() && !is_reversed() && !is_oblique(); }
     [[nodiscard]] bool has_power() const { return power.high != 0; }
 };
 
-// q - p. Each coordinate is an exact sum of two doubles, or rounded to 2^-104 where that is impossible (`exact` is then
-// false), or overflows (low is NaN).
+// q - p, whether the bisector is reversed or not. Each coordinate is an exact sum of two doubles, or rounded to 2^-104
+// where that is impossible (`exact` is then false), or overflows (low is NaN).
 struct Differences {
     std::array<DoubleDouble, 3> x;
     bool exact = true;

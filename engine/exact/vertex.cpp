@@ -31,7 +31,8 @@ int exponent_above(double x) {
 
 // Planes that the fast ways can handle.
 bool in_two_doubles(const Point& p, const Plane& plane) {
-    return plane.plain() || (!plane.has_power() && !plane.is_oblique() && image_differences(p, plane).exact);
+    if (plane.has_power() || plane.is_reversed() || plane.is_oblique()) return false;
+    return plane.plain() || image_differences(p, plane).exact;
 }
 
 // All the bits of the differences of a plane.

@@ -101,6 +101,10 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
         size = h.high + std::abs(source.power.high);
         h = h + source.power;
         h = {0.5 * h.high, 0.5 * h.low};
+        if (source.is_reversed()) {
+            for (double& n : plane.n) n = -n;
+            h = {-h.high, -h.low};
+        }
     } else if (source.kind == exact::Plane::Kind::cell_wall) {
         plane.n = source.rounded_normal();
         const exact::Lattice& lattice = *source.lattice;
@@ -255,7 +259,8 @@ bool Cell::knows(std::int32_t id, const exact::Shift& shift) const {
 int Cell::refined_side(int slot, const CellPlane& plane) {
     using exact::DoubleDouble;
     Refined& vertex = refined_[slot];
-    if (++vertex.tests < tests_before_refining || !plane.reliable || !plane.source.is_bisector()) return 0;
+    if (++vertex.tests < tests_before_refining || !plane.reliable || !plane.source.is_bisector() || plane.source.is_reversed())
+        return 0;
     if (!vertex.solved) {
         vertex.solved = true;
         const auto& [a, b, c] = corners_[slot].plane;
@@ -356,10 +361,11 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
 // In a power diagram, where the bisector of a seed farther behind lies on that of a face: whether it is so, and then
 // the face is the other seed's, for beyond the plane its power is the least.
 bool Cell::take_over(const CellPlane& plane, int slot) {
+    if (plane.source.is_reversed()) return false;
     for (const std::int32_t p : corners_[slot].plane) {
         CellPlane& face = planes_[p];
         if (!face.source.has_power() && !plane.source.has_power()) continue;
-        if (!face.source.is_bisector() || !exact::same_plane(seed_, face.source, plane.source)) continue;
+        if (!face.source.is_bisector() || face.source.is_reversed() || !exact::same_plane(seed_, face.source, plane.source)) continue;
         if (exact::longer_normal(seed_, plane.source, face.source)) face = plane;
         return true;
     }

@@ -104,6 +104,8 @@ public:
     }
     // Returns the place of a vertex relative to the seed.
     [[nodiscard]] std::array<double, 3> position(int slot) const { return {x_[slot], y_[slot], z_[slot]}; }
+    // A bound on the error of each coordinate of position().
+    [[nodiscard]] double tolerance(int slot) const { return tolerance_[slot]; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
     // Whether a plane touched a vertex, so that faces of no area may be left.
     [[nodiscard]] bool met_tie() const { return met_tie_; }

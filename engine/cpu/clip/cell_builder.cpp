@@ -77,6 +77,7 @@ void CellBuilder::begin_job(const Domain& domain) {
 void CellBuilder::be(std::size_t seed) {
     own_ = static_cast<std::int32_t>(seed);
     probing_ = false;
+    guards_ = {};
     coincident_ = -1;
     at_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     base_ = seeds_.images == nullptr ? SeedImages::Base{at_, {}} : seeds_.images->base(seed);
@@ -87,9 +88,8 @@ void CellBuilder::start() {
     if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->most_more(weight_));
     cell_.start(base_.point, *domain_, own_);
     if (heaviest_ >= 0) clip_by_heaviest();
-    if (!probing_) return;
-    if (domain_->is_periodic()) clip_by_own_images();
-    std::int32_t id = own_;
+    if (probing_ && domain_->is_periodic()) clip_by_own_images();
+    auto id = static_cast<std::int32_t>(seeds_.places());
     for (const exact::Plane& guard : guards_) cell_.clip(++id, guard, guard.shift);
 }
 
@@ -198,6 +198,12 @@ void CellBuilder::open_window(const Box& home) {
     reach_ = std::clamp(reach_, covered_, 8 * covered_);
 }
 
+void CellBuilder::open_window_of(std::size_t seed) {
+    if (seed / group_size == group_) return;
+    group_ = seed / group_size;
+    open_window(hierarchy_.box(0, group_));
+}
+
 void CellBuilder::pop_into_window() {
     std::pop_heap(queue_.begin(), queue_.end(), farther);
     const QueueEntry entry = queue_.back();
@@ -224,12 +230,16 @@ void CellBuilder::extend_window(double distance_squared, std::size_t least_count
 }
 
 Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
-    if (most_tests > 0 && seed / group_size != group_) {
-        group_ = seed / group_size;
-        open_window(hierarchy_.box(0, group_));
-    }
+    if (most_tests > 0) open_window_of(seed);
     be(seed);
     return search(most_tests);
+}
+
+Cell& CellBuilder::build(std::size_t seed, std::span<const exact::Plane> guards) {
+    open_window_of(seed);
+    be(seed);
+    guards_ = guards;
+    return *search(std::numeric_limits<std::size_t>::max());
 }
 
 Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guards) {
@@ -303,8 +313,10 @@ Cell& CellBuilder::build_from(std::span<const std::int32_t> candidates) {
 }
 
 Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates,
-                              std::span<const exact::Shift> shifts) {
-    start(seed);
+                              std::span<const exact::Shift> shifts, std::span<const exact::Plane> guards) {
+    be(seed);
+    guards_ = guards;
+    start();
     for (std::size_t k = 0; k < candidates.size(); ++k) clip_by_image(candidates[k], shifts[k]);
     return cell_;
 }

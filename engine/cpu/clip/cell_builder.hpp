@@ -47,18 +47,21 @@ public:
     // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.
     Cell* build(std::size_t seed, std::size_t most_tests);
     [[nodiscard]] std::size_t tests() const { return tests_; }
+    // Builds the cell of a seed, cut by planes first. Guards are relative to the place of the seed as given; their ids
+    // in the cell are places() + 1 and so on.
+    Cell& build(std::size_t seed, std::span<const exact::Plane> guards);
     // The cell that a query would have if it were a seed. Its id, which images of it have in faces, is places() of the
     // seeds. Fastest when the last was near.
     Cell& build(const Probe& probe) { return build(probe, {}); }
-    // The same, cut by planes first whose bisectors are relative to the place of the probe as given; their ids in the
-    // cell are places() + 1 and so on.
+    // The same with guards, as for a seed.
     Cell& build(const Probe& probe, std::span<const exact::Plane> guards);
     // The sorted seed that lies where the last probe does; -1: none. Unless it weighs less the probe has no cell.
     [[nodiscard]] std::int32_t coincident() const { return coincident_; }
     // Clips the cell by these seeds, which include its neighbors.
     Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates);
-    // The same by images of seeds in a periodic domain.
-    Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates, std::span<const exact::Shift> shifts);
+    // The same by images of seeds, after guards.
+    Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates, std::span<const exact::Shift> shifts,
+                     std::span<const exact::Plane> guards = {});
     // Clips the last cell once more, by its neighbors only: its vertices then have the same rounding however it was
     // found. faces: scratch.
     Cell& again(CellFaces& faces);
@@ -67,10 +70,6 @@ private:
     void be(std::size_t seed);
     // Begins the cell of the seed or probe at hand.
     void start();
-    void start(std::size_t seed) {
-        be(seed);
-        start();
-    }
     Cell* search(std::size_t most_tests);
     Cell& build_from(std::span<const std::int32_t> candidates);
     void clip_by_own_images();
@@ -83,6 +82,7 @@ private:
     // No seed at this squared distance or beyond it can cut the cell as it is.
     [[nodiscard]] double reach_squared();
     void open_window(const Box& home);
+    void open_window_of(std::size_t seed);
     // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
     void extend_window(double distance_squared, std::size_t least_count);
     void pop_into_window();
@@ -114,7 +114,7 @@ private:
     // The seed or probe at hand.
     std::int32_t own_ = -1;  // its id
     bool probing_ = false;
-    std::span<const exact::Plane> guards_;  // of a probe
+    std::span<const exact::Plane> guards_;
     exact::Point at_{};
     SeedImages::Base base_{};
     double weight_ = 0;

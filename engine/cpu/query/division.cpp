@@ -10,7 +10,13 @@ namespace {
 
 using Vector = Division::Vector;
 
-constexpr double most_unbalanced = 1e-12;  // of the sum of volumes times distances
+// The terms of a share are products of a neighbor's distance and two corners. Their rounding adds up to less than so
+// much of the largest such product, and it may be so much of the volume of P.
+constexpr double rounding = 0x1p-50, accepted_error = 0x1p-40;
+// Bisectors of neighbors whose distance is a smaller share of that of the farthest neighbor have lost digits.
+constexpr double least_apart = 0x1p-8;
+// Gradients of shares are divided by the distance of the nearest neighbor.
+constexpr double least_near = 0x1p-20;
 
 }  // namespace
 
@@ -37,6 +43,7 @@ Vector Division::direction(std::size_t a, std::size_t b, std::size_t c) const {
 
 bool Division::add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x) {
     if (corner_count_ == most_corners) return false;
+    farthest_squared_ = std::max(farthest_squared_, dot(x, x));
     std::uint16_t* const edges = &edges_[3 * corner_count_];
     corners_[corner_count_++] = x;
     edges[0] = static_cast<std::uint16_t>(most_neighbors * a + b);
@@ -76,7 +83,7 @@ void Division::add_moments(std::size_t a, std::size_t b, const Vector& v, const 
 
 // What b is to a: (2 R - a).across, with R on the plane between their parts, or on the wall b; the same R for all edges
 // of a face.
-double Division::beyond(std::size_t a, std::size_t b, const Vector& across) const {
+double Division::beyond(std::size_t a, std::size_t b, const Vector& across) {
     if (b == probe) {
         if (!weighted_) return 0;
         const Vector n = normal(a);
@@ -88,7 +95,9 @@ double Division::beyond(std::size_t a, std::size_t b, const Vector& across) cons
     }
     if (!weighted_) return along(b, across);
     const Vector d = minus(normal(b), normal(a));
-    return 2 * (h_[b] - h_[a]) / dot(d, d) * dot(d, across) - along(a, across);
+    const double apart_squared = dot(d, d);
+    least_apart_squared_ = std::min(least_apart_squared_, apart_squared);
+    return 2 * (h_[b] - h_[a]) / apart_squared * dot(d, across) - along(a, across);
 }
 
 void Division::add_general(std::size_t a, std::size_t b, std::size_t c, const Vector& across) {
@@ -97,17 +106,22 @@ void Division::add_general(std::size_t a, std::size_t b, std::size_t c, const Ve
 }
 
 bool Division::finish() {
-    Vector sum{};
-    double size = 0, least = 0;
+    double total = 0, least = std::numeric_limits<double>::infinity(), longest_squared = 0, highest = 0;
+    double shortest_squared = least;
     for (std::size_t a = 0; a < neighbors_; ++a) {
-        const Vector n = normal(a);
         volumes_[a] /= 12;
-        for (std::size_t k = 0; k < 3; ++k) sum[k] += n[k] * volumes_[a];
-        size += std::abs(volumes_[a]) * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
+        total += volumes_[a];
         least = std::min(least, volumes_[a]);
+        const double square = nx_[a] * nx_[a] + ny_[a] * ny_[a] + nz_[a] * nz_[a];
+        longest_squared = std::max(longest_squared, square);
+        shortest_squared = std::min(shortest_squared, square);
+        highest = std::max(highest, std::abs(h_[a]));
     }
-    const bool balanced = dot(sum, sum) <= most_unbalanced * most_unbalanced * size * size;
-    return least >= 0 && (balanced || count_ > neighbors_);
+    if (moments_ && !(shortest_squared >= least_near * least_near * longest_squared)) return false;
+    const double longest = std::sqrt(longest_squared), farthest = std::sqrt(farthest_squared_);
+    const double error = rounding * (longest + 2 * farthest) * farthest_squared_;
+    return error <= accepted_error * total && least > error && highest <= 4 * longest * farthest &&
+           least_apart_squared_ >= least_apart * least_apart * longest_squared;
 }
 
 }  // namespace votess::cpu

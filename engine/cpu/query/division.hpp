@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "core/vector3.hpp"
 
@@ -30,14 +31,18 @@ public:
         moments_ = moments;
         for (std::size_t e = 0; e < 3 * corner_count_; ++e) ends_[edges_[e]] = 0;
         corner_count_ = 0;
+        farthest_squared_ = 0;
+        least_apart_squared_ = std::numeric_limits<double>::infinity();
     }
     // The bisector with a neighbor is n.x = h. Returns its number, the next one, or most_neighbors.
     std::size_t add_neighbor(std::int32_t seed, const Vector& n, double h);
     // The plane n.x = h of a wall, after all neighbors.
     std::size_t add_wall(const Vector& n, double h);
-    // A vertex of P on the faces of a, b and c, not all of them walls: direction(a, b, c) leads out of P. False when
-    // there are too many.
+    // A vertex of P on the faces of a, b and c, not all of them walls: direction(a, b, c) leads out of P. Returns false
+    // when there are too many. All must be on their planes.
     [[nodiscard]] bool add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x);
+    // Returns how far x lies within the plane of a, times the length of its normal.
+    [[nodiscard]] double residual(std::size_t a, const Vector& x) const { return h_[a] - along(a, x); }
     // After all corners: the edges between them. False when one has no end.
     [[nodiscard]] bool add_rims();
     // An edge inside, as near to a, b and c, or on those of them that are walls; between walls it is an edge of P, too.
@@ -50,8 +55,7 @@ public:
         volumes_[b] += of_c - of_a;
         volumes_[c] += of_a - of_b;
     }
-    // False when an edge was wrong or missing, and away from walls the parts do not balance: by Sibson's identity, the
-    // sum of volume times neighbor is 0.
+    // Returns false when rounding may have changed a share by 1e-12, or may have made its sign.
     [[nodiscard]] bool finish();
 
     [[nodiscard]] std::size_t size() const { return neighbors_; }
@@ -91,11 +95,13 @@ private:
     }
     // With weights or walls.
     void add_general(std::size_t a, std::size_t b, std::size_t c, const Vector& across);
-    [[nodiscard]] double beyond(std::size_t a, std::size_t b, const Vector& across) const;
+    [[nodiscard]] double beyond(std::size_t a, std::size_t b, const Vector& across);
     void add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w);
 
     std::size_t count_ = 0, neighbors_ = 0;
     bool weighted_ = false, moments_ = false;
+    double farthest_squared_ = 0;     // to a corner of P
+    double least_apart_squared_ = 0;  // of neighbors whose common face needed the difference of their bisectors
     std::array<std::int32_t, most_neighbors> seeds_{};
     alignas(64) std::array<double, most_neighbors> nx_{}, ny_{}, nz_{}, h_{};
     std::array<Vector, most_neighbors> moment_{};

@@ -20,6 +20,8 @@ void NaturalRows::begin_job(const Job& job, const NaturalOptions& options) {
     options_ = options;
     unscale_ = 1 / job.scale;
     shape_.weighted = domain_->has_weights();
+    divider_.begin_job(std::max(std::abs(domain_->least_weight), std::abs(domain_->largest_weight)));
+    parts_.begin_job(*domain_);
 }
 
 bool NaturalRows::take_by_graph(std::size_t k) {
@@ -31,23 +33,59 @@ bool NaturalRows::take_by_graph(std::size_t k) {
 
 bool NaturalRows::take(std::size_t k, Star& star) {
     if (!star.knows_vertices()) return false;
-    ranks_.resize(star.faces().size());
-    std::iota(ranks_.begin(), ranks_.end(), 0u);
-    star.polygons(ranks_, shape_.polygons);
-    read_planes(k, star);
-    divide(k);
+    entries_.clear();
+    const bool at_wall = std::ranges::any_of(star.faces(), [](std::int32_t id) { return id < 0; });
+    if (at_wall && !options_.at_walls) {
+        give(k);
+        return true;
+    }
+    read_shape(k, star);
+    const bool known = shape_.find_corners();
+    if (options_.method == NaturalMethod::laplace) return known && give_areas(k);
+    neighbors_.clear();
+    for (const std::int32_t id : star.faces()) {
+        if (id < 0) continue;
+        const SeedImages* images = seeds_.images;
+        neighbors_.push_back(images == nullptr ? Member{id} : Member{images->home(id), images->shift(id)});
+    }
+    if (known && (!options_.gradients || knows_corners(0x1p-33)) &&
+        sibson_.divide(shape_, options_.gradients, division_) && buries_none(k)) {
+        give_division(k);
+        return true;
+    }
+    give_parts(k);
     return true;
 }
 
 void NaturalRows::take(std::size_t k, Cell& cell) {
     constexpr std::size_t least_faces = 4;
+    entries_.clear();
     if (!cell.empty()) cell.canonical_faces(faces_);
-    if (cell.empty() || faces_.size() < least_faces) return out_->take(k, {});
-    ranks_.resize(faces_.size());
-    std::iota(ranks_.begin(), ranks_.end(), 0u);
-    read_polygons(cell, faces_, ranks_, shape_.polygons);
-    read_planes(cell, faces_);
-    divide(k);
+    if (cell.empty() || faces_.size() < least_faces) return give(k);
+    neighbors_.clear();
+    for (const std::int32_t p : faces_.planes) {
+        const CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
+        if (plane.id == static_cast<std::int32_t>(seeds_.places()))
+            throw Error(ErrorCode::unsupported,
+                        "the periodic box holds so few seeds that the cell of a query meets its own image: natural "
+                        "neighbors are not known there, repeat the seeds in a larger box");
+        if (plane.id >= 0) neighbors_.push_back({plane.id, plane.shift});
+    }
+    const bool at_wall = neighbors_.size() < faces_.size();
+    if (at_wall && !options_.at_walls) return give(k);
+    if (options_.method == NaturalMethod::sibson) return give_parts(k);
+    give_areas(k, cell);
+}
+
+// After the division. Appends the seeds that the probe may bury to its neighbors.
+bool NaturalRows::buries_none(std::size_t k) {
+    if (seeds_.weights.empty()) return true;
+    nearer_.begin(probes_[k]);
+    sibson_.for_vertices(probes_[k].weight, [this](const Vector& x, double power, double error) {
+        nearer_.add_vertex(x, power, error);
+    });
+    const std::size_t neighbors = neighbors_.size();
+    return nearer_.find(neighbors_) && neighbors_.size() == neighbors;
 }
 
 // All of the weight is the seed's.
@@ -59,7 +97,10 @@ void NaturalRows::taken(std::size_t k, std::size_t seed) {
     give(k);
 }
 
-void NaturalRows::read_planes(std::size_t k, Star& star) {
+void NaturalRows::read_shape(std::size_t k, Star& star) {
+    ranks_.resize(star.faces().size());
+    std::iota(ranks_.begin(), ranks_.end(), 0u);
+    star.polygons(ranks_, shape_.polygons);
     const Probe& probe = probes_[k];
     const SeedImages* images = seeds_.images;
     shape_.planes.clear();
@@ -89,36 +130,6 @@ void NaturalRows::read_planes(std::size_t k, Star& star) {
     }
 }
 
-void NaturalRows::read_planes(Cell& cell, const CellFaces& faces) {
-    shape_.planes.clear();
-    for (const std::int32_t p : faces.planes) {
-        const CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
-        if (plane.id == static_cast<std::int32_t>(seeds_.places()))
-            throw Error(ErrorCode::unsupported,
-                        "the periodic box holds so few seeds that the cell of a query meets its own image: natural "
-                        "neighbors are not known there, repeat the seeds in a larger box");
-        shape_.planes.push_back({plane.id, plane.n, plane.h});
-    }
-}
-
-void NaturalRows::divide(std::size_t k) {
-    entries_.clear();
-    const auto& planes = shape_.planes;
-    const bool at_wall = std::ranges::any_of(planes, [](const auto& plane) { return plane.seed < 0; });
-    if (at_wall && !options_.at_walls) return give(k);
-    const bool sibson = options_.method == NaturalMethod::sibson;
-    if (sibson && sibson_.divide(shape_, options_.gradients, division_)) return give_division(k);
-    if (sibson) sibson_.cut(shape_, volumes_);
-    if (!sibson || options_.gradients) measure_faces();
-    for (std::size_t f = 0; f < planes.size(); ++f) {
-        if (planes[f].seed < 0) continue;
-        const double distance = std::sqrt(dot(planes[f].n, planes[f].n));
-        const double weight = sibson ? volumes_[f] : std::sqrt(dot(faces_of_[f].area, faces_of_[f].area)) / distance;
-        add_entry(planes[f].seed, weight, sibson && options_.gradients ? faces_of_[f].moment : Vector{}, distance);
-    }
-    finish(k);
-}
-
 void NaturalRows::give_division(std::size_t k) {
     for (std::size_t a = 0; a < division_.size(); ++a) {
         const Vector n = division_.normal(a);
@@ -128,27 +139,79 @@ void NaturalRows::give_division(std::size_t k) {
     finish(k);
 }
 
-// Sums up area vectors and moments of the polygons.
-void NaturalRows::measure_faces() {
-    const CellPolygons& polygons = shape_.polygons;
-    faces_of_.assign(polygons.size(), {});
-    for (std::size_t f = 0; f < polygons.size(); ++f) {
-        const auto corner = [&](std::uint32_t c) { return polygons.positions[polygons.corners[c]]; };
-        const Vector first = corner(polygons.offsets[f]), n = shape_.planes[f].n;
-        const double inverse = 1 / std::sqrt(dot(n, n));
-        for (std::uint32_t c = polygons.offsets[f] + 1; c + 1 < polygons.offsets[f + 1]; ++c) {
-            const Vector a = corner(c), b = corner(c + 1);
-            Vector u, v, part;
-            for (std::size_t i = 0; i < 3; ++i) u[i] = a[i] - first[i], v[i] = b[i] - first[i];
-            for (std::size_t i = 0; i < 3; ++i)
-                part[i] = 0.5 * (u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
-            const double size = dot(part, n) * inverse;
-            for (std::size_t i = 0; i < 3; ++i) {
-                faces_of_[f].area[i] += part[i];
-                faces_of_[f].moment[i] += size * (first[i] + a[i] + b[i]) / 3;
-            }
+void NaturalRows::give_parts(std::size_t k) {
+    for (const Part& part : parts_.divide(probes_[k], neighbors_, options_.gradients))
+        add_entry(part.home, part.volume, part.moment, part.distance);
+    finish(k);
+}
+
+// Whether each corner is known to a small part of the distance of the farthest: it lies near its planes, and they meet
+// at no small angle.
+bool NaturalRows::knows_corners(double accepted_error) const {
+    constexpr double rounding = 0x1p-53;
+    double farthest_squared = 0;
+    for (const auto& corner : shape_.corners) farthest_squared = std::max(farthest_squared, dot(corner.x, corner.x));
+    const double farthest = std::sqrt(farthest_squared);
+    return std::ranges::all_of(shape_.corners, [&](const ProbeShape::Corner& corner) {
+        double off = rounding * farthest, lengths = 1;
+        for (const std::uint8_t p : corner.planes) {
+            const ProbeShape::Plane& plane = shape_.planes[p];
+            const double length = std::sqrt(dot(plane.n, plane.n));
+            off = std::max(off, std::abs(plane.h - dot(plane.n, corner.x)) / length);
+            lengths *= length;
         }
+        const auto& [a, b, c] = corner.planes;
+        const double volume = dot(shape_.planes[a].n, cross(shape_.planes[b].n, shape_.planes[c].n));
+        return off * lengths <= accepted_error * farthest * std::abs(volume);
+    });
+}
+
+bool NaturalRows::give_areas(std::size_t k) {
+    if (!knows_corners(0x1p-41)) return false;
+    constexpr double least_share = 1e-11;  // below it the sign of an area might be rounding
+    const CellPolygons& polygons = shape_.polygons;
+    double total = 0, least = std::numeric_limits<double>::infinity();
+    for (std::size_t f = 0; f < shape_.planes.size(); ++f) {
+        const auto& [seed, n, h] = shape_.planes[f];
+        if (seed < 0) continue;
+        const auto corner = [&](std::size_t c) { return polygons.positions[polygons.face(f)[c]]; };
+        const Vector first = corner(0);
+        Vector doubled{};
+        for (std::size_t c = 1; c + 1 < polygons.face(f).size(); ++c) {
+            const Vector part = cross(minus(corner(c), first), minus(corner(c + 1), first));
+            for (std::size_t i = 0; i < 3; ++i) doubled[i] += part[i];
+        }
+        const double weight = 0.5 * dot(doubled, n) / dot(n, n);
+        add_entry(seed, weight, {}, 1);
+        total += weight;
+        least = std::min(least, weight);
     }
+    if (!(least > least_share * total)) {
+        entries_.clear();
+        return false;
+    }
+    finish(k);
+    return true;
+}
+
+void NaturalRows::give_areas(std::size_t k, const Cell& cell) {
+    constexpr double accepted_error = 0x1p-37;  // of the sum of all; bounds are some hundred times too large
+    for (const Precision precision : {Precision::cell, Precision::quad, Precision::wide}) {
+        entries_.clear();
+        double total = 0, error = 0;
+        bool positive = true;
+        for (std::size_t f = 0; f < faces_.size(); ++f) {
+            const CellPlane& plane = cell.planes()[static_cast<std::size_t>(faces_.planes[f])];
+            if (plane.id < 0) continue;
+            const Measured area = measure_face(cell, faces_, f, precision).area;
+            add_entry(plane.id, area.value / plane.norm, {}, 1);
+            total += area.value / plane.norm;
+            error += area.error / plane.norm;
+            positive = positive && area.value > 2 * area.error;
+        }
+        if (positive && error <= accepted_error * total) break;
+    }
+    finish(k);
 }
 
 // moment: the integral of x over the face at that distance. The volume grows as the face moves, at each of its points x
@@ -168,14 +231,20 @@ void NaturalRows::finish(std::size_t k) {
     give(k);
 }
 
-// The gradients of weights follow from those of volumes.
+// The gradients of weights follow from those of volumes, and sum to 0. Near a seed the terms of the largest weight
+// cancel, so that it takes what the others leave.
 void NaturalRows::add_gradients(double total) {
-    Vector sum{};
+    if (entries_.empty()) return;
+    Vector sum{}, left{};
     for (const Entry& entry : entries_)
         for (std::size_t i = 0; i < 3; ++i) sum[i] += entry.gradient[i];
+    Entry& largest = *std::ranges::max_element(entries_, {}, &Entry::weight);
     for (Entry& entry : entries_)
-        for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t i = 0; i < 3 && &entry != &largest; ++i) {
             entry.gradient[i] = (entry.gradient[i] - entry.weight * sum[i]) / (total * unscale_);
+            left[i] -= entry.gradient[i];
+        }
+    largest.gradient = left;
 }
 
 // In ascending order. A seed of which several images are neighbors has one entry.

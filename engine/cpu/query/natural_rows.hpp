@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "cpu/query/parts.hpp"
 #include "cpu/query/prober.hpp"
 #include "cpu/query/sibson.hpp"
 #include "cpu/query/vertex_graph.hpp"
@@ -30,7 +31,8 @@ public:
 // One per thread.
 class NaturalRows final : public ProbeSink {
 public:
-    explicit NaturalRows(const SortedSeeds& seeds) : seeds_(seeds), divider_(seeds) {}
+    NaturalRows(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
+        : seeds_(seeds), divider_(seeds), parts_(seeds, hierarchy, kernels), nearer_(seeds, hierarchy) {}
 
     void begin_job(const Job& job, const NaturalOptions& options);
     void begin_run(std::span<const Probe> probes, NaturalSink& out) {
@@ -52,11 +54,14 @@ private:
         double weight;
         std::array<double, 3> gradient;
     };
-    void read_planes(std::size_t k, Star& star);
-    void read_planes(Cell& cell, const CellFaces& faces);
-    void divide(std::size_t k);
+    void read_shape(std::size_t k, Star& star);
+    [[nodiscard]] bool buries_none(std::size_t k);
     void give_division(std::size_t k);
-    void measure_faces();
+    void give_parts(std::size_t k);
+    // Laplace's. Returns false when rounding might matter.
+    [[nodiscard]] bool give_areas(std::size_t k);
+    void give_areas(std::size_t k, const Cell& cell);
+    [[nodiscard]] bool knows_corners(double accepted_error) const;
     void add_entry(std::int32_t seed, double weight, const std::array<double, 3>& moment, double distance);
     void finish(std::size_t k);
     void add_gradients(double total);
@@ -73,14 +78,12 @@ private:
     Sibson sibson_;
     GraphDivider divider_;
     Division division_;
-    std::vector<double> volumes_;
+    Parts parts_;
+    NearerSeeds nearer_;
+    std::vector<Member> neighbors_;
     CellFaces faces_;
     std::vector<std::uint32_t> ranks_;
     std::vector<std::array<double, 3>> normals_;
-    struct Face {  // of the shape: the area vector, and the integral of x over it
-        std::array<double, 3> area, moment;
-    };
-    std::vector<Face> faces_of_;
     std::vector<Entry> entries_;
     std::vector<std::uint64_t> order_;  // by seed, then entry
     std::vector<std::int32_t> row_seeds_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "core/vector3.hpp"
@@ -12,10 +11,27 @@ namespace votess::cpu {
 namespace {
 
 using Vector = Vector3;
+using Two __attribute__((vector_size(16), aligned(16), may_alias)) = double;  // as wide as any processor has
 
 constexpr std::size_t most_vertices = 128, none = ~std::size_t{0};
-constexpr double never = 1e300;                 // h of a plane that is not there
-constexpr double more_than_rounding = 0x1p-43;  // of the squared distances of neighbors
+constexpr double never = 1e300;                // h of a plane that is not there
+constexpr double residual_rounding = 0x1p-47;  // 64 u
+constexpr double least_determinant = 0x1p-30;  // of N^3: the sign of a smaller one may be rounding
+constexpr double least_apart = 0x1p-8;         // of N: bisectors of nearer neighbors have lost digits
+
+const Two& two(const double* all, std::size_t i) {
+    return reinterpret_cast<const Two&>(all[i]);
+}
+Two& two(double* all, std::size_t i) {
+    return reinterpret_cast<Two&>(all[i]);
+}
+
+// Returns the smallest of an even number, or a large one.
+double smallest(const double* all, std::size_t count) {
+    Two least = Two{} + never;
+    for (std::size_t i = 0; i < count; i += 2) least = two(all, i) < least ? two(all, i) : least;
+    return std::min(least[0], least[1]);
+}
 
 // Swaps two of three neighbors, if need be, so that their direction leads away from where n.x > m.x. Returns it.
 Vector turn(const Division& division, std::size_t a, std::size_t& b, std::size_t& c, const Vector& n, const Vector& m) {
@@ -36,158 +52,160 @@ Three numbers_of(std::uint32_t three) {
 
 }  // namespace
 
-bool Sibson::divide(const ProbeShape& shape, bool moments, Division& out) {
-    if (shape.planes.size() > Division::most_neighbors) return false;
-    for (const double moved : {0.0, more_than_rounding}) {
-        read(shape, moved, moments, out);
-        const bool known = moved == 0 ? read_corners(shape.polygons) : walk_surface(shape.polygons, out);
-        if (known && walk_inward(out) && walk_on(out) && out.add_rims() && out.finish()) return true;
-    }
-    return false;
-}
-
-void Sibson::read(const ProbeShape& shape, double moved, bool moments, Division& out) {
-    out.begin(shape.weighted, moments);
-    const auto& planes = shape.planes;
-    for (std::size_t f = 0; f < planes.size(); ++f) {
-        if (planes[f].seed < 0) continue;
-        const std::size_t a = out.add_neighbor(planes[f].seed, planes[f].n, planes[f].h);
-        number_[f] = static_cast<std::uint8_t>(a);
-        // The shares follow no pattern; images of one seed have others.
-        const double share = static_cast<double>((static_cast<std::uint32_t>(f) + 1) * 2654435761u) * 0x1p-32;
-        h_[a] = planes[f].h + moved * share * dot(planes[f].n, planes[f].n);
-        approached_[a] = 1;
-    }
-    for (std::size_t f = 0; f < planes.size(); ++f) {
-        if (planes[f].seed >= 0) continue;
-        const std::size_t w = out.add_wall(planes[f].n, planes[f].h);
-        number_[f] = static_cast<std::uint8_t>(w);
-        h_[w] = planes[f].h;
-        approached_[w] = 0;
-    }
-    normals_ = out.normals();
-    padded_ = (planes.size() + 3) / 4 * 4;
-    for (std::size_t i = planes.size(); i < padded_; ++i) h_[i] = never, approached_[i] = 0;
-}
-
-// False where more than three faces meet.
-bool Sibson::read_corners(const CellPolygons& polygons) {
+bool ProbeShape::find_corners() {
     const std::size_t vertices = polygons.positions.size();
     planes_known_.assign(vertices, 0);
-    corners_.resize(vertices);
+    corners.resize(vertices);
     for (std::size_t f = 0; f < polygons.size(); ++f)
-        for (std::uint32_t k = polygons.offsets[f]; k < polygons.offsets[f + 1]; ++k) {
-            const std::uint32_t v = polygons.corners[k];
+        for (const std::uint32_t v : polygons.face(f)) {
             if (planes_known_[v] == 3) return false;
-            corners_[v].planes[planes_known_[v]++] = number_[f];
+            corners[v].planes[planes_known_[v]++] = static_cast<std::uint8_t>(f);
         }
     // Vertices of no face may be there, too.
     std::size_t count = 0;
     for (std::size_t v = 0; v < vertices; ++v) {
         if (planes_known_[v] == 0) continue;
         if (planes_known_[v] != 3) return false;
-        corners_[count++] = {corners_[v].planes, polygons.positions[v]};
+        corners[count++] = {corners[v].planes, polygons.positions[v]};
     }
-    corners_.resize(count);
+    corners.resize(count);
     return true;
 }
 
-// Walks from a point inside to a face, an edge and a corner of the cell, and along the edges to all others.
-bool Sibson::walk_surface(const CellPolygons& polygons, const Division& division) {
-    Vector x{};
-    for (const std::uint32_t corner : polygons.corners)
-        for (std::size_t k = 0; k < 3; ++k)
-            x[k] += polygons.positions[corner][k] / static_cast<double>(polygons.corners.size());
-    const std::size_t a = go(x, division.normal(0), 0);
-    if (a == none) return false;
-    const std::size_t b = go(x, cross(division.normal(a), {0.36, 0.48, 0.8}), 1u << a);
-    if (b == none) return false;
-    const std::size_t c = go(x, cross(division.normal(a), division.normal(b)), 1u << a | 1u << b);
-    if (c == none) return false;
-    const auto corner_at = [](std::size_t i, std::size_t j, std::size_t k, const Vector& at) {
-        return Corner{{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(j), static_cast<std::uint8_t>(k)}, at};
-    };
-    corners_.assign(1, corner_at(a, b, c, x));
-    for (std::size_t v = 0; v < corners_.size(); ++v)
-        for (std::size_t leaving = 0; leaving < 3; ++leaving) {
-            const std::size_t i = corners_[v].planes[(leaving + 1) % 3], j = corners_[v].planes[(leaving + 2) % 3];
-            const auto has_both = [i, j, v, this](const Corner& corner) {
-                return &corner != &corners_[v] && std::ranges::find(corner.planes, i) != corner.planes.end() &&
-                       std::ranges::find(corner.planes, j) != corner.planes.end();
-            };
-            if (std::ranges::any_of(corners_, has_both)) continue;
-            Vector along = cross(division.normal(i), division.normal(j)), to = corners_[v].x;
-            if (dot(along, division.normal(corners_[v].planes[leaving])) > 0) along = {-along[0], -along[1], -along[2]};
-            const std::size_t next = go(to, along, 1u << i | 1u << j);
-            if (next == none || corners_.size() == most_vertices) return false;
-            corners_.push_back(corner_at(i, j, next, to));
+bool Sibson::divide(const ProbeShape& shape, bool moments, Division& out) {
+    if (shape.planes.size() > Division::most_neighbors) return false;
+    read(shape, moments, out);
+    return neighbors_are_apart(out.size()) && walk_inward(shape, out) && walk_on(out) && out.add_rims() && out.finish();
+}
+
+void Sibson::read(const ProbeShape& shape, bool moments, Division& out) {
+    out.begin(shape.weighted, moments);
+    const auto& planes = shape.planes;
+    double highest = 0;
+    longest_squared_ = 0;
+    for (std::size_t f = 0; f < planes.size(); ++f) {
+        if (planes[f].seed < 0) continue;
+        const std::size_t a = out.add_neighbor(planes[f].seed, planes[f].n, planes[f].h);
+        number_[f] = static_cast<std::uint8_t>(a);
+        h_[a] = planes[f].h;
+        approached_[a] = 1;
+        far_[a] = 0;
+        longest_squared_ = std::max(longest_squared_, dot(planes[f].n, planes[f].n));
+        highest = std::max(highest, std::abs(planes[f].h));
+    }
+    const double longest = longest_ = std::sqrt(longest_squared_);
+    for (std::size_t f = 0; f < planes.size(); ++f) {
+        if (planes[f].seed >= 0) continue;
+        // Normals of walls become as long as the longest of neighbors.
+        const Vector& n = planes[f].n;
+        const double scale = longest / std::sqrt(dot(n, n));
+        const std::size_t w = out.add_wall({scale * n[0], scale * n[1], scale * n[2]}, scale * planes[f].h);
+        number_[f] = static_cast<std::uint8_t>(w);
+        h_[w] = scale * planes[f].h;
+        approached_[w] = 0;
+        far_[w] = never;
+        highest = std::max(highest, std::abs(h_[w]));
+    }
+    double farthest_squared = 0;
+    for (const auto& corner : shape.corners) farthest_squared = std::max(farthest_squared, dot(corner.x, corner.x));
+    rounding_ = residual_rounding * (longest * std::sqrt(farthest_squared) + highest);
+    longest_cubed_ = longest * longest_squared_;
+    normals_ = out.normals();
+    padded_ = (planes.size() + 1) / 2 * 2;
+    for (std::size_t i = planes.size(); i < padded_; ++i) h_[i] = far_[i] = never, approached_[i] = 0;
+}
+
+bool Sibson::neighbors_are_apart(std::size_t neighbors) const {
+    Two least = Two{} + never;
+    for (std::size_t a = 0; a + 1 < neighbors; ++a)
+        for (std::size_t i = (a + 1) / 2 * 2; i < neighbors; i += 2) {
+            const Two x = two(normals_.x, i) - normals_.x[a], y = two(normals_.y, i) - normals_.y[a],
+                       z = two(normals_.z, i) - normals_.z[a];
+            Two square = x * x + y * y + z * z + two(far_.data(), i);
+            if (i <= a) square[a - i] = never;
+            least = square < least ? square : least;
         }
-    return true;
+    return std::min(least[0], least[1]) >= least_apart * least_apart * longest_squared_;
 }
 
-// The vertex from number `begin` on that is as near to three neighbors.
+// Returns the vertex from number `begin` on that is as near to three neighbors.
 Sibson::Vertex* Sibson::find(std::uint32_t three, std::size_t begin) {
     for (std::size_t v = begin; v < vertices_.size(); ++v)
         if ((vertices_[v].near & three) == three) return &vertices_[v];
     return nullptr;
 }
 
-// The plane that a ray meets first, but for some; neighbors come nearer than one with that excess and speed. none: it
-// meets none.
+// Returns the plane that a ray meets first, except for some; neighbors come nearer than one with that excess and speed.
+// none: it meets none. Fills left_ and nearing_.
 std::size_t Sibson::meet(const Vector& from, const Vector& along, std::uint32_t without, double excess, double speed,
-                         double& time) const {
-    using Four __attribute__((vector_size(32), aligned(32), may_alias)) = double;
+                         double& time) {
     alignas(32) std::array<double, Division::most_neighbors> times;
-    for (std::size_t i = 0; i < padded_; i += 4) {
-        const auto four = [i](const double* all) -> const Four& { return reinterpret_cast<const Four&>(all[i]); };
-        const Four &nx = four(normals_.x), &ny = four(normals_.y), &nz = four(normals_.z);
-        const Four& approached = four(approached_.data());
-        const Four left = four(h_.data()) - nx * from[0] - ny * from[1] - nz * from[2] - approached * excess;
-        const Four nearing = nx * along[0] + ny * along[1] + nz * along[2] - approached * speed;
-        const Four never_met = Four{} + never;
-        reinterpret_cast<Four&>(times[i]) = nearing > 0 ? left / nearing : never_met;
+    for (std::size_t i = 0; i < padded_; i += 2) {
+        const Two &nx = two(normals_.x, i), &ny = two(normals_.y, i), &nz = two(normals_.z, i);
+        const Two& approached = two(approached_.data(), i);
+        const Two left = two(h_.data(), i) - nx * from[0] - ny * from[1] - nz * from[2] - approached * excess;
+        const Two nearing = nx * along[0] + ny * along[1] + nz * along[2] - approached * speed;
+        const Two never_met = Two{} + never;
+        two(left_.data(), i) = left;
+        two(nearing_.data(), i) = nearing;
+        two(times.data(), i) = nearing > 0 ? left / nearing : never_met;
     }
     for (std::size_t i = normals_.count; i < padded_; ++i) times[i] = never;
     for (; without != 0; without &= without - 1) times[static_cast<std::size_t>(std::countr_zero(without))] = never;
-    time = never;
-    for (std::size_t i = 0; i < padded_; ++i) time = times[i] < time ? times[i] : time;
+    time = smallest(times.data(), padded_);
     if (!(time < never)) return none;
     std::size_t next = 0;
     while (times[next] != time) ++next;
     return next;
 }
 
-// Moves x to the plane that a ray meets first.
-std::size_t Sibson::go(Vector& x, const Vector& along, std::uint32_t without) const {
-    double time = 0;
-    const std::size_t next = meet(x, along, without, 0, 0, time);
-    for (std::size_t k = 0; k < 3 && next != none; ++k) x[k] += time * along[k];
-    return next;
+// Whether, after meet() and that time, the ray has reached the vertex of four neighbors, and no other plane is as near.
+// own: the residual of the first of them.
+bool Sibson::is_proven(double time, double own, std::uint32_t near, double margin) {
+    for (std::uint32_t rest = near; rest != 0; rest &= rest - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(rest));
+        if (!(std::abs(left_[i] - nearing_[i] * time) <= rounding_)) return false;
+        left_[i] = never;
+    }
+    Two least = Two{} + own;
+    for (std::size_t i = 0; i < padded_; i += 2) {
+        const Two residual = two(left_.data(), i) - two(nearing_.data(), i) * time;
+        least = residual < least ? residual : least;
+    }
+    return std::min(least[0], least[1]) > margin;
 }
 
 // Goes along an edge of three neighbors from a vertex to a new one, where the next neighbor is as near.
 bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t three, const Vector& along, Vector& to) {
     const std::size_t a = numbers_of(three).a;
     const Vector n = division.normal(a);
+    const double excess = division.residual(a, from), speed = dot(n, along);
     double time = 0;
-    const std::size_t next = meet(from, along, three, h_[a] - dot(n, from), dot(n, along), time);
+    const std::size_t next = meet(from, along, three, excess, speed, time);
     if (next == none || vertices_.size() == most_vertices) return false;
+    const double own = excess - time * speed, determinant = std::abs(nearing_[next]);
+    const double margin = rounding_ * (2 + 24 * longest_cubed_ / determinant);
+    if (!(determinant >= least_determinant * longest_cubed_)) return false;
+    if (!is_proven(time, own, three | 1u << next, margin)) return false;
     for (std::size_t k = 0; k < 3; ++k) to[k] = from[k] + time * along[k];
-    vertices_.push_back({three | 1u << next, 1u << next, to});
+    vertices_.push_back({three | 1u << next, 1u << next, to, own, 0.5 * margin / longest_});
     return true;
 }
 
 // Walks along the edges that begin at the corners of the cell.
-bool Sibson::walk_inward(Division& out) {
+bool Sibson::walk_inward(const ProbeShape& shape, Division& out) {
     vertices_.clear();
-    for (const Corner& corner : corners_) {
-        std::size_t a = corner.planes[0], b = corner.planes[1], c = corner.planes[2];
+    for (const auto& corner : shape.corners) {
+        std::size_t a = number_[corner.planes[0]], b = number_[corner.planes[1]], c = number_[corner.planes[2]];
         // Neighbors have lower numbers than walls.
         if (b < a) std::swap(a, b);
         if (c < a) std::swap(a, c);
         if (out.is_wall(a)) continue;
         const Vector along = turn(out, a, b, c, out.normal(a), {});
+        if (!(std::abs(dot(out.normal(a), along)) >= least_determinant * longest_cubed_)) return false;
         const std::uint32_t three = 1u << a | 1u << b | 1u << c;
+        for (const std::size_t i : {a, b, c})
+            if (!(std::abs(out.residual(i, corner.x)) <= rounding_)) return false;
         if (!out.add_corner(a, c, b, corner.x)) return false;
         Vector to;
         // It meets each of these planes once, so it has one end inside.
@@ -226,68 +244,6 @@ bool Sibson::walk_on(Division& out) {
         }
     }
     return true;
-}
-
-// What a neighbor had of the cell is nearer to it than to the others, and nearer to the probe than to it: the faces of
-// the others are implied. Those whose faces meet its own cut first, for they leave little to look at.
-void Sibson::cut(const ProbeShape& shape, std::vector<double>& volumes) {
-    const CellPolygons& polygons = shape.polygons;
-    const auto& planes = shape.planes;
-    Vector lower{}, upper{};
-    for (const std::uint32_t corner : polygons.corners)
-        for (std::size_t k = 0; k < 3; ++k) {
-            lower[k] = std::min(lower[k], polygons.positions[corner][k]);
-            upper[k] = std::max(upper[k], polygons.positions[corner][k]);
-        }
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double room = (upper[k] - lower[k]) / 8;
-        lower[k] -= room, upper[k] += room;
-    }
-    read_meetings(polygons);
-    volumes.assign(planes.size(), 0);
-    for (std::size_t a = 0; a < planes.size(); ++a) {
-        if (planes[a].seed < 0) continue;
-        part_.clear();
-        part_.add_box(lower, upper);
-        part_.cut(planes[a].n, planes[a].h);
-        cut_done_.assign(planes.size(), false);
-        cut_done_[a] = true;
-        for (const std::uint32_t corner : polygons.face(a))
-            for (std::uint32_t m = meeting_begin_[corner]; m < meeting_begin_[corner + 1]; ++m)
-                if (!cut_done_[meeting_[m]]) cut_by(shape, a, meeting_[m]);
-        const auto [center, radius] = part_.ball();
-        for (std::size_t b = 0; b < planes.size() && !part_.empty(); ++b) {
-            if (cut_done_[b]) continue;
-            const auto [n, h] = limit(shape, a, b);
-            if (h - dot(n, center) < radius * std::sqrt(dot(n, n))) cut_by(shape, a, b);
-        }
-        volumes[a] = std::max(0.0, part_.volume());
-    }
-}
-
-// The faces that meet at each vertex.
-void Sibson::read_meetings(const CellPolygons& polygons) {
-    meeting_begin_.assign(polygons.positions.size() + 1, 0);
-    for (const std::uint32_t corner : polygons.corners) ++meeting_begin_[corner + 1];
-    std::partial_sum(meeting_begin_.begin(), meeting_begin_.end(), meeting_begin_.begin());
-    meeting_.resize(polygons.corners.size());
-    std::vector<std::uint32_t>& next = meeting_next_;
-    next.assign(meeting_begin_.begin(), meeting_begin_.end() - 1);
-    for (std::uint32_t f = 0; f < polygons.size(); ++f)
-        for (const std::uint32_t corner : polygons.face(f)) meeting_[next[corner]++] = f;
-}
-
-// Where plane b ends what neighbor a had: n.x <= h.
-Sibson::Limit Sibson::limit(const ProbeShape& shape, std::size_t a, std::size_t b) {
-    const ProbeShape::Plane &of_a = shape.planes[a], &of_b = shape.planes[b];
-    if (of_b.seed < 0) return {of_b.n, of_b.h};
-    return {minus(of_b.n, of_a.n), of_b.h - of_a.h};
-}
-
-void Sibson::cut_by(const ProbeShape& shape, std::size_t a, std::size_t b) {
-    cut_done_[b] = true;
-    const auto [n, h] = limit(shape, a, b);
-    part_.cut(n, h);
 }
 
 }  // namespace votess::cpu

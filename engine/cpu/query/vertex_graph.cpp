@@ -10,7 +10,10 @@ namespace {
 
 using Vector = Vector3;
 
-constexpr double worst_condition = 1e9;  // product of lengths over the determinant
+constexpr double worst_condition = 64;  // product of lengths over the determinant: then a vertex is solved exactly
+// Of the squared distance of a vertex from its seeds, which is known to less than that.
+constexpr double uncertain = 0x1p-38;
+constexpr double off_plane = 0x1p-46;  // of the terms that place a corner on a plane
 
 }  // namespace
 
@@ -54,8 +57,8 @@ void VertexGraph::place(const SortedSeeds& seeds, const Tessellation& t, double 
         vertex.cells.fill(none);
         std::copy_n(&cells_[begin], std::min<std::size_t>(count, 4), vertex.cells.begin());
         const Vector first = place_of(vertex.cells[0]);
-        std::array<Vector, 3> n;
-        std::array<double, 3> h;
+        std::array<Vector, 3> n{};
+        std::array<double, 3> h{};
         for (std::size_t k = 0; k < 3 && count == 4; ++k) {
             const Vector other = place_of(vertex.cells[k + 1]);
             for (std::size_t c = 0; c < 3; ++c) n[k][c] = other[c] - first[c];
@@ -63,14 +66,26 @@ void VertexGraph::place(const SortedSeeds& seeds, const Tessellation& t, double 
         }
         const double determinant = count == 4 ? dot(n[0], cross(n[1], n[2])) : 0;
         const double size = count == 4 ? std::sqrt(dot(n[0], n[0]) * dot(n[1], n[1]) * dot(n[2], n[2])) : 0;
+        int sign = determinant > 0 ? 1 : -1;
         if (size < worst_condition * std::abs(determinant)) {
             const Vector a = cross(n[1], n[2]), b = cross(n[2], n[0]), c = cross(n[0], n[1]);
             for (std::size_t k = 0; k < 3; ++k)
                 vertex.from[k] = (h[0] * a[k] + h[1] * b[k] + h[2] * c[k]) / determinant;
-            if (determinant > 0) std::swap(vertex.cells[1], vertex.cells[2]);
-        } else {
+        } else if (count == 4) {
+            std::array<exact::Plane, 3> plane;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::int32_t other = vertex.cells[k + 1];
+                plane[k] = exact::Plane::bisector(place_of(other));
+                plane[k].power = exact::two_sum(weight_of(vertex.cells[0]), -weight_of(other));
+            }
+            sign = exact::orientation(first, plane[0], plane[1], plane[2]);
+            if (sign != 0) vertex.from = exact::vertex_position<double>(first, plane[0], plane[1], plane[2]);
+        }
+        if (count != 4 || sign == 0) {
             vertex.cells[3] = none;
             for (std::size_t k = 0; k < 3; ++k) vertex.from[k] = t.vertices()[3 * v + k] * scale - first[k];
+        } else if (sign > 0) {
+            std::swap(vertex.cells[1], vertex.cells[2]);
         }
         vertex.power = dot(vertex.from, vertex.from) - weight_of(vertex.cells[0]);
     }
@@ -139,6 +154,8 @@ std::size_t GraphDivider::see(std::int32_t vertex) {
     if (seen.turn != turn_) {
         seen = {vertex, static_cast<std::int32_t>(place_count_), turn_};
         places_[place_count_] = look(vertex);
+        const double power = graph_->vertex(vertex).power, excess = places_[place_count_].excess;
+        if (!(std::abs(excess) > uncertain * std::abs(power) + uncertain_weight_)) uncertain_ = true;
         if (places_[place_count_].excess < 0) {
             swallowed_[swallowed_count_++] = static_cast<std::uint16_t>(place_count_);
             // The search will ask for these.
@@ -150,7 +167,7 @@ std::size_t GraphDivider::see(std::int32_t vertex) {
     return static_cast<std::size_t>(seen.place);
 }
 
-std::size_t GraphDivider::neighbor(std::int32_t seed, Division& out) {
+inline std::size_t GraphDivider::neighbor(std::int32_t seed, Division& out) {
     std::size_t at = (static_cast<std::uint32_t>(seed) * 2654435761u) >> 25;
     while (numbers_[at].turn == turn_ && numbers_[at].seed != seed) at = (at + 1) % numbers_.size();
     Number& number = numbers_[at];
@@ -167,8 +184,10 @@ bool GraphDivider::divide(const Probe& probe, bool moments, Division& out) {
     at_ = probe.place.at;
     weight_ = probe.weight;
     place_count_ = swallowed_count_ = 0;
+    uncertain_ = false;
+    uncertain_weight_ = uncertain * (largest_weight_ + std::abs(weight_));
     ++turn_;
-    return find_first() && search(out) && out.add_rims() && out.finish();
+    return find_first() && search(out) && !uncertain_ && out.add_rims() && out.finish();
 }
 
 // Where a wall cuts the cell, a vertex on the wall is swallowed: the swallowed vertices hang together beyond walls too,
@@ -199,6 +218,9 @@ bool GraphDivider::search(Division& out) {
             const double share = here.excess / (here.excess - there.excess);
             Vector corner;
             for (std::size_t i = 0; i < 3; ++i) corner[i] = here.x[i] + share * (there.x[i] - here.x[i]);
+            // It has lost digits where the vertex there is far.
+            if (!(std::abs(out.residual(a, corner)) <= off_plane * (std::abs(out.height(a)) + dot(corner, corner))))
+                return false;
             if (!out.add_corner(a, b, c, corner)) return false;
             out.add_inner(a, b, c, here.x, corner);
         }

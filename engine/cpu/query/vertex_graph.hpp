@@ -3,8 +3,7 @@
 // together, so a search along the edges finds them all (Bowyer and Watson, The Computer Journal 24, 1981), and the
 // division of the cell with them: the edges between swallowed vertices lie inside, those to others end on its surface.
 //
-// In floating point: where a sign is uncertain, a vertex is swallowed or not, which changes volumes by rounding alone,
-// or the parts do not balance.
+// In floating point: where a sign is uncertain, the cell must be divided in another way.
 #pragma once
 
 #include <array>
@@ -54,13 +53,15 @@ class GraphDivider {
 public:
     explicit GraphDivider(const SortedSeeds& seeds) : seeds_(seeds) {}
 
-    // A new job, or probes that lie elsewhere: near a seed.
+    // Begins a job with the largest weight of a seed, by its size.
+    void begin_job(double largest_weight) { largest_weight_ = largest_weight; }
+    // Begins probes that lie elsewhere: near a seed.
     void begin(const VertexGraph& graph, std::size_t seed) {
         graph_ = &graph;
         near_ = graph.vertex_of(seed);
     }
-    // False where that cannot be: near walls and vertices of many cells, on a seed. Fastest when the last probe was
-    // near.
+    // Returns false where that cannot be: near walls and vertices of many cells, on a seed, and where rounding might
+    // matter. Fastest when the last probe was near.
     [[nodiscard]] bool divide(const Probe& probe, bool moments, Division& out);
 
 private:
@@ -93,7 +94,8 @@ private:
     const VertexGraph* graph_ = nullptr;
     std::int32_t near_ = VertexGraph::none;  // a vertex near the last probe
     exact::Point at_{};
-    double weight_ = 0;
+    double weight_ = 0, largest_weight_ = 0, uncertain_weight_ = 0;
+    bool uncertain_ = false;  // whether some vertex seen is swallowed
     std::array<Place, 5 * most_swallowed> places_;  // of the vertices seen
     std::size_t place_count_ = 0;
     std::array<std::uint16_t, most_swallowed + 4> swallowed_;  // of these

@@ -48,7 +48,7 @@ template <int bits>
 bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
     double largest = 0;
     for (const Plane* plane : planes) {
-        if (plane->is_oblique()) return false;
+        if (plane->is_oblique() || plane->is_reversed()) return false;
         if (plane->is_bisector()) largest = std::max(largest, largest_difference(p, *plane));
     }
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - bits) and its inverse must be normal.
@@ -120,7 +120,7 @@ inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& 
     if (range.span() > 124) return false;
     const std::array seed{to_int128(p[0], q), to_int128(p[1], q), to_int128(p[2], q)};
     const Difference difference = int_difference(seed, plane, q);
-    for (int k = 0; k < 3; ++k) n[k] = from_int128<2>(difference.n[k]);
+    for (int k = 0; k < 3; ++k) n[k] = from_int128<2>(plane.is_reversed() ? -difference.n[k] : difference.n[k]);
     return true;
 }
 

@@ -169,6 +169,12 @@ void add_power(const Plane& plane, int quantum, WideRow<W>& row) {
     row.s = row.s + to_wide<2 * W>(plane.power.high, 2 * quantum) + to_wide<2 * W>(plane.power.low, 2 * quantum);
 }
 
+template <int W>
+void reverse(WideRow<W>& row) {
+    for (auto& n : row.n) n = -n;
+    row.s = -row.s;
+}
+
 template <class N>
 auto cross(const std::array<N, 3>& a, const std::array<N, 3>& b) {
     return std::array{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -246,6 +252,7 @@ WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
     }
     WideRow<W> row = wide_row<W>(n, {}, true);
     add_power(plane, quantum, row);
+    if (plane.is_reversed()) reverse(row);
     return row;
 }
 
@@ -254,6 +261,7 @@ inline WideRow<2> narrow_row(const Point& p, const std::array<Int128, 3>& seed, 
     if (plane.is_oblique()) return oblique_row<2>(p, plane, quantum);
     WideRow<2> row = wide_row<2>(int_difference(seed, plane, quantum), plane.is_bisector());
     add_power(plane, quantum, row);
+    if (plane.is_reversed()) reverse(row);
     return row;
 }
 
