@@ -29,7 +29,10 @@ struct DiagramState {
     struct Searcher {
         Searcher(const Job& job, const cpu::SortedSeeds& seeds, const cpu::Hierarchy& hierarchy,
                  const cpu::Kernels& kernels)
-            : locator(job, seeds, hierarchy), prober(seeds, hierarchy, kernels), rows(seeds), natural(seeds, hierarchy, kernels) {}
+            : locator(job, seeds, hierarchy),
+              prober(seeds, hierarchy, kernels),
+              rows(seeds),
+              natural(seeds, hierarchy, kernels) {}
 
         cpu::Locator locator;
         cpu::Prober prober;

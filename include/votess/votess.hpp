@@ -225,7 +225,7 @@ struct Stats {
     // the CPU measured all cells, for volumes, centroids, areas, surfaces or radii, and where there are polygons;
     // count_tiny_faces() finds it elsewhere.
     std::optional<std::uint64_t> tiny_faces;
-    unsigned threads = 0;              // CPU threads used
+    unsigned threads = 0;  // CPU threads used
     StageSeconds seconds;
     std::uint64_t peak_memory_bytes = 0;  // peak resident memory of the process so far
     // What volumes, centroids and areas hold; the CPU always gives double_.
@@ -379,8 +379,8 @@ struct VerifyReport {
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
 
-// Returns Stats::tiny_faces; where that is unknown, it tessellates the points again on the CPU and measures. points, and
-// what it throws: as verify().
+// Returns Stats::tiny_faces; where that is unknown, it tessellates the points again on the CPU and measures. points,
+// and what it throws: as verify().
 [[nodiscard]] VOTESS_API std::uint64_t count_tiny_faces(const Tessellation& tessellation,
                                                         std::span<const double> points);
 

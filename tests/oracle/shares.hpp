@@ -1,4 +1,5 @@
-// Natural-neighbor coordinates in rational arithmetic: polytopes clipped by half spaces, without any code of the engine.
+// Natural-neighbor coordinates in rational arithmetic: polytopes clipped by half spaces, without any code of the
+// engine.
 #pragma once
 
 #include <gmpxx.h>

@@ -259,7 +259,8 @@ bool Cell::knows(std::int32_t id, const exact::Shift& shift) const {
 int Cell::refined_side(int slot, const CellPlane& plane) {
     using exact::DoubleDouble;
     Refined& vertex = refined_[slot];
-    if (++vertex.tests < tests_before_refining || !plane.reliable || !plane.source.is_bisector() || plane.source.is_reversed())
+    if (++vertex.tests < tests_before_refining || !plane.reliable || !plane.source.is_bisector() ||
+        plane.source.is_reversed())
         return 0;
     if (!vertex.solved) {
         vertex.solved = true;
@@ -365,7 +366,9 @@ bool Cell::take_over(const CellPlane& plane, int slot) {
     for (const std::int32_t p : corners_[slot].plane) {
         CellPlane& face = planes_[p];
         if (!face.source.has_power() && !plane.source.has_power()) continue;
-        if (!face.source.is_bisector() || face.source.is_reversed() || !exact::same_plane(seed_, face.source, plane.source)) continue;
+        if (!face.source.is_bisector() || face.source.is_reversed() ||
+            !exact::same_plane(seed_, face.source, plane.source))
+            continue;
         if (exact::longer_normal(seed_, plane.source, face.source)) face = plane;
         return true;
     }

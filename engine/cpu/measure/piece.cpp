@@ -59,7 +59,8 @@ Corner<Real> corner_at(const Cell& cell, int slot) {
 }
 
 std::span<const std::int32_t> corners_of(const CellFaces& faces, std::size_t face) {
-    const auto begin = static_cast<std::size_t>(faces.offsets[face]), end = static_cast<std::size_t>(faces.offsets[face + 1]);
+    const auto begin = static_cast<std::size_t>(faces.offsets[face]),
+               end = static_cast<std::size_t>(faces.offsets[face + 1]);
     return std::span(faces.corners).subspan(begin, end - begin);
 }
 
@@ -121,8 +122,7 @@ FaceMeasure face_in(const Cell& cell, const CellFaces& faces, std::size_t face) 
         sum.area.value += area;
         sum.area.error += last.error * q + next.error * p + 8 * roundoff<Real> * p * q;
         for (std::size_t k = 0; k < 3; ++k)
-            sum.moment[k] +=
-                area * (static_cast<double>(apex.x[k]) + static_cast<double>(last.x[k] + next.x[k]) / 3);
+            sum.moment[k] += area * (static_cast<double>(apex.x[k]) + static_cast<double>(last.x[k] + next.x[k]) / 3);
         last = next;
     }
     return sum;

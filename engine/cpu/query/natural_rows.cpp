@@ -81,9 +81,8 @@ void NaturalRows::take(std::size_t k, Cell& cell) {
 bool NaturalRows::buries_none(std::size_t k) {
     if (seeds_.weights.empty()) return true;
     nearer_.begin(probes_[k]);
-    sibson_.for_vertices(probes_[k].weight, [this](const Vector& x, double power, double error) {
-        nearer_.add_vertex(x, power, error);
-    });
+    sibson_.for_vertices(probes_[k].weight,
+                         [this](const Vector& x, double power, double error) { nearer_.add_vertex(x, power, error); });
     const std::size_t neighbors = neighbors_.size();
     return nearer_.find(neighbors_) && neighbors_.size() == neighbors;
 }

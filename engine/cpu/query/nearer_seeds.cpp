@@ -62,7 +62,8 @@ bool NearerSeeds::find(std::vector<Member>& members) {
     while (!nodes_.empty()) {
         const auto [level, index] = nodes_.back();
         nodes_.pop_back();
-        if (!(distance_to(hierarchy_.box(level, index), at_) <= reach(hierarchy_.largest_weight(level, index)))) continue;
+        if (!(distance_to(hierarchy_.box(level, index), at_) <= reach(hierarchy_.largest_weight(level, index))))
+            continue;
         if (level > 0) {
             const std::size_t begin = index * Hierarchy::fan;
             const std::size_t end = std::min(begin + Hierarchy::fan, hierarchy_.count(level - 1));
@@ -72,9 +73,8 @@ bool NearerSeeds::find(std::vector<Member>& members) {
         const std::size_t begin = index * group_size, end = seeds_.group_end(begin);
         for (std::size_t place = begin; place < end; ++place) {
             const auto id = static_cast<std::int32_t>(place);
-            const Member member = seeds_.images == nullptr
-                                      ? Member{id}
-                                      : Member{seeds_.images->home(id), seeds_.images->shift(id)};
+            const Member member =
+                seeds_.images == nullptr ? Member{id} : Member{seeds_.images->home(id), seeds_.images->shift(id)};
             const double weight = seeds_.weights[static_cast<std::size_t>(member.home)];
             if (may_be_nearer(place, weight) && std::ranges::find(members, member) == members.end())
                 members.push_back(member);

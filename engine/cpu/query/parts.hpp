@@ -2,8 +2,8 @@
 // and nearer to a than to any other seed. It is clipped as the cell of a, with the bisector of the probe reversed.
 //
 // Without weights, the neighbors of the probe are all seeds that have a part. In a power diagram the probe may bury
-// seeds: their whole cell was inside its cell. NearerSeeds finds them. Where it cannot, a search goes from part to part:
-// the parts fill the cell, so each has a face in common with another.
+// seeds: their whole cell was inside its cell. NearerSeeds finds them. Where it cannot, a search goes from part to
+// part: the parts fill the cell, so each has a face in common with another.
 #pragma once
 
 #include <cstdint>

@@ -120,7 +120,7 @@ bool Sibson::neighbors_are_apart(std::size_t neighbors) const {
     for (std::size_t a = 0; a + 1 < neighbors; ++a)
         for (std::size_t i = (a + 1) / 2 * 2; i < neighbors; i += 2) {
             const Two x = two(normals_.x, i) - normals_.x[a], y = two(normals_.y, i) - normals_.y[a],
-                       z = two(normals_.z, i) - normals_.z[a];
+                      z = two(normals_.z, i) - normals_.z[a];
             Two square = x * x + y * y + z * z + two(far_.data(), i);
             if (i <= a) square[a - i] = never;
             least = square < least ? square : least;

@@ -8,10 +8,10 @@
 // have moved it. Where that fails, as on lattices, or where digits are lost, the caller divides with Parts.
 //
 // Margin. Let N be the length of the longest normal, R the distance of the farthest corner and H the largest height.
-// A residual h - n.x, of rounded n, h and x = from + t along, errs by less than 30 u (N R + H), and so the difference of
-// two by less than `rounding_` = 64 u (N R + H). A vertex x with residuals equal to within that solves M dx = r for its distance dx from
-// the true vertex, where the rows of M are three differences of normals: |dx| <= 12 N^2 rounding_ / |det M|. That
-// changes other differences of residuals by 2 N |dx| at most.
+// A residual h - n.x, of rounded n, h and x = from + t along, errs by less than 30 u (N R + H), and so the difference
+// of two by less than `rounding_` = 64 u (N R + H). A vertex x with residuals equal to within that solves M dx = r for
+// its distance dx from the true vertex, where the rows of M are three differences of normals: |dx| <= 12 N^2 rounding_
+// / |det M|. That changes other differences of residuals by 2 N |dx| at most.
 #pragma once
 
 #include <array>
@@ -93,8 +93,8 @@ private:
     alignas(16) std::array<double, Division::most_neighbors> far_{};               // 0 for neighbors, else never
     // Of the last ray: the residuals where it begins, and what they lose along it.
     alignas(16) std::array<double, Division::most_neighbors> left_{}, nearing_{};
-    std::array<std::uint8_t, Division::most_neighbors> number_{};                  // by plane of the shape
-    double rounding_ = 0;                             // of differences of residuals
+    std::array<std::uint8_t, Division::most_neighbors> number_{};   // by plane of the shape
+    double rounding_ = 0;                                           // of differences of residuals
     double longest_ = 0, longest_squared_ = 0, longest_cubed_ = 0;  // normal
     std::vector<Vertex> vertices_;
 };

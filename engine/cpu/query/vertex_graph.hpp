@@ -95,7 +95,7 @@ private:
     std::int32_t near_ = VertexGraph::none;  // a vertex near the last probe
     exact::Point at_{};
     double weight_ = 0, largest_weight_ = 0, uncertain_weight_ = 0;
-    bool uncertain_ = false;  // whether some vertex seen is swallowed
+    bool uncertain_ = false;                        // whether some vertex seen is swallowed
     std::array<Place, 5 * most_swallowed> places_;  // of the vertices seen
     std::size_t place_count_ = 0;
     std::array<std::uint16_t, most_swallowed + 4> swallowed_;  // of these
