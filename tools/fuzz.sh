@@ -51,7 +51,7 @@ fuzz_readers() {  # hours, then readers
         if ! VOTESS_FUZZ_READER=$reader UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
             ASAN_OPTIONS="detect_leaks=0:allocator_may_return_null=1:suppressions='$PWD/tests/fuzz/readers/hdf5.supp'" \
             build/fuzz/clang/bin/votess_reader_fuzzer -max_total_time="$seconds" -seed="$seed" -max_len=16384 -timeout=20 \
-            -rss_limit_mb=4096 -malloc_limit_mb="$malloc_limit" -print_final_stats=1 -verbosity=0 -artifact_prefix="$kept/$reader-" \
+            -rss_limit_mb=4096 -malloc_limit_mb="$malloc_limit" -print_final_stats=1 -verbosity=0 -print_funcs=0 -artifact_prefix="$kept/$reader-" \
             "$kept/$reader" "tests/fuzz/readers/corpus/$reader"; then
             echo "found: see $kept/$reader-*; VOTESS_FUZZ_READER=$reader build/fuzz/clang/bin/votess_reader_fuzzer FILE runs it again"
             status=1
