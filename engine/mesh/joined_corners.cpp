@@ -101,27 +101,22 @@ private:
         sets_.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), {});
     }
 
-    // Ends of short edges. Of a face that was kept an edge is short if the face would have no area without it, had it
-    // the edge all along.
+    // Ends of short edges: beside one, a face of the same length has an area that is dropped.
     void find_near() {
-        for (std::size_t f = 0; f < dropped(); ++f) {
-            const auto corners = polygon(r_.dropped_offsets, r_.dropped_vertices, f);
-            for (std::size_t k = 0; k < corners.size(); ++k)
-                add_near(corners[k], corners[(k + 1) % corners.size()], r_.least_face);
-        }
-        for (std::size_t entry = 0; entry < r_.indices.size(); ++entry) {
-            if (r_.indices[entry] < 0) continue;
-            const auto corners = polygon(r_.face_offsets, r_.face_vertices, entry);
-            double around = 0;
-            for (std::size_t k = 0; k < corners.size(); ++k)
-                around += std::sqrt(distance2(corners[k], corners[(k + 1) % corners.size()]));
-            const double least = r_.least_face / (around / 2);
-            for (std::size_t k = 0; k < corners.size(); ++k)
-                add_near(corners[k], corners[(k + 1) % corners.size()], least * least);
-        }
+        for (std::size_t f = 0; f < dropped(); ++f) add_near(polygon(r_.dropped_offsets, r_.dropped_vertices, f));
+        for (std::size_t entry = 0; entry < r_.indices.size(); ++entry)
+            if (r_.indices[entry] >= 0) add_near(polygon(r_.face_offsets, r_.face_vertices, entry));
     }
-    void add_near(std::int32_t a, std::int32_t b, double most2) {
-        if (distance2(a, b) <= most2) pairs_.emplace_back(a, b);
+    void add_near(std::span<const std::int32_t> corners) {
+        double around = 0;
+        for_edges(corners, [&](std::int32_t a, std::int32_t b) { around += std::sqrt(distance2(a, b)); });
+        const double most = r_.least_face / (around / 2);
+        for_edges(corners, [&](std::int32_t a, std::int32_t b) {
+            if (distance2(a, b) <= most * most) pairs_.emplace_back(a, b);
+        });
+    }
+    static void for_edges(std::span<const std::int32_t> corners, const auto& visit) {
+        for (std::size_t k = 0; k < corners.size(); ++k) visit(corners[k], corners[(k + 1) % corners.size()]);
     }
 
     bool find_more() {
@@ -158,16 +153,19 @@ private:
         return std::span(word_).subspan(begin, end - begin);
     }
 
-    // The nearest two corners of a dropped face that still has an area.
+    // A dropped face that still has an area loses its shortest edge.
     void shrink(std::span<const std::int32_t> corners) {
         const std::span<const Place> left = reduced(corners);
         if (left.size() < 3) return;
         double nearest = std::numeric_limits<double>::infinity();
         std::pair<std::int32_t, std::int32_t> pair;
-        for (std::size_t k = 0; k < left.size(); ++k) {
-            const std::int32_t a = left[k].vertex, b = left[(k + 1) % left.size()].vertex;
-            if (const double d = distance2(a, b); d < nearest) nearest = d, pair = {a, b};
-        }
+        for_edges(corners, [&](std::int32_t a, std::int32_t b) {
+            const Place from = place(a), to = place(b);
+            bool is_left = false;
+            for (std::size_t k = 0; k < left.size(); ++k)
+                is_left |= left[k].same(from) && left[(k + 1) % left.size()].same(to);
+            if (const double d = distance2(a, b); is_left && d < nearest) nearest = d, pair = {a, b};
+        });
         pairs_.push_back(pair);
     }
 
@@ -197,11 +195,9 @@ private:
         };
         std::vector<Nearest> nearest(false_corners.size());
         for (std::size_t f = 0; f < dropped(); ++f) {
-            const auto corners = polygon(r_.dropped_offsets, r_.dropped_vertices, f);
-            for (std::size_t k = 0; k < corners.size(); ++k) {
-                const std::int32_t a = corners[k], b = corners[(k + 1) % corners.size()];
+            for_edges(polygon(r_.dropped_offsets, r_.dropped_vertices, f), [&](std::int32_t a, std::int32_t b) {
                 const Place one = place(a), other = place(b);
-                if (one.same(other)) continue;
+                if (one.same(other)) return;
                 const double d = distance2(a, b);
                 for (const std::uint32_t root : {one.root, other.root}) {
                     const auto found = std::ranges::lower_bound(false_corners, root);
@@ -209,7 +205,7 @@ private:
                     Nearest& best = nearest[static_cast<std::size_t>(found - false_corners.begin())];
                     if (d < best.distance2) best = {d, {a, b}};
                 }
-            }
+            });
         }
         for (std::size_t k = 0; k < nearest.size(); ++k) {
             if (nearest[k].distance2 == std::numeric_limits<double>::infinity())

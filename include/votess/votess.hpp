@@ -346,10 +346,10 @@ struct Delaunay {
     std::vector<std::int8_t> polytope_shifts;      // three for each of these, as above
     std::vector<std::int32_t> polytope_centers;    // P
 };
-// Needs Want::faces, else throws invalid_argument, as for cells of probes. After min_face or min_area the vertices that
+// Needs Want::faces, else throws invalid_argument, as for cells of probes. After min_face or min_area, vertices that
 // dropped faces joined are one, named by the first of them: a rounded lattice has the polytopes of the lattice. A
-// dropped face shrinks to a point, or when it is long to an edge; vertices nearer than the square root of least_face()
-// are joined, and those that no longer are corners of all their cells. Each polytope is a union of tetrahedra, so
+// dropped face shrinks to an edge when it is long, else to a point. Ends of edges so short that a face of that width is
+// dropped are joined too, and vertices where a cell has only two faces. Each polytope is a union of tetrahedra, so
 // volumes sum up as before. Throws invalid_argument where that leaves no complex: a face that was not dropped would
 // shrink too, or a vertex would meet its own image.
 [[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);

@@ -365,7 +365,7 @@ TEST_SUITE("cases") {
         votess::Options options = mesh_options(set.box);
         options.periodic = {true, true, true};
         const auto whole = simplices_of(votess::delaunay(votess::tessellate(set.points, options)));
-        options.min_face = 1e-3;
+        options.min_face = 1e-4;
         const auto joined = simplices_of(votess::delaunay(votess::tessellate(set.points, options)));
         CHECK(joined == simplices_of(votess::delaunay(votess::tessellate(permuted, options)), order));
         CHECK(joined.size() < whole.size());

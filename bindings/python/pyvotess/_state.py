@@ -344,13 +344,14 @@ class Cells:
         """(N, M) int64: column k counts the faces of k + 3 edges; M is the least that holds all. Needs "faces" in want.
 
         Edges shorter than ``edge_threshold`` do not count, and faces that are left with fewer than three neither.
-        Warns of faces far smaller than the mean, which a rounded lattice has: ``min_face`` drops them.
+        Warns of faces far smaller than the mean, which a rounded lattice has: ``min_face`` drops them. The other faces
+        keep short edges beside them: give ``edge_threshold`` too.
         """
         tiny = self.stats.tiny_faces
         if tiny and edge_threshold == 0:
             warnings.warn(
                 f"{tiny} of {self.stats.faces} faces are smaller than 1e-9 of the mean face, as in a lattice that was "
-                "rounded: min_face=1e-6 drops them",
+                "rounded: min_face=1e-6 drops them, and edge_threshold the short edges beside them",
                 stacklevel=2,
             )
         return count_edges(self, edge_threshold)
