@@ -25,8 +25,8 @@ struct ProbeOptions {
 };
 
 // Sibson's: the share of a query's cell that each seed had before; in a power diagram the query may bury seeds, whose
-// whole cell it takes. Laplace's: the area of the face with a neighbor over its distance, over the sum of these. Both reproduce linear fields away from the walls; Sibson's are smooth but
-// at the seeds.
+// whole cell it takes. Laplace's: the area of the face with a neighbor over its distance, over the sum of these. Both
+// reproduce linear fields away from the walls; Sibson's are smooth but at the seeds.
 enum class NaturalMethod : std::int32_t { sibson = 0, laplace = 1 };
 
 struct NaturalOptions {
@@ -38,8 +38,9 @@ struct NaturalOptions {
     std::span<const double> weights;  // Q, of the queries in a power diagram; empty: 0
 };
 // Row q, from indptr[q] on: the natural neighbors of query q, ascending, and their weights. All seeds with a share are
-// there. Weights are positive, within 1e-12 of the true ones, and sum to 1 within 1e-13. Gradients have fewer digits. A query on a seed has that one alone. Rows are empty outside of the domain, where there are no
-// seeds, where a cell has a wall unless at_walls, and where seeds of a power diagram leave a query no cell.
+// there. Weights are positive, within 1e-12 of the true ones, and sum to 1 within 1e-13. Gradients have fewer digits. A
+// query on a seed has that one alone. Rows are empty outside of the domain, where there are no seeds, where a cell has
+// a wall unless at_walls, and where seeds of a power diagram leave a query no cell.
 struct NaturalCoordinates {
     std::vector<std::int64_t> indptr;   // Q+1
     std::vector<std::int32_t> indices;  // seeds

@@ -35,7 +35,8 @@ public:
     static Polytope cube(const mpq_class& half) {
         Polytope p;
         for (int i = 0; i < 8; ++i)
-            p.vertices_.push_back({(i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half, (i & 4) != 0 ? half : -half});
+            p.vertices_.push_back(
+                {(i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half, (i & 4) != 0 ? half : -half});
         p.faces_ = {{-1, {0, 4, 6, 2}}, {-1, {1, 3, 7, 5}}, {-1, {0, 1, 5, 4}},
                     {-1, {2, 6, 7, 3}}, {-1, {0, 2, 3, 1}}, {-1, {4, 5, 7, 6}}};
         p.round();
@@ -273,8 +274,7 @@ Shares exact_shares(std::span<const double> points, std::span<const double> weig
         for (int c = 0; c < 3; ++c) a[c] = near[s][c] + shifts[image.shift][c];
         image.bisector = {a, (dot(a, a) + more(s)) / 2};
     }
-    for (std::size_t i = 0; i < images.size() && !cell.empty(); ++i)
-        cell.clip(images[i].bisector, static_cast<int>(i));
+    for (std::size_t i = 0; i < images.size() && !cell.empty(); ++i) cell.clip(images[i].bisector, static_cast<int>(i));
 
     drop_far(images, radius_of(cell));
     Shares shares;

@@ -1,5 +1,7 @@
 // Natural-neighbor coordinates against rational arithmetic, where topology is hard: ties, walls, buried seeds, close
 // pairs.
+#include "oracle/shares.hpp"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -10,7 +12,6 @@
 #include <votess/diagram.hpp>
 
 #include "cases/query/query_cases.hpp"
-#include "oracle/shares.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
@@ -131,13 +132,16 @@ std::string check_sibson(const Row& row, const test::Shares& exact) {
     const double size = std::cbrt(exact.volume.get_d());
     for (std::size_t e = 0; e < row.gradients.size() / 3; ++e) {
         const test::Shares::Share& share = exact.of.at(row.seeds[e]);
+        std::array<double, 3> slope;
+        double steepest = 1 / size;
         for (std::size_t k = 0; k < 3; ++k) {
-            const mpq_class slope = (share.gradient[k] - share.volume / exact.volume * sum[k]) / exact.volume;
-            const double expected_slope = slope.get_d();
-            if (!(std::abs(row.gradients[3 * e + k] - expected_slope) * size <=
-                  1e-7 * (1 + std::abs(expected_slope) * size)))
-                return "the gradient of seed " + std::to_string(row.seeds[e]) + " is wrong";
+            slope[k] = mpq_class((share.gradient[k] - share.volume / exact.volume * sum[k]) / exact.volume).get_d();
+            steepest = std::max(steepest, std::abs(slope[k]));
         }
+        for (std::size_t k = 0; k < 3; ++k)
+            if (!(std::abs(row.gradients[3 * e + k] - slope[k]) <= 1e-6 * steepest))
+                return "the gradient of seed " + std::to_string(row.seeds[e]) + " is wrong by " +
+                       std::to_string(std::abs(row.gradients[3 * e + k] - slope[k]) / steepest);
     }
     return "";
 }
@@ -154,9 +158,9 @@ std::string check_laplace(const Row& row, const test::Shares& exact) {
 }  // namespace
 
 TEST_SUITE("shares") {
-    TEST_CASE("shares: a thousand queries against rational arithmetic") {
+    TEST_CASE("shares: queries against rational arithmetic") {
         Random random(20);
-        const std::size_t wanted = test::by_size(1000, 60);
+        const std::size_t wanted = test::by_size(200, 30);
         std::size_t checked = 0, buried = 0, at_walls = 0, periodic = 0;
         for (int number = 0; checked < wanted; ++number) {
             CAPTURE(number);
@@ -236,7 +240,7 @@ TEST_SUITE("shares") {
             votess::Options options = c.options;
             options.weights = c.weights;
             const votess::Diagram diagram(c.points, options);
-            const std::size_t count = test::by_size(64, 32);
+            const std::size_t count = 32;
             Coordinates queries;
             for (std::size_t i = 0; i < 3 * count; ++i) queries.push_back(random.uniform());
             std::vector<double> weights;
