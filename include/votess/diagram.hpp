@@ -24,9 +24,9 @@ struct ProbeOptions {
     std::span<const double> weights, radii;  // Q, of the probes in a power diagram, as in Options; empty: weight 0
 };
 
-// Sibson's: the share of a query's cell that each neighbor had before. Laplace's: the area of the face with a neighbor
-// over its distance, over the sum of these. Both reproduce linear fields away from the walls; Sibson's are smooth but
-// at the seeds.
+// Sibson's: the share of a query's cell that each seed had before; in a power diagram the query may bury seeds, whose
+// whole cell it takes. Laplace's: the area of the face with a neighbor over its distance, over the sum of these. Both
+// reproduce linear fields away from the walls; Sibson's are smooth but at the seeds.
 enum class NaturalMethod : std::int32_t { sibson = 0, laplace = 1 };
 
 struct NaturalOptions {
@@ -37,9 +37,10 @@ struct NaturalOptions {
     bool gradients = false;           // Sibson's only
     std::span<const double> weights;  // Q, of the queries in a power diagram; empty: 0
 };
-// Row q, from indptr[q] on: the natural neighbors of query q, ascending, and their weights, which are positive and sum
-// to 1 within 1e-13. A query on a seed has that one alone. Rows are empty outside of the domain, where there are no
-// seeds, where a cell has a wall unless at_walls, and where seeds of a power diagram leave a query no cell.
+// Row q, from indptr[q] on: the natural neighbors of query q, ascending, and their weights. All seeds with a share are
+// there. Weights are positive, within 1e-12 of the true ones, and sum to 1 within 1e-13. Gradients have fewer digits. A
+// query on a seed has that one alone. Rows are empty outside of the domain, where there are no seeds, where a cell has
+// a wall unless at_walls, and where seeds of a power diagram leave a query no cell.
 struct NaturalCoordinates {
     std::vector<std::int64_t> indptr;   // Q+1
     std::vector<std::int32_t> indices;  // seeds

@@ -107,6 +107,7 @@ public:
 
     [[nodiscard]] bool empty() const { return faces_.empty(); }
     [[nodiscard]] const std::vector<Face>& faces() const { return faces_; }
+    [[nodiscard]] const std::vector<std::array<double, 3>>& rounded() const { return rounded_; }
     [[nodiscard]] const Exact& vertex(int v) const { return vertices_[v]; }
     [[nodiscard]] mpq_class volume() const {
         mpq_class sum = 0;
@@ -185,6 +186,30 @@ void for_shifts(const Vectors& v, Visit visit) {
             }
 }
 
+// An image of a seed: a, relative to the query, and its distance h from the bisector, times |a|. First rounded, then
+// exact where it matters.
+struct Image {
+    std::int32_t seed;
+    std::size_t shift;
+    double h, length;
+    bool kept = true;
+    HalfSpace bisector{};
+};
+
+double radius_of(const Polytope& cell) {
+    double radius = 0;
+    for (const auto& x : cell.rounded()) radius = std::max(radius, std::hypot(x[0], x[1], x[2]));
+    return radius;
+}
+
+// Marks images that are farther than another from all of a polytope, with much room for rounding.
+void drop_far(std::vector<Image>& images, double radius) {
+    double nearest = HUGE_VAL;
+    for (const Image& image : images) nearest = std::min(nearest, image.h + radius * image.length);
+    const double room = 1e-6 * (std::abs(nearest) + radius * radius);
+    for (Image& image : images) image.kept = image.h - radius * image.length <= nearest + room;
+}
+
 }  // namespace
 
 Shares exact_shares(std::span<const double> points, std::span<const double> weights, const votess::Options& options,
@@ -210,17 +235,19 @@ Shares exact_shares(std::span<const double> points, std::span<const double> weig
         const Exact n = exact(w.normal.data());
         cell.clip({n, mpq_class(w.offset) - dot(n, q)}, wall);
     }
+    std::vector<Exact> shifts;
     for_shifts(v, [&](const Exact& t, bool zero) {
+        shifts.push_back(t);
         if (!zero) cell.clip({t, dot(t, t) / 2}, own);
     });
 
-    // Images near the query: |x - a|^2 - w_a <= |x|^2 - w  where  a.x >= (a.a + w - w_a) / 2 = h.
-    struct Image {
-        std::int32_t seed;
-        HalfSpace bisector;
-        double distance;
+    // Images near the query: |x - a|^2 - w_a <= |x|^2 - w  where  a.x >= (a.a + w - w_a) / 2 = h. Of such powers, those
+    // less |x|^2 - w are twice h - a.x.
+    const auto more = [&](std::size_t seed) {
+        return weights.empty() ? mpq_class(0) : mpq_class(mpq_class(weight) - mpq_class(weights[seed]));
     };
     std::vector<Image> images;
+    std::vector<Exact> near;  // the seeds, each by its image about nearest to the query
     for (std::size_t s = 0; s < points.size() / 3; ++s) {
         Exact at = minus(exact(&points[3 * s]), q);
         for (int j = 0; j < 3; ++j) {
@@ -230,17 +257,26 @@ Shares exact_shares(std::span<const double> points, std::span<const double> weig
             const int whole = static_cast<int>(std::lround(f.get_d()));
             for (int c = 0; c < 3; ++c) at[c] -= whole * v.edge[j][c];
         }
-        const mpq_class more = weights.empty() ? mpq_class(0) : mpq_class(mpq_class(weight) - mpq_class(weights[s]));
-        for_shifts(v, [&](const Exact& t, bool) {
-            Exact a;
-            for (int c = 0; c < 3; ++c) a[c] = at[c] + t[c];
-            images.push_back({static_cast<std::int32_t>(s), {a, (dot(a, a) + more) / 2}, 0});
-            images.back().distance = images.back().bisector.h.get_d();
-        });
+        near.push_back(at);
+        const double w = more(s).get_d();
+        for (std::size_t t = 0; t < shifts.size(); ++t) {
+            double square = 0;
+            for (int c = 0; c < 3; ++c) square += std::pow(at[c].get_d() + shifts[t][c].get_d(), 2);
+            images.push_back({static_cast<std::int32_t>(s), t, 0.5 * (square + w), std::sqrt(square)});
+        }
     }
-    std::ranges::stable_sort(images, {}, &Image::distance);
+    drop_far(images, radius_of(cell));
+    std::erase_if(images, [](const Image& image) { return !image.kept; });
+    std::ranges::stable_sort(images, {}, &Image::h);
+    for (Image& image : images) {
+        const auto s = static_cast<std::size_t>(image.seed);
+        Exact a;
+        for (int c = 0; c < 3; ++c) a[c] = near[s][c] + shifts[image.shift][c];
+        image.bisector = {a, (dot(a, a) + more(s)) / 2};
+    }
     for (std::size_t i = 0; i < images.size() && !cell.empty(); ++i) cell.clip(images[i].bisector, static_cast<int>(i));
 
+    drop_far(images, radius_of(cell));
     Shares shares;
     shares.volume = cell.empty() ? mpq_class(0) : cell.volume();
     if (cell.empty()) return shares;
@@ -263,11 +299,12 @@ Shares exact_shares(std::span<const double> points, std::span<const double> weig
         share.area += times.get_d();
     }
     for (std::size_t i = 0; i < images.size(); ++i) {
+        if (!images[i].kept) continue;
         Polytope part = cell;
         const HalfSpace& a = images[i].bisector;
         for (std::size_t j = 0; j < images.size() && !part.empty(); ++j) {
             const HalfSpace& b = images[j].bisector;
-            if (j != i) part.clip({minus(b.n, a.n), b.h - a.h}, 0);
+            if (j != i && images[j].kept) part.clip({minus(b.n, a.n), b.h - a.h}, 0);
         }
         if (!part.empty()) shares.of[images[i].seed].volume += part.volume();
     }

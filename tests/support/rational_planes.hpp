@@ -22,6 +22,10 @@ inline RationalPlane rational(const Point& p, const Plane& plane) {
             r.n[k] = mpq_class(plane.seed[k]) - mpq_class(p[k]);
             r.h += r.n[k] * r.n[k] / 2;
         }
+        if (plane.is_reversed()) {
+            for (mpq_class& x : r.n) x = -x;
+            r.h = -r.h;
+        }
     } else {
         const int sign = plane.kind == Plane::Kind::lower_wall ? -1 : 1;
         r.n[plane.axis] = sign;
@@ -50,7 +54,9 @@ inline Plane random_plane(Random& random, const auto& coordinate) {
     const auto kind = random.below(8);
     if (kind == 0) return Plane::lower(static_cast<int>(random.below(3)), coordinate());
     if (kind == 1) return Plane::upper(static_cast<int>(random.below(3)), coordinate());
-    return Plane::bisector({coordinate(), coordinate(), coordinate()});
+    Plane bisector = Plane::bisector({coordinate(), coordinate(), coordinate()});
+    if (kind == 2) bisector.reverse();
+    return bisector;
 }
 
 // Which side of `plane` x lies on: +1 outside.

@@ -163,8 +163,8 @@ class Diagram:
     ) -> NaturalCoordinates:
         """Natural-neighbor coordinates of each query.
 
-        Sibson's (1980) are the shares of the cell that the query would have which each neighbor had before; Laplace's
-        (Belikov et al. 1997) the area of the face with a neighbor over its distance, over the sum of these. Both sum to
+        Sibson's (1980) are the shares of the cell that the query would have which each seed had before, also seeds that
+        a heavy query buries; Laplace's (Belikov et al. 1997) the area of the face with a neighbor over its distance, over the sum of these. Both sum to
         1 and reproduce linear fields away from walls. Sibson's are smooth but at the seeds; a query on a seed has that one
         alone. Rows are empty outside of the domain and where heavier seeds leave a query no cell.
 

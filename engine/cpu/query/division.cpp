@@ -120,7 +120,7 @@ bool Division::finish() {
     if (moments_ && !(shortest_squared >= least_near * least_near * longest_squared)) return false;
     const double longest = std::sqrt(longest_squared), farthest = std::sqrt(farthest_squared_);
     const double error = rounding * (longest + 2 * farthest) * farthest_squared_;
-    return error <= accepted_error * total && least > error && highest <= 4 * longest * farthest &&
+    return total > 0 && error <= accepted_error * total && least > error && highest <= 4 * longest * farthest &&
            least_apart_squared_ >= least_apart * least_apart * longest_squared;
 }
 

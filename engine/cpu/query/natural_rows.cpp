@@ -195,20 +195,26 @@ bool NaturalRows::give_areas(std::size_t k) {
 
 void NaturalRows::give_areas(std::size_t k, const Cell& cell) {
     constexpr double accepted_error = 0x1p-37;  // of the sum of all; bounds are some hundred times too large
-    for (const Precision precision : {Precision::cell, Precision::quad, Precision::wide}) {
-        entries_.clear();
-        double total = 0, error = 0;
-        bool positive = true;
-        for (std::size_t f = 0; f < faces_.size(); ++f) {
-            const CellPlane& plane = cell.planes()[static_cast<std::size_t>(faces_.planes[f])];
-            if (plane.id < 0) continue;
-            const Measured area = measure_face(cell, faces_, f, precision).area;
-            add_entry(plane.id, area.value / plane.norm, {}, 1);
-            total += area.value / plane.norm;
-            error += area.error / plane.norm;
-            positive = positive && area.value > 2 * area.error;
+    areas_.clear();
+    double total = 0;
+    const auto plane = [&](std::size_t f) -> const CellPlane& {
+        return cell.planes()[static_cast<std::size_t>(faces_.planes[f])];
+    };
+    const auto measure = [&](std::size_t f, Precision precision) {
+        const auto [value, error] = measure_face(cell, faces_, f, precision).area;
+        return Measured{value / plane(f).norm, error / plane(f).norm};
+    };
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        areas_.push_back(measure(f, Precision::cell));
+        if (plane(f).id >= 0) total += areas_.back().value;
+    }
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        if (plane(f).id < 0) continue;
+        for (const Precision precision : {Precision::quad, Precision::wide}) {
+            if (areas_[f].error <= accepted_error * total && areas_[f].value > 2 * areas_[f].error) break;
+            areas_[f] = measure(f, precision);
         }
-        if (positive && error <= accepted_error * total) break;
+        add_entry(plane(f).id, areas_[f].value, {}, 1);
     }
     finish(k);
 }

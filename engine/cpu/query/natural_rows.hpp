@@ -82,6 +82,7 @@ private:
     NearerSeeds nearer_;
     std::vector<Member> neighbors_;
     CellFaces faces_;
+    std::vector<Measured> areas_;  // by face
     std::vector<std::uint32_t> ranks_;
     std::vector<std::array<double, 3>> normals_;
     std::vector<Entry> entries_;

@@ -44,11 +44,15 @@ double NearerSeeds::reach(double weight) const {
 
 bool NearerSeeds::may_be_nearer(std::size_t place, double weight) const {
     const Vector3 seed{seeds_.x[place] - at_[0], seeds_.y[place] - at_[1], seeds_.z[place] - at_[2]};
+    const double limit = reach(weight);
+    if (dot(seed, seed) > limit * limit) return false;
+    // An error e of the vertex changes |x|^2 by less than 2 e |x| + e^2, and 2 |x| is less than |x|^2 / f + f.
+    const double per_farthest = 1 / farthest_, of_weight = slack * std::abs(weight);
     return std::ranges::any_of(vertices_, [&](const Vertex& vertex) {
         const Vector3 from = minus(seed, vertex.x);
         const double square = dot(from, from);
-        const double error = slack * (square + std::abs(weight) + std::abs(vertex.power)) +
-                             2 * vertex.error * (std::sqrt(square) + vertex.error);
+        const double error = of_weight + slack * (square + std::abs(vertex.power)) +
+                             2 * vertex.error * (square * per_farthest + farthest_ + vertex.error);
         return square - weight <= vertex.power + error;
     });
 }

@@ -150,7 +150,9 @@ TEST_SUITE("natural") {
                         CHECK(std::isnan(values.values[q]));
                         continue;
                     }
-                    CHECK(std::ranges::equal(row(inside), weights));
+                    // Gradients may ask for more digits.
+                    CHECK(std::ranges::equal(row(inside), weights,
+                                             [](double a, double b) { return std::abs(a - b) < 1e-13; }));
                     ++inner;
                     if (repeats) continue;  // images have other coordinates
                     const double* x = &queries[3 * q];
