@@ -4,9 +4,10 @@ namespace votess::cpu {
 
 // Nothing is left for the stage fallback: exact arithmetic decides every sign on the spot.
 void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
-    Progress progress(job.options.progress);
-    progress.report(0);
     clipper_.begin(job);
+    Progress& progress = clipper_.progress();
+    const Stoppable stoppable(progress);
+    progress.report(0);
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are pulled while clipping
@@ -20,8 +21,8 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clipper_.rest();
     result_.finish(result, clipper_.pool());
     result.stats.device = "cpu";
-    clipper_.end();
     progress.report(1);
+    clipper_.end();
 }
 
 }  // namespace votess::cpu

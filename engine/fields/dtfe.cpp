@@ -2,6 +2,7 @@
 // part is that of its values at the corners, each times the integral of a barycentric coordinate.
 #include <cmath>
 
+#include "core/progress.hpp"
 #include "fields/methods.hpp"
 #include "fields/overlay.hpp"
 #include "mesh/dual.hpp"
@@ -188,12 +189,14 @@ private:
 // those around the seed.
 std::vector<double> integrals(const Triangulation& triangulation, std::size_t seeds) {
     std::vector<double> integrals(seeds, 0);
-    for (std::size_t number = 0; number < triangulation.size(); ++number) {
-        const Tetrahedron t = triangulation[number];
-        for (const auto& [begin, count] : t.corners)
-            for (std::size_t i = begin; i < begin + count; ++i)
-                integrals[triangulation.seed(i)] += t.volume() / 4 / static_cast<double>(count);
-    }
+    in_pieces(triangulation.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t number = first; number < last; ++number) {
+            const Tetrahedron t = triangulation[number];
+            for (const auto& [begin, count] : t.corners)
+                for (std::size_t i = begin; i < begin + count; ++i)
+                    integrals[triangulation.seed(i)] += t.volume() / 4 / static_cast<double>(count);
+        }
+    });
     return integrals;
 }
 
@@ -214,7 +217,9 @@ std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool) {
     }
     overlay(task.frame, pool, triangulation.size(),
             [&] { return std::make_unique<Tetrahedra>(triangulation, densities, task.grid); });
-    for (double& x : task.grid) x /= task.frame.cell_volume();
+    in_pieces(task.grid.size(), [&](std::size_t begin, std::size_t end) {
+        for (double& x : task.grid.subspan(begin, end - begin)) x /= task.frame.cell_volume();
+    });
     return without;
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/progress.hpp"
 #include "core/vector3.hpp"
 
 namespace votess::cpu {
@@ -285,6 +286,7 @@ Sibson::Limit Sibson::limit(const ProbeShape& shape, std::size_t a, std::size_t 
 }
 
 void Sibson::cut_by(const ProbeShape& shape, std::size_t a, std::size_t b) {
+    check_stop();
     cut_done_[b] = true;
     const auto [n, h] = limit(shape, a, b);
     part_.cut(n, h);
