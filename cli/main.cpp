@@ -28,6 +28,7 @@
 #include "queries/probe.hpp"
 #include "queries/to_grid.hpp"
 #include "read/input.hpp"
+#include "stoppable.hpp"
 #include "stream/stream.hpp"
 #include "summary.hpp"
 #include "write/output.hpp"
@@ -67,20 +68,11 @@ void print_devices() {
 }
 
 votess::Tessellation tessellate(const Input& input, votess::Options options, bool quiet, Clock::time_point run_began) {
-    const InterruptGuard guard;
     Progress progress(!quiet, run_began);
-    options.progress = [&progress](double fraction) {
-        progress.show(fraction);
-        return interrupting_signal() == 0;
-    };
-    try {
-        votess::Tessellation tessellation = votess::tessellate(std::span<const double>(input.points), options);
-        throw_if_interrupted();
-        return tessellation;
-    } catch (const votess::Error& error) {
-        if (error.code() == votess::ErrorCode::cancelled) throw_if_interrupted();
-        throw;
-    }
+    return run_stoppable(progress, [&](const votess::ProgressCallback& callback) {
+        options.progress = callback;
+        return votess::tessellate(std::span<const double>(input.points), options);
+    });
 }
 
 void tell(const Summary& summary, const Arguments& arguments) {

@@ -1,9 +1,12 @@
 #include "engines.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "core/home_process.hpp"
+#include "core/progress.hpp"
 #include "cpu/clip/cell_kernels.hpp"
 #include "cpu/cpu_engine.hpp"
 #include "input/options.hpp"
@@ -110,9 +113,12 @@ detail::Result run_job(Engine& engine, const Job& job, StageClock& clock) {
 
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
     StageClock clock;
+    Progress progress(options.progress);
+    std::optional<Stoppable> stoppable(std::in_place, progress);
     check_options(options);
     check_shape(points);
     Job job = validate(engines.take(points, options.threads), options);
+    stoppable.reset();  // an engine has its own
     job.arrays = &arrays;
     job.snapshot = &engines.snapshot();
     bool on_cpu = false;

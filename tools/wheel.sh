@@ -35,6 +35,40 @@ fail() {
 "$work/tools/bin/auditwheel" show "$wheel" >"$work/shown"
 ! grep -Ei 'vulkan|hdf5' "$work/shown" || fail "it needs the libraries above"
 
+echo "wheel: licenses and metadata"
+"$work/tools/bin/python" - "$wheel" <<'END'
+import email
+import re
+import sys
+import zipfile
+
+# Whose code a library holds; a copy of any other library needs its license first.
+holds = {"libpng16": ["libpng"], "libtinygltf": ["tinygltf", "json"], "libstb": ["stb"], "libz": ["zlib"]}
+wheel = zipfile.ZipFile(sys.argv[1])
+names = wheel.namelist()
+info = next(name for name in names if name.endswith(".dist-info/METADATA"))[: -len("METADATA")]
+needed = ["volk", "GLM", "Vulkan-Headers", "CLI11"]  # compiled in
+for name in names:
+    copied = re.match(r"[^/]*\.libs/(lib[A-Za-z0-9]+)", name)
+    if copied:
+        if copied[1] not in holds:
+            sys.exit(f"wheel: {name} has no license here: add it to NOTICE and third_party/licenses")
+        needed += holds[copied[1]]
+notice = wheel.read(info + "licenses/NOTICE").decode()
+for name in needed:
+    if info + f"licenses/third_party/licenses/{name}.txt" not in names:
+        sys.exit(f"wheel: the license of {name} is missing")
+    if f"third_party/licenses/{name}.txt" not in notice:
+        sys.exit(f"wheel: NOTICE does not name {name}")
+if info + "licenses/LICENSE" not in names:
+    sys.exit("wheel: its own license is missing")
+metadata = email.message_from_bytes(wheel.read(info + "METADATA"))
+for field in ("Author", "Project-URL", "License-Expression"):
+    if not metadata[field]:
+        sys.exit(f"wheel: the metadata has no {field}")
+print(f"wheel: licenses of {len(set(needed))} others, by {metadata['Author']}")
+END
+
 echo "wheel: trying it in a fresh environment"
 python3 -m venv "$work/fresh"
 quietly "$work/fresh/bin/pip" install --quiet "$wheel"

@@ -19,7 +19,8 @@ constexpr std::string_view ending =
     R"(units: lengths are those of the input, areas their square, volumes their cube; times in the
        summary are seconds.
 
-exit codes: 0 done, 1 run-time failure (device lost, disk full, out of memory),
+exit codes: 0 done, 1 run-time failure (device lost, disk full, out of memory,
+            fewer threads than -t requests),
             2 bad usage or input, or a device that is not there,
             3 verification failed, 130 stopped by Ctrl-C
 

@@ -44,8 +44,10 @@ Asked read_and_sort(const Arguments& arguments, const std::string& queries, cons
     }
     asked.domain_from = choose_domain(asked.seeds.domain, arguments.periodic, options);
     times.end("read");
-    asked.diagram = votess::Diagram(asked.seeds.points, options);
-    times.end("sort");
+    asked.diagram = run_query(arguments, times, "sort", [&](const votess::ProgressCallback& callback) {
+        options.progress = callback;
+        return votess::Diagram(asked.seeds.points, options);
+    });
     return asked;
 }
 

@@ -2,7 +2,6 @@
 // at its end.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -14,7 +13,9 @@
 #include "arguments/arguments.hpp"
 #include "domain.hpp"
 #include "files/atomic_file.hpp"
+#include "progress.hpp"
 #include "read/input.hpp"
+#include "stoppable.hpp"
 
 namespace clvotess {
 
@@ -24,9 +25,10 @@ public:
     // Ends the stage of that name, which began where the one before has ended.
     void end(const char* stage);
     [[nodiscard]] std::string json() const;  // an object: the total, then the stages
+    [[nodiscard]] Progress::Clock::time_point began() const { return began_; }
 
 private:
-    using Clock = std::chrono::steady_clock;
+    using Clock = Progress::Clock;
     Clock::time_point began_ = Clock::now(), last_ = began_;
     std::vector<std::pair<const char*, double>> stages_;
 };
@@ -40,6 +42,15 @@ struct Asked {
 // Ends the stages read and sort. queries: their file, or none; of_queries: what to take out of it.
 [[nodiscard]] Asked read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
                                   StageTimes& times);
+
+// Returns query(callback), which shows a bar and which Ctrl-C stops. Ends the stage of that name.
+template <class Query>
+[[nodiscard]] auto run_query(const Arguments& arguments, StageTimes& times, const char* stage, const Query& query) {
+    Progress progress(!arguments.quiet, times.began());
+    auto result = run_stoppable(progress, query);
+    times.end(stage);
+    return result;
+}
 
 // Columns of the seeds side by side, a row for each.
 struct Values {

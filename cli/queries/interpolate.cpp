@@ -48,8 +48,10 @@ std::string run_interpolate(const Arguments& arguments) {
     options.method = arguments.natural;
     options.weights = weights;
     const std::vector<double> field =
-        asked.diagram.interpolate(values.rows, values.components, asked.queries.points, options).values;
-    times.end("interpolate");
+        run_query(arguments, times, "interpolate", [&](const votess::ProgressCallback& callback) {
+            options.progress = callback;
+            return asked.diagram.interpolate(values.rows, values.components, asked.queries.points, options).values;
+        });
 
     write_numbers(arguments.outputs, [&](OutputFile& file, const std::string& path) {
         write_field(file, path, field, values.components);

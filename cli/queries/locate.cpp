@@ -32,8 +32,9 @@ void check_located_outputs(const Arguments& arguments) {
 std::string run_locate(const Arguments& arguments) {
     StageTimes times;
     const Asked asked = read_and_sort(arguments, arguments.locate, {}, times);
-    const std::vector<std::int32_t> seeds = asked.diagram.locate(asked.queries.points);
-    times.end("locate");
+    const std::vector<std::int32_t> seeds = run_query(
+        arguments, times, "locate",
+        [&](const votess::ProgressCallback& callback) { return asked.diagram.locate(asked.queries.points, callback); });
 
     write_numbers(arguments.outputs,
                   [&](OutputFile& file, const std::string& path) { write_located(file, path, seeds); });

@@ -26,8 +26,11 @@ std::string run_probe(const Arguments& arguments) {
     options.list_walls = arguments.options.list_walls;
     const std::vector<double> sizes = sizes_of_queries(arguments, asked);
     (arguments.has_radii ? options.radii : options.weights) = sizes;
-    const votess::Tessellation cells = asked.diagram.probe(asked.queries.points, options);
-    times.end("probe");
+    const votess::Tessellation cells =
+        run_query(arguments, times, "probe", [&](const votess::ProgressCallback& callback) {
+            options.progress = callback;
+            return asked.diagram.probe(asked.queries.points, options);
+        });
 
     const InterruptGuard guard;
     asked.queries.units = std::move(asked.seeds.units);

@@ -110,8 +110,11 @@ std::string run_to_grid(const Arguments& arguments) {
         size *= along;
     }
     std::vector<double> numbers(size);
-    const std::size_t without = asked.diagram.to_grid(values.rows, options, numbers);
-    times.end("grid");
+    const std::size_t without = run_query(arguments, times, "grid", [&](const votess::ProgressCallback& callback) {
+        options.progress = callback;
+        return asked.diagram.to_grid(values.rows, options, numbers);
+    });
+    options.progress = nullptr;
 
     const GridOutput grid{numbers,          options, methods.at(static_cast<std::size_t>(options.method)),
                           std::move(names), domain,  asked.domain_from};

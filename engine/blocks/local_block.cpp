@@ -40,7 +40,7 @@ void Run::prepare(const Options& options) {
     job.row_order = row_order;
     clipper.begin(job);
     Progress progress(options.progress);
-    const Attended attended(clipper.pool(), progress, 0);
+    const Stoppable stoppable(progress);
     clipper.sort();
     clipper.build_search();
 }
@@ -57,7 +57,8 @@ void Run::clip(const Options& options, std::size_t first) {
     builder.begin(of_first, pool);
     powers.assign(first, cpu::Star::least_power);
     clipper.clip_first(first, powers, builder, clipping);
-    const Attended attended(pool, progress, clipping.end);
+    Progress::require(progress.going_on(clipping.end));
+    const Stoppable stoppable(progress);
     clipper.set_empty(builder);
     const auto duplicate_of = clipper.duplicate_of();
     builder.set_duplicates(duplicate_of.first(std::min(first, duplicate_of.size())), pool);

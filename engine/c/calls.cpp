@@ -167,17 +167,16 @@ votess_status votess_count_tiny_faces(const votess_result* result, const double*
 votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count, double* places) {
     return guarded([&] {
         require(result, "result");
-        if (count > 0) require(places, "places");
-        std::ranges::copy(votess::wrapped_points(result->tessellation, coordinates(points, count)), places);
+        const auto input = coordinates(points, count);
+        require_array(places, count, "places", "count");
+        std::ranges::copy(votess::wrapped_points(result->tessellation, input), places);
     });
 }
 
 votess_status votess_value_colors(const double* values, size_t count, int32_t colormap, uint8_t* rgb) {
     return guarded([&] {
-        if (count > 0) {
-            require(values, "values");
-            require(rgb, "rgb");
-        }
+        require_array(values, count, "values", "count");
+        require_array(rgb, count, "rgb", "count");
         if (colormap < 0 || colormap > 2) {
             throw votess::Error(votess::ErrorCode::invalid_argument,
                                 "colormap = " + std::to_string(colormap) + ": it is 0 tide, 1 ember or 2 gray");

@@ -32,7 +32,16 @@ votess_status votess_diagram_new(const double* points, size_t count, const votes
         require(out, "out");
         *out = nullptr;
         const auto input = coordinates(points, count);
-        *out = new votess_diagram{votess::Diagram(input, convert_options(options, count))};
+        *out = new votess_diagram{votess::Diagram(input, convert_options(options, count)), {}};
+    });
+}
+
+votess_status votess_diagram_view(const votess_diagram* diagram, const votess_options* options, votess_diagram** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(diagram, "diagram");
+        *out = new votess_diagram{diagram->diagram, convert_options(options, 0).progress};
     });
 }
 
@@ -49,8 +58,9 @@ votess_status votess_diagram_locate(const votess_diagram* diagram, const double*
                                     int32_t* seeds) {
     return guarded([&] {
         require(diagram, "diagram");
-        if (count > 0) require(seeds, "seeds");
-        std::ranges::copy(diagram->diagram.locate(coordinates(queries, count, "queries")), seeds);
+        const auto input = coordinates(queries, count, "queries");
+        require_array(seeds, count, "seeds", "count");
+        std::ranges::copy(diagram->diagram.locate(input, diagram->progress), seeds);
     });
 }
 
@@ -64,6 +74,7 @@ votess_status votess_diagram_probe(const votess_diagram* diagram, const double* 
         votess::ProbeOptions options;
         options.want = convert_want(want, "want");
         options.list_walls = list_walls != 0;
+        options.progress = diagram->progress;
         if (weights != nullptr) options.weights = {weights, count};
         *out = new votess_result{diagram->diagram.probe(input, options)};
     });
@@ -80,6 +91,7 @@ votess_status votess_diagram_to_grid(const votess_diagram* diagram, const double
         if (seeds > 0) require(values, "values");
         votess::GridOptions options{{shape[0], shape[1], shape[2]}, static_cast<votess::GridMethod>(method), columns};
         if (project != -1) options.project = project;
+        options.progress = diagram->progress;
         const std::size_t without =
             diagram->diagram.to_grid({values, seeds * columns}, options, {grid, size_of(options)});
         if (without_place != nullptr) *without_place = without;

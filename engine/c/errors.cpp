@@ -16,6 +16,10 @@ static_assert(same(VOTESS_ERROR_INTERNAL, ErrorCode::internal));
 static_assert(same(VOTESS_ERROR_DEVICE_LOST, ErrorCode::device_lost));
 static_assert(same(VOTESS_ERROR_INVALID_USE, ErrorCode::invalid_use));
 static_assert(same(VOTESS_ERROR_STORAGE, ErrorCode::storage));
+static_assert(same(VOTESS_ERROR_NO_THREADS, ErrorCode::no_threads));
+
+constexpr std::uint64_t most_elements = 2147483647;
+constexpr std::uint64_t addressable = std::numeric_limits<std::uint64_t>::max() / (3 * sizeof(double));
 
 // The last failure of each thread: thread-local, so that no thread sees or changes another's, and of fixed size, so
 // that telling of exhausted memory takes none.
@@ -48,6 +52,15 @@ void refuse(const std::string& message) {
 
 void require(const void* pointer, const char* name) {
     if (pointer == nullptr) refuse(std::string(name) + " is NULL");
+}
+
+void require_array(const void* array, std::uint64_t count, const char* name, const char* count_name) {
+    if (count > most_elements)
+        throw Error(count > addressable ? ErrorCode::invalid_argument : ErrorCode::unsupported,
+                    std::string(count_name) + " is " + std::to_string(count) + ", too many at once: " + name +
+                        " may have at most " + std::to_string(most_elements));
+    if (array == nullptr && count != 0)
+        refuse(std::string(name) + " is NULL but " + count_name + " is " + std::to_string(count));
 }
 
 void require_text_buffer(const char* buffer, std::size_t size, const char* name) {

@@ -28,6 +28,7 @@ struct votess_delaunay {
 
 struct votess_diagram {
     votess::Diagram diagram;
+    votess::ProgressCallback progress;  // of its queries
 };
 
 struct votess_natural {
@@ -82,13 +83,27 @@ VOTESS_API void require_struct_size(std::size_t size, std::size_t smallest, cons
 void check_stats(const votess_stats& out);
 void write_stats(const Stats& stats, votess_stats& out);
 
+// Refuses an array that is NULL but has elements, and more elements than any function takes at once.
+VOTESS_API void require_array(const void* array, std::uint64_t count, const char* name, const char* count_name);
+
 template <typename Coordinate>
-std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points") {
-    if (points == nullptr && count != 0) refuse(std::string(name) + " is NULL but count is " + std::to_string(count));
-    if (count > std::numeric_limits<std::size_t>::max() / (3 * sizeof(Coordinate))) {
-        refuse("count is " + std::to_string(count) + ": so many points do not fit into memory");
-    }
+std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points",
+                                        const char* count_name = "count") {
+    require_array(points, count, name, count_name);
     return {points, 3 * count};
+}
+
+// Calls a function of the caller. What it throws ends the call, in the name of the callback.
+template <typename Function>
+auto call_back(const char* name, const Function& function) {
+    const std::string threw = std::string("the callback ") + name + " threw ";
+    try {
+        return function();
+    } catch (const std::exception& error) {
+        throw Error(ErrorCode::cancelled, threw + "an exception: " + error.what());
+    } catch (...) {
+        throw Error(ErrorCode::cancelled, threw + "what is no std::exception");
+    }
 }
 
 template <typename Function>

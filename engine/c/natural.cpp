@@ -10,14 +10,15 @@ namespace {
 static_assert(same(VOTESS_NATURAL_SIBSON, votess::NaturalMethod::sibson));
 static_assert(same(VOTESS_NATURAL_LAPLACE, votess::NaturalMethod::laplace));
 
-votess::NaturalOptions natural_options(int32_t method, int32_t at_walls, bool gradients, const double* weights,
-                                       std::size_t count) {
+votess::NaturalOptions natural_options(const votess_diagram& diagram, int32_t method, int32_t at_walls, bool gradients,
+                                       const double* weights, std::size_t count) {
     if (method != VOTESS_NATURAL_SIBSON && method != VOTESS_NATURAL_LAPLACE)
         refuse("method is " + std::to_string(method) + ": use one of VOTESS_NATURAL_*");
     votess::NaturalOptions options;
     options.method = static_cast<votess::NaturalMethod>(method);
     options.at_walls = at_walls != 0;
     options.gradients = gradients;
+    options.progress = diagram.progress;
     if (weights != nullptr) options.weights = {weights, count};
     return options;
 }
@@ -41,7 +42,7 @@ votess_status votess_natural_new(const votess_diagram* diagram, const double* qu
         require(diagram, "diagram");
         const auto input = coordinates(queries, count, "queries");
         *out = new votess_natural{diagram->diagram.natural_neighbors(
-            input, natural_options(method, at_walls, gradients != 0, weights, count))};
+            input, natural_options(*diagram, method, at_walls, gradients != 0, weights, count))};
     });
 }
 
@@ -72,14 +73,14 @@ votess_status votess_diagram_interpolate(const votess_diagram* diagram, const do
         require(diagram, "diagram");
         const std::size_t seeds = diagram->diagram.size();
         if (seeds > 0) require(values, "values");
-        if (components == 0 ||
-            components > std::numeric_limits<std::size_t>::max() / (8 * std::max<std::size_t>(seeds, 1)))
-            refuse("components is " + std::to_string(components) + ": values have at least 1, and fit into memory");
-        if (count > 0) require(interpolated, "interpolated");
         const auto input = coordinates(queries, count, "queries");
-        const votess::Interpolated found =
-            diagram->diagram.interpolate({values, seeds * components}, components, input,
-                                         natural_options(method, at_walls, gradients != nullptr, weights, count));
+        require_array(interpolated, count, "interpolated", "count");
+        const std::size_t rows = std::max<std::size_t>({seeds, 3 * count, 1});
+        if (components == 0 || components > std::numeric_limits<std::size_t>::max() / sizeof(double) / rows)
+            refuse("components is " + std::to_string(components) + ": values have at least 1, and fit into memory");
+        const votess::Interpolated found = diagram->diagram.interpolate(
+            {values, seeds * components}, components, input,
+            natural_options(*diagram, method, at_walls, gradients != nullptr, weights, count));
         std::ranges::copy(found.values, interpolated);
         if (gradients != nullptr) std::ranges::copy(found.gradients, gradients);
     });

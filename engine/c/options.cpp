@@ -77,9 +77,7 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
         std::copy_n(given.cell_c, 3, cell.c.begin());
         for (std::size_t k = 0; k < 3; ++k) cell.periodic[k] = given.cell_periodic[k] != 0;
     }
-    if (given.walls == nullptr && given.wall_count != 0) {
-        refuse("options.walls is NULL but wall_count is " + std::to_string(given.wall_count));
-    }
+    require_array(given.walls, given.wall_count, "options.walls", "wall_count");
     for (std::uint64_t w = 0; w < given.wall_count; ++w) {
         const double* wall = given.walls + 4 * w;
         options.walls.push_back({{wall[0], wall[1], wall[2]}, wall[3]});
@@ -125,12 +123,12 @@ Options convert_options(const votess_options* given, std::size_t count) {
     if (c_options.instructions != nullptr) options.instructions = c_options.instructions;
     if (c_options.progress != nullptr) {
         options.progress = [callback = c_options.progress, user = c_options.progress_user](double fraction) {
-            return callback(fraction, user) != 0;
+            return call_back("progress", [&] { return callback(fraction, user) != 0; });
         };
     }
     if (c_options.log != nullptr) {
         options.log = [callback = c_options.log, user = c_options.log_user](std::string_view message) {
-            callback(std::string(message).c_str(), user);
+            call_back("log", [&] { callback(std::string(message).c_str(), user); });
         };
     }
     return options;

@@ -15,8 +15,10 @@ constexpr std::size_t first_stream_size = offsetof(votess_stream, user) + sizeof
 constexpr std::size_t first_counts_size =
     offsetof(votess_stream_counts, temporary_bytes) + sizeof(votess_stream_counts::temporary_bytes);
 
-// Whether it says that there is more.
-bool going_on(int answer, const char* callback) {
+// Calls back. Whether the answer is that there is more.
+template <typename Function>
+bool going_on(const char* callback, const Function& function) {
+    const int answer = call_back(callback, function);
     if (answer == VOTESS_STREAM_STOP)
         throw votess::Error(votess::ErrorCode::cancelled, std::string("cancelled by the callback ") + callback);
     return answer != VOTESS_STREAM_END;
@@ -25,10 +27,12 @@ bool going_on(int answer, const char* callback) {
 class Source : public votess::StreamSource {
 public:
     explicit Source(const votess_stream& stream) : stream_(stream) {}
-    bool restart() override { return stream_.restart != nullptr && going_on(stream_.restart(stream_.user), "restart"); }
+    bool restart() override {
+        return stream_.restart != nullptr && going_on("restart", [this] { return stream_.restart(stream_.user); });
+    }
     bool next(votess::StreamSeeds& seeds) override {
         votess_stream_seeds some{};
-        if (!going_on(stream_.next(&some, stream_.user), "next")) return false;
+        if (!going_on("next", [&] { return stream_.next(&some, stream_.user); })) return false;
         seeds.points = coordinates(some.points, some.count);
         if (some.weights != nullptr) seeds.weights = {some.weights, some.count};
         if (some.radii != nullptr) seeds.radii = {some.radii, some.count};
@@ -49,7 +53,7 @@ public:
             std::ranges::copy(head.options.box->lower, said.box_lower);
             std::ranges::copy(head.options.box->upper, said.box_upper);
         }
-        (void)going_on(stream_.begin(&said, stream_.user), "begin");
+        (void)going_on("begin", [&] { return stream_.begin(&said, stream_.user); });
     }
     void rows(const votess::StreamRows& rows) override {
         const auto out = [](const auto& array) { return array.empty() ? nullptr : array.data(); };
@@ -71,7 +75,7 @@ public:
         some.face_counts = out(rows.face_counts);
         some.edge_counts = out(rows.edge_counts);
         some.vertex_counts = out(rows.vertex_counts);
-        (void)going_on(stream_.rows(&some, stream_.user), "rows");
+        (void)going_on("rows", [&] { return stream_.rows(&some, stream_.user); });
     }
 
 private:

@@ -3,7 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/progress.hpp"
+
 namespace votess {
+namespace {
+
+constexpr std::size_t long_rim = 1024;  // edges
+
+}  // namespace
 
 void ConvexPiece::Surface::clear() {
     corners.clear();
@@ -106,6 +113,7 @@ void ConvexPiece::close_rim(Surface& half) {
             *edge = rim_.back();
             rim_.pop_back();
             if (at == start) break;
+            if (rim_.size() > long_rim) check_stop();
             edge = std::ranges::find(rim_, at, &Edge::from);
         }
         half.end_polygon();

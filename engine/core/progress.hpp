@@ -1,8 +1,10 @@
-// The user's progress callback as engines call it: at most some ten times a second, with growing fractions.
+// The user's progress callback as engines call it, and how long loops learn that the user asks to stop.
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <utility>
 
 #include "votess/votess.hpp"
@@ -12,9 +14,12 @@ namespace votess {
 // A part of a run, as fractions of the whole.
 struct Share {
     double begin = 0, end = 1;
+    [[nodiscard]] double at(double fraction) const { return begin + (end - begin) * fraction; }
     [[nodiscard]] double at(std::size_t done, std::size_t total) const {
-        return begin + (end - begin) * static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(total, 1));
+        return at(static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(total, 1)));
     }
+    // A part of this part.
+    [[nodiscard]] Share part(double from, double to) const { return {at(from), at(to)}; }
 };
 
 inline constexpr Share clipping{0.05, 0.95};  // of a run: before it seeds are sorted, after it rows are put in place
@@ -26,28 +31,79 @@ public:
 
     // Whether anybody listens.
     explicit operator bool() const { return static_cast<bool>(callback_); }
-    // False when the user asks to stop. Costs a look at the clock when called too often.
-    [[nodiscard]] bool going_on(double fraction) {
-        if (!callback_) return true;
-        const auto now = std::chrono::steady_clock::now();
-        if (now - last_ < interval) return true;
-        last_ = now;
-        return callback_(fraction);
-    }
-    // Calls in any case: for the beginning, the end and between stages.
-    void report(double fraction) {
-        if (!callback_) return;
-        last_ = std::chrono::steady_clock::now();
-        require(callback_(fraction));
-    }
-    static void require(bool going_on) {
-        if (!going_on) throw Error(ErrorCode::cancelled, "cancelled by the progress callback");
-    }
+    // False when the user asks to stop. Calls back some ten times a second, with fractions that never fall. A call that
+    // comes earlier costs a look at the clock.
+    [[nodiscard]] bool going_on(double fraction);
+    // Calls in any case: for the beginning, the end and between stages. Throws `cancelled`.
+    void report(double fraction);
+    // The callback of a run within this one, whose fractions lie in `share`. Empty when nobody listens. This object
+    // must outlive it.
+    [[nodiscard]] ProgressCallback within(const Share& share);
+    static void require(bool going_on);
 
 private:
+    [[nodiscard]] bool call(double fraction);
+
     static constexpr std::chrono::milliseconds interval{100};
     ProgressCallback callback_;
+    double fraction_ = 0;
     std::chrono::steady_clock::time_point last_{};  // long ago: the first call goes through, however short the run
 };
+
+// Lets the user stop a call. While it lives, check_stop() calls the progress callback when it is due: in the thread
+// that made this object, and so in tasks that this thread runs. In other threads of a pool check_stop() looks at a
+// flag. A progress without a callback changes nothing: an outer object stays in charge.
+class Stoppable {
+public:
+    explicit Stoppable(Progress& progress);
+    ~Stoppable();
+    Stoppable(const Stoppable&) = delete;
+    Stoppable& operator=(const Stoppable&) = delete;
+
+    // Lends an object, which may be null, to this thread: as its own, or as one that only reads the flag.
+    class Lent {
+    public:
+        Lent(Stoppable* to, bool may_call) noexcept;
+        ~Lent();
+        Lent(const Lent&) = delete;
+        Lent& operator=(const Lent&) = delete;
+
+    private:
+        Stoppable* outer_;
+        bool outer_may_call_;
+    };
+    // That of this thread, or null.
+    [[nodiscard]] static Stoppable* current() noexcept;
+    // The share of the stage at hand, of which report_stage() reports.
+    [[nodiscard]] static Share stage() noexcept;
+    static void enter_stage(const Share& share) noexcept;
+    // The progress callback for a run within the call, see Progress::within(). Empty when nobody listens.
+    [[nodiscard]] static ProgressCallback within(const Share& share);
+
+private:
+    friend void check_stop();
+    friend void report_stage(std::size_t done, std::size_t total);
+    void check(double fraction);
+
+    Progress& progress_;
+    Share stage_;
+    std::atomic<bool> stopped_{false};
+    Lent lent_;
+};
+
+// Throws `cancelled` when the user asks to stop. Long loops call it every few microseconds or more seldom.
+void check_stop();
+// The same, and reports how much of the stage at hand is done.
+void report_stage(std::size_t done, std::size_t total);
+
+// Calls work(begin, end) for pieces of 0 .. count-1, and check_stop() between them.
+template <class Work>
+void in_pieces(std::size_t count, const Work& work) {
+    constexpr std::size_t piece = std::size_t{1} << 14;
+    for (std::size_t begin = 0; begin < count; begin += piece) {
+        check_stop();
+        work(begin, std::min(count, begin + piece));
+    }
+}
 
 }  // namespace votess

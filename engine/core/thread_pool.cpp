@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <mutex>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -15,15 +18,18 @@ namespace votess {
 
 // The threads and what they share with the calling one.
 struct ThreadPool::Crew {
+    // Makes fewer threads where the system gives no more.
     explicit Crew(unsigned threads);
     ~Crew() { dismiss(); }
     Crew(const Crew&) = delete;
     Crew& operator=(const Crew&) = delete;
 
-    bool run(std::size_t count, const Task& task, const Watch& watch);
+    void run(std::size_t count, const Task& task, bool is_stage);
     void dismiss();
     void serve(unsigned worker);
     void work(unsigned worker);
+    void fail(unsigned worker);
+    void wait();
 
     std::vector<std::thread> workers;
     std::mutex mutex;
@@ -32,8 +38,8 @@ struct ThreadPool::Crew {
     unsigned busy = 0;
     bool quit = false;
     const Task* task = nullptr;
-    const Watch* watch = nullptr;
-    Watch common_watch;  // of Attended
+    bool is_stage = false;
+    Stoppable* stoppable = nullptr;  // of the calling thread
     std::size_t count = 0;
     std::atomic<std::size_t> next{0};
     std::atomic<bool> cancelled{false};
@@ -41,8 +47,13 @@ struct ThreadPool::Crew {
 };
 
 ThreadPool::Crew::Crew(unsigned threads) {
+    workers.reserve(threads - 1);
     try {
         for (unsigned w = 1; w < threads; ++w) workers.emplace_back([this, w] { serve(w); });
+    } catch (const std::system_error&) {
+        return;
+    } catch (const std::bad_alloc&) {
+        return;
     } catch (...) {
         dismiss();
         throw;
@@ -68,7 +79,10 @@ void ThreadPool::Crew::serve(unsigned worker) {
             if (quit) return;
             seen = job;
         }
-        work(worker);
+        {
+            const Stoppable::Lent lent(stoppable, false);
+            work(worker);
+        }
         std::lock_guard lock(mutex);
         if (--busy == 0) done.notify_one();
     }
@@ -77,26 +91,48 @@ void ThreadPool::Crew::serve(unsigned worker) {
 void ThreadPool::Crew::work(unsigned worker) {
     try {
         while (!cancelled.load(std::memory_order_relaxed)) {
-            if (worker == 0 && *watch && !(*watch)(std::min(next.load(std::memory_order_relaxed), count))) {
-                cancelled = true;
-                return;
-            }
+            if (worker == 0 && is_stage)
+                report_stage(std::min(next.load(std::memory_order_relaxed), count), count);
+            else
+                check_stop();
             const std::size_t index = next.fetch_add(1, std::memory_order_relaxed);
             if (index >= count) return;
             (*task)(index, worker);
         }
     } catch (...) {
-        std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-        cancelled = true;
+        fail(worker);
     }
 }
 
-bool ThreadPool::Crew::run(std::size_t tasks, const Task& each, const Watch& watched) {
+// What the user's callback throws comes before what it makes the others throw.
+void ThreadPool::Crew::fail(unsigned worker) {
+    std::lock_guard lock(mutex);
+    if (!failure || worker == 0) failure = std::current_exception();
+    cancelled = true;
+}
+
+void ThreadPool::Crew::wait() {
+    constexpr std::chrono::milliseconds look_interval{10};
+    const auto all_done = [this] { return busy == 0; };
+    std::unique_lock lock(mutex);
+    while (stoppable != nullptr && !cancelled && !done.wait_for(lock, look_interval, all_done)) {
+        lock.unlock();
+        try {
+            check_stop();
+        } catch (...) {
+            fail(0);
+        }
+        lock.lock();
+    }
+    done.wait(lock, all_done);
+}
+
+void ThreadPool::Crew::run(std::size_t tasks, const Task& each, bool stage) {
     {
         std::lock_guard lock(mutex);
         task = &each;
-        watch = &watched;
+        is_stage = stage;
+        stoppable = Stoppable::current();
         count = tasks;
         next = 0;
         cancelled = false;
@@ -106,31 +142,33 @@ bool ThreadPool::Crew::run(std::size_t tasks, const Task& each, const Watch& wat
     }
     start.notify_all();
     work(0);
-    std::unique_lock lock(mutex);
-    done.wait(lock, [this] { return busy == 0; });
+    wait();
     if (failure) std::rethrow_exception(failure);
-    return !cancelled;
 }
 
-ThreadPool::ThreadPool(unsigned threads) : size_(std::max(threads, 1u)), crew_(std::make_unique<Crew>(threads)) {}
+ThreadPool::ThreadPool(unsigned requested) : requested_(requested) {
+    const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
+    crew_ = std::make_unique<Crew>(requested == 0 ? processors : requested);
+    size_ = static_cast<unsigned>(crew_->workers.size()) + 1;
+    if (size_ >= requested) return;
+    crew_.reset();  // gives memory back, which the message takes
+    throw Error(ErrorCode::no_threads, "threads = " + std::to_string(requested) + ", but the system gives only " +
+                                           std::to_string(size_) +
+                                           ": request fewer, or raise its limits (ulimit -u, ulimit -v, pids.max of "
+                                           "the container)");
+}
 
 // A condition variable on which threads of the parent wait can never be destroyed in its child.
 ThreadPool::~ThreadPool() {
     if (!has_threads()) (void)crew_.release();
 }
 
-bool ThreadPool::run(std::size_t count, const Task& task, const Watch& watch) {
-    if (watch || !crew_->common_watch) return crew_->run(count, task, watch);
-    Progress::require(crew_->run(count, task, crew_->common_watch));
-    return true;
+void ThreadPool::run(std::size_t count, const Task& task) {
+    crew_->run(count, task, false);
 }
 
-Attended::Attended(ThreadPool& pool, Progress& progress, double fraction) : pool_(pool) {
-    if (progress) pool.crew_->common_watch = [&progress, fraction](std::size_t) { return progress.going_on(fraction); };
-}
-
-Attended::~Attended() {
-    pool_.crew_->common_watch = {};
+void ThreadPool::run_stage(std::size_t count, const Task& task) {
+    crew_->run(count, task, true);
 }
 
 }  // namespace votess

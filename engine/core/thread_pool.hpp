@@ -9,47 +9,35 @@
 
 namespace votess {
 
-class Progress;
-
 class ThreadPool {
 public:
     // task(index, worker): worker is below size(), each worker runs one task at a time.
     using Task = std::function<void(std::size_t index, unsigned worker)>;
-    // Called by the calling thread between its tasks with the number of tasks handed out; false cancels the rest.
-    using Watch = std::function<bool(std::size_t done)>;
 
-    explicit ThreadPool(unsigned threads);
+    // requested: 0 for one thread for each processor, or as many of them as the system gives. Throws `no_threads` where
+    // the system gives fewer than are requested.
+    explicit ThreadPool(unsigned requested);
     ~ThreadPool();
     ThreadPool(const ThreadPool&) = delete;
     ThreadPool& operator=(const ThreadPool&) = delete;
 
     [[nodiscard]] unsigned size() const { return size_; }
+    [[nodiscard]] unsigned requested() const { return requested_; }
     // False in a child made by fork(), which has none of the threads and may only destroy the pool.
     [[nodiscard]] bool has_threads() const { return home_.is_this(); }
-    // Runs task for 0 .. count-1 and returns when all are done; false when `watch` cancelled. Rethrows the first
-    // exception of a task after the others have stopped.
-    bool run(std::size_t count, const Task& task, const Watch& watch = {});
+    // Runs task for 0 .. count-1 and returns when all are done. Rethrows the first exception of a task after the others
+    // have stopped; one of the calling thread comes first. Tasks may call check_stop(). The calling thread does so
+    // between its tasks, and while it waits for the others.
+    void run(std::size_t count, const Task& task);
+    // The same, and reports the tasks handed out as the progress of the stage at hand.
+    void run_stage(std::size_t count, const Task& task);
 
 private:
-    friend class Attended;
     struct Crew;
 
-    unsigned size_;
+    unsigned requested_, size_ = 1;
     HomeProcess home_;
     std::unique_ptr<Crew> crew_;
-};
-
-// Lets the user cancel jobs that have no watch of their own, while it lives: run() then throws `cancelled`. `progress`
-// stays at `fraction`. It and the pool live longer.
-class Attended {
-public:
-    Attended(ThreadPool& pool, Progress& progress, double fraction);
-    ~Attended();
-    Attended(const Attended&) = delete;
-    Attended& operator=(const Attended&) = delete;
-
-private:
-    ThreadPool& pool_;
 };
 
 }  // namespace votess

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <thread>
 
 #include "core/ceil.hpp"
 #include "core/text.hpp"
@@ -23,7 +22,8 @@ constexpr std::size_t many_threads = 32, parts_per_thread = 2;
 constexpr std::size_t sparse_stretch = 16384;  // seeds, where few of them have cells
 constexpr std::size_t least_block_seeds = 16;  // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
-constexpr std::size_t index_task = 65536;  // entries of the inverse order per parallel task
+constexpr std::size_t index_task = 65536;   // entries of the inverse order per parallel task
+constexpr std::size_t cells_per_look = 64;  // after which the user may stop
 
 }  // namespace
 
@@ -39,8 +39,7 @@ void CpuClipper::begin(const Job& job) {
 }
 
 ThreadPool& CpuClipper::pool_of(unsigned threads) {
-    if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-    if (!pool_ || pool_->size() != threads || !pool_->has_threads()) pool_.emplace(threads);
+    if (!pool_ || pool_->requested() != threads || !pool_->has_threads()) pool_.emplace(threads);
     return *pool_;
 }
 
@@ -251,8 +250,8 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
     begin_workers(out);
     const std::size_t blocks = blocks_.size() - 1;
     const Star::Keep keep = kept_for(job_.options.want);
-    ThreadPool::Watch watch;
-    if (progress_) watch = [&](std::size_t done) { return progress_.going_on(share.at(done, blocks)); };
+    const Stoppable stoppable(progress_);
+    if (progress_) Stoppable::enter_stage(share);
     const auto task = [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
         const std::size_t begin = blocks_[block], end = blocks_[block + 1];
@@ -260,6 +259,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         std::size_t stretch_end = 0;
         worker.budget.begin(end - begin);
         for (std::size_t k = begin; k < end; ++k) {
+            if (k % cells_per_look == 0) check_stop();
             const std::size_t seed = seed_at(k);
             if (seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
@@ -277,8 +277,8 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         }
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
-    Progress::require(pool_->run(blocks, std::cref(task), watch));  // by reference: no allocation
-    clip_hard(out, share);
+    pool_->run_stage(blocks, std::cref(task));  // by reference: no allocation
+    clip_hard(out);
     for (const Worker& worker : workers_) {
         out.count(worker.writer.counters());
         out.count(worker.writer.tally());

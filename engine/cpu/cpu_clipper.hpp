@@ -25,7 +25,7 @@ public:
     ThreadPool& pool_of(unsigned threads);
     // In a child made by fork() it gets new threads.
     ThreadPool& pool() override {
-        if (!pool_->has_threads()) pool_.emplace(pool_->size());
+        if (!pool_->has_threads()) pool_.emplace(pool_->requested());
         return *pool_;
     }
     void prepare() override;
@@ -38,6 +38,8 @@ public:
     void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) override;
     void end() override;
 
+    // Of the job, until end().
+    [[nodiscard]] Progress& progress() { return progress_; }
     // For queries, after prepare().
     [[nodiscard]] const SortedSeeds& seeds() const { return seeds_; }
     [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
@@ -82,11 +84,11 @@ private:
     // Writes the cell, or notes that its search was given up.
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;
     // hard_cells.cpp: the cells that the workers gave up.
-    void clip_hard(ResultBuilder& out, const Share& share);
+    void clip_hard(ResultBuilder& out);
     [[nodiscard]] std::vector<std::int32_t> take_hard();
-    bool triangulate(const Share& share);
+    bool triangulate();
     template <class Build>
-    void clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Share& share, const Build& build);
+    void clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Build& build);
 
     std::optional<ThreadPool> pool_;
     Job job_;

@@ -1,17 +1,15 @@
 #include "cpu/cpu_engine.hpp"
 
-#include <optional>
-
 #include "input/snapshot.hpp"
 
 namespace votess::cpu {
 
 // Nothing is left for the stage fallback: exact arithmetic decides every sign on the spot.
 void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
-    Progress progress(job.options.progress);
-    progress.report(0);
     clipper_.begin(job);
-    std::optional<Attended> attended(std::in_place, clipper_.pool(), progress, 0);
+    Progress& progress = clipper_.progress();
+    const Stoppable stoppable(progress);
+    progress.report(0);
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
     // Periodic domains need what wrapping took from coordinates, and a mesh needs seeds in input order.
@@ -20,17 +18,15 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
-    attended.reset();
     clipper_.clip_all(result_, clipping);
-    attended.emplace(clipper_.pool(), progress, clipping.end);
     clock.enter(&StageSeconds::download);
     clipper_.set_empty(result_);
     result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     clipper_.rest();
     result_.finish(result, clipper_.pool());
     result.stats.device = "cpu";
-    clipper_.end();
     progress.report(1);
+    clipper_.end();
 }
 
 }  // namespace votess::cpu

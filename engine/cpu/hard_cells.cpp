@@ -28,7 +28,7 @@ std::vector<std::int32_t> CpuClipper::take_hard() {
     return hard;
 }
 
-void CpuClipper::clip_hard(ResultBuilder& out, const Share& share) {
+void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
     std::vector<std::int32_t> hard = take_hard();
     // Most cells that were given up in a block have not been tried at all: the first round allows no more than a block.
@@ -37,47 +37,36 @@ void CpuClipper::clip_hard(ResultBuilder& out, const Share& share) {
         if (tests >= 2 * count) tests = unlimited;
         // At least one of the two is done to the end: together they cost a few times what the cheaper one does.
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
-        if (job_.domain->is_plain() && count <= most_triangulated && (delaunay_ || many) && triangulate(share)) {
-            clip_each(hard, out, share, [this](std::size_t seed, Worker& worker) {
+        if (job_.domain->is_plain() && count <= most_triangulated && (delaunay_ || many) && triangulate()) {
+            clip_each(hard, out, [this](std::size_t seed, Worker& worker) {
                 delaunay_->neighbors(seed, worker.candidates);
                 return &worker.builder.build_from(seed, worker.candidates);
             });
         } else {
-            clip_each(hard, out, share,
-                      [&](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); });
+            clip_each(hard, out, [&](std::size_t seed, Worker& worker) { return worker.builder.build(seed, tests); });
         }
     }
 }
 
-bool CpuClipper::triangulate(const Share& share) {
-    if (!delaunay_) {
-        bool going_on = true;
-        delaunay_.emplace(seeds_, [&](double) { return going_on = progress_.going_on(share.end); });
-        Progress::require(going_on);
-    }
+bool CpuClipper::triangulate() {
+    if (!delaunay_) delaunay_.emplace(seeds_);
     return delaunay_->valid();
 }
 
 template <class Build>
-void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Share& share,
-                           const Build& build) {
+void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Build& build) {
     const std::span<std::int32_t> cells = out.keep(seeds.size());
     std::ranges::transform(seeds, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
-    ThreadPool::Watch watch;
-    if (progress_) watch = [&](std::size_t) { return progress_.going_on(share.end); };
-    const bool finished = pool_->run(
-        ceil_div(cells.size(), block_cells),
-        [&](std::size_t block, unsigned index) {
-            Worker& worker = workers_[index];
-            const std::size_t begin = block * block_cells, end = std::min(cells.size(), begin + block_cells);
-            for (std::size_t k = begin; k < end; ++k) {
-                const auto seed = static_cast<std::size_t>(seeds[k]);
-                finish(build(seed, worker), seed, worker);
-            }
-            worker.writer.end_block(cells.subspan(begin, end - begin));
-        },
-        watch);
-    Progress::require(finished);
+    pool_->run(ceil_div(cells.size(), block_cells), [&](std::size_t block, unsigned index) {
+        Worker& worker = workers_[index];
+        const std::size_t begin = block * block_cells, end = std::min(cells.size(), begin + block_cells);
+        for (std::size_t k = begin; k < end; ++k) {
+            check_stop();
+            const auto seed = static_cast<std::size_t>(seeds[k]);
+            finish(build(seed, worker), seed, worker);
+        }
+        worker.writer.end_block(cells.subspan(begin, end - begin));
+    });
 }
 
 }  // namespace votess::cpu

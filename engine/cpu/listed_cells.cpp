@@ -24,8 +24,8 @@ void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, con
     std::vector<std::size_t> first_entry(blocks + 1, 0);
     for (std::size_t k = 0; k < count; ++k) first_entry[k / block_cells + 1] += lists.lengths[k];
     for (std::size_t b = 0; b < blocks; ++b) first_entry[b + 1] += first_entry[b];
-    ThreadPool::Watch watch;
-    if (progress_) watch = [&](std::size_t done) { return progress_.going_on(share.at(done, blocks)); };
+    const Stoppable stoppable(progress_);
+    if (progress_) Stoppable::enter_stage(share);
     const auto task = [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
         const std::size_t begin = block * block_cells, end = std::min(count, begin + block_cells);
@@ -49,7 +49,7 @@ void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, con
         }
         worker.writer.end_block(cells.subspan(begin, end - begin));
     };
-    Progress::require(pool_->run(blocks, std::cref(task), watch));
+    pool_->run_stage(blocks, std::cref(task));
     for (const Worker& worker : workers_) {
         out.count(worker.writer.counters());
         out.count(worker.writer.tally());

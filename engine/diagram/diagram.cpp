@@ -1,5 +1,8 @@
 #include "votess/diagram.hpp"
 
+#include <limits>
+
+#include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
 #include "input/options.hpp"
 
@@ -9,11 +12,16 @@ namespace {
 
 using detail::DiagramState;
 
-// A failure to get memory as an Error.
+// Runs a call that the user may stop. Reports its beginning and its end, and a failure to get memory as an Error.
 template <class Work>
-auto with_memory(const Work& work) {
+auto run(const ProgressCallback& callback, const Work& work) {
     try {
-        return work();
+        Progress progress(callback);
+        const Stoppable stoppable(progress);
+        progress.report(0);
+        auto result = work();
+        progress.report(1);
+        return result;
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory, "out of memory: take fewer seeds, or ask with fewer queries at once");
     }
@@ -26,8 +34,15 @@ std::shared_ptr<DiagramState> make_state(std::span<const double> points, const O
     if (options.min_face != 0 || options.min_area != 0)
         throw Error(ErrorCode::invalid_argument,
                     "min_face and min_area drop faces of a result: a Diagram has whole cells, leave them out");
+    if (points.size() / 3 > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::unsupported,
+                    std::to_string(points.size() / 3) + " seeds are too many: at most 2147483647");
     auto state = std::make_shared<DiagramState>();
-    state->points.assign(points.begin(), points.end());
+    state->points.reserve(points.size());
+    in_pieces(points.size(), [&](std::size_t begin, std::size_t end) {
+        state->points.insert(state->points.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
+                             points.begin() + static_cast<std::ptrdiff_t>(end));
+    });
     state->job = validate({state->points, {}}, options);
     state->job.options.progress = {};
     state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
@@ -40,31 +55,31 @@ std::shared_ptr<DiagramState> make_state(std::span<const double> points, const O
 
 Diagram::Diagram() : Diagram(std::span<const double>{}) {}
 Diagram::Diagram(std::span<const double> points, const Options& options)
-    : state_(with_memory([&] { return make_state(points, options); })) {}
+    : state_(run(options.progress, [&] { return make_state(points, options); })) {}
 
 std::size_t Diagram::size() const noexcept {
     return state_->points.size() / 3;
 }
 
-std::vector<std::int32_t> Diagram::locate(std::span<const double> queries) const {
-    return with_memory([&] { return detail::locate(*state_, detail::check_queries(*state_, queries)); });
+std::vector<std::int32_t> Diagram::locate(std::span<const double> queries, const ProgressCallback& progress) const {
+    return run(progress, [&] { return detail::locate(*state_, detail::check_queries(*state_, queries)); });
 }
 
 Tessellation Diagram::probe(std::span<const double> queries, const ProbeOptions& options) const {
-    return with_memory([&] { return detail::probe(*state_, queries, options); });
+    return run(options.progress, [&] { return detail::probe(*state_, queries, options); });
 }
 
 NaturalCoordinates Diagram::natural_neighbors(std::span<const double> queries, const NaturalOptions& options) const {
-    return with_memory([&] { return detail::natural_neighbors(*state_, queries, options); });
+    return run(options.progress, [&] { return detail::natural_neighbors(*state_, queries, options); });
 }
 
 Interpolated Diagram::interpolate(std::span<const double> values, std::size_t components,
                                   std::span<const double> queries, const NaturalOptions& options) const {
-    return with_memory([&] { return detail::interpolate(*state_, values, components, queries, options); });
+    return run(options.progress, [&] { return detail::interpolate(*state_, values, components, queries, options); });
 }
 
 std::size_t Diagram::to_grid(std::span<const double> values, const GridOptions& options, std::span<double> grid) const {
-    return with_memory([&] { return detail::to_grid(*state_, values, options, grid); });
+    return run(options.progress, [&] { return detail::to_grid(*state_, values, options, grid); });
 }
 
 }  // namespace votess

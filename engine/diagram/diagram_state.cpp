@@ -1,9 +1,12 @@
 #include "diagram/diagram_state.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "core/ceil.hpp"
+#include "core/lengthen.hpp"
 #include "core/text.hpp"
 #include "cpu/sort/hilbert.hpp"
 #include "input/options.hpp"
@@ -13,7 +16,9 @@ namespace {
 
 // Queries that one thread takes at once: neighbors in time are neighbors in space.
 constexpr std::size_t most_taken = 65536, fewest_taken = 256, shares_of_thread = 4;
-constexpr std::size_t most_probed = 1024;  // in one run of a walk
+constexpr std::size_t most_probed = 1024;     // in one run of a walk
+constexpr std::size_t queries_per_look = 64;  // after which the user may stop
+constexpr std::chrono::milliseconds look_interval{10};
 
 // Along a Hilbert curve through the box.
 std::uint32_t key_of(const Box& box, const exact::Point& x) {
@@ -28,12 +33,35 @@ std::uint32_t key_of(const Box& box, const exact::Point& x) {
 
 }  // namespace
 
+Turn::Turn(DiagramState& state) : state_(state) {
+    const auto self = std::this_thread::get_id(), nobody = std::thread::id();
+    std::unique_lock lock(state.mutex);
+    if (state.caller == self)
+        throw Error(ErrorCode::invalid_use,
+                    "a callback of this Diagram's own call asks it: ask another Diagram, or after the call");
+    while (!state.ended.wait_for(lock, look_interval, [&] { return state.caller == nobody; })) {
+        lock.unlock();
+        check_stop();
+        lock.lock();
+    }
+    state.caller = self;
+}
+
+Turn::~Turn() {
+    const std::scoped_lock lock(state_.mutex);
+    state_.caller = {};
+    state_.ended.notify_one();
+}
+
 Queries check_queries(const DiagramState& state, std::span<const double> x, std::span<const double> weights,
                       std::span<const double> radii) {
     if (x.size() % 3 != 0)
         throw Error(ErrorCode::invalid_argument,
                     "queries hold " + std::to_string(x.size()) +
                         " coordinates, which is not a multiple of 3: the shape must be (Q,3)");
+    if (x.size() / 3 > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::unsupported,
+                    std::to_string(x.size() / 3) + " queries are too many at once: at most 2147483647");
     Options given;
     given.weights = weights;
     given.radii = radii;
@@ -71,7 +99,7 @@ void for_queries(DiagramState& state, const Queries& queries,
     make_searchers(state);
     const std::size_t count = queries.count();
     const std::size_t taken = std::clamp(count / (shares_of_thread * pool.size()), fewest_taken, most_taken);
-    pool.run(ceil_div(count, taken), [&](std::size_t index, unsigned worker) {
+    pool.run_stage(ceil_div(count, taken), [&](std::size_t index, unsigned worker) {
         task(state.searchers[worker], index * taken, std::min(count, (index + 1) * taken));
     });
 }
@@ -81,6 +109,7 @@ void sort_queries(const Job& job, DiagramState::Searcher& searcher, const Querie
     searcher.places.resize(end - begin);
     searcher.order.clear();
     for (std::size_t i = begin; i < end; ++i) {
+        if (i % queries_per_look == 0) check_stop();
         const auto place = searcher.locator.place(scaled(job, queries, i), i);
         if (!place) {
             leave_out(i);
@@ -112,12 +141,14 @@ void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& q
 }
 
 std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries) {
-    std::vector<std::int32_t> seeds(queries.count());
-    const std::scoped_lock lock(state.at_work);
+    std::vector<std::int32_t> seeds;
+    lengthen(seeds, queries.count());
+    const Turn turn(state);
     for_queries(state, queries, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
         sort_queries(state.job, searcher, queries, begin, end, [&](std::size_t i) { seeds[i] = -1; });
-        for (const std::uint64_t key : searcher.order) {
-            const auto i = static_cast<std::uint32_t>(key);
+        for (std::size_t k = 0; k < searcher.order.size(); ++k) {
+            if (k % queries_per_look == 0) check_stop();
+            const auto i = static_cast<std::uint32_t>(searcher.order[k]);
             seeds[begin + i] = searcher.locator.find(scaled(state.job, queries, begin + i), searcher.places[i]);
         }
     });

@@ -1,11 +1,13 @@
 // What a Diagram holds, and how a call takes its queries: in shares, each sorted along a curve and asked on one thread.
 #pragma once
 
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <thread>
 #include <vector>
 
 #include "cpu/cpu_clipper.hpp"
@@ -43,10 +45,25 @@ struct DiagramState {
         std::vector<std::uint64_t> order;
         std::vector<cpu::Probe> probes, rest;
     };
-    std::mutex at_work;  // of what follows
+    // One call at a time uses what follows, see Turn.
+    std::mutex mutex;
+    std::condition_variable ended;
+    std::thread::id caller;  // no thread's when none is at work
     std::deque<Searcher> searchers;
     ResultBuilder result;
     std::optional<cpu::VertexGraph> graph;  // made when it is worth it
+};
+
+// A call's turn with the state. Waits for the call at work, and meanwhile lets the user stop.
+class Turn {
+public:
+    explicit Turn(DiagramState& state);
+    ~Turn();
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+private:
+    DiagramState& state_;
 };
 
 // The queries of a call; weights: times scale squared, or none.
@@ -62,7 +79,7 @@ Queries check_queries(const DiagramState& state, std::span<const double> x, std:
 // The query times the scale of the job.
 exact::Point scaled(const Job& job, const Queries& queries, std::size_t number);
 
-// One for each thread. The state must be locked, as for all that follows.
+// One for each thread. Needs a Turn, as all that follows.
 void make_searchers(DiagramState& state);
 // task(searcher, begin, end) for all queries, on all threads.
 void for_queries(DiagramState& state, const Queries& queries,

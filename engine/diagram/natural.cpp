@@ -3,12 +3,14 @@
 #include <limits>
 #include <numeric>
 
+#include "core/lengthen.hpp"
 #include "diagram/diagram_state.hpp"
 
 namespace votess::detail {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double share_of_cells = 0.4, share_of_graph = 0.6;  // of a call that makes the graph
 
 // Makes the graph where it will pay: it costs about as much as dividing half as many cells as there are seeds.
 bool need_graph(DiagramState& state, const Queries& queries, const NaturalOptions& options) {
@@ -18,11 +20,13 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
     if (options.method != NaturalMethod::sibson || job.domain->is_periodic() || job.domain->triclinic) return false;
     if (state.graph) return true;
     if (seeds.size() < least_seeds || queries.count() < seeds.size() / 2) return false;
-    std::vector<double> points(3 * seeds.size()), weights(seeds.weights);
-    for (std::size_t s = 0; s < seeds.size(); ++s) {
-        const double place[3] = {seeds.x[s], seeds.y[s], seeds.z[s]};
-        for (std::size_t k = 0; k < 3; ++k) points[3 * s + k] = place[k] / job.scale;
-    }
+    const Share stage = Stoppable::stage();
+    std::vector<double> points, weights(seeds.weights);
+    points.reserve(3 * seeds.size());
+    in_pieces(seeds.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s)
+            for (const double place : {seeds.x[s], seeds.y[s], seeds.z[s]}) points.push_back(place / job.scale);
+    });
     for (double& weight : weights) weight /= job.scale * job.scale;
     Options wanted;
     wanted.box = job.box;
@@ -34,7 +38,9 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
     wanted.want = {};
     wanted.want.volumes = false;
     wanted.want.faces = true;
+    wanted.progress = Stoppable::within(stage.part(0, share_of_cells));
     state.graph.emplace(seeds, tessellate(points, wanted), job.scale);
+    Stoppable::enter_stage(stage.part(share_of_graph, 1));
     return true;
 }
 
@@ -44,12 +50,14 @@ void run(DiagramState& state, const Queries& queries, const NaturalOptions& opti
     if (options.gradients && options.method == NaturalMethod::laplace)
         throw Error(ErrorCode::invalid_argument,
                     "gradients are known with Sibson's coordinates: Laplace's have none across some spheres");
-    const std::scoped_lock lock(state.at_work);
+    NaturalOptions without_progress = options;
+    without_progress.progress = nullptr;
+    const Turn turn(state);
     const bool with_graph = need_graph(state, queries, options);
     make_searchers(state);
     for (DiagramState::Searcher& searcher : state.searchers) {
         searcher.prober.begin_job(*state.job.domain, cpu::Star::Keep::places);
-        searcher.natural.begin_job(state.job, options);
+        searcher.natural.begin_job(state.job, without_progress);
     }
     for_queries(state, queries, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
         sort_queries(state.job, searcher, queries, begin, end, [](std::size_t) {});
@@ -136,7 +144,7 @@ struct SumSink final : cpu::NaturalSink {
 NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& options) {
     const Queries queries = check_queries(state, x, options.weights);
     NaturalCoordinates out;
-    out.indptr.assign(queries.count() + 1, 0);
+    lengthen(out.indptr, queries.count() + 1);
     std::mutex mutex;
     std::deque<RowSink::Rows> all;
     run(state, queries, options, [&] {
@@ -145,20 +153,22 @@ NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double
     });
     std::partial_sum(out.indptr.begin(), out.indptr.end(), out.indptr.begin());
     const auto size = static_cast<std::size_t>(out.indptr.back());
-    out.indices.resize(size);
-    out.weights.resize(size);
-    out.gradients.resize(options.gradients ? 3 * size : 0);
+    lengthen(out.indices, size);
+    lengthen(out.weights, size);
+    lengthen(out.gradients, options.gradients ? 3 * size : 0);
     for (const RowSink::Rows& rows : all) {
         std::ptrdiff_t from = 0;
-        for (const std::int32_t query : rows.queries) {
-            const auto q = static_cast<std::size_t>(query);
-            const std::ptrdiff_t to = out.indptr[q], count = out.indptr[q + 1] - to;
-            std::copy_n(rows.seeds.begin() + from, count, out.indices.begin() + to);
-            std::copy_n(rows.weights.begin() + from, count, out.weights.begin() + to);
-            if (options.gradients)
-                std::copy_n(rows.gradients.begin() + 3 * from, 3 * count, out.gradients.begin() + 3 * to);
-            from += count;
-        }
+        in_pieces(rows.queries.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t row = begin; row < end; ++row) {
+                const auto q = static_cast<std::size_t>(rows.queries[row]);
+                const std::ptrdiff_t to = out.indptr[q], count = out.indptr[q + 1] - to;
+                std::copy_n(rows.seeds.begin() + from, count, out.indices.begin() + to);
+                std::copy_n(rows.weights.begin() + from, count, out.weights.begin() + to);
+                if (options.gradients)
+                    std::copy_n(rows.gradients.begin() + 3 * from, 3 * count, out.gradients.begin() + 3 * to);
+                from += count;
+            }
+        });
     }
     return out;
 }
@@ -171,9 +181,13 @@ Interpolated interpolate(DiagramState& state, std::span<const double> values, st
         throw Error(ErrorCode::invalid_argument,
                     "values hold " + std::to_string(values.size()) + " numbers for " + std::to_string(seeds) +
                         " seeds with " + std::to_string(components) + " components: the shape must be (N,m)");
+    if (components >
+        std::numeric_limits<std::size_t>::max() / sizeof(double) / 3 / std::max<std::size_t>(queries.count(), 1))
+        throw Error(ErrorCode::out_of_memory, std::to_string(components) + " components of " +
+                                                  std::to_string(queries.count()) + " queries do not fit into memory");
     Interpolated out;
-    out.values.assign(queries.count() * components, unknown);
-    out.gradients.assign(options.gradients ? 3 * out.values.size() : 0, unknown);
+    lengthen(out.values, queries.count() * components, unknown);
+    lengthen(out.gradients, options.gradients ? 3 * out.values.size() : 0, unknown);
     run(state, queries, options, [&] { return SumSink(out, values, components, options.gradients); });
     return out;
 }

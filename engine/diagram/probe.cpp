@@ -1,6 +1,7 @@
 // Cells of probes as a result.
 #include <algorithm>
 
+#include "core/lengthen.hpp"
 #include "core/stage_clock.hpp"
 #include "diagram/diagram_state.hpp"
 #include "input/implied_wants.hpp"
@@ -9,7 +10,7 @@ namespace votess::detail {
 
 Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOptions& options) {
     const Queries queries = check_queries(state, x, options.weights, options.radii);
-    const std::scoped_lock lock(state.at_work);
+    const Turn turn(state);
     StageClock clock;
     Options wanted;
     wanted.want = options.want;
@@ -21,7 +22,8 @@ Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOp
     job.probes_of = static_cast<std::int32_t>(state.points.size() / 3);
     ThreadPool& pool = state.clipper.pool();
     state.result.begin(job, pool);
-    std::vector<std::int32_t> duplicate_of(queries.count(), -1);
+    std::vector<std::int32_t> duplicate_of;
+    lengthen(duplicate_of, queries.count(), -1);
     const cpu::StarKernels& kernels = cpu::star_kernels(cpu::find_kernels(job.options.instructions)->name);
     make_searchers(state);
     for (DiagramState::Searcher& searcher : state.searchers) {

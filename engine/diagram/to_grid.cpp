@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
 #include "engines.hpp"
 #include "fields/methods.hpp"
@@ -10,7 +11,9 @@
 namespace votess::detail {
 namespace {
 
+constexpr double share_of_cells = 0.5;  // of a call that builds them
 constexpr std::size_t most_along_axis = std::size_t{1} << 20, most_columns = std::size_t{1} << 20;
+constexpr std::size_t most_numbers = std::size_t{1} << 44;  // of a grid: as many doubles as addresses reach
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, "to_grid: " + message);
@@ -39,6 +42,9 @@ void check(std::size_t seeds, std::span<const double> values, const GridOptions&
     if (options.columns == 0 || options.columns > most_columns)
         refuse("columns = " + std::to_string(options.columns) + " is not from 1 to " + std::to_string(most_columns));
     const std::size_t cells = count_grid_cells(options);
+    if (cells > most_numbers / options.columns)
+        throw Error(ErrorCode::out_of_memory,
+                    "to_grid: " + std::to_string(cells) + " grid cells do not fit into memory: give a smaller shape");
     if (grid.size() / options.columns != cells || grid.size() % options.columns != 0)
         refuse("the grid holds " + std::to_string(grid.size()) + " numbers, its shape needs " + std::to_string(cells) +
                " for each of " + std::to_string(options.columns) + " columns");
@@ -59,6 +65,7 @@ Result build(const DiagramState& state) {
     options.want = {};
     options.want.faces = true;
     options.list_walls = false;
+    options.progress = Stoppable::within({0, share_of_cells});
     Engines engines;
     return run_on(engines, {state.points, {}}, options);
 }
@@ -93,7 +100,8 @@ std::size_t to_grid(DiagramState& state, std::span<const double> values, const G
                     std::span<double> grid) {
     const std::size_t seeds = state.points.size() / 3;
     check(seeds, values, options, grid);
-    std::ranges::fill(grid, 0);
+    in_pieces(grid.size(),
+              [&](std::size_t begin, std::size_t end) { std::ranges::fill(grid.subspan(begin, end - begin), 0); });
     if (seeds == 0) return 0;
     const bool integrates = options.method == GridMethod::mean || options.method == GridMethod::dtfe;
     std::array<std::size_t, 3> shape = options.shape;
@@ -105,7 +113,8 @@ std::size_t to_grid(DiagramState& state, std::span<const double> values, const G
         const auto result = std::make_shared<const Result>(build(state));
         const Tessellation cells(result);
         const fields::Built built{state.job, *result, cells};
-        const std::scoped_lock lock(state.at_work);
+        const Turn turn(state);
+        Stoppable::enter_stage({share_of_cells, 1});
         if (options.method == GridMethod::mean) fields::add_mean(task, built, state.clipper.pool());
         if (options.method == GridMethod::dtfe) without_place = fields::add_dtfe(task, built, state.clipper.pool());
     } else {
@@ -116,7 +125,10 @@ std::size_t to_grid(DiagramState& state, std::span<const double> values, const G
     }
     if (options.project && options.method != GridMethod::dtfe) {
         const fields::Axis& axis = frame.axis(static_cast<std::size_t>(*options.project));
-        for (double& x : grid) x *= axis.length / static_cast<double>(axis.count);
+        const double length = axis.length / static_cast<double>(axis.count);
+        in_pieces(grid.size(), [&](std::size_t begin, std::size_t end) {
+            for (double& x : grid.subspan(begin, end - begin)) x *= length;
+        });
     }
     return without_place;
 }

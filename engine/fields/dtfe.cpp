@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "core/progress.hpp"
 #include "core/text.hpp"
 #include "exact/wide_float.hpp"
 #include "fields/methods.hpp"
@@ -249,10 +250,12 @@ private:
 // has none.
 std::vector<Volume> volumes_around(const Triangulation& triangulation, std::size_t seeds) {
     std::vector<Volume> around(seeds, 0);
-    for (std::size_t number = 0; number < triangulation.size(); ++number)
-        for (const auto& [begin, count] : triangulation.corners(number))
-            for (std::size_t i = begin; i < begin + count; ++i)
-                around[triangulation.seed(i)] += triangulation.volume(number) / static_cast<Volume>(count);
+    in_pieces(triangulation.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t number = first; number < last; ++number)
+            for (const auto& [begin, count] : triangulation.corners(number))
+                for (std::size_t i = begin; i < begin + count; ++i)
+                    around[triangulation.seed(i)] += triangulation.volume(number) / static_cast<Volume>(count);
+    });
     return around;
 }
 

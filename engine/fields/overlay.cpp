@@ -6,10 +6,13 @@
 #include <iterator>
 #include <vector>
 
+#include "core/progress.hpp"
+
 namespace votess::fields {
 namespace {
 
 constexpr std::size_t bodies_of_task = 4096;  // when tiles get their lists
+constexpr std::size_t bodies_per_look = 16;   // after which the user may stop
 // A body that fills less of its bounds, or whose polygons are less planar, is vague: the volumes of its parts need not
 // sum to its own.
 constexpr double least_filled = 1e-4, most_uneven = 1e-13;
@@ -56,8 +59,11 @@ public:
 
     void run(std::size_t count) {
         list_bodies(count);
-        pool_.run(all_tiles_, [&](std::size_t tile, unsigned worker) {
-            for (std::size_t i = begin_[tile]; i < begin_[tile + 1]; ++i) add(bodies_[i], tile, workers_[worker]);
+        pool_.run_stage(all_tiles_, [&](std::size_t tile, unsigned worker) {
+            for (std::size_t i = begin_[tile]; i < begin_[tile + 1]; ++i) {
+                if (i % bodies_per_look == 0) check_stop();
+                add(bodies_[i], tile, workers_[worker]);
+            }
         });
     }
 
@@ -73,17 +79,22 @@ private:
         std::vector<Listed> listed(ceil_div(count, bodies_of_task));
         pool_.run(listed.size(), [&](std::size_t task, unsigned worker) {
             const std::size_t end = std::min(count, (task + 1) * bodies_of_task);
-            for (std::size_t body = task * bodies_of_task; body < end; ++body)
+            for (std::size_t body = task * bodies_of_task; body < end; ++body) {
+                if (body % bodies_per_look == 0) check_stop();
                 if (workers_[worker].carrier->load(body, workers_[worker].body))
                     list(body, workers_[worker], listed[task]);
+            }
         });
         begin_.assign(all_tiles_ + 1, 0);
-        for (const Listed& task : listed)
+        for (const Listed& task : listed) {
+            check_stop();
             for (const std::uint64_t pair : task.pairs) ++begin_[pair % all_tiles_ + 1];
+        }
         for (std::size_t tile = 0; tile < all_tiles_; ++tile) begin_[tile + 1] += begin_[tile];
         bodies_.resize(begin_.back());
         std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
         for (Listed& task : listed) {
+            check_stop();
             for (const std::uint64_t pair : task.pairs) bodies_[next[pair % all_tiles_]++] = pair / all_tiles_;
             std::ranges::copy(task.vague, std::back_inserter(vague_));
             task = {};

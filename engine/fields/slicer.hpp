@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "core/progress.hpp"
 #include "fields/frame.hpp"
 
 namespace votess::fields {
@@ -43,6 +44,7 @@ private:
     void slice_along(std::size_t k, ConvexPiece& piece, const Place& place, const Window& window, Cell& cell,
                      const Take& take) {
         if (k == 3) {
+            if (++parts_ % parts_per_look == 0) check_stop();
             take(frame_.index(cell), piece);
             return;
         }
@@ -61,7 +63,9 @@ private:
         }
     }
 
+    static constexpr std::size_t parts_per_look = 1024;  // after which the user may stop
     const Frame& frame_;
+    std::size_t parts_ = 0;             // so far
     std::array<ConvexPiece, 3> below_;  // by axis
 };
 

@@ -344,13 +344,13 @@ void GpuEngine::clip_pending(double progress) {
 }
 
 void GpuEngine::finish(detail::Result& result) {
-    std::optional<Attended> attended(std::in_place, clipper_.pool(), progress_, clipping.end);
+    std::optional<Stoppable> stoppable(std::in_place, progress_);
     // It sorts the seeds of a power diagram to find those at one place.
     if (!job_.domain->has_weights() || !device_clips_ || duplicates_ || !job_.outside.empty())
         clipper_.set_empty(result_);
     if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
     result_.finish(result, clipper_.pool());
-    attended.reset();
+    stoppable.reset();
     result.stats.device = device_->adapter().name;
     result.stats.fallback_reasons = pending_.reasons();
     result.stats.precision = device_clips_ && !lists_only_ ? job_.options.precision : Precision::double_;

@@ -1,9 +1,15 @@
 // The domain of a result: as options, and where its seeds lie in it; whether it is a whole diagram.
 #include "input/domain_of_result.hpp"
 
+#include "core/progress.hpp"
 #include "input/options.hpp"
 
 namespace votess {
+namespace {
+
+constexpr std::size_t seeds_per_look = 1024;  // after which the user may stop
+
+}  // namespace
 
 Options domain_options(const Tessellation& t) {
     Options options;
@@ -34,6 +40,7 @@ std::vector<double> wrapped_points(const Tessellation& t, std::span<const double
     const Job job = validate({copy, {}}, domain_options(t));
     const Domain& domain = *job.domain;
     for (std::size_t i = 0; i < t.size(); ++i) {
+        if (i % seeds_per_look == 0) check_stop();
         if (t.status()[i] == CellStatus::outside) continue;
         const exact::Point x{copy[3 * i] * job.scale, copy[3 * i + 1] * job.scale, copy[3 * i + 2] * job.scale};
         const auto shift = wrap(domain, x);

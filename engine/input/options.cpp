@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
 #include "cpu/clip/cell.hpp"
@@ -20,6 +21,7 @@ namespace {
 
 constexpr unsigned most_threads = 1024, most_resolution = 1u << 20;
 constexpr std::size_t most_index_digits = 6;
+constexpr std::size_t points_per_look = 4096;      // after which the user may stop
 constexpr double largest_scaled_weight = 0x1p500;  // so that no square overflows
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -106,8 +108,10 @@ void check_scaled(const Job& job) {
             check_scaled(job.box.upper[k], job.scale, "box: upper ", axis_name[k]);
         }
     }
-    for (std::size_t i = 0; i < job.points.coordinates(); ++i)
+    for (std::size_t i = 0; i < job.points.coordinates(); ++i) {
+        if (i % points_per_look == 0) check_stop();
         check_scaled(job.points[i], job.scale, "point ", job.points.first + i / 3, ": ", axis_name[i % 3]);
+    }
 }
 
 void check_domain(const Options& options) {
@@ -245,6 +249,7 @@ void take_walls(Job& job, Domain& domain) {
     for (const Wall& wall : walls) as_given.push_back(domain_wall(wall, 1, {}));
     std::optional<exact::Point> any_inside;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
+        if (i % points_per_look == 0) check_stop();
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
         const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
         const auto wall = std::ranges::find_if_not(as_given, [&](const auto& w) { return inside(w, x); });
@@ -295,6 +300,7 @@ std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
 void take_off_outside(Job& job, const Domain& domain) {
     if (!domain.has_cell_walls()) return;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
+        if (i % points_per_look == 0) check_stop();
         const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
         const exact::Point at = scaled(x, job.scale);  // of seeds far outside nothing finite may be left
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
@@ -335,6 +341,7 @@ Box check_points(const Points& points, const Options& options, std::vector<CellS
     constexpr std::size_t block = 4096;
     Box bounds = nothing;
     for (std::size_t begin = 0; begin < points.count(); begin += block) {
+        check_stop();
         const std::size_t count = std::min(block, points.count() - begin);
         Box some = nothing;
         bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), some)
@@ -357,6 +364,7 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
                std::to_string(count) + " " + of + ": give one for each");
     std::vector<double> weights(given.begin(), given.end());  // read once, see input/snapshot.hpp
     for (std::size_t i = 0; i < count; ++i) {
+        if (i % points_per_look == 0) check_stop();
         const double value = weights[i];
         const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(first + i); };
         if (!std::isfinite(value)) refuse(place() + " = " + number(value) + " is not finite");

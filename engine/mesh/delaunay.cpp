@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/lengthen.hpp"
 #include "input/domain_of_result.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"
@@ -14,6 +15,8 @@ namespace votess {
 namespace {
 
 using detail::Result;
+constexpr std::size_t entries_per_look = 4096, cells_per_look = 1024;  // after which the user may stop
+
 // A face passes a vertex: it comes from `before` and goes to `after`.
 struct Passage {
     std::int32_t vertex;
@@ -23,9 +26,11 @@ struct Passage {
 
 // How many cells meet at each vertex; 0 on the walls, and for those that another one stands for.
 std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& joined) {
-    std::vector<std::int32_t> cells(r.vertices.size() / 3, 0);
+    std::vector<std::int32_t> cells;
+    lengthen(cells, r.vertices.size() / 3);
     std::vector<std::pair<std::size_t, ByteShift>> of_cell;
     for (std::size_t i = 0; joined.any() && i < r.status.size(); ++i) {
+        if (i % cells_per_look == 0) check_stop();
         of_cell.clear();
         for (auto k = at(r.cell_vertex_indptr[i]); k < at(r.cell_vertex_indptr[i + 1]); ++k) {
             const std::int32_t v = r.cell_vertex_indices[k];
@@ -35,9 +40,12 @@ std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& join
         for (std::size_t k = 0; k < of_cell.size(); ++k)
             if (k == 0 || of_cell[k] != of_cell[k - 1]) ++cells[of_cell[k].first];
     }
-    for (std::size_t k = 0; !joined.any() && k < r.cell_vertex_indices.size(); ++k)
-        ++cells[joined.original(r.cell_vertex_indices[k])];
+    if (!joined.any())
+        in_pieces(r.cell_vertex_indices.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) ++cells[joined.original(r.cell_vertex_indices[k])];
+        });
     for (std::size_t entry = 0; entry < r.indices.size(); ++entry) {
+        if (entry % entries_per_look == 0) check_stop();
         if (r.indices[entry] >= 0) continue;
         for (std::int64_t k = r.face_offsets[entry]; k < r.face_offsets[entry + 1]; ++k)
             cells[joined.original(r.face_vertices[at(k)])] = 0;
@@ -48,9 +56,11 @@ std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& join
 class Dual {
 public:
     explicit Dual(const Result& result)
-        : r_(result), joined_(result), cells_(count_cells(result, joined_)), place_(cells_.size(), none) {
+        : r_(result), joined_(result), cells_(count_cells(result, joined_)) {
+        lengthen(place_, cells_.size(), none);
         out_.polytope_indptr.assign(1, 0);
         for (std::size_t v = 0; v < cells_.size(); ++v) {
+            if (v % entries_per_look == 0) check_stop();
             if (cells_[v] == 4) {
                 place_[v] = static_cast<std::int32_t>(out_.tetrahedra_centers.size());
                 out_.tetrahedra_centers.push_back(static_cast<std::int32_t>(v));
@@ -60,16 +70,19 @@ public:
                 out_.polytope_indptr.push_back(out_.polytope_indptr.back() + cells_[v]);
             }
         }
-        out_.tetrahedra.assign(4 * out_.tetrahedra_centers.size(), none);
-        out_.polytope_indices.resize(at(out_.polytope_indptr.back()));
+        lengthen(out_.tetrahedra, 4 * out_.tetrahedra_centers.size(), none);
+        lengthen(out_.polytope_indices, at(out_.polytope_indptr.back()));
         if (!r_.shifts.empty()) {
-            out_.tetrahedra_shifts.resize(3 * out_.tetrahedra.size());
-            out_.polytope_shifts.resize(3 * out_.polytope_indices.size());
+            lengthen(out_.tetrahedra_shifts, 3 * out_.tetrahedra.size());
+            lengthen(out_.polytope_shifts, 3 * out_.polytope_indices.size());
         }
     }
 
     Delaunay make() {
-        for (std::size_t i = 0; i < r_.status.size(); ++i) add_tetrahedra(i);
+        for (std::size_t i = 0; i < r_.status.size(); ++i) {
+            if (i % cells_per_look == 0) check_stop();
+            add_tetrahedra(i);
+        }
         add_polytopes();
         return std::move(out_);
     }
@@ -106,13 +119,15 @@ private:
 
     void add_polytopes() {
         std::vector<std::vector<Member>> members(out_.polytope_centers.size());
-        for (std::size_t i = 0; i < r_.status.size(); ++i)
+        for (std::size_t i = 0; i < r_.status.size(); ++i) {
+            if (i % cells_per_look == 0) check_stop();
             for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
                 const std::int32_t v = r_.cell_vertex_indices[k];
                 const std::size_t center = joined_.original(v);
                 if (cells_[center] > 4)
                     members[at(place_[center])].push_back({static_cast<std::int32_t>(i), negative(joined_.shift(v))});
             }
+        }
         std::size_t to = 0;
         for (auto& polytope : members) {
             std::ranges::sort(polytope);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "core/progress.hpp"
 #include "mesh/dual.hpp"
 
 namespace votess {
@@ -29,6 +30,7 @@ public:
 
     PolytopeFacets find() {
         for (std::size_t p = 0; p < dual_.polytope_centers.size(); ++p) {
+            check_stop();
             center_ = at(dual_.polytope_centers[p]);
             steps_.clear();
             for (auto k = at(dual_.polytope_indptr[p]); k < at(dual_.polytope_indptr[p + 1]); ++k)

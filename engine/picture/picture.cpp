@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <thread>
 
 #include "core/text.hpp"
 #include "input/domain_of_result.hpp"
@@ -155,8 +154,7 @@ Picture render(const Tessellation& tessellation, std::span<const double> given, 
     const picture::DomainShape domain{tessellation.box(), picture::domain_corners(tessellation),
                                       picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
-    const unsigned threads = options.threads != 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-    ThreadPool pool(threads);
+    ThreadPool pool(options.threads);
     const picture::Scene scene = picture::build_scene(mesh, domain, points, values, options, pool);
     return {scene.width, scene.height, picture::draw(scene, pool)};
 }

@@ -28,10 +28,6 @@ void include(Box& box, const exact::Point& x) {
     }
 }
 
-unsigned threads_of(const Options& options) {
-    return options.threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : options.threads;
-}
-
 exact::Point point_of(std::span<const double> points, std::size_t i, double scale) {
     return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
 }
@@ -84,7 +80,7 @@ Intake::Intake(StreamSource& source, const Options& options, const std::string& 
     : source_(source),
       options_(options),
       stages_(stages),
-      pool_(threads_of(options)),
+      pool_(options.threads),
       most_at_once_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 400), 1000, 250000)),
       most_sampled_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 800), 1000, 1000000)),
       bounds_(nothing) {

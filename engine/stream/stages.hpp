@@ -27,11 +27,7 @@ public:
     void at(std::uint64_t done, std::uint64_t total) { Progress::require(progress_.going_on(share_.at(done, total))); }
     // For one of several runs within the stage.
     [[nodiscard]] ProgressCallback within(std::size_t number, std::size_t count) {
-        if (!progress_) return {};
-        return [this, number, count](double fraction) {
-            return progress_.going_on(Share{share_.at(number, count), share_.at(number + 1, count)}.at(
-                static_cast<std::size_t>(fraction * 1000), 1000));
-        };
+        return progress_.within({share_.at(number, count), share_.at(number + 1, count)});
     }
     void end() { progress_.report(1); }
     [[nodiscard]] StageSeconds seconds() { return clock_.seconds(); }

@@ -317,7 +317,7 @@ private:
             bytes += (2 * static_cast<double>(layout_->bytes_of_entry()) + 8) * static_cast<double>(head.entries) /
                      static_cast<double>(head.seeds);
         const auto most = static_cast<std::size_t>(std::max(1000.0, 0.4 * static_cast<double>(stream_.memory) / bytes));
-        ThreadPool pool(std::max(1u, result_.stats.threads));
+        ThreadPool pool(options_.threads);
         Assembler assembler(*layout_, head, std::move(stores), count_, pool);
         sink_.begin(head);
         if (stream_.verify) checks_.emplace(*layout_, sample_size(head.seeds, count_, head.periodic, stream_.memory));

@@ -22,6 +22,7 @@ struct ProbeOptions {
     Want want;
     bool list_walls = false;                 // as Options::list_walls
     std::span<const double> weights, radii;  // Q, of the probes in a power diagram, as in Options; empty: weight 0
+    ProgressCallback progress = {};          // as Options::progress
 };
 
 // Sibson's: the share of a query's cell that each seed had before; in a power diagram the query may bury seeds, whose
@@ -36,6 +37,7 @@ struct NaturalOptions {
     bool at_walls = true;
     bool gradients = false;           // Sibson's only
     std::span<const double> weights;  // Q, of the queries in a power diagram; empty: 0
+    ProgressCallback progress = {};   // as Options::progress
 };
 // Row q, from indptr[q] on: the natural neighbors of query q, ascending, and their weights. All seeds with a share are
 // there. Weights are positive, within 1e-12 of the true ones, and sum to 1 within 1e-13. Gradients have fewer digits. A
@@ -86,17 +88,20 @@ struct GridOptions {
     // 0, 1 or 2: sum along this axis or edge, times the length of a grid cell along it. That makes densities column
     // densities, of a grid whose shape is 1 there. `mean` and `dtfe` integrate exactly, whatever the shape was.
     std::optional<int> project = std::nullopt;
+    ProgressCallback progress = {};  // as Options::progress
 };
 
 // Seeds, sorted and searched once; no cell is built. A shared handle to what never changes, cheap to copy: any number
 // of threads may ask one at the same time. Queries run on the CPU, on options.threads threads, one call after the
-// other.
+// other. Each takes a progress callback, as tessellate() does, and throws `cancelled` when that returns false, also
+// while it waits for another call. A call that was stopped changes nothing. A callback may not ask the Diagram that
+// calls it, which throws `invalid_use`.
 class VOTESS_API Diagram {
 public:
     Diagram();  // of no seeds
     // points: as for tessellate(); copied. Of the options those of the domain, weights, radii, outside, duplicates,
-    // threads, grid_resolution and instructions count. Throws Error as tessellate() does; `unsupported` for a device
-    // other than "cpu" and "auto"; invalid_argument with min_face or min_area, for the cells are whole.
+    // threads, grid_resolution, instructions and progress count. Throws Error as tessellate() does; `unsupported` for a
+    // device other than "cpu" and "auto"; invalid_argument with min_face or min_area, for the cells are whole.
     explicit Diagram(std::span<const double> points, const Options& options = {});
 
     [[nodiscard]] std::size_t size() const noexcept;  // number of seeds, N
@@ -105,7 +110,8 @@ public:
     // vertex the lowest; -1 outside of the domain, and where there are no seeds. On a wall is inside. Of seeds at one
     // place the one that has the cell is named, see Options::duplicates. Throws invalid_argument, and `unsupported` for
     // a query too small beside the box to be represented at one scale.
-    [[nodiscard]] std::vector<std::int32_t> locate(std::span<const double> queries) const;
+    [[nodiscard]] std::vector<std::int32_t> locate(std::span<const double> queries,
+                                                   const ProgressCallback& progress = {}) const;
     // The cell that each query would have if it alone were added to the seeds: bit for bit the row that tessellate()
     // finds for seed N of those and the query, volumes and the like to 1e-10. queries: as for locate(). The result has
     // Q cells, in the order of the queries, whose rows name seeds; N is the query itself, which in a small periodic

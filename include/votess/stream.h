@@ -11,7 +11,7 @@ extern "C" {
 
 // Some seeds, in the order of the input. The arrays stay the caller's, who must keep them until the next callback.
 typedef struct votess_stream_seeds {
-    size_t count;
+    size_t count;           // at most 2^31 - 1
     const double* points;   // 3 * count
     const double* weights;  // count, or NULL; not both of these
     const double* radii;    // count, or NULL

@@ -28,7 +28,8 @@ typedef enum votess_status {
     VOTESS_ERROR_INTERNAL = 5,
     VOTESS_ERROR_DEVICE_LOST = 6,
     VOTESS_ERROR_INVALID_USE = 7,  // the tessellator is at work in another call
-    VOTESS_ERROR_STORAGE = 8       // temporary files of votess_tessellate_stream()
+    VOTESS_ERROR_STORAGE = 8,      // temporary files of votess_tessellate_stream()
+    VOTESS_ERROR_NO_THREADS = 9    // the system gives fewer threads than votess_options.threads
 } votess_status;
 
 // Values of the per-cell status bytes; see CellStatus in votess.hpp.
@@ -76,7 +77,9 @@ typedef enum votess_precision {
     VOTESS_PRECISION_DOUBLE = 1   // relative error 1e-10
 } votess_precision;
 
-// Called from the thread inside votess_tessellate, some ten times a second; return 0 to cancel, else nonzero.
+// Called from the thread inside votess_tessellate or a query, some ten times a second; return 0 to cancel, else
+// nonzero. A C++ exception that a callback throws ends the call with VOTESS_ERROR_CANCELLED, and votess_last_error()
+// names it.
 typedef int (*votess_progress_callback)(double fraction, void* user);
 // message: zero-terminated, valid during the call.
 typedef void (*votess_log_callback)(const char* message, void* user);
@@ -106,7 +109,7 @@ typedef struct votess_options {
     int32_t duplicates;        // VOTESS_DUPLICATES_*
     const char* device;        // "auto", "cpu", "gpu", "lavapipe" or an id of votess_device_info; NULL = auto
     int32_t precision;         // VOTESS_PRECISION_*; default single
-    uint32_t threads;          // CPU threads, 0 = all; at most 1024
+    uint32_t threads;          // CPU threads, 0 = all that the system gives; at most 1024
     uint32_t grid_resolution;  // 0 = automatic; at most 2^20
     uint32_t k_init;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
     uint32_t chunk_size;       // GPU: cells in flight at once, 0 = automatic
@@ -220,10 +223,14 @@ VOTESS_API const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* 
 VOTESS_API const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length);
 
 // Seeds that stay and are asked many times, see Diagram in diagram.hpp: any number of threads may ask one. points are
-// copied; of the options the domain, weights, radii, outside, duplicates, threads, grid_resolution and instructions
-// count.
+// copied; of the options the domain, weights, radii, outside, duplicates, threads, grid_resolution, instructions and
+// progress count; progress is not called after this call.
 VOTESS_API votess_status votess_diagram_new(const double* points, size_t count, const votess_options* options,
                                             votess_diagram** out);
+// A second handle of the same seeds, whose queries call options->progress and stop when it returns 0. The other options
+// do not count. Cheap: nothing is copied, and each handle is freed by itself. On success *out is new, else NULL.
+VOTESS_API votess_status votess_diagram_view(const votess_diagram* diagram, const votess_options* options,
+                                             votess_diagram** out);
 VOTESS_API void votess_diagram_free(votess_diagram* diagram);
 VOTESS_API size_t votess_diagram_size(const votess_diagram* diagram);  // N
 // Writes to seeds, count of them, in whose cell each query lies (3 * count coordinates), -1 outside of the domain.

@@ -41,6 +41,7 @@ enum class ErrorCode : std::int32_t {
     device_lost = 6,  // the device stopped answering or its driver failed
     invalid_use = 7,  // a Tessellator that is at work in another call, or was moved from
     storage = 8,      // a temporary file of tessellate_stream() cannot be written or read, or its disk has no room
+    no_threads = 9,   // the system gives fewer threads than Options::threads requests
 };
 
 class VOTESS_API Error : public std::runtime_error {
@@ -134,8 +135,9 @@ struct Want {
 // "face_areas,volumes". An array brings its whole word. Throws invalid_argument for another name, or an empty one.
 [[nodiscard]] VOTESS_API Want want_of(std::string_view names);
 
-// Called from the thread that runs tessellate(), at most some ten times a second. `fraction` grows from 0 to 1.
-// Return false to stop: tessellate() then throws ErrorCode::cancelled. It may use other Tessellators, not its own.
+// Called from the thread that runs tessellate() or a query, at most some ten times a second. `fraction` grows from 0 to
+// 1. Return false to stop: the call then throws ErrorCode::cancelled. What the callback throws ends the call as well,
+// and reaches its caller. It may use other Tessellators and Diagrams, not its own.
 using ProgressCallback = std::function<bool(double fraction)>;
 // One line of text for a log, without a line end.
 using LogCallback = std::function<void(std::string_view message)>;
@@ -176,7 +178,9 @@ struct Options {
     std::string device = "auto";
     Precision precision = Precision::single;
     // Tuning: changes speed and memory, never the answer.
-    unsigned threads = 0;          // CPU threads, 0 = all; at most 1024
+    // CPU threads, at most 1024. Throws `no_threads` where the system gives fewer. 0 = one for each processor, or as
+    // many of them as the system gives.
+    unsigned threads = 0;
     unsigned grid_resolution = 0;  // blocks along an axis of the sorting grid, 0 = automatic; at most 2^20
     unsigned k_init = 0;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
     unsigned chunk_size = 0;       // GPU: cells in flight at once, 0 = automatic
@@ -319,7 +323,8 @@ public:
 
     // points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box; read only during the call.
     // float32 input is widened without loss. N = 0 gives an empty result; N from 2^31 on is `unsupported`.
-    // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal, device_lost, invalid_use.
+    // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal, device_lost, invalid_use,
+    // no_threads.
     // A Tessellator that was moved from may only be assigned or destroyed, else `invalid_use`.
     [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});

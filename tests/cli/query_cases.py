@@ -1,8 +1,15 @@
 """Questions to seeds that get no cells: --locate, --probe, --interpolate and --to-grid."""
 
+import re
+import resource
+import signal
+import subprocess
+import time
+import unittest
+
 import numpy as np
 
-from cli_test import CUBE, CUBE_BOX, CliTest, random_points, text_of
+from cli_test import CUBE, CUBE_BOX, SANITIZED, CliTest, random_points, text_of
 
 
 class Locate(CliTest):
@@ -317,3 +324,42 @@ class ToGrid(CliTest):
             self.refuse(*arguments, says=says)
         for shape in ("0", "1,2", "1,2,3,4", "2,,2", "x", "", "1,2,", "9999999"):
             self.refuse("p.csv", "--to-grid", "dtfe", "--shape", shape, *out, says="--shape must be")
+
+
+class Stops(CliTest):
+    """Ctrl-C during a query, and threads that the system does not give."""
+
+    def stop(self, *arguments):
+        process = self.start("--random", 2000, "-t", 1, "-q", *arguments, stderr=subprocess.PIPE)
+        self.addCleanup(process.kill)
+        caught = 0
+        deadline = time.monotonic() + 60
+        # From when on it catches signals.
+        while not caught & 1 << (signal.SIGINT - 1) and process.poll() is None and time.monotonic() < deadline:
+            with open(f"/proc/{process.pid}/status", encoding="ascii") as status:
+                caught = int(re.search(r"^SigCgt:\s*(\w+)", status.read(), re.MULTILINE)[1], 16)
+            time.sleep(0.005)
+        time.sleep(0.05)
+        began = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        error = process.communicate(timeout=60)[1].decode()
+        self.assertLess(time.monotonic() - began, 3)
+        self.assertEqual(process.returncode, 130, error)
+        self.assertEqual(error, "clvotess: stopped, no file was written\n")
+
+    def test_interrupt(self):
+        self.put("q.npy", random_points(3_000_000, seed=4))
+        for query in (["--locate", "q.npy", "-o", "a.npy"], ["--probe", "q.npy", "-o", "a.npz"],
+                      ["--to-grid", "dtfe", "--shape", "200", "-o", "a.npy"]):
+            with self.subTest(query=query[0]):
+                self.stop(*query)
+                self.assertEqual(self.files(), ["q.npy"])
+
+    @unittest.skipIf(SANITIZED, "a sanitizer takes all addresses")
+    def test_threads(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))  # stacks of 8 MB each
+
+        done = self.run_cli("--random", 100, "-t", 1024, "-x", "cpu", "-o", "a.npz", code=1, preexec_fn=limit)
+        self.assertRegex(done.stderr, r"\Aclvotess: threads = 1024, but the system gives only \d+: request fewer[^\n]*\n\Z")
+        self.assertEqual(self.files(), [])

@@ -33,6 +33,7 @@ if grep -rlF -e "$source_dir/" -e "$build_dir/" "$work/prefix" --include='*.cmak
     echo "the files above name the source or build folder" >&2
     exit 1
 fi
+"$source_dir/tests/embed/check_installed.sh" "$work/prefix" "$(cached CMAKE_PROJECT_VERSION)"
 configure -S "$source_dir/tests/embed/cpp_consumer" -B "$work/installed" -DCMAKE_PREFIX_PATH="$work/prefix"
 cmake --build "$work/installed" --parallel "$jobs"
 "$work/installed/cpp_consumer"

@@ -34,6 +34,7 @@ class ErrorCode(IntEnum):
     DEVICE_LOST = 6  #: the device stopped answering or its driver failed
     INVALID_USE = 7  #: a Tessellator that is at work in another call
     STORAGE = 8  #: temporary files of :func:`tessellate_stream` cannot be written, or their disk has no room
+    NO_THREADS = 9  #: the system gives fewer threads than were requested
 
 
 class CellStatus(IntEnum):
@@ -219,6 +220,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_delaunay_polytope_shifts": _ARRAY,  # int8
     "votess_delaunay_polytope_centers": _ARRAY,  # int32
     "votess_diagram_new": (c_int, (c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
+    "votess_diagram_view": (c_int, (_HANDLE, POINTER(Options), POINTER(_HANDLE))),
     "votess_diagram_free": (None, (_HANDLE,)),
     "votess_diagram_size": (c_size_t, (_HANDLE,)),
     "votess_diagram_locate": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),

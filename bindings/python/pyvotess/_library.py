@@ -19,7 +19,9 @@ if sys.platform == "win32":
 elif sys.platform == "darwin":
     _FILE_NAMES = ("libvotess.dylib",)
 else:
-    _FILE_NAMES = ("libvotess.so", "libvotess.so." + VERSION.split(".")[0])
+    # The number in the name: until 1.0 a minor version may change the interface.
+    _NUMBER = VERSION.rsplit(".", 1)[0] if VERSION.startswith("0.") else VERSION.split(".")[0]
+    _FILE_NAMES = ("libvotess.so", "libvotess.so." + _NUMBER)
 
 # Builds with a sanitizer start only with its run-time library loaded first; VOTESS_LIBRARY can name them.
 _SKIPPED_BUILDS = ("asan", "tsan")

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _c_api
 from ._c_api import DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
-from ._call import Handle, array_of, raise_on_failure
+from ._call import Handle, Progress, array_of, run, showing
 from ._input import Domain, as_one_each, as_points, as_want, as_word
 from ._library import lib
 from ._state import Cells
@@ -51,8 +51,11 @@ class Diagram:
     Parameters
     ----------
     points : (N, 3) array of real numbers, as for :func:`tessellate`; copied.
-    box, periodic, weights, radii, cell, origin, walls, outside, duplicates, threads, grid_resolution, instructions : as
-        for :func:`tessellate`. Queries run on the CPU.
+    box, periodic, weights, radii, cell, origin, walls, outside, duplicates, threads, grid_resolution, instructions,
+        progress : as for :func:`tessellate`. Queries run on the CPU.
+
+    Each query takes ``progress`` too, as :func:`tessellate` does, and Ctrl-C stops it. A Diagram that was stopped in a
+    query answers the next one. Its own progress callback may not ask it.
 
     Raises
     ------
@@ -74,27 +77,40 @@ class Diagram:
         outside: OutsideWord = "error",
         grid_resolution: int = 0,
         instructions: str = "",
+        progress: Union[None, bool, Progress] = None,
     ) -> None:
         array = np.require(as_points(points), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
         options = new_options("cpu", threads, grid_resolution=grid_resolution, instructions=instructions)
         options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
         kept = Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
         self._handle = Handle(lib.votess_diagram_free)
-        raise_on_failure(
-            lib.votess_diagram_new(
-                array.ctypes.data, len(array), ctypes.byref(options), ctypes.byref(self._handle.pointer)
-            )
-        )
+        with showing(progress) as shown:
+            arguments = (array.ctypes.data, len(array))
+            run(lib.votess_diagram_new, arguments, options, ctypes.byref(self._handle.pointer), shown)
         del kept
 
     def __len__(self) -> int:
         """N, the number of seeds."""
         return int(lib.votess_diagram_size(self._handle.pointer))
 
-    def locate(self, queries: npt.ArrayLike) -> npt.NDArray[np.int32]:
+    def _ask(self, query: Any, progress: Union[None, bool, Progress], *arguments: Any) -> None:
+        """Runs a query of the library on a handle of these seeds that calls ``progress``."""
+
+        def call(options: Any, _out: None) -> int:
+            view = Handle(lib.votess_diagram_free)
+            status = int(lib.votess_diagram_view(self._handle.pointer, options, ctypes.byref(view.pointer)))
+            return status or int(query(view.pointer, *arguments))
+
+        with showing(progress) as shown:
+            run(call, (), new_options("cpu", 0), None, shown)
+
+    def locate(
+        self, queries: npt.ArrayLike, progress: Union[None, bool, Progress] = None
+    ) -> npt.NDArray[np.int32]:
         """In whose cell each query lies.
 
         queries : (Q, 3) array of finite numbers; in a periodic domain anywhere, they are wrapped without rounding.
+        progress : as for :func:`tessellate`.
 
         Returns (Q,) indices of seeds. ``|x - p|^2 - w`` is least for them, exactly; of several cells that meet in the
         query the lowest index is named; -1 where the domain is not (a wall belongs to it), or where there are no
@@ -102,9 +118,7 @@ class Diagram:
         """
         array = _as_queries(queries)
         seeds = np.empty(len(array), np.int32)
-        raise_on_failure(
-            lib.votess_diagram_locate(self._handle.pointer, array.ctypes.data, len(array), seeds.ctypes.data)
-        )
+        self._ask(lib.votess_diagram_locate, progress, array.ctypes.data, len(array), seeds.ctypes.data)
         return seeds
 
     def probe(
@@ -113,6 +127,7 @@ class Diagram:
         want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
         weights: Optional[npt.ArrayLike] = None,
         list_walls: bool = False,
+        progress: Union[None, bool, Progress] = None,
     ) -> Probes:
         """The cell that each query would have if it alone were added to the seeds.
 
@@ -127,7 +142,7 @@ class Diagram:
         Parameters
         ----------
         queries : (Q, 3) array, as for :meth:`locate`.
-        want, list_walls : as for :func:`tessellate`.
+        want, list_walls, progress : as for :func:`tessellate`.
         weights : (Q,) numbers, the weights of the queries in a power diagram; of radii their squares. Default: 0.
 
         Raises
@@ -140,16 +155,15 @@ class Diagram:
         options.list_walls = bool(list_walls)
         numbers = _as_weights(weights, len(array))
         result = Handle(lib.votess_result_free)
-        raise_on_failure(
-            lib.votess_diagram_probe(
-                self._handle.pointer,
-                array.ctypes.data,
-                len(array),
-                options.want,
-                options.list_walls,
-                _address(numbers),
-                ctypes.byref(result.pointer),
-            )
+        self._ask(
+            lib.votess_diagram_probe,
+            progress,
+            array.ctypes.data,
+            len(array),
+            options.want,
+            options.list_walls,
+            _address(numbers),
+            ctypes.byref(result.pointer),
         )
         return Probes(result, implied_words(options))
 
@@ -160,6 +174,7 @@ class Diagram:
         at_walls: bool = True,
         gradient: bool = False,
         weights: Optional[npt.ArrayLike] = None,
+        progress: Union[None, bool, Progress] = None,
     ) -> NaturalCoordinates:
         """Natural-neighbor coordinates of each query.
 
@@ -175,6 +190,7 @@ class Diagram:
             linear fields are not reproduced. False: no coordinates where the cell of a query has a wall.
         gradient : the gradient of each weight with respect to the query too; "sibson" only; NaN on seeds.
         weights : (Q,) numbers, the weights of the queries in a power diagram. Default: 0.
+        progress : as for :func:`tessellate`.
 
         The first call with N/2 queries or more, of Sibson's in a box, keeps all Voronoi vertices, some 430 bytes a seed,
         and answers two to three times faster from then on. The GIL is released.
@@ -187,17 +203,16 @@ class Diagram:
         array = _as_queries(queries)
         numbers = _as_weights(weights, len(array))
         natural = Handle(lib.votess_natural_free)
-        raise_on_failure(
-            lib.votess_natural_new(
-                self._handle.pointer,
-                array.ctypes.data,
-                len(array),
-                as_word(method, "method", _c_api.NATURAL_METHODS),
-                bool(at_walls),
-                bool(gradient),
-                _address(numbers),
-                ctypes.byref(natural.pointer),
-            )
+        self._ask(
+            lib.votess_natural_new,
+            progress,
+            array.ctypes.data,
+            len(array),
+            as_word(method, "method", _c_api.NATURAL_METHODS),
+            bool(at_walls),
+            bool(gradient),
+            _address(numbers),
+            ctypes.byref(natural.pointer),
         )
 
         def read(name: str, dtype: Any, columns: int = 0) -> npt.NDArray[Any]:
@@ -218,6 +233,7 @@ class Diagram:
         at_walls: bool = ...,
         gradient: Literal[False] = ...,
         weights: Optional[npt.ArrayLike] = ...,
+        progress: Union[None, bool, Progress] = ...,
     ) -> npt.NDArray[np.float64]: ...
 
     @overload
@@ -230,6 +246,7 @@ class Diagram:
         *,
         gradient: Literal[True],
         weights: Optional[npt.ArrayLike] = ...,
+        progress: Union[None, bool, Progress] = ...,
     ) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
 
     def interpolate(
@@ -240,6 +257,7 @@ class Diagram:
         at_walls: bool = True,
         gradient: bool = False,
         weights: Optional[npt.ArrayLike] = None,
+        progress: Union[None, bool, Progress] = None,
     ) -> Union[npt.NDArray[np.float64], Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
         """The field at each query: the sum of the seeds' values by the coordinates of :meth:`natural_neighbors`.
 
@@ -253,19 +271,18 @@ class Diagram:
         numbers = _as_weights(weights, len(array))
         field = np.empty((len(array), *of_seeds.shape[1:]))
         slopes = np.empty((*field.shape, 3)) if gradient else None
-        raise_on_failure(
-            lib.votess_diagram_interpolate(
-                self._handle.pointer,
-                of_seeds.ctypes.data,
-                of_seeds.shape[1] if of_seeds.ndim == 2 else 1,
-                array.ctypes.data,
-                len(array),
-                as_word(method, "method", _c_api.NATURAL_METHODS),
-                bool(at_walls),
-                _address(numbers),
-                field.ctypes.data,
-                _address(slopes),
-            )
+        self._ask(
+            lib.votess_diagram_interpolate,
+            progress,
+            of_seeds.ctypes.data,
+            of_seeds.shape[1] if of_seeds.ndim == 2 else 1,
+            array.ctypes.data,
+            len(array),
+            as_word(method, "method", _c_api.NATURAL_METHODS),
+            bool(at_walls),
+            _address(numbers),
+            field.ctypes.data,
+            _address(slopes),
         )
         return field if slopes is None else (field, slopes)
 
@@ -275,6 +292,7 @@ class Diagram:
         shape: Union[int, Iterable[int]],
         method: GridWord = "mean",
         project: Optional[int] = None,
+        progress: Union[None, bool, Progress] = None,
     ) -> npt.NDArray[np.float64]:
         """What the seeds carry, on a regular grid over the domain.
 
@@ -293,6 +311,7 @@ class Diagram:
             cell. ``"nearest"``, ``"sibson"``: the value of the cell that holds the center of the grid cell, or what
             :meth:`interpolate` finds there; 0 outside of the domain.
         project : 0, 1 or 2: sum along this axis times the length of a grid cell, as column densities are.
+        progress : as for :func:`tessellate`.
 
         Returns
         -------
@@ -317,17 +336,16 @@ class Diagram:
         left = [n for axis, n in enumerate(numbers) if axis != project]
         grid = np.empty((*left, *of_seeds.shape[1:]))
         without = ctypes.c_size_t()
-        raise_on_failure(
-            lib.votess_diagram_to_grid(
-                self._handle.pointer,
-                of_seeds.ctypes.data,
-                of_seeds.shape[1] if of_seeds.ndim == 2 else 1,
-                (ctypes.c_size_t * 3)(*numbers),
-                as_word(method, "method", _c_api.GRID_METHODS),
-                -1 if project is None else project,
-                grid.ctypes.data,
-                ctypes.byref(without),
-            )
+        self._ask(
+            lib.votess_diagram_to_grid,
+            progress,
+            of_seeds.ctypes.data,
+            of_seeds.shape[1] if of_seeds.ndim == 2 else 1,
+            (ctypes.c_size_t * 3)(*numbers),
+            as_word(method, "method", _c_api.GRID_METHODS),
+            -1 if project is None else project,
+            grid.ctypes.data,
+            ctypes.byref(without),
         )
         if without.value:
             warnings.warn(f"dtfe left out the mass of {without.value} seeds, of {len(self)}: they are in no tetrahedron", stacklevel=2)

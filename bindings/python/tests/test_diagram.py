@@ -1,12 +1,19 @@
 """Diagram: which cell holds a point, and what cell a point would have."""
 
+import _thread
 import copy
+import io
+import os
 import pickle
+import subprocess
+import sys
 import threading
+import time
 import unittest
+from contextlib import redirect_stderr
 
 import numpy as np
-from helpers import CELL, UNIT_BOX, lattice, uniform
+from helpers import CELL, PACKAGE_PARENT, UNIT_BOX, lattice, uniform
 
 import pyvotess as vt  # noqa: E402
 
@@ -302,6 +309,82 @@ class NaturalNeighbors(unittest.TestCase):
         with self.assertRaises(vt.VotessError) as raised:
             vt.Diagram([(0.5, 0.5, 0.5)], UNIT_BOX, periodic=True).natural_neighbors([(0.1, 0.2, 0.3)])
         self.assertEqual(raised.exception.code, vt.ErrorCode.UNSUPPORTED)
+
+
+class Stops(unittest.TestCase):
+    def queries(self, d, points):
+        return {
+            "Diagram": lambda progress: vt.Diagram(points, UNIT_BOX, progress=progress),
+            "locate": lambda progress: d.locate(points, progress=progress),
+            "probe": lambda progress: d.probe(points, progress=progress).volumes,
+            "natural_neighbors": lambda progress: d.natural_neighbors(points, progress=progress).weights,
+            "interpolate": lambda progress: d.interpolate(points, points, progress=progress),
+            "to_grid": lambda progress: d.to_grid(points, 5, progress=progress),
+        }
+
+    def test_progress(self):
+        points = uniform(500)
+        d = vt.Diagram(points, UNIT_BOX)
+        for name, query in self.queries(d, points).items():
+            with self.subTest(name):
+                fractions = []
+                found = query(fractions.append)
+                self.assertEqual((fractions[0], fractions[-1]), (0, 1))
+                self.assertEqual(fractions, sorted(fractions))
+                for last in (1, 3):
+                    calls = []
+
+                    def stop(fraction):
+                        calls.append(fraction)
+                        if len(calls) < last:
+                            time.sleep(0.101)  # so that the next look calls
+                        return len(calls) < last
+
+                    with self.assertRaises(vt.VotessError) as raised:
+                        query(stop)
+                    self.assertEqual(raised.exception.code, vt.ErrorCode.CANCELLED)
+                    self.assertEqual(len(calls), last)
+                with self.assertRaisesRegex(ZeroDivisionError, "mine"):
+                    query(lambda fraction: (_ for _ in ()).throw(ZeroDivisionError("mine")))
+                if name != "Diagram":
+                    np.testing.assert_array_equal(query(None), found)
+                shown = io.StringIO()
+                with redirect_stderr(shown):
+                    query(True)
+                self.assertIn("100", shown.getvalue())
+        with self.assertRaises(vt.VotessError) as raised:
+            d.probe(points, progress=lambda fraction: time.sleep(0.101) or d.locate(points) is not None)
+        self.assertEqual(raised.exception.code, vt.ErrorCode.INVALID_USE)
+
+    def test_interrupt(self):
+        points = uniform(2000)
+        d = vt.Diagram(points, UNIT_BOX, threads=1)
+        many = uniform(1_000_000, seed=5)
+        for query in (lambda: d.to_grid(points, 250, "nearest"), lambda: d.natural_neighbors(many, "laplace")):
+            timer = threading.Timer(0.2, _thread.interrupt_main)
+            start = time.perf_counter()
+            timer.start()
+            try:
+                with self.assertRaises(KeyboardInterrupt):
+                    query()
+            finally:
+                timer.join()
+            self.assertLess(time.perf_counter() - start, 5)
+        self.assertEqual(len(d.locate(points)), 2000)
+
+    @unittest.skipIf("VOTESS_TEST_REDUCED" in os.environ, "a sanitizer takes all addresses")
+    def test_threads_that_the_system_does_not_give(self):
+        program = (
+            "import pyvotess as vt, resource\n"
+            "resource.setrlimit(resource.RLIMIT_AS, (1 << 31, 1 << 31))\n"
+            "try:\n"
+            "    vt.tessellate([(0.0, 0.0, 0.0)], threads=1024, device='cpu')\n"
+            "except vt.VotessError as error:\n"
+            "    print(error.code.name, error)\n"
+        )
+        environment = dict(os.environ, PYTHONPATH=PACKAGE_PARENT, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+        done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
+        self.assertRegex(done.stdout, r"\ANO_THREADS threads = 1024, but the system gives only \d+: request fewer", done.stderr)
 
 
 if __name__ == "__main__":

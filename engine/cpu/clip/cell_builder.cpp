@@ -8,6 +8,8 @@
 #include <limits>
 #include <tuple>
 
+#include "core/progress.hpp"
+
 namespace votess::cpu {
 namespace {
 
@@ -20,6 +22,7 @@ constexpr double band_growth = 1.6;               // of the squared distance fro
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of places that are rounded
+constexpr std::size_t vertices_per_look = std::size_t{1} << 14;
 
 bool farther(const QueueEntry& a, const QueueEntry& b) {
     return a.distance_squared > b.distance_squared;
@@ -116,7 +119,15 @@ void CellBuilder::clip_by_heaviest() {
     clip_by_image(heaviest_, only_shift(*domain_, nearest));
 }
 
+void CellBuilder::look() {
+    tested_vertices_ += static_cast<std::size_t>(cell_.slots());
+    if (tested_vertices_ < vertices_per_look) return;
+    tested_vertices_ = 0;
+    check_stop();
+}
+
 void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
+    look();
     if (plain_ && coincident_ < 0)
         cell_.clip(id, {x, y, z});
     else if (seeds_.images == nullptr)
@@ -126,6 +137,7 @@ void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
 }
 
 void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
+    look();
     const auto i = static_cast<std::size_t>(home);
     // The nearest of them are there from the start.
     if ((home == own_ || home == heaviest_) && cell_.knows(home, shift)) return;
@@ -342,6 +354,7 @@ Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
     });
     start();
     for (const CellPlane& plane : planes_) {
+        look();
         if (!cell_.knows(plane.id, plane.shift)) cell_.clip(plane.id, plane.source, plane.shift);
     }
     return cell_;
@@ -381,6 +394,7 @@ void CellBuilder::clip_far(double from) {
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > most_tests_) return;
+        look();
         if (!cell_.in_reach(seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_), more_weight_))
             continue;
         if (entry.level > 0) {
@@ -442,6 +456,7 @@ void CellBuilder::clip_far_images() {
         const double reach = reach_squared();
         if (entry.distance_squared >= reach || reach <= known * known) return;
         if (++tests_ > most_tests_) return;
+        look();
         if (!cell_.in_reach(entry.images, more_weight_)) continue;
         if (tests_ > most_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
         const bool single = entry.at.shifts.is_single();

@@ -76,6 +76,8 @@ private:
     [[nodiscard]] exact::Plane bisector(std::int32_t home, const exact::Shift& shift) const;
     [[nodiscard]] bool coincides(const exact::Plane& bisector) const;
     [[nodiscard]] std::int32_t find_coincident();
+    // Lets the user stop, after every so many vertices that were tested.
+    void look();
     // A seed or image, by its id.
     void clip_by(std::int32_t id, double x, double y, double z);
     void clip_by_image(std::int32_t home, const exact::Shift& shift);
@@ -134,6 +136,7 @@ private:
     std::vector<CellPlane> planes_;
     std::size_t tests_ = 0, most_tests_ = 0;  // of the current seed
     double reach_ = 0;                        // 4 R^2 expected of the next cell
+    std::size_t tested_vertices_ = 0;         // since the last look
 };
 
 }  // namespace votess::cpu

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "core/progress.hpp"
+
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t most_together = 64;  // probes that share a window
+constexpr std::size_t most_together = 64;    // probes that share a window
+constexpr std::size_t probes_per_look = 16;  // after which the user may stop
 
 }  // namespace
 
@@ -46,8 +49,10 @@ void Prober::run(std::span<const Probe> probes, std::size_t near, ProbeSink& sin
     if (walk) star_->begin_probes(near, keep_);
     for (std::size_t begin = 0, end = 0; begin < probes.size(); begin = end) {
         end = walk ? begin + look_around(probes.subspan(begin)) : probes.size();
-        for (std::size_t k = begin; k < end; ++k)
+        for (std::size_t k = begin; k < end; ++k) {
+            if (k % probes_per_look == 0) check_stop();
             if (!walk || !star_->build(probes[k]) || !sink.take(k, *star_)) clip(probes[k], k, sink);
+        }
     }
 }
 

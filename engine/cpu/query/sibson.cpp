@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/progress.hpp"
 #include "core/vector3.hpp"
 
 namespace votess::cpu {

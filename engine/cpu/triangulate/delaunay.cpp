@@ -6,12 +6,12 @@
 #include <limits>
 #include <numeric>
 
+#include "core/progress.hpp"
 #include "exact/insphere.hpp"
 
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t watch_interval = 4096;
 // Uniform seeds have 7 tetrahedra each, infinite ones included.
 constexpr std::size_t most_cells_per_seed = 64, most_cells_of_few = 4'000'000;
 constexpr int first_round_bits = 8;
@@ -30,28 +30,32 @@ std::vector<std::int32_t> insertion_order(std::size_t count) {
     const int rounds = std::max(0, static_cast<int>(std::bit_width(count)) - first_round_bits) + 1;
     auto round_of = [&](std::size_t i) { return rounds - 1 - std::min(rounds - 1, std::countr_zero(scramble(i))); };
     std::vector<std::size_t> begin(static_cast<std::size_t>(rounds) + 1);
-    for (std::size_t i = 0; i < count; ++i) ++begin[round_of(i) + 1];
+    in_pieces(count, [&](std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i < end; ++i) ++begin[round_of(i) + 1];
+    });
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     std::vector<std::int32_t> order(count);
-    for (std::size_t i = 0; i < count; ++i) order[begin[round_of(i)]++] = static_cast<std::int32_t>(i);
+    in_pieces(count, [&](std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i < end; ++i) order[begin[round_of(i)]++] = static_cast<std::int32_t>(i);
+    });
     return order;
 }
 
 }  // namespace
 
-Delaunay::Delaunay(const SortedSeeds& seeds, const Watch& watch) : count_(seeds.size()) {
+Delaunay::Delaunay(const SortedSeeds& seeds) : count_(seeds.size()) {
     points_.reserve(count_ + 4);
     for (std::size_t i = 0; i < count_; ++i) points_.push_back({seeds.x[i], seeds.y[i], seeds.z[i]});
     points_.insert(points_.end(), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
     first_.assign(points_.size(), Triangulation::unused);
     Triangulation triangulation(points_);
-    valid_ = count_ < 2 || triangulate(triangulation, watch);
+    valid_ = count_ < 2 || triangulate(triangulation);
     if (!valid_) return;
     cells_ = triangulation.take();
     list_by_vertex();
 }
 
-bool Delaunay::triangulate(Triangulation& triangulation, const Watch& watch) {
+bool Delaunay::triangulate(Triangulation& triangulation) {
     std::vector<std::int32_t> order = insertion_order(count_);
     // Coplanar seeds get a point beside their plane, collinear ones two: then every tetrahedron joins triangles (pairs)
     // of seeds to these points. Wherever these are, its circumsphere meets the plane (line) in the circle of the
@@ -82,23 +86,24 @@ bool Delaunay::triangulate(Triangulation& triangulation, const Watch& watch) {
     for (std::size_t k = 2; k < count_; ++k) {
         const std::int32_t p = order[k];
         if (p == c || p == d) continue;
+        check_stop();
         triangulation.insert(p);
         if (triangulation.tetrahedra().size() > most) return false;
-        if (watch && k % watch_interval == 0 && !watch(static_cast<double>(k) / static_cast<double>(count_)))
-            return false;
     }
     return true;
 }
 
 void Delaunay::list_by_vertex() {
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-        Tetrahedron& t = cells_[i];
-        if (!Triangulation::is_finite(t)) continue;  // nor unused
-        for (int k = 0; k < 4; ++k) {
-            t.neighbor[k] = first_[t.vertex[k]];
-            first_[t.vertex[k]] = static_cast<std::int32_t>(i);
+    in_pieces(cells_.size(), [this](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            Tetrahedron& t = cells_[i];
+            if (!Triangulation::is_finite(t)) continue;  // nor unused
+            for (int k = 0; k < 4; ++k) {
+                t.neighbor[k] = first_[t.vertex[k]];
+                first_[t.vertex[k]] = static_cast<std::int32_t>(i);
+            }
         }
-    }
+    });
 }
 
 void Delaunay::neighbors(std::size_t seed, std::vector<std::int32_t>& out) const {

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "cpu/sort/sort.hpp"
@@ -17,18 +16,15 @@ namespace votess::cpu {
 
 class Delaunay {
 public:
-    // Called now and then with the fraction done; false gives up.
-    using Watch = std::function<bool(double)>;
+    explicit Delaunay(const SortedSeeds& seeds);
 
-    explicit Delaunay(const SortedSeeds& seeds, const Watch& watch = {});
-
-    // False when given up: by the watch, or since the tetrahedra are too many (there may be N^2 / 2).
+    // False when the tetrahedra are too many (there may be N^2 / 2).
     [[nodiscard]] bool valid() const { return valid_; }
     // Sorted seeds, ascending. From any thread.
     void neighbors(std::size_t seed, std::vector<std::int32_t>& out) const;
 
 private:
-    [[nodiscard]] bool triangulate(Triangulation& triangulation, const Watch& watch);
+    [[nodiscard]] bool triangulate(Triangulation& triangulation);
     void list_by_vertex();
 
     std::size_t count_;

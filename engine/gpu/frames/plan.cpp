@@ -37,6 +37,15 @@ void check(const PlanOptions& options) {
     detail::check_domain(options);
 }
 
+void check_family(const gpu::vulkan::Adapter& adapter, std::uint32_t family) {
+    const std::string given = "queue_family = " + std::to_string(family);
+    if (family >= adapter.families.size())
+        refuse(given + ", but " + adapter.name + " has " + std::to_string(adapter.families.size()) +
+               " queue families: give the family of the queue that runs the commands");
+    if (!(adapter.families[family] & VK_QUEUE_COMPUTE_BIT))
+        refuse(given + " has no compute on " + adapter.name + ": requirements() names a family that has");
+}
+
 // Arrays that shaders see as wholes.
 void check_range(const gpu::vulkan::Device& device, VkDeviceSize bytes, const char* what, const char* option) {
     const VkDeviceSize most = device.adapter().limits.maxStorageBufferRange;
@@ -67,6 +76,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     if (host.physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
     if (host.device == VK_NULL_HANDLE) refuse("the device is null");
     const auto adapter = gpu::vulkan::query_adapter(instance->calls(), host.physical_device, instance->version());
+    check_family(adapter, host.queue_family);
     auto state = std::make_shared<detail::PlanState>();
     state->device = gpu::vulkan::Device::adopt(
         instance, adapter,

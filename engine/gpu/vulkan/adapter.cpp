@@ -97,8 +97,10 @@ void query_queues(Adapter& a, const InstanceCalls& calls) {
     calls.vkGetPhysicalDeviceQueueFamilyProperties(a.handle, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     calls.vkGetPhysicalDeviceQueueFamilyProperties(a.handle, &count, families.data());
+    for (const VkQueueFamilyProperties& family : families)
+        a.families.push_back(family.queueCount > 0 ? family.queueFlags : 0);
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (!(families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) || families[i].queueCount == 0) continue;
+        if (!(a.families[i] & VK_QUEUE_COMPUTE_BIT)) continue;
         const bool first = a.queue_family == VK_QUEUE_FAMILY_IGNORED;
         if (!first && (a.timestamp_bits > 0 || families[i].timestampValidBits == 0)) continue;
         a.queue_family = i;

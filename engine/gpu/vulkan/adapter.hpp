@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "gpu/vulkan/api.hpp"
 
@@ -43,6 +44,7 @@ struct Adapter {
     bool can_ask_for_nearest32 = false, can_ask_for_nearest64 = false;
 
     std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;  // with compute, and with timestamps if there is one
+    std::vector<VkQueueFlags> families;                    // what each can do; nothing where it has no queue
     std::uint32_t timestamp_bits = 0;                      // 0: no timestamps
     bool portability_subset = false;                       // must be enabled where it exists
 

@@ -16,6 +16,28 @@ using namespace test::frame;
 using test::Coordinates;
 using test::PointSet;
 
+namespace {
+
+// A driver whose queues compute nothing.
+PFN_vkGetInstanceProcAddr real_address = nullptr;
+PFN_vkGetPhysicalDeviceQueueFamilyProperties real_families = nullptr;
+
+VKAPI_ATTR void VKAPI_CALL families_without_compute(VkPhysicalDevice device, std::uint32_t* count,
+                                                    VkQueueFamilyProperties* families) {
+    real_families(device, count, families);
+    for (std::uint32_t i = 0; families != nullptr && i < *count; ++i)
+        families[i].queueFlags &= ~VkQueueFlags{VK_QUEUE_COMPUTE_BIT};
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL address_without_compute(VkInstance instance, const char* name) {
+    const PFN_vkVoidFunction address = real_address(instance, name);
+    if (std::strcmp(name, "vkGetPhysicalDeviceQueueFamilyProperties") != 0) return address;
+    real_families = reinterpret_cast<PFN_vkGetPhysicalDeviceQueueFamilyProperties>(address);
+    return reinterpret_cast<PFN_vkVoidFunction>(families_without_compute);
+}
+
+}  // namespace
+
 TEST_SUITE("cases") {
     TEST_CASE("gpu frame: every family equals the CPU") {
         Host host;
@@ -257,6 +279,19 @@ TEST_SUITE("cases") {
             return code == votess::ErrorCode::invalid_argument;
         };
         CHECK(refused([&] { Plan({}, good); }));
+        for (const std::uint32_t family : {99u, VK_QUEUE_FAMILY_IGNORED}) {
+            HostDevice device = host.device();
+            device.queue_family = family;
+            CHECK(refused([&] { Plan(device, good); }));
+            CHECK(said.starts_with("queue_family = " + std::to_string(family) + ", but "));
+        }
+        {
+            HostDevice device = host.device();
+            real_address = device.host.get_instance_proc_addr;
+            device.host.get_instance_proc_addr = address_without_compute;
+            CHECK(refused([&] { Plan(device, good); }));
+            CHECK(said.starts_with("queue_family = " + std::to_string(device.queue_family) + " has no compute"));
+        }
         PlanOptions options = good;
         options.most_seeds = 0;
         CHECK(refused([&] { Plan(host.device(), options); }));

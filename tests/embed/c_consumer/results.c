@@ -429,6 +429,53 @@ static void check_natural(const votess_diagram* diagram) {
                 VOTESS_ERROR_INVALID_ARGUMENT, "components");
 }
 
+static int note_fraction(double fraction, void* user) {
+    double* last = user;
+    const int grows = fraction >= *last;
+    *last = fraction;
+    return grows;
+}
+
+static int stop_at_once(double fraction, void* user) {
+    return fraction < 0 && user == NULL;
+}
+
+// Another handle of the same seeds, whose queries report and can be stopped.
+static void check_views(const votess_diagram* diagram) {
+    votess_options options;
+    CHECK(votess_options_init(&options, sizeof options) == VOTESS_OK);
+    double last = -1, grid[8];
+    const double values[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    const size_t shape[3] = {2, 2, 2};
+    options.progress = note_fraction;
+    options.progress_user = &last;
+    votess_diagram* view = NULL;
+    CHECK(votess_diagram_view(diagram, &options, &view) == VOTESS_OK && votess_diagram_size(view) == 8);
+    CHECK(votess_diagram_to_grid(view, values, 1, shape, VOTESS_GRID_MEAN, -1, grid, NULL) == VOTESS_OK);
+    CHECK(last == 1);
+    votess_diagram_free(view);
+
+    options.progress = stop_at_once;
+    CHECK(votess_diagram_view(diagram, &options, &view) == VOTESS_OK);
+    const double query[3] = {0.4, 0.6, 0.5};
+    int32_t seed = 0;
+    votess_result* probes = NULL;
+    votess_natural* natural = NULL;
+    CHECK_FAILS(votess_diagram_locate(view, query, 1, &seed), VOTESS_ERROR_CANCELLED, "progress");
+    CHECK_FAILS(votess_diagram_probe(view, query, 1, VOTESS_WANT_VOLUMES, 0, NULL, &probes), VOTESS_ERROR_CANCELLED,
+                "progress");
+    CHECK_FAILS(votess_natural_new(view, query, 1, 0, 1, 0, NULL, &natural), VOTESS_ERROR_CANCELLED, "progress");
+    CHECK_FAILS(votess_diagram_interpolate(view, values, 1, query, 1, 0, 1, NULL, grid, NULL), VOTESS_ERROR_CANCELLED,
+                "progress");
+    CHECK_FAILS(votess_diagram_to_grid(view, values, 1, shape, 0, -1, grid, NULL), VOTESS_ERROR_CANCELLED, "progress");
+    CHECK(probes == NULL && natural == NULL);
+    CHECK(votess_diagram_locate(diagram, query, 1, &seed) == VOTESS_OK);
+    votess_diagram_free(view);
+    CHECK_FAILS(votess_diagram_view(NULL, &options, &view), VOTESS_ERROR_INVALID_ARGUMENT, "diagram");
+    CHECK(view == NULL);
+    CHECK_FAILS(votess_diagram_view(diagram, &options, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "out");
+}
+
 static void check_grids(const votess_diagram* diagram) {
     const double values[16] = {0, 1, 2, 1, 4, 1, 6, 1, 8, 1, 10, 1, 12, 1, 14, 1};
     const size_t shape[3] = {1, 2, 3}, none[3] = {1, 0, 3}, huge[3] = {SIZE_MAX, SIZE_MAX, 2};
@@ -485,6 +532,9 @@ void check_diagram(void) {
     CHECK_FAILS(votess_diagram_locate(diagram, NULL, 1, seeds), VOTESS_ERROR_INVALID_ARGUMENT, "queries");
     CHECK_FAILS(votess_diagram_locate(diagram, queries, 1, NULL), VOTESS_ERROR_INVALID_ARGUMENT, "seeds");
     CHECK_FAILS(votess_diagram_locate(NULL, queries, 1, seeds), VOTESS_ERROR_INVALID_ARGUMENT, "diagram");
+    CHECK_FAILS(votess_diagram_locate(diagram, queries, (size_t)1 << 40, seeds), VOTESS_ERROR_UNSUPPORTED,
+                "at most 2147483647");
+    check_views(diagram);
     check_probes(diagram);
     check_natural(diagram);
     check_grids(diagram);

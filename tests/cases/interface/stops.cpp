@@ -1,0 +1,309 @@
+// Queries report progress and stop on request; what a callback throws arrives. Small enough for the thread sanitizer.
+#include <doctest/doctest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <votess/votess.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+#include <votess/diagram.hpp>
+
+#include "core/progress.hpp"
+#include "core/thread_pool.hpp"
+#include "support/check.hpp"
+#include "support/generators.hpp"
+
+namespace {
+
+using votess::ProgressCallback;
+
+struct Mine {};
+
+// A call of the library, and its numbers; it may be called several times.
+struct Call {
+    const char* name;
+    std::function<std::vector<double>(const ProgressCallback&)> run;
+};
+
+// 0 when there was none.
+template <class Function>
+votess::ErrorCode error_of(const Function& function, std::string* said = nullptr) {
+    try {
+        function();
+        return {};
+    } catch (const votess::Error& error) {
+        if (said != nullptr) *said = error.what();
+        return error.code();
+    }
+}
+
+template <class Numbers>
+std::vector<double> numbers(const Numbers& list) {
+    return {list.begin(), list.end()};
+}
+
+// Each query, twice where it is answered in two ways; and a Diagram.
+std::vector<Call> calls_of(const votess::Diagram& diagram, const test::PointSet& set, const test::PointSet& queries) {
+    const auto natural = [&diagram, &queries](const ProgressCallback& progress, votess::NaturalMethod method) {
+        votess::NaturalOptions options;
+        options.method = method;
+        options.progress = progress;
+        return numbers(diagram.natural_neighbors(queries.points, options).weights);
+    };
+    std::vector<Call> calls{
+        {"Diagram",
+         [&](const ProgressCallback& progress) {
+             votess::Options options;
+             options.progress = progress;
+             return numbers(votess::Diagram(set.points, options).locate(queries.points));
+         }},
+        {"locate", [&](const ProgressCallback& p) { return numbers(diagram.locate(queries.points, p)); }},
+        {"probe",
+         [&](const ProgressCallback& p) {
+             votess::ProbeOptions options;
+             options.want.faces = true;
+             options.progress = p;
+             return numbers(diagram.probe(queries.points, options).vertices());
+         }},
+        {"natural", [=](const ProgressCallback& p) { return natural(p, votess::NaturalMethod::sibson); }},
+        {"laplace", [=](const ProgressCallback& p) { return natural(p, votess::NaturalMethod::laplace); }},
+        {"interpolate", [&](const ProgressCallback& p) {
+             votess::NaturalOptions options;
+             options.gradients = true;
+             options.progress = p;
+             return diagram.interpolate(set.points, 3, queries.points, options).values;
+         }}};
+    for (int method = 0; method < 4; ++method)
+        calls.push_back({"to_grid", [&, method](const ProgressCallback& p) {
+                             votess::GridOptions grid{{9, 7, 8}, static_cast<votess::GridMethod>(method), 3};
+                             grid.progress = p;
+                             std::vector<double> field(9 * 7 * 8 * 3);
+                             (void)diagram.to_grid(set.points, grid, field);
+                             return field;
+                         }});
+    return calls;
+}
+
+}  // namespace
+
+TEST_SUITE("stops") {
+    // A callback that takes as long as the pause between two calls is called at each look.
+    constexpr std::chrono::milliseconds pause{101};
+
+    TEST_CASE("queries report from 0 to 1, stop when the callback says so, and answer the next call") {
+        const test::PointSet set = test::uniform(600, 81), queries = test::uniform(700, 82);
+        votess::Options options;
+        options.threads = 3;
+        const votess::Diagram diagram(set.points, options), other(set.points, options);
+        const auto expected = calls_of(other, set, queries);
+        const auto calls = calls_of(diagram, set, queries);
+        for (std::size_t k = 0; k < calls.size(); ++k) {
+            CAPTURE(calls[k].name);
+            CAPTURE(k);
+            // Before any number: the first of Sibson's calls makes the graph.
+            int count = 0;
+            const auto code = error_of([&] {
+                (void)calls[k].run([&](double) {
+                    if (++count == 3) return false;
+                    std::this_thread::sleep_for(pause);
+                    return true;
+                });
+            });
+            CHECK(code == votess::ErrorCode::cancelled);
+            CHECK(count == 3);
+            // What it throws arrives.
+            count = 0;
+            CHECK_THROWS_AS((void)calls[k].run([&](double) {
+                if (++count == 2) throw Mine{};
+                std::this_thread::sleep_for(pause);
+                return true;
+            }),
+                            Mine);
+            std::vector<double> fractions;
+            const auto found = calls[k].run([&](double fraction) {
+                fractions.push_back(fraction);
+                return true;
+            });
+            CHECK(std::ranges::is_sorted(fractions));
+            CHECK(fractions.size() >= 2);
+            CHECK(fractions.front() == 0);
+            CHECK(fractions.back() == 1);
+            CHECK(found == expected[k].run({}));
+        }
+    }
+
+    TEST_CASE("fractions of a query that makes cells first grow within it") {
+        const test::PointSet set = test::uniform(2000, 83), queries = test::uniform(2000, 84);
+        const votess::Diagram diagram(set.points);
+        const auto calls = calls_of(diagram, set, queries);
+        for (const Call& call : {calls[3], calls[6], calls[7]}) {
+            CAPTURE(call.name);
+            std::vector<double> fractions;
+            (void)call.run([&](double fraction) {
+                fractions.push_back(fraction);
+                if (fractions.size() < 5) std::this_thread::sleep_for(pause);
+                return true;
+            });
+            CHECK(std::ranges::is_sorted(fractions));
+            CHECK(fractions.back() == 1);
+            CHECK(std::ranges::count_if(fractions, [](double f) { return f > 0 && f < 1; }) > 0);
+        }
+    }
+
+    TEST_CASE("a callback that asks its own Diagram is refused; a call that waits for another can stop") {
+        const test::PointSet set = test::uniform(300, 85);
+        const votess::Diagram diagram(set.points), other(set.points);
+        const auto expected = other.locate(set.points);
+        CHECK(error_of([&] {
+                  (void)diagram.locate(set.points, [&](double fraction) {
+                      CHECK(other.locate(set.points) == expected);
+                      return fraction == 0 || !diagram.locate(set.points).empty();
+                  });
+              }) == votess::ErrorCode{});  // the callback of a query's end comes after its turn
+        std::string said;
+        const auto asks_itself = [&] {
+            votess::ProbeOptions options;
+            options.progress = [&, calls = 0](double) mutable {
+                if (++calls == 3) return !diagram.locate(set.points).empty();
+                std::this_thread::sleep_for(pause);
+                return true;
+            };
+            (void)diagram.probe(set.points, options);
+        };
+        CHECK(error_of(asks_itself, &said) == votess::ErrorCode::invalid_use);
+        CHECK(said.find("callback") != std::string::npos);
+
+        std::atomic<bool> at_work = false, stopped = false;
+        std::jthread worker([&] {
+            (void)diagram.locate(set.points, [&, calls = 0](double) mutable {
+                if (++calls == 1) std::this_thread::sleep_for(pause);
+                if (calls != 2) return true;
+                at_work = true;
+                at_work.notify_all();
+                stopped.wait(false);
+                return true;
+            });
+        });
+        at_work.wait(false);
+        CHECK(error_of([&] {
+                  (void)diagram.locate(set.points, [calls = 0](double) mutable { return ++calls < 2; });
+              }) == votess::ErrorCode::cancelled);
+        stopped = true;
+        stopped.notify_all();
+        worker.join();
+        CHECK(diagram.locate(set.points) == expected);
+    }
+
+    TEST_CASE("tessellate() stops in each stage, and the Tessellator serves on") {
+        const test::PointSet set = test::uniform(3000, 86);
+        votess::Options options = test::all_options(set.box);
+        options.threads = 3;
+        options.device = "cpu";
+        options.want.faces = true;
+        const auto expected = votess::tessellate(set.points, options);
+        votess::Tessellator tessellator;
+        for (const int last : {1, 3, 9}) {
+            CAPTURE(last);
+            int count = 0;
+            options.progress = [&](double) {
+                if (++count == last) return false;
+                if (count > last - 3) std::this_thread::sleep_for(pause);  // else the earlier looks pass
+                return true;
+            };
+            const auto code = error_of([&] { (void)tessellator.tessellate(set.points, options); });
+            CHECK((code == votess::ErrorCode::cancelled) == (count >= last));
+        }
+        options.progress = nullptr;
+        CHECK(test::check_identical(expected, tessellator.tessellate(set.points, options)) == "");
+    }
+
+    TEST_CASE("a task of any thread stops soon, also while the calling thread only waits") {
+        votess::ThreadPool pool(3);
+        int calls = 0;
+        votess::Progress progress([&](double) { return ++calls < 3; });
+        std::atomic<int> running = 0, done = 0;
+        const auto endless = [&](std::size_t, unsigned worker) {
+            ++running;
+            while (worker != 0 || running < 2) votess::check_stop(), std::this_thread::yield();
+        };
+        {
+            const votess::Stoppable stoppable(progress);
+            CHECK(error_of([&] { pool.run(2, endless); }) == votess::ErrorCode::cancelled);
+        }
+        CHECK(calls == 3);
+        pool.run(5, [&](std::size_t, unsigned) { ++done; });
+        CHECK(done == 5);
+    }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which take all addresses
+    TEST_CASE("threads that the system does not give are named, and fewer do where none were requested") {
+        const test::PointSet set = test::uniform(50, 87);
+        int ends[2];
+        REQUIRE(pipe(ends) == 0);
+        const pid_t child = fork();
+        if (child == 0) {
+            const rlimit room{rlim_t{1} << 30, rlim_t{1} << 30};  // stacks of 8 MB each
+            setrlimit(RLIMIT_AS, &room);
+            std::string said;
+            votess::Options options;
+            options.device = "cpu";
+            options.threads = 1024;
+            votess::Tessellator tessellator;
+            for (int repeat = 0; repeat < 2; ++repeat)
+                if (error_of([&] { (void)tessellator.tessellate(set.points, options); }, &said) !=
+                    votess::ErrorCode::no_threads)
+                    said = "no error: " + said;
+            for (const unsigned threads : {2u, 0u}) {
+                options.threads = threads;
+                if (tessellator.tessellate(set.points, options).size() != 50) said = "no cells";
+            }
+            (void)!write(ends[1], said.data(), said.size());
+            _exit(0);
+        }
+        close(ends[1]);
+        std::string said(1000, ' ');
+        const ssize_t size = read(ends[0], said.data(), said.size());
+        close(ends[0]);
+        int status = 0;
+        CHECK(waitpid(child, &status, 0) == child);
+        CHECK(status == 0);
+        said.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+        CAPTURE(said);
+        CHECK(said.starts_with("threads = 1024, but the system gives only "));
+    }
+#endif
+
+    TEST_CASE("C: what a callback of the caller throws is the caller's") {
+        const test::PointSet set = test::uniform(50, 88);
+        votess_options options;
+        REQUIRE(votess_options_init(&options, sizeof options) == VOTESS_OK);
+        const auto said = [&](auto progress) {
+            options.progress = progress;
+            votess_result* result = nullptr;
+            CHECK(votess_tessellate(nullptr, set.points.data(), 50, &options, &result) == VOTESS_ERROR_CANCELLED);
+            CHECK(result == nullptr);
+            const std::string first = votess_last_error();
+            votess_diagram *diagram = nullptr, *view = nullptr;
+            CHECK(votess_diagram_new(set.points.data(), 50, &options, &diagram) == VOTESS_ERROR_CANCELLED);
+            CHECK(diagram == nullptr);
+            CHECK(votess_diagram_new(set.points.data(), 50, nullptr, &diagram) == VOTESS_OK);
+            CHECK(votess_diagram_view(diagram, &options, &view) == VOTESS_OK);
+            std::vector<std::int32_t> seeds(50);
+            CHECK(votess_diagram_locate(view, set.points.data(), 50, seeds.data()) == VOTESS_ERROR_CANCELLED);
+            CHECK(first == votess_last_error());
+            CHECK(votess_diagram_locate(diagram, set.points.data(), 50, seeds.data()) == VOTESS_OK);
+            votess_diagram_free(view);
+            votess_diagram_free(diagram);
+            return first;
+        };
+        CHECK(said([](double, void*) -> int { throw std::runtime_error("no more"); }) ==
+              "the callback progress threw an exception: no more");
+        CHECK(said([](double, void*) -> int { throw Mine{}; }) ==
+              "the callback progress threw what is no std::exception");
+    }
+}
