@@ -43,7 +43,7 @@ import sys
 import zipfile
 
 # Whose code a library holds; a copy of any other library needs its license first.
-holds = {"libpng16": ["libpng"], "libtinygltf": ["tinygltf", "json"], "libstb": ["stb"], "libz": ["zlib"]}
+holds = {"libpng16": ["libpng"], "libz": ["zlib"]}
 wheel = zipfile.ZipFile(sys.argv[1])
 names = wheel.namelist()
 info = next(name for name in names if name.endswith(".dist-info/METADATA"))[: -len("METADATA")]
