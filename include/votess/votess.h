@@ -101,7 +101,7 @@ typedef struct votess_options {
     int32_t cell_periodic[3];  // nonzero: it repeats along a, b, c; default all. periodic says the same, or nothing
     const double* walls;       // 4 * wall_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
     uint64_t wall_count;
-    const double* weights;     // as many as points, or NULL: a power diagram; read only during the call
+    const double* weights;     // as many as points, or NULL: a power diagram; copied by the call
     const double* radii;       // the same as radii, whose squares are the weights; not both
     double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
     double min_area;           // drop faces below this area, see Options::min_area
@@ -165,7 +165,8 @@ VOTESS_API votess_status votess_options_implied_want(const votess_options* optio
 VOTESS_API votess_status votess_tessellator_new(votess_tessellator** out);
 VOTESS_API void votess_tessellator_free(votess_tessellator* tessellator);
 
-// points: 3 * count coordinates, x y z per seed; NULL only when count is 0. options: NULL = defaults.
+// points: 3 * count coordinates, x y z per seed; NULL only when count is 0. The call copies them first: another thread
+// that writes into them meanwhile makes cells wrong, and nothing else. options: NULL = defaults.
 // tessellator: NULL = one for this call; else one call at a time, a second one, from another thread or a callback,
 // fails with VOTESS_ERROR_INVALID_USE; not freed by another thread before the call returns. On success *out is a new
 // result, which does not need the tessellator, else it is NULL.

@@ -159,7 +159,7 @@ struct Options {
     Outside outside = Outside::error;
     // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) and -7, -8, ... in the rows too.
     bool list_walls = false;
-    // Power diagram: N weights w, length unit squared, any sign; read only during the call. The cell of seed i is where
+    // Power diagram: N weights w, length unit squared, any sign; copied by the call. The cell of seed i is where
     // |x - p_i|^2 - w_i is least. Empty: all weights are 0, the Voronoi diagram. Or N radii: weights are their squares,
     // rounded to float64.
     std::span<const double> weights, radii;
@@ -321,7 +321,8 @@ public:
     Tessellator(Tessellator&&) noexcept;
     Tessellator& operator=(Tessellator&&) noexcept;
 
-    // points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box; read only during the call.
+    // points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box. The call copies them and
+    // the weights first. Where another thread writes into them meanwhile, cells are wrong, and nothing else is.
     // float32 input is widened without loss. N = 0 gives an empty result; N from 2^31 on is `unsupported`.
     // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal, device_lost, invalid_use,
     // no_threads.
