@@ -55,8 +55,7 @@ std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& join
 
 class Dual {
 public:
-    explicit Dual(const Result& result)
-        : r_(result), joined_(result), cells_(count_cells(result, joined_)) {
+    explicit Dual(const Result& result) : r_(result), joined_(result), cells_(count_cells(result, joined_)) {
         lengthen(place_, cells_.size(), none);
         out_.polytope_indptr.assign(1, 0);
         for (std::size_t v = 0; v < cells_.size(); ++v) {

@@ -14,7 +14,7 @@ using Vector = Vector3;
 constexpr double worst_condition = 64;  // product of lengths over the determinant: then a vertex is solved exactly
 // Of the squared distance of a vertex from its seeds, which is known to less than that.
 constexpr double uncertain = 0x1p-38;
-constexpr double off_plane = 0x1p-46;  // of the terms that place a corner on a plane
+constexpr double off_plane = 0x1p-46;         // of the terms that place a corner on a plane
 constexpr std::size_t cells_per_look = 1024;  // or vertices, after which the user may stop
 
 }  // namespace
