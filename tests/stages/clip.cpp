@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "core/progress.hpp"
 #include "core/thread_pool.hpp"
 #include "cpu/clip/cell.hpp"
 #include "cpu/clip/cell_kernels.hpp"
@@ -169,7 +170,7 @@ TEST_SUITE("stages") {
         votess::ThreadPool pool(4);
         for (std::size_t count : {0, 1, 3, 1000}) {
             std::vector<std::atomic<int>> runs(count);
-            CHECK(pool.run(count, [&](std::size_t i, unsigned) { ++runs[i]; }));
+            pool.run(count, [&](std::size_t i, unsigned) { ++runs[i]; });
             for (auto& r : runs) REQUIRE(r == 1);
         }
         CHECK_THROWS_AS(pool.run(1000,
@@ -177,20 +178,21 @@ TEST_SUITE("stages") {
                                      if (i == 500) throw std::runtime_error("task");
                                  }),
                         std::runtime_error);
+        // Tasks end only when the user asks to stop, which the calling thread learns while it waits for the others.
         std::atomic<int> done = 0;
-        // The tasks after the first few wait until cancelled, which takes the pool's own thread at its next look.
-        std::atomic<bool> stop = false;
-        const bool finished = pool.run(
-            1000,
-            [&](std::size_t, unsigned worker) {
-                while (++done > 10 && worker != 0 && !stop) std::this_thread::yield();
-            },
-            [&](std::size_t) {
-                stop = done >= 10;
-                return !stop;
+        votess::Progress progress([&](double) { return done < 10; });
+        const auto cancelled = test::error_of([&] {
+            const votess::Stoppable stoppable(progress);
+            pool.run(1000, [&](std::size_t, unsigned) {
+                if (++done <= 10) return;
+                while (true) votess::check_stop(), std::this_thread::yield();
             });
-        CHECK_FALSE(finished);
-        CHECK(stop);
-        CHECK(pool.run(10, [](std::size_t, unsigned) {}));
+        });
+        CHECK(cancelled == votess::ErrorCode::cancelled);
+        CHECK(done >= 10);
+        CHECK(done < 1000);
+        done = 0;
+        pool.run(10, [&](std::size_t, unsigned) { ++done; });
+        CHECK(done == 10);
     }
 }
