@@ -137,33 +137,6 @@ TEST_SUITE("api") {
         CHECK(test::check_identical(test::run(small), tessellator.tessellate(small.points, options)) == "");
     }
 
-    TEST_CASE("a run can be cancelled before its cells are found and after") {
-        const test::PointSet set = test::uniform(test::by_size(30000, 10000), 92);
-        votess::Options options = test::all_options(set.box);
-        options.device = "cpu";
-        options.threads = 2;
-        options.want.faces = true;
-        votess::Tessellator tessellator;
-        const auto expected = tessellator.tessellate(set.points, options);
-        // A callback that takes so long is called again at the next chance.
-        constexpr std::chrono::milliseconds interval{101};
-        for (const bool early : {true, false}) {
-            std::size_t calls = 0;
-            double last = 0;
-            options.progress = [&](double fraction) {
-                last = fraction;
-                if (!early && fraction <= 0.9) return true;
-                if (++calls > (early ? 1 : 4)) return false;
-                std::this_thread::sleep_for(interval);
-                return true;
-            };
-            CHECK_THROWS_AS((void)tessellator.tessellate(set.points, options), votess::Error);
-            CHECK((early ? last == 0 : last > 0.9 && last < 1));
-            options.progress = {};
-            CHECK(test::check_identical(expected, tessellator.tessellate(set.points, options)) == "");
-        }
-    }
-
     TEST_CASE("an exception of the caller's callback comes through") {
         const test::PointSet set = test::uniform(test::by_size(200000, 40000), 90);
         votess::Tessellator tessellator;
