@@ -178,7 +178,7 @@ std::vector<double> make_weights(const test::PointSet& set, Random& random) {
 TEST_SUITE("fuzz") {
     TEST_CASE("gpu: small power diagrams equal the CPU") {
         const auto first = test::environment("VOTESS_FUZZ_SEED", 1);
-        const auto sets = test::environment("VOTESS_FUZZ_SETS", test::by_size(100, 40));
+        const auto sets = test::environment("VOTESS_FUZZ_SETS", test::by_size(60, 30));
         votess::Tessellator tessellator;
         int failures = 0;
         for (std::uint64_t seed = first; seed < first + sets && failures < 5; ++seed) {
@@ -202,7 +202,7 @@ TEST_SUITE("fuzz") {
 
     TEST_CASE("gpu: small sets equal the CPU") {
         const auto first = test::environment("VOTESS_FUZZ_SEED", 1);
-        const auto sets = test::environment("VOTESS_FUZZ_SETS", test::by_size(200, 40));
+        const auto sets = test::environment("VOTESS_FUZZ_SETS", test::by_size(120, 30));
         votess::Tessellator tessellator;
         int failures = 0;
         for (std::uint64_t seed = first; seed < first + sets && failures < 5; ++seed) {

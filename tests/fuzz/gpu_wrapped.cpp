@@ -175,15 +175,15 @@ void run_sets(std::uint64_t sets, bool clusters, const auto& size) {
 
 TEST_SUITE("fuzz") {
     TEST_CASE("gpu: seeds and their translations by rounded periods against exact half-spaces") {
-        run_sets(test::environment("VOTESS_FUZZ_WRAPPED", test::by_size(50, 12)), false,
+        run_sets(test::environment("VOTESS_FUZZ_WRAPPED", test::by_size(30, 8)), false,
                  [](Random& random) { return 2 + random.below(4); });
     }
     TEST_CASE("gpu: many seeds and their translations by rounded periods verify") {
-        run_sets(test::environment("VOTESS_FUZZ_WRAPPED", test::by_size(40, 4)), false,
+        run_sets(test::environment("VOTESS_FUZZ_WRAPPED", test::by_size(25, 4)), false,
                  [](Random& random) { return 20 + random.below(200); });
     }
     TEST_CASE("gpu: clusters of tiny spacings beside periodic faces verify") {
-        run_sets(test::environment("VOTESS_FUZZ_WRAPPED", test::by_size(40, 4)), true,
+        run_sets(test::environment("VOTESS_FUZZ_WRAPPED", test::by_size(25, 4)), true,
                  [](Random& random) { return 5 + random.below(random.chance(0.5) ? 30 : 150); });
     }
 }

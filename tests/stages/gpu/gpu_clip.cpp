@@ -182,7 +182,7 @@ void check_by_work_groups(std::uint32_t lanes) {
                                                                      {CONSTANT_UNIT_ROUNDOFF, unit},
                                                                      {CONSTANT_WALLS, 0},
                                                                      {CONSTANT_WEIGHTS, 0}}});
-    const std::size_t n = test::by_size(70, 40);
+    const std::size_t n = test::by_size(50, 40);
     CHECK(fraction(check_cells(gpu, test::uniform(n, 34), {.second_tier = false}), STATUS_CERTIFIED) > 0.97);
     CHECK(fraction(check_cells(gpu, test::clustered(n, 35), {.second_tier = false}), STATUS_CERTIFIED) > 0.6);
     CHECK(fraction(check_cells(gpu, test::fcc(3), {.second_tier = false}), STATUS_CERTIFIED) == 1);
