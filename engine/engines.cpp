@@ -114,6 +114,7 @@ detail::Result run_job(Engine& engine, const Job& job, StageClock& clock) {
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
     StageClock clock;
     Progress progress(options.progress);
+    progress.postpone();  // a refusal of short input comes before any report
     std::optional<Stoppable> stoppable(std::in_place, progress);
     check_options(options);
     check_shape(points);

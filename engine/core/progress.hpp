@@ -34,6 +34,8 @@ public:
     // False when the user asks to stop. Calls back some ten times a second, with fractions that never fall. A call that
     // comes earlier costs a look at the clock.
     [[nodiscard]] bool going_on(double fraction);
+    // Makes going_on() wait an interval, as after a call.
+    void postpone() { last_ = std::chrono::steady_clock::now(); }
     // Calls in any case: for the beginning, the end and between stages. Throws `cancelled`.
     void report(double fraction);
     // The callback of a run within this one, whose fractions lie in `share`. Empty when nobody listens. This object
