@@ -205,10 +205,10 @@ TEST_CASE("stream: pieces and memory of any size, and seeds that come once, give
     const votess::Options options = options_of(set);
     const auto whole = votess::tessellate(set.points, options);
     for (const std::size_t piece : {1, 100, 100000})
-        for (const std::uint64_t memory : {little, 5 * little, 1000 * little}) {
+        for (const std::uint64_t memory : {little, 9 * little, 1000 * little}) {
             CAPTURE(piece);
             CAPTURE(memory);
-            const bool once = memory == 5 * little;
+            const bool once = memory == 9 * little;
             const test::Streamed found = test::streamed(set.points, options, memory, piece, once);
             CHECK(test::difference(found, whole) == "");
             CHECK((found.result.blocks == 1) == (memory > little));
