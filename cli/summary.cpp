@@ -106,8 +106,7 @@ std::string plain_summary(const Summary& summary) {
     if (stats.duplicates > 0) line("duplicates", std::to_string(stats.duplicates));
     if (stats.empty_cells > 0) line("empty cells", std::to_string(stats.empty_cells));
     if (const auto tiny = tiny_faces(summary); tiny.value_or(0) > 0)
-        line("tiny faces", std::to_string(*tiny) + " below 1e-9 of the mean area, as of a lattice that was rounded; " +
-                               "--min-face 1e-6 drops them");
+        line("tiny faces", std::to_string(*tiny) + " below 1e-9 of the mean area; --min-face 1e-6 drops them");
     if (stats.fallback_cells > 0)
         line("fallback", std::to_string(stats.fallback_cells) + " cells: " + reasons_of(stats));
     line("exact", std::to_string(stats.exact_cells) + " cells needed exact arithmetic");

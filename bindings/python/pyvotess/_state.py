@@ -350,8 +350,8 @@ class Cells:
         tiny = self.stats.tiny_faces
         if tiny and edge_threshold == 0:
             warnings.warn(
-                f"{tiny} of {self.stats.faces} faces are smaller than 1e-9 of the mean face, as in a lattice that was "
-                "rounded: min_face=1e-6 drops them, and edge_threshold the short edges beside them",
+                f"{tiny} of {self.stats.faces} faces are smaller than 1e-9 of the mean face. If the points are a rounded "
+                "lattice, min_face=1e-6 drops them, and edge_threshold the short edges beside them",
                 stacklevel=2,
             )
         return count_edges(self, edge_threshold)

@@ -138,7 +138,7 @@ def make_derivatives(t: Tessellation, of: str, by: str) -> Any:
     i = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     j = rows.indices
     is_seed = j >= 0
-    vector = places[np.where(is_seed, j, i)] - places[i]  # 0 to a wall, whose id is no index
+    vector = places[np.where(is_seed, j, i)] - places[i]  # 0 to a wall, whose id is not an index
     if t.shifts is not None:
         vector += np.where(is_seed[:, None], t.shifts @ edges_of(t), 0)
     distance = np.sqrt(np.einsum("fk,fk->f", vector, vector))

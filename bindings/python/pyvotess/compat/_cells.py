@@ -160,7 +160,7 @@ class CellBlocks:
         corners = number[mirrored].tolist()
         adjacent = self._t.neighbors.indices[entries[0] : entries[-1]]
         if self._ids is not None:
-            is_seed = adjacent >= 0  # the id of a wall is no index
+            is_seed = adjacent >= 0  # the id of a wall is not an index
             adjacent = adjacent.astype(np.int64)
             adjacent[is_seed] = self._ids[adjacent[is_seed]]
         ends = _pairs(begins.tolist())
