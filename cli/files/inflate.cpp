@@ -43,9 +43,9 @@ void Inflater::restart() {
 }
 
 void check_unpacked(std::uint64_t size, std::uint64_t unpacked, const std::string& name) {
-    if (unpacked <= most_unpacked(size)) return;
+    if (unpacked <= max_unpacked(size)) return;
     throw bad_input(name + ": its " + std::to_string(size) + " bytes unpack to more than " +
-                    std::to_string(most_unpacked(size)) + ", which is refused: unpack it before");
+                    std::to_string(max_unpacked(size)) + ", which is refused: unpack it before");
 }
 
 std::string gunzip(std::string_view packed, const std::string& name) {

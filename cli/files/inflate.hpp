@@ -37,10 +37,10 @@ private:
 };
 
 // Returns what all members of a file hold, one after the other. Throws Failure, which names the file, when it is
-// damaged or unpacks to more than most_unpacked().
+// damaged or unpacks to more than max_unpacked().
 [[nodiscard]] std::string gunzip(std::string_view packed, const std::string& name);
 
-// Throws Failure when a file of `size` bytes unpacks to `unpacked` bytes, more than most_unpacked().
+// Throws Failure when a file of `size` bytes unpacks to `unpacked` bytes, more than max_unpacked().
 void check_unpacked(std::uint64_t size, std::uint64_t unpacked, const std::string& name);
 
 }  // namespace clvotess

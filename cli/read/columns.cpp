@@ -34,8 +34,8 @@ std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::s
 }
 
 ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where) {
-    if (names.size() > most_columns) {
-        throw bad_input(where + ": " + columns_text(names.size()) + ", more than the " + std::to_string(most_columns) +
+    if (names.size() > max_columns) {
+        throw bad_input(where + ": " + columns_text(names.size()) + ", more than the " + std::to_string(max_columns) +
                         " that are read");
     }
     for (const std::string& wish : request.columns) {

@@ -148,7 +148,7 @@ private:
         if (!may_be_column(array)) throw bad_input(name_ + ": " + name + " is no array of numbers for each point");
         check_length(name, array, input.size(), "the array of points");
         const auto width = static_cast<std::size_t>(array.is_column() ? 1 : array.shape()[1]);
-        if (width > most_columns) throw bad_input(name_ + ": " + name + " has rows of " + columns_text(width));
+        if (width > max_columns) throw bad_input(name_ + ": " + name + " has rows of " + columns_text(width));
         InputColumn& column = input.columns.emplace_back(InputColumn{name, width, {}});
         if (array.is_float()) return array.read_floats(column.values);
         const std::vector<std::int64_t> whole = array.read_whole();
@@ -165,7 +165,7 @@ private:
                 continue;
             const NpyArray array = open(member);
             const bool fits = may_be_column(array) && array.shape()[0] == input.size();
-            if (fits && (array.is_column() || array.shape()[1] <= most_columns)) read_column(name, input);
+            if (fits && (array.is_column() || array.shape()[1] <= max_columns)) read_column(name, input);
         }
     }
 

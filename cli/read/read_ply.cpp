@@ -80,8 +80,8 @@ private:
             } else if (words_[0] == "element") {
                 const auto count = words_.size() == 3 ? read_uint64(words_[2]) : std::nullopt;
                 if (!count) throw lines_.error("expected: element NAME COUNT");
-                if (elements_.size() == most_arrays)
-                    throw lines_.error("more than the " + std::to_string(most_arrays) + " elements that are read");
+                if (elements_.size() == max_arrays)
+                    throw lines_.error("more than the " + std::to_string(max_arrays) + " elements that are read");
                 elements_.push_back({words_[1], *count, {}});
             } else if (words_[0] == "property") {
                 read_property();
@@ -109,8 +109,8 @@ private:
         const auto type = type_of(words_[list ? 3 : 1]);
         const auto count_type = list ? type_of(words_[2]) : std::nullopt;
         if (!type || (list && !count_type)) throw lines_.error("unknown type of a property");
-        if (elements_.back().properties.size() == most_columns)
-            throw lines_.error("more than the " + std::to_string(most_columns) + " properties that are read");
+        if (elements_.back().properties.size() == max_columns)
+            throw lines_.error("more than the " + std::to_string(max_columns) + " properties that are read");
         elements_.back().properties.push_back({words_.back(), *type, count_type});
     }
 

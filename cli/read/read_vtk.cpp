@@ -129,8 +129,8 @@ private:
     }
 
     void count_array() {
-        if (++arrays_ > most_arrays)
-            throw error("more than the " + std::to_string(most_arrays) + " pieces and arrays that are read");
+        if (++arrays_ > max_arrays)
+            throw error("more than the " + std::to_string(max_arrays) + " pieces and arrays that are read");
     }
 
     // Several arrays may lie at one place of the file, packed or not.
@@ -173,7 +173,7 @@ private:
                             "there are " +
                             (names.empty() ? "none" : names));
             }
-            if (column.width == 0 || column.width > most_columns) throw error(column.name + " has no valid width");
+            if (column.width == 0 || column.width > max_columns) throw error(column.name + " has no valid width");
             take_budget(column.width * piece.count);
             add(column.values, load_floats(*array, layout_, column.width * piece.count, name_ + ": " + array->name));
         }

@@ -94,9 +94,9 @@ private:
         }
         for (std::size_t k = 0; k + 2 < fields.size(); k += 3) {
             const auto columns = read_uint64(fields[k + 2]);
-            if (!columns || *columns == 0 || *columns > most_columns) throw bad_properties(text);
-            if (names_.size() + *columns > most_columns)
-                throw lines_.error("Properties has more than " + std::to_string(most_columns) + " columns");
+            if (!columns || *columns == 0 || *columns > max_columns) throw bad_properties(text);
+            if (names_.size() + *columns > max_columns)
+                throw lines_.error("Properties has more than " + std::to_string(max_columns) + " columns");
             const std::string name = lower_case(fields[k]);
             if ((name == "pos" || name == "position") && *columns == 3) first_ = names_.size();
             const bool whole = fields[k + 1] == "I" && *columns == 1;

@@ -1,6 +1,6 @@
 // .glb: the cells as triangles with flat colors, in the binary form of glTF 2.0 (ISO/IEC 12113).
 //
-// Each cell is a closed solid: it has its vertices once, with its color, and no normals. Readers shade what has no
+// Each cell is a closed solid: it has its vertices once, with its color, and no normals. Readers shade a mesh without
 // normals flat, as the format demands. Cells stand in chunks of at most 65535 vertices, so that an index takes two
 // bytes; a chunk is a primitive of the one mesh. bindings/python/pyvotess/export/glb.py writes the same.
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace clvotess {
 namespace {
 
 constexpr std::uint64_t largest_file = std::numeric_limits<std::uint32_t>::max();  // the format counts in 32 bits
-constexpr std::uint64_t short_vertices = 65535;                                    // 65535 itself is no index
+constexpr std::uint64_t short_vertices = 65535;                                    // 65535 itself is not an index
 
 // Colors of vertices are linear in glTF.
 std::array<std::uint8_t, 256> linear_of_srgb() {

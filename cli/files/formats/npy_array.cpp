@@ -89,8 +89,8 @@ void NpyArray::parse_header(std::string_view dict) {
         if (*extent != 0 && count_ > std::numeric_limits<std::uint64_t>::max() / *extent) {
             throw error("the header announces more points than fit, shape " + in_quotes(value.substr(0, end + 1)));
         }
-        constexpr std::size_t most_axes = 64;
-        if (shape_.size() == most_axes) throw error("an array of more than 64 axes, expected (N, 3)");
+        constexpr std::size_t max_axes = 64;
+        if (shape_.size() == max_axes) throw error("an array of more than 64 axes, expected (N, 3)");
         shape_.push_back(*extent);
         count_ *= *extent;
     }

@@ -96,9 +96,9 @@ void check_apart(std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges, co
 std::vector<ZipMember> list_members(std::string_view bytes, const std::string& name) {
     constexpr std::size_t entry_size = 46, header_size = 30;
     const Directory directory = find_directory(bytes, name);
-    if (directory.count > most_arrays) {
+    if (directory.count > max_arrays) {
         throw bad_input(name + ": " + std::to_string(directory.count) + " members, more than the " +
-                        std::to_string(most_arrays) + " that are read");
+                        std::to_string(max_arrays) + " that are read");
     }
     std::vector<ZipMember> members;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;

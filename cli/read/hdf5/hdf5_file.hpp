@@ -46,7 +46,7 @@ public:
     }
     // One or a row of them for each point.
     [[nodiscard]] bool is_numbers() const {
-        const bool rows = extent_.size() == 2 && extent_[1] > 0 && extent_[1] <= most_columns;
+        const bool rows = extent_.size() == 2 && extent_[1] > 0 && extent_[1] <= max_columns;
         return (extent_.size() == 1 || rows) && (is_float() || is_whole());
     }
     [[nodiscard]] std::uint64_t width() const { return extent_.size() == 2 ? extent_[1] : 1; }

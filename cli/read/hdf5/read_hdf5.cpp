@@ -249,7 +249,7 @@ private:
             const bool named = std::ranges::find(columns, name, &InputColumn::name) != columns.end();
             if (!beside || named || path == name_ || name == "ParticleIDs" || name == "ids") continue;
             const Hdf5Dataset values = file.open(path);
-            if (columns.size() == most_columns) throw bad_input(file.path() + ": too many columns for --copy all");
+            if (columns.size() == max_columns) throw bad_input(file.path() + ": too many columns for --copy all");
             if (values.is_numbers() && values.rows() == rows)
                 columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
         }

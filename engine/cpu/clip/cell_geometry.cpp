@@ -8,6 +8,7 @@
 #include "cpu/clip/cell.hpp"
 #include "cpu/clip/cell_polygons.hpp"
 #include "cpu/measure/cell_shape.hpp"
+#include "cpu/measure/vectors.hpp"
 #include "exact/wide_float.hpp"
 
 namespace votess::cpu {
@@ -18,30 +19,9 @@ constexpr double accepted_error = 5e-11;
 constexpr double smallest_volume = 1e-140;  // below this volume times position might underflow
 
 template <class Real>
-using Vector = std::array<Real, 3>;
-
-template <class Real>
-Vector<Real> cross(const Vector<Real>& a, const Vector<Real>& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-template <class Real>
-Real dot(const Vector<Real>& a, const Vector<Real>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class Real>
-Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-template <class Real>
 double square(const Vector<Real>& a) {
     return static_cast<double>(dot(a, a));
 }
-template <class Real>
-double length_bound(const Vector<Real>& a) {
-    return std::abs(static_cast<double>(a[0])) + std::abs(static_cast<double>(a[1])) +
-           std::abs(static_cast<double>(a[2]));
-}
-
 // A pyramid over the triangle of doubled area vector A on the plane n.x = h has volume A.n h / (6 |n|^2): for a
 // bisector, h = |n|^2 / 2.
 template <class Real>

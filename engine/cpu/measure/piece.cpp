@@ -6,32 +6,11 @@
 #include <span>
 #include <type_traits>
 
+#include "cpu/measure/vectors.hpp"
 #include "exact/wide_float.hpp"
 
 namespace votess::cpu {
 namespace {
-
-template <class Real>
-using Vector = std::array<Real, 3>;
-
-template <class Real>
-Vector<Real> cross(const Vector<Real>& a, const Vector<Real>& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-template <class Real>
-Real dot(const Vector<Real>& a, const Vector<Real>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class Real>
-Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-template <class Real>
-double length_bound(const Vector<Real>& a) {
-    double sum = 0;
-    for (const Real& x : a) sum += std::abs(static_cast<double>(x));
-    return sum;
-}
 
 // Unit roundoff.
 template <class Real>

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     UInt8Array = npt.NDArray[np.uint8]
 
 _LARGEST_FILE = 2**32 - 1  # bytes: the format counts in 32 bits
-_SHORT_VERTICES = 65535  # of a chunk whose indices take two bytes; 65535 itself is no index
+_SHORT_VERTICES = 65535  # of a chunk whose indices take two bytes; 65535 itself is not an index
 
 
 def _linear(srgb: UInt8Array) -> UInt8Array:
@@ -150,7 +150,7 @@ def write_glb(path: str, t: Tessellation, colors: UInt8Array) -> None:
     """One mesh of all cells in the colors (N, 3).
 
     Each cell is a closed solid with vertices of its own, which carry its color and its row (_CELL). There are no
-    normals: readers shade what has none flat, as the format demands. ValueError when the file would be too large.
+    normals: readers shade a mesh without normals flat, as the format demands. ValueError when the file would be too large.
     """
     writer = _Writer(t, colors)
     head, arrays_bytes = writer.head()

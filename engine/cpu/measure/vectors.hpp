@@ -1,0 +1,31 @@
+// Vectors of doubles, of two doubles or of wide floats, for volumes that are summed in several precisions.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace votess::cpu {
+
+template <class Real>
+using Vector = std::array<Real, 3>;
+
+template <class Real>
+Vector<Real> cross(const Vector<Real>& a, const Vector<Real>& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+template <class Real>
+Real dot(const Vector<Real>& a, const Vector<Real>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+template <class Real>
+Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+// Returns the sum of the components' sizes, which no length exceeds.
+template <class Real>
+double length_bound(const Vector<Real>& a) {
+    return std::abs(static_cast<double>(a[0])) + std::abs(static_cast<double>(a[1])) +
+           std::abs(static_cast<double>(a[2]));
+}
+
+}  // namespace votess::cpu
