@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "cpu/clip/cell_kernels.hpp"
+#include "polytope/cell_kernels.hpp"
 
 namespace {
 

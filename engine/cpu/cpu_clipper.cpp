@@ -5,10 +5,10 @@
 
 #include "core/ceil.hpp"
 #include "core/text.hpp"
-#include "cpu/sort/sort_inside.hpp"
-#include "cpu/walk/star_bounds.hpp"
+#include "index/sort_inside.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "walk/star_bounds.hpp"
 
 namespace votess::cpu {
 namespace {

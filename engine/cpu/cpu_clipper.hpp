@@ -7,14 +7,14 @@
 #include <optional>
 
 #include "core/buffer.hpp"
-#include "cpu/clip/cell_builder.hpp"
-#include "cpu/clip/cell_writer.hpp"
+#include "cpu/cell_builder.hpp"
 #include "cpu/hard_cells.hpp"
-#include "cpu/sort/seed_images.hpp"
-#include "cpu/sort/sort.hpp"
-#include "cpu/triangulate/delaunay.hpp"
-#include "cpu/walk/star.hpp"
-#include "exact_clipper.hpp"
+#include "index/seed_images.hpp"
+#include "index/sort.hpp"
+#include "output/cell_writer.hpp"
+#include "output/exact_clipper.hpp"
+#include "triangulate/delaunay.hpp"
+#include "walk/star.hpp"
 
 namespace votess::cpu {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cpu/cpu_clipper.hpp"
-#include "engine.hpp"
-#include "result/result_builder.hpp"
+#include "output/engine.hpp"
+#include "output/result_builder.hpp"
 
 namespace votess::cpu {
 

@@ -8,7 +8,7 @@
 #include "core/ceil.hpp"
 #include "core/lengthen.hpp"
 #include "core/text.hpp"
-#include "cpu/sort/hilbert.hpp"
+#include "index/hilbert.hpp"
 #include "input/options.hpp"
 
 namespace votess::detail {

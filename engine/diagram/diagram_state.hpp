@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "cpu/cpu_clipper.hpp"
-#include "cpu/query/locator.hpp"
-#include "cpu/query/natural_rows.hpp"
-#include "cpu/query/probe_rows.hpp"
-#include "cpu/query/prober.hpp"
 #include "input/job.hpp"
-#include "result/result_builder.hpp"
+#include "output/result_builder.hpp"
+#include "query/locator.hpp"
+#include "query/natural_rows.hpp"
+#include "query/probe_rows.hpp"
+#include "query/prober.hpp"
 #include "votess/diagram.hpp"
 
 namespace votess::detail {

@@ -5,8 +5,8 @@
 
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
-#include "engines.hpp"
 #include "fields/methods.hpp"
+#include "run/engines.hpp"
 
 namespace votess::detail {
 namespace {

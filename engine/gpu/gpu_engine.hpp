@@ -7,15 +7,15 @@
 #include <optional>
 #include <vector>
 
-#include "engine.hpp"
-#include "exact_clipper.hpp"
 #include "gpu/chunk.hpp"
 #include "gpu/download/part_download.hpp"
 #include "gpu/passes/passes.hpp"
 #include "gpu/pending_cells.hpp"
 #include "gpu/seeds/parts.hpp"
 #include "gpu/seeds/seed_store.hpp"
-#include "result/result_builder.hpp"
+#include "output/engine.hpp"
+#include "output/exact_clipper.hpp"
+#include "output/result_builder.hpp"
 
 namespace votess::gpu {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "exact_clipper.hpp"
-#include "result/result_builder.hpp"
+#include "output/exact_clipper.hpp"
+#include "output/result_builder.hpp"
 
 namespace votess::gpu {
 

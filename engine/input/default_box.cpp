@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/text.hpp"
-#include "cpu/clip/cell.hpp"
+#include "polytope/cell.hpp"
 
 namespace votess {
 

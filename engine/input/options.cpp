@@ -11,10 +11,10 @@
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
-#include "cpu/clip/cell.hpp"
-#include "cpu/clip/cell_kernels.hpp"
 #include "input/default_box.hpp"
 #include "input/implied_wants.hpp"
+#include "polytope/cell.hpp"
+#include "polytope/cell_kernels.hpp"
 
 namespace votess {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "cpu/clip/cell.hpp"
 #include "input/job.hpp"
+#include "polytope/cell.hpp"
 
 namespace votess {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cpu/clip/cell.hpp"
+#include "polytope/cell.hpp"
 
 namespace votess {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "blocks/bytes.hpp"
+#include "core/bytes.hpp"
 #include "input/options.hpp"
 #include "verify/brute_force.hpp"
 #include "verify/invariants.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "blocks/streamed.hpp"
-#include "stream/row_checks.hpp"
+#include "distributed/stream/row_checks.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 #include "verify/brute_force.hpp"

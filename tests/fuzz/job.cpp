@@ -7,7 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "cpu/clip/cell_kernels.hpp"
+#include "polytope/cell_kernels.hpp"
 #include "support/check.hpp"
 
 namespace test::fuzz {

@@ -3,9 +3,9 @@
 
     check_house.py SOURCE [--include FILE=HEADER]...
 
-The table under "Who may include whom" in engine/README.md says which folders a folder of the engine may include. cli/
-and bindings/ include nothing of the engine. All files that state the version state the same. --include adds an include
-that is not there, to see the check fail.
+The table of folders in engine/README.md lists which folders a folder of the engine may include: only folders above it, so
+that no include runs up. cli/ and bindings/ include nothing of the engine. All files that state the version state the same.
+--include adds an include that does not exist, to see the check fail.
 """
 import argparse
 import pathlib
@@ -24,28 +24,14 @@ TREES = ("engine", "shaders", "cli", "bindings", "tests", "tools", "include")
 
 
 def rules(readme):
-    """Folder -> folders that it may include; a folder stands for those below it that have no line of their own."""
-    text = readme.read_text().split("## Who may include whom", 1)[1].split("\n## ", 1)[0]
+    """Returns a dict: folder -> folders that it may include, in the order of the table."""
+    text = readme.read_text().split("## Folders, and who may include whom", 1)[1].split("\n## ", 1)[0]
     table = {}
     for line in text.splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
-        if line.startswith("| `") and len(cells) == 2:
-            table[cells[0].strip("`/")] = set(re.findall(r"`([^`]+?)/?`", cells[1]))
+        if line.startswith("| `") and len(cells) == 3:
+            table[cells[0].strip("`/")] = re.findall(r"`([^`]+?)/`", cells[2])
     return table
-
-
-def room_of(path, rooms):
-    """The longest folder of the table that holds the path; "" for what lies loose in engine/."""
-    folder = pathlib.PurePosixPath(path).parent
-    while str(folder) != "." and str(folder) not in rooms:
-        folder = folder.parent
-    return "" if str(folder) == "." else str(folder)
-
-
-def may(allowed, room, header, target):
-    """allowed: folders and headers. A folder does not stand for one below it that has a line of its own."""
-    return target == room or header in allowed or any(
-        header.startswith(a + "/") and not target.startswith(a + "/") for a in allowed)
 
 
 def main():
@@ -62,9 +48,12 @@ def main():
 
     if len(table) < 8:
         wrong.append("engine/README.md: the table of folders is not found")
-    for folder in table:
+    above = set()
+    for folder, allowed in table.items():
         if not (engine / folder).is_dir():
             wrong.append(f"engine/README.md: there is no folder engine/{folder}")
+        wrong += [f"engine/README.md: {folder}/ may include {a}/, which is not above it" for a in allowed if a not in above]
+        above.add(folder)
 
     includes = [(f, i) for f in files if f.parts[0] in ("engine", "cli")
                 for i in re.findall(r'^\s*#\s*include "([^"]+)"', (source / f).read_text(), re.M)]
@@ -77,10 +66,10 @@ def main():
             if not (source / "cli" / header).is_file():
                 wrong.append(f"{file}: includes {header} of the engine; cli/ uses include/ alone")
             continue
-        room = room_of(file.relative_to("engine"), table)
-        target = room_of(header, table)
-        # What lies loose may include all.
-        if room != "" and not may(table[room], room, header, target):
+        room, target = file.parts[1], header.split("/")[0]
+        if room not in table:
+            wrong.append(f"{file}: engine/README.md does not list {room}/")
+        elif target != room and target not in table[room]:
             wrong.append(f"{file}: {room}/ may not include {header}")
 
     versions = {file: re.findall(stated, (source / file).read_text(), re.M) for file, stated in VERSIONS.items()}

@@ -13,8 +13,8 @@
 #include <vector>
 #include <votess/votess.hpp>
 
-#include "cpu/clip/cell_builder.hpp"
-#include "cpu/sort/sort.hpp"
+#include "cpu/cell_builder.hpp"
+#include "index/sort.hpp"
 
 namespace {
 

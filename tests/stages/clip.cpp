@@ -11,8 +11,8 @@
 
 #include "core/progress.hpp"
 #include "core/thread_pool.hpp"
-#include "cpu/clip/cell.hpp"
-#include "cpu/clip/cell_kernels.hpp"
+#include "polytope/cell.hpp"
+#include "polytope/cell_kernels.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"

@@ -1,5 +1,5 @@
 // delaunay: predicates and triangulations against rational arithmetic; the cells that come from them.
-#include "cpu/triangulate/delaunay.hpp"
+#include "triangulate/delaunay.hpp"
 
 #include <doctest/doctest.h>
 #include <gmpxx.h>
@@ -9,14 +9,14 @@
 #include <set>
 
 #include "core/progress.hpp"
-#include "cpu/clip/cell.hpp"
-#include "cpu/clip/cell_builder.hpp"
-#include "cpu/triangulate/triangulation.hpp"
+#include "cpu/cell_builder.hpp"
 #include "exact/insphere.hpp"
 #include "oracle/brute_force.hpp"
+#include "polytope/cell.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
+#include "triangulate/triangulation.hpp"
 
 using namespace votess::cpu;
 using test::Random;

@@ -1,5 +1,5 @@
 // ExactClipper: cells clipped in parts, in any order, equal those of a full run.
-#include "exact_clipper.hpp"
+#include "output/exact_clipper.hpp"
 
 #include <doctest/doctest.h>
 

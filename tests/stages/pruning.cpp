@@ -8,13 +8,13 @@
 #include <optional>
 #include <vector>
 
-#include "cpu/clip/cell.hpp"
-#include "cpu/sort/hierarchy.hpp"
-#include "cpu/sort/seed_images.hpp"
-#include "cpu/walk/kernels/star_kernels.hpp"
 #include "domain/domain.hpp"
 #include "exact/vertex.hpp"
+#include "index/hierarchy.hpp"
+#include "index/seed_images.hpp"
 #include "input/options.hpp"
+#include "kernels/star_kernels.hpp"
+#include "polytope/cell.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 

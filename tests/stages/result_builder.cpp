@@ -1,5 +1,5 @@
 // The result builder beside the engines: how rows wait, and sums that do not depend on threads.
-#include "result/result_builder.hpp"
+#include "output/result_builder.hpp"
 
 #include <doctest/doctest.h>
 

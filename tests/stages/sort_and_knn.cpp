@@ -7,9 +7,9 @@
 #include <limits>
 #include <map>
 
-#include "cpu/clip/cell_builder.hpp"
-#include "cpu/sort/hilbert.hpp"
-#include "cpu/sort/sort.hpp"
+#include "cpu/cell_builder.hpp"
+#include "index/hilbert.hpp"
+#include "index/sort.hpp"
 #include "support/allocations.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"

@@ -1,6 +1,6 @@
 // star: cells found by walking along their edges equal those clipped plane by plane, whenever the walk says that it has
 // found them; and it finds nearly all where nearly all are ordinary.
-#include "cpu/walk/star.hpp"
+#include "walk/star.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "cpu/clip/cell_builder.hpp"
+#include "cpu/cell_builder.hpp"
 #include "input/options.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"

@@ -1,5 +1,5 @@
 // star: the bounds of star_bounds.hpp against rationals, where rounding is as bad as they allow, and as it is.
-#include "cpu/walk/star_bounds.hpp"
+#include "walk/star_bounds.hpp"
 
 #include <doctest/doctest.h>
 #include <gmpxx.h>

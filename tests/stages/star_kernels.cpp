@@ -1,6 +1,6 @@
 // star: the vector loops of every instruction set against plain ones. Integer inputs make all sums exact, so that there
 // a result must be equal; on others it may differ where rounding decides.
-#include "cpu/walk/kernels/star_kernels.hpp"
+#include "kernels/star_kernels.hpp"
 
 #include <doctest/doctest.h>
 

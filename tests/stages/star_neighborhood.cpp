@@ -8,11 +8,11 @@
 #include <numeric>
 #include <set>
 
-#include "cpu/clip/cell_kernels.hpp"
-#include "cpu/walk/neighborhood.hpp"
-#include "cpu/walk/window.hpp"
+#include "polytope/cell_kernels.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "walk/neighborhood.hpp"
+#include "walk/window.hpp"
 
 using namespace votess::cpu;
 using test::Random;

@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "cpu/clip/cell_kernels.hpp"
 #include "oracle/brute_force.hpp"
+#include "polytope/cell_kernels.hpp"
 #include "support/text.hpp"
 
 namespace test {

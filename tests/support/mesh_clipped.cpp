@@ -4,10 +4,10 @@
 #include <memory>
 #include <numeric>
 
-#include "cpu/clip/cell.hpp"
-#include "cpu/clip/polygon_writer.hpp"
 #include "input/options.hpp"
 #include "mesh/mesh_builder.hpp"
+#include "output/polygon_writer.hpp"
+#include "polytope/cell.hpp"
 #include "support/check.hpp"
 #include "support/mesh.hpp"
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "exact_clipper.hpp"
-#include "result/result_builder.hpp"
+#include "output/exact_clipper.hpp"
+#include "output/result_builder.hpp"
 #include "shared/config.h"
 
 namespace votess::gpu {

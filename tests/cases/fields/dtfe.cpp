@@ -8,8 +8,8 @@
 #include <set>
 
 #include "cases/fields/field_cases.hpp"
-#include "engines.hpp"
 #include "mesh/dual.hpp"
+#include "run/engines.hpp"
 #include "support/check.hpp"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <type_traits>
 
-#include "engines.hpp"
+#include "run/engines.hpp"
 #include "support/child.hpp"
 #include "support/gpu/gpu.hpp"
 

@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include "cpu/clip/cell_kernels.hpp"
+#include "polytope/cell_kernels.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 

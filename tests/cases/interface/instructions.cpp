@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cpu/clip/cell_kernels.hpp"
+#include "polytope/cell_kernels.hpp"
 #include "support/check.hpp"
 
 namespace {

@@ -1,0 +1,479 @@
+#include "cpu/cell_builder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <tuple>
+
+#include "core/progress.hpp"
+
+namespace votess::cpu {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t first_window = 160;         // seeds loaded around a group at once
+constexpr std::size_t most_window = 768;          // beyond this the far walk is cheaper
+constexpr std::size_t most_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
+constexpr double first_band = 0.8;                // of the squared reach expected
+constexpr double band_growth = 1.6;               // of the squared distance from band to band
+// Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
+constexpr double distance_slack = 1 + 1e-12;
+constexpr double coordinate_rounding = 0x1p-50;  // of differences of places that are rounded
+constexpr std::size_t vertices_per_look = std::size_t{1} << 14;
+
+bool farther(const QueueEntry& a, const QueueEntry& b) {
+    return a.distance_squared > b.distance_squared;
+}
+
+bool farther_images(const FarEntry& a, const FarEntry& b) {
+    return a.distance_squared > b.distance_squared;
+}
+
+double gap(double a_lower, double a_upper, double b_lower, double b_upper) {
+    return std::max({0.0, a_lower - b_upper, b_lower - a_upper});
+}
+
+// Returns at most the squared distance between any point of a and any of b.
+double box_distance(const Box& a, const Box& b) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double d = gap(a.lower[k], a.upper[k], b.lower[k], b.upper[k]);
+        sum += d * d;
+    }
+    return sum * (1 - 1e-14);
+}
+
+// Opens the children of a node, or the root when level is above the top.
+template <class Visit>
+void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit visit) {
+    const int level = entry.level - 1;
+    const std::size_t begin = entry.node * Hierarchy::fan;
+    const std::size_t end = std::min(begin + Hierarchy::fan, hierarchy.count(level));
+    for (std::size_t node = begin; node < end; ++node) visit(level, node, hierarchy.box(level, node));
+}
+
+}  // namespace
+
+CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
+    : kernels_(kernels), seeds_(seeds), hierarchy_(hierarchy), cell_(kernels) {}
+
+void CellBuilder::begin_job(const Domain& domain) {
+    domain_ = &domain;
+    plain_ = !domain.is_periodic() && !domain.has_weights();
+    rounding_ = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        place_rounding_[k] = seeds_.images == nullptr ? 0 : coordinate_rounding * seeds_.images->largest_rounded()[k];
+        rounding_ = std::max(rounding_, place_rounding_[k]);
+    }
+    more_weight_ = 0;
+    heaviest_ = -1;
+    own_images_.clear();
+    if (domain.is_periodic() && !seeds_.weights.empty())
+        heaviest_ = static_cast<std::int32_t>(std::ranges::max_element(seeds_.weights) - seeds_.weights.begin());
+    group_ = ~std::size_t{0};
+    reach_ = 0;
+}
+
+void CellBuilder::be(std::size_t seed) {
+    own_ = static_cast<std::int32_t>(seed);
+    probing_ = false;
+    guards_ = {};
+    coincident_ = -1;
+    at_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    base_ = seeds_.images == nullptr ? SeedImages::Base{at_, {}} : seeds_.images->base(seed);
+    if (!seeds_.weights.empty()) weight_ = seeds_.weights[seed];
+}
+
+void CellBuilder::start() {
+    if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->most_more(weight_));
+    cell_.start(base_.point, *domain_, own_);
+    if (heaviest_ >= 0) clip_by_heaviest();
+    if (probing_ && domain_->is_periodic()) clip_by_own_images();
+    auto id = static_cast<std::int32_t>(seeds_.places());
+    for (const exact::Plane& guard : guards_) cell_.clip(++id, guard, guard.shift);
+}
+
+// A seed's own images are among the others.
+void CellBuilder::clip_by_own_images() {
+    if (own_images_.empty()) own_images_ = near_translations(*domain_);
+    for (const exact::Shift& shift : own_images_) {
+        const exact::Point by = domain_->translation(shift);
+        if (by[0] * by[0] + by[1] * by[1] + by[2] * by[2] >= reach_squared()) return;
+        if (cell_.knows(own_, shift)) continue;
+        cell_.clip(own_, exact::Plane::bisector(base_.point, shift, domain_->lattice), shift);
+    }
+}
+
+// The heaviest seed has an image near any place. It buries what is much lighter, and after it no weight can reach a
+// cell from far away.
+void CellBuilder::clip_by_heaviest() {
+    if (heaviest_ == own_) return;
+    const auto i = static_cast<std::size_t>(heaviest_);
+    const auto f = domain_->reduced.fraction({at_[0] - seeds_.x[i], at_[1] - seeds_.y[i], at_[2] - seeds_.z[i]});
+    ShiftRange nearest;
+    for (std::size_t j = 0; j < 3; ++j)
+        if (domain_->periodic[j]) nearest.least[j] = static_cast<std::int32_t>(std::round(f[j]));
+    clip_by_image(heaviest_, only_shift(*domain_, nearest));
+}
+
+void CellBuilder::look() {
+    tested_vertices_ += static_cast<std::size_t>(cell_.slots());
+    if (tested_vertices_ < vertices_per_look) return;
+    tested_vertices_ = 0;
+    check_stop();
+}
+
+void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
+    look();
+    if (plain_ && coincident_ < 0)
+        cell_.clip(id, {x, y, z});
+    else if (seeds_.images == nullptr)
+        clip_by_image(id, {});
+    else
+        clip_by_image(seeds_.images->home(id), seeds_.images->shift(id));
+}
+
+void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
+    look();
+    const auto i = static_cast<std::size_t>(home);
+    // The nearest of them are there from the start.
+    if ((home == own_ || home == heaviest_) && cell_.knows(home, shift)) return;
+    exact::Plane plane = bisector(home, shift);
+    if (home == coincident_ && coincides(plane)) return;
+    if (!seeds_.weights.empty()) plane.power = exact::two_sum(weight_, -seeds_.weights[i]);
+    cell_.clip(home, plane, shift);
+}
+
+bool CellBuilder::coincides(const exact::Plane& bisector) const {
+    const auto d = exact::differences(base_.point, bisector).x;
+    return std::ranges::all_of(d, [](const exact::DoubleDouble& x) { return x.high == 0 && x.low == 0; });
+}
+
+exact::Plane CellBuilder::bisector(std::int32_t home, const exact::Shift& shift) const {
+    const auto i = static_cast<std::size_t>(home);
+    return seeds_.images == nullptr ? exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]})
+                                    : seeds_.images->bisector(base_, home, shift);
+}
+
+// The seed at the place of the probe; -1 if there is none.
+std::int32_t CellBuilder::find_coincident() {
+    const Box here{at_, at_};
+    const double near = 4 * rounding_ * rounding_;
+    far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
+    while (!far_queue_.empty()) {
+        const QueueEntry entry = far_queue_.back();
+        far_queue_.pop_back();
+        if (entry.level > 0) {
+            for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
+                if (box_distance(box, here) <= near) far_queue_.push_back({0, level, static_cast<std::uint32_t>(node)});
+            });
+            continue;
+        }
+        const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto id = static_cast<std::int32_t>(i);
+            const double d[3] = {seeds_.x[i] - at_[0], seeds_.y[i] - at_[1], seeds_.z[i] - at_[2]};
+            if (!(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] <= near)) continue;
+            const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
+            const exact::Shift shift = seeds_.images == nullptr ? exact::Shift{} : seeds_.images->shift(id);
+            if (coincides(bisector(home, shift))) return home;
+        }
+    }
+    return -1;
+}
+
+// A seed of weight w cuts the cell of weight w_p only when it is nearer than R + sqrt(R^2 + w - w_p), where R is the
+// distance to the farthest vertex.
+double CellBuilder::reach_squared() {
+    if (cell_.empty()) return 0;
+    const double square = cell_.radius_squared();
+    if (plain_) return 4 * square * distance_slack;
+    const double reach = (std::sqrt(square) + std::sqrt(square + more_weight_)) * distance_slack + rounding_;
+    return reach * reach;
+}
+
+void CellBuilder::open_window(const Box& home) {
+    home_ = home;
+    queue_.assign(1, {0, hierarchy_.top_level(), 0});
+    covered_ = 0;
+    for (auto* v : {&x_, &y_, &z_}) v->clear();
+    index_.clear();
+    // Groups that overlap the home box lie at distance 0: go on until the window proves anything.
+    for (std::size_t least = first_window; least <= most_window; least *= 2) {
+        extend_window(0, least);
+        if (covered_ > 0) break;
+    }
+    // The neighbor in memory is a neighbor in space, its cell of about this size; but density may jump.
+    reach_ = std::clamp(reach_, covered_, 8 * covered_);
+}
+
+void CellBuilder::open_window_of(std::size_t seed) {
+    if (seed / group_size == group_) return;
+    group_ = seed / group_size;
+    open_window(hierarchy_.box(0, group_));
+}
+
+void CellBuilder::pop_into_window() {
+    std::pop_heap(queue_.begin(), queue_.end(), farther);
+    const QueueEntry entry = queue_.back();
+    queue_.pop_back();
+    if (entry.level > 0) {
+        for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
+            queue_.push_back({box_distance(box, home_), level, static_cast<std::uint32_t>(node)});
+            std::push_heap(queue_.begin(), queue_.end(), farther);
+        });
+    } else {
+        const std::size_t begin = entry.node * group_size, end = begin + group_size;
+        x_.insert(x_.end(), seeds_.x.begin() + begin, seeds_.x.begin() + end);
+        y_.insert(y_.end(), seeds_.y.begin() + begin, seeds_.y.begin() + end);
+        z_.insert(z_.end(), seeds_.z.begin() + begin, seeds_.z.begin() + end);
+        for (std::size_t i = begin; i < end; ++i) index_.push_back(static_cast<std::int32_t>(i));
+    }
+}
+
+void CellBuilder::extend_window(double distance_squared, std::size_t least_count) {
+    while (!queue_.empty() && index_.size() < most_window &&
+           (queue_.front().distance_squared < distance_squared || index_.size() < least_count))
+        pop_into_window();
+    covered_ = queue_.empty() ? infinity : queue_.front().distance_squared;
+}
+
+Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
+    if (most_tests > 0) open_window_of(seed);
+    be(seed);
+    return search(most_tests);
+}
+
+Cell& CellBuilder::build(std::size_t seed, std::span<const exact::Plane> guards) {
+    open_window_of(seed);
+    be(seed);
+    guards_ = guards;
+    return *search(std::numeric_limits<std::size_t>::max());
+}
+
+Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guards) {
+    own_ = static_cast<std::int32_t>(seeds_.places());
+    probing_ = true;
+    guards_ = guards;
+    coincident_ = -1;
+    at_ = probe.place.at;
+    base_ = {probe.x, probe.place.by};
+    weight_ = probe.weight;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (place_rounding_[k] == 0 && probe.place.low[k] == 0) continue;
+        place_rounding_[k] = std::max(place_rounding_[k], coordinate_rounding * std::abs(at_[k]));
+        rounding_ = std::max(rounding_, place_rounding_[k]);
+    }
+    if (seeds_.size() == 0) {
+        start();
+        return cell_;
+    }
+    coincident_ = find_coincident();
+    group_ = ~std::size_t{0};
+    open_window({at_, at_});
+    return *search(std::numeric_limits<std::size_t>::max());
+}
+
+Cell* CellBuilder::search(std::size_t most_tests) {
+    tests_ = 0;
+    most_tests_ = most_tests;
+    if (most_tests == 0) return nullptr;
+    start();
+    measured_ = 0;
+    double from = 0;
+    double to = first_band * reach_;
+    for (;;) {
+        if (to > covered_) {
+            extend_window(to, 0);
+            to = std::min(to, covered_);
+        }
+        if (to <= from && covered_ < infinity) {
+            clip_far(from);
+            break;
+        }
+        if (clip_band(from, to) || to == infinity) break;
+        from = to;
+        to = covered_ == infinity ? infinity : std::min(to * band_growth, reach_squared());
+    }
+    if (seeds_.images != nullptr) clip_far_images();
+    if (exhausted()) return nullptr;
+    reach_ = reach_squared();
+    return &cell_;
+}
+
+Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates) {
+    be(seed);
+    return build_from(candidates);
+}
+
+Cell& CellBuilder::build_from(std::span<const std::int32_t> candidates) {
+    start();
+    candidates_.clear();
+    for (const std::int32_t i : candidates) {
+        const double d[3] = {seeds_.x[i] - at_[0], seeds_.y[i] - at_[1], seeds_.z[i] - at_[2]};
+        candidates_.emplace_back(d[0] * d[0] + d[1] * d[1] + d[2] * d[2], i);
+    }
+    std::sort(candidates_.begin(), candidates_.end());
+    for (const auto& [distance, i] : candidates_) {
+        if (distance >= reach_squared()) break;
+        clip_by(i, seeds_.x[i], seeds_.y[i], seeds_.z[i]);
+    }
+    return cell_;
+}
+
+Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates,
+                              std::span<const exact::Shift> shifts, std::span<const exact::Plane> guards) {
+    be(seed);
+    guards_ = guards;
+    start();
+    for (std::size_t k = 0; k < candidates.size(); ++k) clip_by_image(candidates[k], shifts[k]);
+    return cell_;
+}
+
+Cell& CellBuilder::again(CellFaces& faces) {
+    cell_.canonical_faces(faces);
+    if (!plain_) return again_by_planes(faces);
+    neighbors_.clear();
+    for (const std::int32_t p : faces.planes)
+        if (const std::int32_t id = cell_.planes()[p].id; id >= 0) neighbors_.push_back(id);
+    return build_from(neighbors_);
+}
+
+Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
+    planes_.clear();
+    for (const std::int32_t p : faces.planes)
+        if (const CellPlane& plane = cell_.planes()[p]; plane.source.is_bisector()) planes_.push_back(plane);
+    // A cell without volume has lost faces that bound it.
+    constexpr std::size_t least_faces = 4;
+    if (cell_.empty() || faces.size() < least_faces) return cell_;
+    std::ranges::sort(planes_, [](const CellPlane& a, const CellPlane& b) {
+        return std::tie(a.norm, a.id, a.shift) < std::tie(b.norm, b.id, b.shift);
+    });
+    start();
+    for (const CellPlane& plane : planes_) {
+        look();
+        if (!cell_.knows(plane.id, plane.shift)) cell_.clip(plane.id, plane.source, plane.shift);
+    }
+    return cell_;
+}
+
+bool CellBuilder::clip_band(double from, double to) {
+    const std::size_t count = index_.size();
+    if (measured_ < count) {
+        distance_.resize(count);
+        kernels_.squared_distances(x_.data() + measured_, y_.data() + measured_, z_.data() + measured_,
+                                   static_cast<int>(count - measured_), at_.data(), distance_.data() + measured_);
+        // The home group comes first into the window, but equal distances may put another before it.
+        for (std::size_t i = measured_; i < count; ++i)
+            if (index_[i] == own_) distance_[i] = infinity;
+        measured_ = count;
+    }
+    band_.resize(count + lanes);
+    const int selected = kernels_.select_band(distance_.data(), static_cast<int>(count), from, to, band_.data());
+    std::sort(band_.begin(), band_.begin() + selected);
+    for (int k = 0; k < selected; ++k) {
+        const std::uint64_t key = band_[k];
+        const double at_least = std::bit_cast<double>(key & key_distance_bits);
+        if (at_least >= reach_squared()) return true;
+        if (++tests_ > most_tests_) return true;
+        const auto i = static_cast<std::uint32_t>(key);
+        clip_by(index_[i], x_[i], y_[i], z_[i]);
+    }
+    return to >= reach_squared();
+}
+
+void CellBuilder::clip_far(double from) {
+    const Box here{at_, at_};
+    far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
+    while (!far_queue_.empty()) {
+        std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
+        const QueueEntry entry = far_queue_.back();
+        far_queue_.pop_back();
+        if (entry.distance_squared >= reach_squared()) return;
+        if (++tests_ > most_tests_) return;
+        look();
+        if (!cell_.in_reach(seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_), more_weight_))
+            continue;
+        if (entry.level > 0) {
+            for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
+                far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});
+                std::push_heap(far_queue_.begin(), far_queue_.end(), farther);
+            });
+            continue;
+        }
+        const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
+        double distance[group_size];
+        kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
+                                   at_.data(), distance);
+        for (std::size_t i = begin; i < end; ++i) {
+            if (distance[i - begin] < from || static_cast<std::int32_t>(i) == own_) continue;
+            clip_by(static_cast<std::int32_t>(i), seeds_.x[i], seeds_.y[i], seeds_.z[i]);
+            ++tests_;
+        }
+    }
+}
+
+void CellBuilder::push_far(const ImageNode& node) {
+    const Box images = seen_from({}, images_of(*domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_),
+                                 seeds_.images->rounding_of_seeds());
+    const double distance_squared = box_distance(images, {});
+    if (distance_squared >= reach_squared()) return;
+    far_images_.push_back({distance_squared, node, images});
+    std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
+}
+
+void CellBuilder::clip_far_group(const FarEntry& entry, double from) {
+    const exact::Shift shift = only_shift(*domain_, entry.at.shifts);
+    const exact::Point by = domain_->translation(shift), moved{at_[0] - by[0], at_[1] - by[1], at_[2] - by[2]};
+    const std::size_t begin = entry.at.node * group_size, end = std::min(seeds_.group_end(begin), seeds_.size());
+    double distance[group_size];
+    kernels_.squared_distances(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], static_cast<int>(end - begin),
+                               moved.data(), distance);
+    for (std::size_t i = begin; i < end; ++i) {
+        const auto id = static_cast<std::int32_t>(i);
+        if (distance[i - begin] < from || cell_.knows(id, shift)) continue;
+        clip_by_image(id, shift);
+        ++tests_;
+    }
+}
+
+void CellBuilder::clip_far_images() {
+    const double known = std::max(0.0, seeds_.images->reach(at_) - rounding_);
+    if (reach_squared() <= known * known) return;
+    // Images surely nearer than that have been tried; bounds of images are rounded outward by more than coordinates
+    // are.
+    const double tried = std::max(0.0, known * (1 - 1e-9) - 64 * rounding_);
+    const int top = hierarchy_.top_level();
+    far_images_.clear();
+    push_far({top, 0, shifts_around(*domain_, hierarchy_.box(top, 0), at_, std::sqrt(reach_squared()))});
+    while (!far_images_.empty()) {
+        std::pop_heap(far_images_.begin(), far_images_.end(), farther_images);
+        const FarEntry entry = far_images_.back();
+        far_images_.pop_back();
+        const double reach = reach_squared();
+        if (entry.distance_squared >= reach || reach <= known * known) return;
+        if (++tests_ > most_tests_) return;
+        look();
+        if (!cell_.in_reach(entry.images, more_weight_)) continue;
+        if (tests_ > most_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
+        const bool single = entry.at.shifts.is_single();
+        if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
+        if (single && entry.at.level == 0) {
+            clip_far_group(entry, tried * tried);
+            continue;
+        }
+        if (!entry.at.is_single()) {
+            for_each_part(entry.at, *domain_, seeds_, hierarchy_, [&](const ImageNode& part) { push_far(part); });
+            continue;
+        }
+        const auto id = static_cast<std::int32_t>(entry.at.node);
+        const exact::Shift shift = only_shift(*domain_, entry.at.shifts);
+        if (entry.distance_squared < tried * tried || cell_.knows(id, shift)) continue;
+        clip_by_image(id, shift);
+    }
+}
+
+}  // namespace votess::cpu

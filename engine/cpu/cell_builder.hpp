@@ -1,0 +1,142 @@
+// Candidates near a seed, nearest first. A hierarchy of bounding boxes over groups of consecutive sorted seeds serves
+// two searches: a window of candidates around a group, shared by its seeds, and for cells that reach farther than a
+// window (voids, hulls of clusters) a walk that skips boxes which no vertex of the cell reaches. In a periodic domain
+// the walk goes on through the images that are not among the seeds: through pairs of a box and a range of shifts, of
+// which it halves whichever extends farther, so that a thin or long box costs little more than a cube.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "domain/probe.hpp"
+#include "index/hierarchy.hpp"
+#include "index/image_nodes.hpp"
+#include "index/seed_images.hpp"
+#include "index/sort.hpp"
+#include "polytope/cell.hpp"
+
+namespace votess::cpu {
+
+// Entry of the best-first queues.
+struct QueueEntry {
+    double distance_squared;  // at most the distance from the home to any seed below the node
+    std::int32_t level;
+    std::uint32_t node;
+};
+
+// The same for images.
+struct FarEntry {
+    double distance_squared;
+    ImageNode at;
+    Box images;  // holds them all, as seen from the home
+};
+
+// Builds cells. One per thread; holds all scratch memory.
+class CellBuilder {
+public:
+    CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
+
+    // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory. The domain stays
+    // with the caller.
+    void begin_job(const Domain& domain);
+    // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
+    Cell& build(std::size_t seed) { return *build(seed, std::numeric_limits<std::size_t>::max()); }
+    // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.
+    Cell* build(std::size_t seed, std::size_t most_tests);
+    [[nodiscard]] std::size_t tests() const { return tests_; }
+    // Builds the cell of a seed, cut by planes first. Guards are relative to the place of the seed as given; their ids
+    // in the cell are places() + 1 and so on.
+    Cell& build(std::size_t seed, std::span<const exact::Plane> guards);
+    // The cell that a query would have if it were a seed. Its id, which images of it have in faces, is places() of the
+    // seeds. Fastest when the last was near.
+    Cell& build(const Probe& probe) { return build(probe, {}); }
+    // The same with guards, as for a seed.
+    Cell& build(const Probe& probe, std::span<const exact::Plane> guards);
+    // The sorted seed that lies where the last probe does; -1: none. Unless it weighs less the probe has no cell.
+    [[nodiscard]] std::int32_t coincident() const { return coincident_; }
+    // Clips the cell by these seeds, which include its neighbors.
+    Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates);
+    // The same by images of seeds, after guards.
+    Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates, std::span<const exact::Shift> shifts,
+                     std::span<const exact::Plane> guards = {});
+    // Clips the last cell once more, by its neighbors only: its vertices then have the same rounding however it was
+    // found. faces: scratch.
+    Cell& again(CellFaces& faces);
+
+private:
+    void be(std::size_t seed);
+    // Begins the cell of the seed or probe at hand.
+    void start();
+    Cell* search(std::size_t most_tests);
+    Cell& build_from(std::span<const std::int32_t> candidates);
+    void clip_by_own_images();
+    [[nodiscard]] exact::Plane bisector(std::int32_t home, const exact::Shift& shift) const;
+    [[nodiscard]] bool coincides(const exact::Plane& bisector) const;
+    [[nodiscard]] std::int32_t find_coincident();
+    // Lets the user stop, after every so many vertices that were tested.
+    void look();
+    // A seed or image, by its id.
+    void clip_by(std::int32_t id, double x, double y, double z);
+    void clip_by_image(std::int32_t home, const exact::Shift& shift);
+    // No seed at this squared distance or beyond it can cut the cell as it is.
+    [[nodiscard]] double reach_squared();
+    void open_window(const Box& home);
+    void open_window_of(std::size_t seed);
+    // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
+    void extend_window(double distance_squared, std::size_t least_count);
+    void pop_into_window();
+    [[nodiscard]] bool exhausted() const { return tests_ > most_tests_; }
+    // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
+    // tests are exhausted.
+    bool clip_band(double from, double to);
+    // Clips by all seeds, and images among them, from that squared distance on.
+    void clip_far(double from);
+    Cell& again_by_planes(const CellFaces& faces);
+    void clip_by_heaviest();
+    // Clips by the images beyond those that lie among the seeds.
+    void clip_far_images();
+    void push_far(const ImageNode& node);
+    void clip_far_group(const FarEntry& entry, double from);
+
+    const Kernels& kernels_;
+    const SortedSeeds& seeds_;
+    const Hierarchy& hierarchy_;
+    const Domain* domain_ = nullptr;
+    Cell cell_;
+    bool plain_ = true;                     // neither images nor weights
+    double rounding_ = 0;                   // of distances to images
+    exact::Point place_rounding_{};         // of their coordinates
+    std::int32_t heaviest_ = -1;            // seed of a periodic power diagram
+    double more_weight_ = 0;                // by which any weight may exceed that of the seed
+    std::vector<exact::Shift> own_images_;  // that may bound the cell of a probe
+
+    // The seed or probe at hand.
+    std::int32_t own_ = -1;  // its id
+    bool probing_ = false;
+    std::span<const exact::Plane> guards_;
+    exact::Point at_{};
+    SeedImages::Base base_{};
+    double weight_ = 0;
+    std::int32_t coincident_ = -1;
+
+    std::size_t group_ = ~std::size_t{0};
+    Box home_{};
+    std::vector<QueueEntry> queue_, far_queue_;
+    std::vector<FarEntry> far_images_;
+    double covered_ = 0;  // squared distance from home within which the window is complete
+    std::vector<double> x_, y_, z_, distance_;
+    std::vector<std::int32_t> index_;
+    std::size_t measured_ = 0;  // distances known for the current seed
+    std::vector<std::uint64_t> band_;
+    std::vector<std::pair<double, std::int32_t>> candidates_;
+    std::vector<std::int32_t> neighbors_;
+    std::vector<CellPlane> planes_;
+    std::size_t tests_ = 0, most_tests_ = 0;  // of the current seed
+    double reach_ = 0;                        // 4 R^2 expected of the next cell
+    std::size_t tested_vertices_ = 0;         // since the last look
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,208 @@
+// The interface of votess/blocks.hpp.
+#include "votess/blocks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "distributed/blocks/messages.hpp"
+#include "distributed/blocks/partition.hpp"
+#include "input/implied_wants.hpp"
+#include "input/options.hpp"
+#include "query/locator.hpp"
+
+namespace votess {
+namespace detail {
+
+struct BlockDomainState {
+    Options options;
+    Job job;  // without seeds
+    std::optional<blocks::Partition> partition;
+};
+
+struct BlockState {
+    BlockState(const Options& options, blocks::Seeds own) : block(options, std::move(own)) {}
+    blocks::LocalBlock block;
+};
+
+}  // namespace detail
+
+namespace {
+
+template <class Work>
+auto with_memory(const Work& work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory, "out of memory: take more blocks, each with fewer seeds");
+    }
+}
+
+Options settled(Options options, const Box& bounds, std::uint64_t seeds) {
+    if (options.device != "cpu" && options.device != "auto")
+        throw Error(ErrorCode::unsupported,
+                    "device '" + options.device + "': blocks find their cells on the CPU, give cpu or auto");
+    const Want want = with_implied(options);
+    if (want.vertices || want.faces)
+        throw Error(ErrorCode::unsupported, "vertices and faces are not known across blocks: leave them out");
+    if (options.min_face != 0 || options.min_area != 0)
+        throw Error(ErrorCode::unsupported, "min_face and min_area need the faces of all cells: leave them out");
+    if (options.duplicates == Duplicates::error)
+        throw Error(ErrorCode::unsupported, "duplicates = error is not known across blocks: look at the statuses");
+    options.weights = options.radii = {};
+    options.device = "cpu";
+    check_options(options);
+    if (!options.cell) options.box = box_of(options, bounds, seeds);
+    return options;
+}
+
+exact::Point point_of(std::span<const double> points, std::size_t i, double scale) {
+    return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
+}
+
+}  // namespace
+
+BlockDomain::BlockDomain(const Options& options, const Box& bounds, std::uint64_t seeds)
+    : state_(std::make_shared<detail::BlockDomainState>()) {
+    state_->options = settled(options, bounds, seeds);
+    state_->job = validate({}, state_->options);
+}
+
+const Options& BlockDomain::options() const noexcept {
+    return state_->options;
+}
+
+double BlockDomain::volume(std::span<const double> seed) const {
+    const std::vector<double> copy(seed.begin(), seed.end());
+    return validate({copy, {}}, state_->options).box_volume;
+}
+
+std::vector<CellStatus> BlockDomain::check(std::span<const double> points, std::span<const double> weights,
+                                           std::span<const double> radii, std::uint64_t first) const {
+    Options options = state_->options;
+    options.weights = weights;
+    options.radii = radii;
+    return with_memory([&] {
+        const std::vector<double> copy(points.begin(), points.end());
+        Job job = validate({copy, {}, first}, options);
+        job.outside.resize(copy.size() / 3, CellStatus::certified);
+        return std::move(job.outside);
+    });
+}
+
+std::vector<double> BlockDomain::places(std::span<const double> points) const {
+    std::vector<double> places(points.size());
+    for (std::size_t i = 0; i < points.size() / 3; ++i) {
+        const auto place = cpu::place_in(*state_->job.domain, point_of(points, i, state_->job.scale));
+        if (!place)
+            throw Error(ErrorCode::invalid_argument,
+                        "point " + std::to_string(i) + " lies more than 500 million periods away from the box");
+        for (std::size_t k = 0; k < 3; ++k) places[3 * i + k] = place->at[k];
+    }
+    return places;
+}
+
+void BlockDomain::split(std::span<const double> sample, std::size_t blocks) {
+    if (blocks == 0) throw Error(ErrorCode::invalid_argument, "a run has one block or more");
+    std::vector<exact::Point> points(sample.size() / 3);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] = point_of(sample, i, 1);
+        if (!std::ranges::all_of(points[i], [](double x) { return std::isfinite(x); }))
+            throw Error(ErrorCode::invalid_argument, "place " + std::to_string(i) + " of the sample is not finite");
+    }
+    state_->partition.emplace(std::move(points), blocks);
+}
+
+std::vector<std::uint32_t> BlockDomain::blocks_of(std::span<const double> places) const {
+    if (!state_->partition) throw Error(ErrorCode::invalid_use, "blocks_of() before split()");
+    std::vector<std::uint32_t> blocks(places.size() / 3);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+        blocks[i] = static_cast<std::uint32_t>(state_->partition->block_of(point_of(places, i, 1)));
+    return blocks;
+}
+
+Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
+             std::span<const double> weights, std::span<const std::int32_t> tags) {
+    const std::size_t count = ids.size();
+    if (points.size() != 3 * count || (!weights.empty() && weights.size() != count) ||
+        (!tags.empty() && tags.size() != count))
+        throw Error(ErrorCode::invalid_argument, "ids, points, weights and tags of a block are not as many: give " +
+                                                     std::to_string(count) + " of each, points three times that");
+    state_ = with_memory([&] {
+        blocks::Seeds own{{ids.begin(), ids.end()},
+                          {points.begin(), points.end()},
+                          {weights.begin(), weights.end()},
+                          {tags.begin(), tags.end()}};
+        for (std::size_t i = 0; i < count; ++i)
+            if (own.ids[i] < 0 || (i > 0 && own.ids[i] <= own.ids[i - 1]))
+                throw Error(ErrorCode::invalid_argument, "ids of a block ascend from 0 on: the one at " +
+                                                             std::to_string(i) + " is " + std::to_string(own.ids[i]));
+        own.tags.resize(count, 0);
+        return std::make_unique<detail::BlockState>(domain.options(), std::move(own));
+    });
+}
+
+Block::Block(Block&&) noexcept = default;
+Block& Block::operator=(Block&&) noexcept = default;
+Block::~Block() = default;
+
+Message Block::outline() const {
+    return with_memory([&] { return blocks::to_message(blocks::summary_of(state_->block.outline())); });
+}
+
+Message Block::layer_for(const Message& outline) const {
+    return with_memory([&] {
+        blocks::Outline other;
+        blocks::from_message(outline, other);
+        return blocks::to_message(state_->block.layer_for(other), state_->block.outline());
+    });
+}
+
+void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> layers) {
+    if (layers.size() != outlines.size() || own >= outlines.size())
+        throw Error(ErrorCode::invalid_argument,
+                    "clip() of a block takes an outline and a layer of each block, but got " +
+                        std::to_string(outlines.size()) + " and " + std::to_string(layers.size()) + ", for block " +
+                        std::to_string(own));
+    with_memory([&] {
+        std::vector<blocks::Outline> others(outlines.size());
+        blocks::Seeds given;
+        for (std::size_t b = 0; b < outlines.size(); ++b) {
+            if (b == own) continue;
+            blocks::from_message(outlines[b], others[b]);
+            blocks::Seeds layer;
+            blocks::from_message(layers[b], layer, others[b]);
+            given.add(layer);
+        }
+        state_->block.clip(std::move(others), own, std::move(given));
+    });
+}
+
+Message Block::question_for(std::size_t block) const {
+    return with_memory([&] { return blocks::to_message(state_->block.questions().at(block)); });
+}
+
+Message Block::answer(const Message& question) {
+    return with_memory([&] {
+        blocks::Questions questions;
+        blocks::from_message(question, questions);
+        return blocks::to_message(state_->block.answer(questions));
+    });
+}
+
+BlockCells Block::finish(std::span<const Message> answers) {
+    return with_memory([&] {
+        blocks::Seeds given;
+        for (const Message& answer : answers) {
+            blocks::Seeds seeds;
+            blocks::from_message(answer, seeds);
+            given.add(seeds);
+        }
+        return state_->block.finish(given);
+    });
+}
+
+const BlockCounts& Block::counts() const noexcept {
+    return state_->block.counts();
+}
+
+}  // namespace votess

@@ -1,0 +1,257 @@
+#include "distributed/blocks/outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace votess::blocks {
+namespace {
+
+constexpr std::size_t tile_seeds_at_most = 512;
+constexpr double layer_spacings = 2.5;  // nearly all cells at a border reach less far
+constexpr std::size_t most_images = 512;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+using Vector = std::array<double, 3>;
+
+Box no_box() {
+    return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+}
+
+void include(Box& box, const Box& other) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        box.lower[k] = std::min(box.lower[k], other.lower[k]);
+        box.upper[k] = std::max(box.upper[k], other.upper[k]);
+    }
+}
+
+Box moved(const Box& box, const Vector& by) {
+    Box result;
+    for (std::size_t k = 0; k < 3; ++k) result.lower[k] = box.lower[k] + by[k], result.upper[k] = box.upper[k] + by[k];
+    return result;
+}
+
+Box wider(const Box& box, double by) {
+    return moved({{box.lower[0] - 2 * by, box.lower[1] - 2 * by, box.lower[2] - 2 * by}, box.upper}, {by, by, by});
+}
+
+// Splits seeds at the median of the longest side until tiles are small enough.
+class Tiler {
+public:
+    struct Seed {
+        exact::Point x;
+        std::uint32_t number;
+    };
+    struct Range {
+        std::size_t begin, end;
+    };
+    struct Tiles {
+        std::vector<Tile> tiles;
+        std::vector<std::size_t> ends;
+    };
+
+    Tiler(const std::vector<exact::Point>& places, std::span<const double> weights) : weights_(weights) {
+        seeds_.reserve(places.size());
+        for (const exact::Point& x : places) seeds_.push_back({x, static_cast<std::uint32_t>(seeds_.size())});
+    }
+
+    // Splits ranges of more than `most` seeds, and gives those that are left in order.
+    void split(Range range, std::size_t most, std::vector<Range>& out) {
+        const std::size_t middle = range.end - range.begin > most ? divide(range, box_of(range)) : range.begin;
+        if (middle == range.begin) return out.push_back(range);
+        split({range.begin, middle}, most, out);
+        split({middle, range.end}, most, out);
+    }
+
+    void make_tiles(Range range, Tiles& out) {
+        std::vector<Range> ranges;
+        split(range, tile_seeds_at_most, ranges);
+        for (const Range& of_tile : ranges) {
+            Tile tile{box_of(of_tile), 0, -infinity};
+            double volume = 1;
+            for (std::size_t k = 0; k < 3; ++k) volume *= tile.box.upper[k] - tile.box.lower[k];
+            tile.width = layer_spacings * std::cbrt(volume / static_cast<double>(of_tile.end - of_tile.begin));
+            for (std::size_t k = of_tile.begin; k < of_tile.end; ++k)
+                tile.largest_weight = std::max(tile.largest_weight, weights_.empty() ? 0 : weights_[seeds_[k].number]);
+            out.tiles.push_back(tile);
+            out.ends.push_back(of_tile.end);
+        }
+    }
+
+    [[nodiscard]] std::vector<std::uint32_t> order() const {
+        std::vector<std::uint32_t> order;
+        order.reserve(seeds_.size());
+        for (const Seed& seed : seeds_) order.push_back(seed.number);
+        return order;
+    }
+
+private:
+    [[nodiscard]] Box box_of(Range range) const {
+        Box box = no_box();
+        for (std::size_t k = range.begin; k < range.end; ++k) include(box, {seeds_[k].x, seeds_[k].x});
+        return box;
+    }
+
+    // Seeds at one place stay together, so that who is given one is given the others too. Returns where the second half
+    // begins; the range's begin where there is but one place.
+    std::size_t divide(Range range, const Box& box) {
+        std::size_t axis = 0;
+        for (std::size_t k = 1; k < 3; ++k)
+            if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
+        const auto at = [&](std::size_t k) { return seeds_.begin() + static_cast<std::ptrdiff_t>(k); };
+        const auto middle = at(range.begin + (range.end - range.begin) / 2);
+        std::nth_element(at(range.begin), middle, at(range.end), [axis](const Seed& a, const Seed& b) {
+            return a.x[axis] != b.x[axis] ? a.x[axis] < b.x[axis] : a.x < b.x;
+        });
+        const exact::Point first = middle->x;
+        const auto moved = std::partition(at(range.begin), middle, [&](const Seed& seed) { return seed.x != first; });
+        return static_cast<std::size_t>(moved - seeds_.begin());
+    }
+
+    std::vector<Seed> seeds_;
+    std::span<const double> weights_;
+};
+
+Box boxes_around(const std::vector<Tile>& tiles, std::size_t node, std::size_t begin, std::size_t end,
+                 std::vector<Box>& around) {
+    if (end - begin == 1) return around[node] = tiles[begin].box;
+    const std::size_t middle = begin + (end - begin) / 2;
+    Box box = boxes_around(tiles, node + 1, begin, middle, around);
+    include(box, boxes_around(tiles, node + 2 * (middle - begin), middle, end, around));
+    return around[node] = box;
+}
+
+}  // namespace
+
+double distance_squared(const Box& a, const Box& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double gap = std::max({0.0, a.lower[k] - b.upper[k], b.lower[k] - a.upper[k]});
+        sum += gap * gap;
+    }
+    return sum;
+}
+
+TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights, ThreadPool& pool) {
+    TiledSeeds tiled;
+    tiled.begin.assign(1, 0);
+    tiled.outline = outline_of({});
+    if (places.empty()) return tiled;
+    Tiler tiler(places, weights);
+    std::vector<Tiler::Range> tasks;
+    tiler.split({0, places.size()}, std::max(tile_seeds_at_most, places.size() / (4 * std::size_t{pool.size()})),
+                tasks);
+    std::vector<Tiler::Tiles> of_task(tasks.size());
+    pool.run(tasks.size(), [&](std::size_t k, unsigned) { tiler.make_tiles(tasks[k], of_task[k]); });
+    std::vector<Tile> tiles;
+    for (const Tiler::Tiles& some : of_task) {
+        tiles.insert(tiles.end(), some.tiles.begin(), some.tiles.end());
+        tiled.begin.insert(tiled.begin.end(), some.ends.begin(), some.ends.end());
+    }
+    tiled.order = tiler.order();
+    tiled.outline = outline_of(std::move(tiles));
+    return tiled;
+}
+
+Outline outline_of(std::vector<Tile> tiles) {
+    Outline outline{no_box(), -infinity, std::move(tiles), {}};
+    for (const Tile& tile : outline.tiles)
+        outline.largest_weight = std::max(outline.largest_weight, tile.largest_weight);
+    if (outline.tiles.empty()) return outline;
+    outline.around.resize(2 * outline.tiles.size() - 1);
+    outline.box = boxes_around(outline.tiles, 0, 0, outline.tiles.size(), outline.around);
+    return outline;
+}
+
+Outline summary_of(const Outline& outline) {
+    if (outline.tiles.empty()) return outline;
+    return outline_of({{outline.box, 0, outline.largest_weight}});
+}
+
+Nearness::Nearness(const Domain& domain) : domain_(domain) {
+    double size = largest_coordinate(domain.box);
+    for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k) size = std::max(size, std::abs(domain.vector[j][k]));
+    if (domain.is_periodic()) rounding_ = 0x1p-48 * size;
+}
+
+template <class Task>
+bool Nearness::for_images(const Box& box, const Box& home, double distance, const Task& task) const {
+    if (!domain_.is_periodic()) {
+        if (distance_squared(box, home) <= distance * distance) task(Vector{});
+        return true;
+    }
+    exact::Point middle;
+    double half = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        middle[k] = 0.5 * (home.lower[k] + home.upper[k]);
+        half += 0.25 * (home.upper[k] - home.lower[k]) * (home.upper[k] - home.lower[k]);
+    }
+    const double reach = (distance + std::sqrt(half)) * (1 + 1e-9) + 4 * rounding_;
+    const ShiftRange range = shifts_around(domain_, box, middle, reach);
+    double images = 1;
+    for (std::size_t j = 0; j < 3; ++j) images *= static_cast<double>(range.most[j]) - range.least[j] + 1;
+    if (!(images <= most_images)) return false;
+    const double near = distance + 4 * rounding_;
+    ShiftRange one = range;
+    for (one.least[0] = range.least[0]; one.least[0] <= range.most[0]; ++one.least[0])
+        for (one.least[1] = range.least[1]; one.least[1] <= range.most[1]; ++one.least[1])
+            for (one.least[2] = range.least[2]; one.least[2] <= range.most[2]; ++one.least[2]) {
+                one.most = one.least;
+                const Vector by = domain_.translation(only_shift(domain_, one));
+                if (distance_squared(moved(box, by), home) <= near * near) task(by);
+            }
+    return true;
+}
+
+Nearness::Layer Nearness::layer_of(const Tile& tile, const Box& known) const {
+    Layer layer{wider(known, tile.width), {}};
+    (void)for_images(tile.box, layer.box, 0, [&](const Vector& by) { layer.by.push_back(by); });
+    return layer;
+}
+
+bool Nearness::holds(const Layer& layer, const exact::Point& place) {
+    return std::ranges::any_of(layer.by, [&](const Vector& by) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = place[k] + by[k];
+            if (!(x >= layer.box.lower[k] && x <= layer.box.upper[k])) return false;
+        }
+        return true;
+    });
+}
+
+bool Nearness::is_near(const Box& box, const Box& home, double distance) const {
+    bool near = false;
+    return !for_images(box, home, distance, [&](const Vector&) { near = true; }) || near;
+}
+
+void Nearness::for_unknown(const Tile& tile, const Box& known, const Box& home, double distance,
+                           const std::function<void(const Box&)>& visit) const {
+    const Layer layer = layer_of(tile, known);
+    const auto near = [&](const Box& piece) {
+        if (distance_squared(piece, home) <= distance * distance) visit(piece);
+    };
+    const auto without_layer = [&](const Vector& by) {
+        // What is left of the image is cut off side by side; the pieces are a little wider than rounding is.
+        Box rest = moved(tile.box, by);
+        if (layer.by.empty() || distance_squared(rest, layer.box) > 0) return near(wider(rest, rounding_));
+        for (std::size_t k = 0; k < 3; ++k) {
+            for (const bool upper : {false, true}) {
+                Box piece = rest;
+                if (upper)
+                    piece.lower[k] = std::max(piece.lower[k], layer.box.upper[k]);
+                else
+                    piece.upper[k] = std::min(piece.upper[k], layer.box.lower[k]);
+                const bool any = upper ? rest.upper[k] > layer.box.upper[k] : rest.lower[k] < layer.box.lower[k];
+                if (any) near(wider(piece, rounding_));
+            }
+            rest.lower[k] = std::max(rest.lower[k], layer.box.lower[k]);
+            rest.upper[k] = std::min(rest.upper[k], layer.box.upper[k]);
+        }
+    };
+    if (for_images(tile.box, home, distance, without_layer)) return;
+    // Too many images to look at: they are taken for one, all of space.
+    visit({{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}});
+}
+
+}  // namespace votess::blocks

@@ -1,0 +1,233 @@
+// What cells of a block ask others, and what a block answers.
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "core/ceil.hpp"
+#include "distributed/blocks/local_block.hpp"
+#include "query/locator.hpp"
+
+namespace votess::blocks {
+namespace {
+
+constexpr std::size_t answers_at_once = 64;
+
+double distance_squared(const exact::Point& x, const Box& box) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double gap = std::max({0.0, box.lower[k] - x[k], x[k] - box.upper[k]});
+        sum += gap * gap;
+    }
+    return sum;
+}
+
+}  // namespace
+
+// Looks at the cells of one tile after the other. One per thread.
+class LocalBlock::Asker {
+public:
+    explicit Asker(const LocalBlock& block)
+        : block_(block),
+          builder_(block.all_.clipper.seeds(), block.all_.clipper.hierarchy(),
+                   *cpu::find_kernels(block.options_.instructions)) {
+        builder_.begin_job(*block.all_.job.domain);
+        for (std::size_t b = 0; b < block.outlines_.size(); ++b)
+            if (b != block.number_) heaviest_ = std::max(heaviest_, block.outlines_[b].largest_weight);
+        longest_ = block.longest_reach(heaviest_);
+    }
+
+    std::uint64_t tested = 0, faces = 0;
+    std::vector<std::int32_t> friends;
+
+    struct Asking {
+        std::uint32_t cell;
+        std::vector<std::uint32_t> blocks;
+        Questions::Cell question;
+        std::vector<Questions::Guard> guards;
+    };
+    std::vector<Asking> ask_of_tile(std::size_t tile) {
+        if (!block_.any_near(tile, longest_)) return {};
+        const std::size_t begin = block_.tiled_.begin[tile], end = block_.tiled_.begin[tile + 1];
+        double farthest = 0;
+        reaches_.assign(end - begin, -1);
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t cell = block_.tiled_.order[k];
+            if (block_.all_.result.status[cell] != CellStatus::certified) continue;
+            farthest = std::max(farthest, reaches_[k - begin] = block_.all_.reach_of(cell, heaviest_));
+        }
+        std::vector<Asking> asked;
+        std::vector<Unknown> unknown = block_.unknown_near(tile, farthest);
+        std::ranges::sort(unknown, {}, &Unknown::from_tile);
+        for (std::size_t k = begin; k < end && !unknown.empty(); ++k) {
+            const std::size_t cell = block_.tiled_.order[k];
+            const double reach = reaches_[k - begin];
+            if (reach < 0) continue;
+            near_.clear();
+            for (const Unknown& one : unknown) {
+                if (one.from_tile > reach * reach) break;
+                if (distance_squared(block_.places_[cell], one.box) <= reach * reach) near_.push_back(&one);
+            }
+            if (!near_.empty()) ask(cell, reach, asked);
+        }
+        return asked;
+    }
+
+private:
+    void ask(std::size_t number, double reach, std::vector<Asking>& asked) {
+        const std::int32_t own = block_.positions_[number];
+        cpu::Cell& cell = builder_.build(static_cast<std::size_t>(own));
+        ++tested;
+        const double weight = block_.weight_of(number);
+        std::vector<std::uint32_t> blocks;
+        for (const Unknown* one : near_) {
+            if (std::ranges::find(blocks, one->block) != blocks.end()) continue;
+            const Box seen = cpu::seen_from(block_.places_[number], one->box);
+            if (cell.in_reach(seen, std::max(0.0, one->largest_weight - weight))) blocks.push_back(one->block);
+        }
+        if (blocks.empty()) return;
+        Asking& one = asked.emplace_back();
+        one.cell = static_cast<std::uint32_t>(number);
+        one.blocks = std::move(blocks);
+        cell.canonical_faces(faces_);
+        faces += faces_.size();
+        const auto& input = block_.all_.clipper.seeds().input;
+        for (const std::int32_t p : faces_.planes) {
+            const cpu::CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
+            if (plane.id < 0 || plane.id == own) continue;
+            friends.push_back(input[static_cast<std::size_t>(plane.id)]);
+            one.guards.push_back({plane.source.seed, plane.source.shift, plane.source.power});
+        }
+        one.question = {block_.probe_of(number), reach, one.guards.size()};
+    }
+
+    const LocalBlock& block_;
+    cpu::CellBuilder builder_;
+    double heaviest_ = -std::numeric_limits<double>::infinity();
+    double longest_ = 0;  // no cell of the block reaches farther
+    cpu::CellFaces faces_;
+    std::vector<double> reaches_;
+    std::vector<const Unknown*> near_;
+};
+
+// The seed of a cell as its planes see it.
+cpu::Probe LocalBlock::probe_of(std::size_t cell) const {
+    const auto position = static_cast<std::size_t>(positions_[cell]);
+    const auto& seeds = all_.clipper.seeds();
+    cpu::Probe probe;
+    probe.place.at = places_[cell];
+    probe.weight = weight_of(cell);
+    if (seeds.images == nullptr) {
+        probe.x = probe.place.at;
+        return probe;
+    }
+    const cpu::SeedImages::Base base = seeds.images->base(position);
+    probe.x = base.point;
+    probe.place.by = base.shift;
+    probe.place.low = seeds.images->low(static_cast<std::int32_t>(position));
+    return probe;
+}
+
+void LocalBlock::ask() {
+    const std::size_t tiles = tiled_.outline.tiles.size();
+    questions_.assign(outlines_.size(), {});
+    std::vector<std::vector<Asker::Asking>> asked(tiles);
+    ThreadPool& pool = all_.clipper.pool();
+    std::deque<Asker> askers;
+    for (unsigned k = 0; k < pool.size(); ++k) askers.emplace_back(*this);
+    pool.run(tiles, [&](std::size_t tile, unsigned worker) { asked[tile] = askers[worker].ask_of_tile(tile); });
+    for (const auto& of_tile : asked)
+        for (const Asker::Asking& one : of_tile) {
+            asked_.push_back(one.cell);
+            for (const std::uint32_t b : one.blocks) {
+                questions_[b].cells.push_back(one.question);
+                questions_[b].guards.insert(questions_[b].guards.end(), one.guards.begin(), one.guards.end());
+                ++counts_.questions;
+            }
+        }
+    std::ranges::sort(asked_);
+    for (const Asker& asker : askers) {
+        counts_.tested += asker.tested;
+        asked_faces_ += asker.faces;
+        friends_.insert(friends_.end(), asker.friends.begin(), asker.friends.end());
+    }
+}
+
+// Clips cells of other blocks. One per thread.
+class Responder::Worker {
+public:
+    explicit Worker(const Responder& responder)
+        : seeds_(responder.run_.clipper.seeds()),
+          domain_(*responder.run_.job.domain),
+          builder_(seeds_, responder.run_.clipper.hierarchy(), *cpu::find_kernels(responder.options_.instructions)) {
+        builder_.begin_job(domain_);
+    }
+
+    std::vector<std::int32_t> found;  // places in the seeds of the run
+
+    void answer(const Questions::Cell& question, std::span<const Questions::Guard> guards) {
+        planes_.clear();
+        for (const Questions::Guard& guard : guards) {
+            exact::Plane plane = exact::Plane::bisector(guard.q, guard.shift, domain_.lattice);
+            plane.power = guard.power;
+            planes_.push_back(plane);
+        }
+        cpu::Cell& cell = builder_.build(question.seed, planes_);
+        constexpr std::size_t least_faces = 4;
+        if (!cell.empty()) cell.canonical_faces(faces_);
+        if (cell.empty() || faces_.size() < least_faces) {
+            // Nothing is left, or nothing with a volume, by some of all its planes.
+            for (const cpu::CellPlane& plane : cell.planes()) take(plane.id);
+            return;
+        }
+        for (const std::int32_t p : faces_.planes) take(cell.planes()[static_cast<std::size_t>(p)].id);
+    }
+
+private:
+    void take(std::int32_t id) {
+        if (id >= 0 && static_cast<std::size_t>(id) < seeds_.size())
+            found.push_back(seeds_.input[static_cast<std::size_t>(id)]);
+    }
+
+    const cpu::SortedSeeds& seeds_;
+    const Domain& domain_;
+    cpu::CellBuilder builder_;
+    std::vector<exact::Plane> planes_;
+    cpu::CellFaces faces_;
+};
+
+Seeds Responder::answer(const Questions& questions) const {
+    Seeds seeds;
+    if (questions.cells.empty()) return seeds;
+    std::vector<std::size_t> begin{0};
+    for (const Questions::Cell& cell : questions.cells) begin.push_back(begin.back() + cell.guards);
+    ThreadPool& pool = run_.clipper.pool();
+    std::deque<Worker> workers;
+    for (unsigned k = 0; k < pool.size(); ++k) workers.emplace_back(*this);
+    const std::size_t count = questions.cells.size();
+    pool.run(ceil_div(count, answers_at_once), [&](std::size_t task, unsigned worker) {
+        for (std::size_t q = task * answers_at_once; q < std::min(count, (task + 1) * answers_at_once); ++q)
+            workers[worker].answer(questions.cells[q],
+                                   std::span(questions.guards).subspan(begin[q], begin[q + 1] - begin[q]));
+    });
+    std::vector<std::int32_t> found;
+    for (const Worker& worker : workers) found.insert(found.end(), worker.found.begin(), worker.found.end());
+    std::ranges::sort(found);
+    const auto [end, last] = std::ranges::unique(found);
+    found.erase(end, last);
+    for (const std::int32_t i : found) seeds.add(run_.seeds, static_cast<std::size_t>(i));
+    return seeds;
+}
+
+Seeds LocalBlock::answer(const Questions& questions) {
+    return Responder(options_, all_).answer(questions);
+}
+
+void mark_near(const Outline& outline, const Nearness& nearness, const Questions& questions, std::vector<bool>& near) {
+    for (const Questions::Cell& cell : questions.cells) {
+        const Box home{cell.seed.place.at, cell.seed.place.at};
+        outline.for_tiles([&](const Box& box) { return nearness.is_near(box, home, cell.reach); },
+                          [&](std::size_t tile) { near[tile] = true; });
+    }
+}
+
+}  // namespace votess::blocks

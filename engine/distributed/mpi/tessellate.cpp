@@ -1,0 +1,324 @@
+// votess::mpi::tessellate(): seeds go to the blocks of their regions, one for each rank, and cells come back.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "distributed/mpi/exchange.hpp"
+#include "distributed/mpi/travel.hpp"
+#include "votess/mpi.hpp"
+
+namespace votess::mpi {
+namespace {
+
+constexpr std::size_t sample_of_all = 1000000, least_sample = 64, most_sample = 2048;  // places; for each block
+
+// One number for all that must be the same on all ranks (FNV-1a).
+std::uint64_t digest(const Options& options) {
+    std::uint64_t hash = 14695981039346656037u;
+    const auto mix = [&](const auto&... values) {
+        const auto one = [&](const auto& value) {
+            for (const std::byte byte : std::as_bytes(std::span(&value, 1)))
+                hash = (hash ^ static_cast<std::uint64_t>(byte)) * 1099511628211u;
+        };
+        (one(values), ...);
+    };
+    mix(options.periodic, options.outside, options.list_walls, options.want, options.duplicates, options.min_face,
+        options.min_area, options.box.has_value(), options.cell.has_value());
+    if (options.box) mix(*options.box);
+    if (const auto& cell = options.cell) mix(cell->origin, cell->a, cell->b, cell->c, cell->periodic);
+    for (const Wall& wall : options.walls) mix(wall);
+    return hash;
+}
+
+class Run {
+public:
+    Run(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids, const Options& options)
+        : ranks_(comm),
+          points_(points.begin(), points.end()),
+          options_(options),
+          weights_(options.weights.begin(), options.weights.end()),
+          radii_(options.radii.begin(), options.radii.end()),
+          ids_(ids.begin(), ids.end()) {
+        options_.weights = weights_;
+        options_.radii = radii_;
+    }
+    Run(const Run&) = delete;
+    Run& operator=(const Run&) = delete;
+
+    Result operator()(Cells where) {
+        first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0 ? 0 : ranks_.sum_before(std::uint64_t{count()});
+        ranks_.together([&] { check_input(); });
+        compare_options();
+        number();
+        settle();
+        send_seeds();
+        clip();
+        Result result = where == Cells::made ? keep() : send_back();
+        result.options = domain_->options();
+        result.options.progress = {};
+        counts_.bytes = ranks_.sum(ranks_.bytes_sent());
+        result.counts = counts_;
+        return result;
+    }
+
+private:
+    [[nodiscard]] std::size_t count() const { return points_.size() / 3; }
+    [[nodiscard]] std::size_t ranks() const { return static_cast<std::size_t>(ranks_.size()); }
+
+    // Stops this rank where its user or another rank has stopped. A block begins again at 0 with what it asked for.
+    bool going_on(double fraction) {
+        ranks_.check_others();
+        done_ = std::max(done_, fraction);
+        return !options_.progress || options_.progress(done_);
+    }
+
+    void check_input() {
+        const auto refuse = [](const std::string& what) { throw Error(ErrorCode::invalid_argument, what); };
+        if (points_.size() % 3 != 0)
+            refuse("points hold " + std::to_string(points_.size()) +
+                   " coordinates, which is not a multiple of 3: the shape must be (N,3)");
+        for (std::size_t i = 0; i < points_.size(); ++i)
+            if (!std::isfinite(points_[i])) {
+                char number[32];
+                std::snprintf(number, sizeof number, "%.17g", points_[i]);
+                refuse("point " + std::to_string(first_ + i / 3) + ": " + "xyz"[i % 3] + " = " + number +
+                       " is not finite");
+            }
+        if (!ids_.empty() && ids_.size() != count())
+            refuse(std::to_string(ids_.size()) + " ids for " + std::to_string(count()) + " points");
+        for (std::size_t i = 0; i < ids_.size(); ++i)
+            if (ids_[i] < 0) refuse("id " + std::to_string(i) + " = " + std::to_string(ids_[i]) + " is negative");
+        if (!options_.weights.empty() && !options_.radii.empty())
+            refuse("weights and radii are both given: weights are the squares of radii, give one of them");
+        for (const double radius : radii_) weights_.push_back(radius * radius);
+    }
+
+    void compare_options() {
+        const std::uint64_t own = digest(options_), largest = ranks_.maximum(own);
+        ranks_.together([&] {
+            if (own != largest)
+                throw Error(ErrorCode::invalid_argument,
+                            "its domain or what it wants is not that of another rank: give all the same options");
+        });
+    }
+
+    // Ids of all ranks or of none, each once.
+    void number() {
+        counts_.seeds = ranks_.sum(std::uint64_t{count()});
+        const bool given = ranks_.maximum(std::uint64_t{ids_.size()}) > 0;
+        const bool weighted = ranks_.maximum(std::uint64_t{weights_.size()}) > 0;
+        ranks_.together([&] {
+            if (given && ids_.size() != count())
+                throw Error(ErrorCode::invalid_argument,
+                            "it has no ids, but another rank has: give them on all or none");
+            if (weighted && weights_.size() != count())
+                throw Error(ErrorCode::invalid_argument, "it has " + std::to_string(weights_.size()) + " weights for " +
+                                                             std::to_string(count()) +
+                                                             " points, but another rank has weights: give all");
+        });
+        if (!given) {
+            for (std::size_t i = 0; i < count(); ++i) ids_.push_back(static_cast<std::int64_t>(first_ + i));
+            return;
+        }
+        // Each id is looked at by one rank.
+        std::vector<std::vector<std::int64_t>> to(ranks());
+        for (const std::int64_t id : ids_) to[static_cast<std::uint64_t>(id) % ranks()].push_back(id);
+        std::vector<Message> messages;
+        for (const auto& some : to) messages.push_back(to_bytes(some));
+        std::vector<std::int64_t> all;
+        for (const Message& message : ranks_.exchange(messages)) append_bytes(message, all);
+        std::ranges::sort(all);
+        ranks_.together([&] {
+            const auto twice = std::ranges::adjacent_find(all);
+            if (twice != all.end())
+                throw Error(ErrorCode::invalid_argument, "id " + std::to_string(*twice) + " is given twice");
+        });
+    }
+
+    void settle() {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            bounds.lower[i % 3] = std::min(bounds.lower[i % 3], points_[i]);
+            bounds.upper[i % 3] = std::max(bounds.upper[i % 3], points_[i]);
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            bounds.lower[k] = ranks_.minimum(bounds.lower[k]);
+            bounds.upper[k] = ranks_.maximum(bounds.upper[k]);
+        }
+        std::vector<double> sample;
+        Options watched = options_;
+        watched.progress = [this](double fraction) { return going_on(fraction); };
+        ranks_.together([&] {
+            domain_.emplace(watched, bounds, counts_.seeds);
+            status_ = domain_->check(points_, options_.weights, options_.radii, first_);
+            std::vector<double> inside;
+            for (std::size_t i = 0; i < count(); ++i) {
+                if (status_[i] == CellStatus::outside) continue;
+                inside_.push_back(i);
+                inside.insert(inside.end(), &points_[3 * i], &points_[3 * i] + 3);
+            }
+            places_ = domain_->places(inside);
+        });
+        const double total = std::max(1.0, ranks_.sum(static_cast<double>(inside_.size())));
+        const std::size_t of_block = std::clamp(sample_of_all / ranks(), least_sample, most_sample);
+        const double share = std::min(1.0, static_cast<double>(of_block * ranks()) / total);
+        const auto taken = static_cast<std::size_t>(std::ceil(share * static_cast<double>(inside_.size())));
+        for (std::size_t k = 0; k < taken; ++k) {
+            const std::size_t i = k * inside_.size() / taken;
+            sample.insert(sample.end(), &places_[3 * i], &places_[3 * i] + 3);
+        }
+        std::vector<double> all;
+        for (const Message& message : ranks_.gather_all(to_bytes(sample))) append_bytes(message, all);
+        ranks_.together([&] { domain_->split(all, ranks()); });
+    }
+
+    void send_seeds() {
+        const std::vector<std::uint32_t> block_of = domain_->blocks_of(places_);
+        places_ = {};
+        std::vector<Handed> to(ranks());
+        for (std::size_t s = 0; s < inside_.size(); ++s) {
+            Handed& handed = to[block_of[s]];
+            const std::size_t i = inside_[s];
+            handed.ids.push_back(ids_[i]);
+            handed.points.insert(handed.points.end(), &points_[3 * i], &points_[3 * i] + 3);
+            if (!weights_.empty()) handed.weights.push_back(weights_[i]);
+        }
+        std::vector<Message> messages;
+        for (const Handed& handed : to) messages.push_back(handed.to_message());
+        to.clear();
+        const std::vector<Message> from = ranks_.exchange(messages);
+        ranks_.together([&] { made_ = Handed::of(from); });
+        counts_.largest_block = ranks_.maximum(std::uint64_t{made_.ids.size()});
+    }
+
+    void clip() {
+        std::optional<Block> block;
+        Message outline;
+        ranks_.together([&] {
+            block.emplace(*domain_, made_.ids, made_.points, made_.weights, made_.owners);
+            outline = block->outline();
+        });
+        const std::vector<Message> outlines = ranks_.gather_all(outline);
+        std::vector<Message> to(ranks());
+        const auto for_others = [&](const auto& make) {
+            ranks_.together([&] {
+                for (std::size_t r = 0; r < ranks(); ++r)
+                    to[r] = r == static_cast<std::size_t>(ranks_.rank()) ? Message{} : make(r);
+            });
+            return ranks_.exchange(to);
+        };
+        const auto layers = for_others([&](std::size_t r) { return block->layer_for(outlines[r]); });
+        ranks_.together([&] { block->clip(outlines, static_cast<std::size_t>(ranks_.rank()), layers); });
+        const auto questions = for_others([&](std::size_t r) { return block->question_for(r); });
+        const auto answers = for_others([&](std::size_t r) { return block->answer(questions[r]); });
+        ranks_.together([&] { cells_ = block->finish(answers); });
+        counts_.given = ranks_.sum(block->counts().given);
+        counts_.needed = ranks_.sum(block->counts().needed);
+        counts_.tested = ranks_.sum(block->counts().tested);
+        counts_.questions = ranks_.sum(block->counts().questions);
+        counts_.exact_cells = ranks_.sum(block->counts().exact_cells);
+        double volume = 0;
+        for (const double v : cells_.volumes) volume += v;
+        counts_.volume_sum = ranks_.sum(volume);
+        ranks_.together([&] {
+            counts_.box_volume =
+                domain_->volume(std::span(made_.points).first(std::min<std::size_t>(3, made_.points.size())));
+        });
+        counts_.box_volume = ranks_.maximum(counts_.box_volume);
+    }
+
+    Result keep() {
+        Result result;
+        result.ids = std::move(made_.ids);
+        result.points = std::move(made_.points);
+        result.weights = std::move(made_.weights);
+        result.cells = std::move(cells_);
+        return result;
+    }
+
+    Result send_back() {
+        std::vector<std::vector<std::size_t>> of_owner(ranks());
+        for (std::size_t i = 0; i < made_.owners.size(); ++i)
+            of_owner[static_cast<std::size_t>(made_.owners[i])].push_back(i);
+        std::vector<Message> to;
+        OwnCells own;
+        ranks_.together([&] {
+            std::swap(own.places, of_owner[static_cast<std::size_t>(ranks_.rank())]);
+            for (const auto& cells : of_owner) to.push_back(pack(made_.ids, cells_, cells));
+            own.ids = std::move(made_.ids);
+            own.cells = std::move(cells_);
+            if (own.places.empty()) own.cells = {};
+        });
+        made_ = {};
+        const std::vector<Message> from = ranks_.exchange(to);
+        to = {};
+        Result result;
+        ranks_.together([&] {
+            result.ids = ids_;
+            result.weights = weights_;
+            result.cells = unpack(from, ids_, status_, std::move(own));
+        });
+        list_exchange(result);
+        return result;
+    }
+
+    // Rows are symmetric: a rank needs those of my seeds that have neighbors of its own. It tells me of its own ones.
+    void list_exchange(Result& result) const {
+        std::vector<std::vector<std::int64_t>> lists(ranks());
+        std::vector<Message> messages;
+        ranks_.together([&] {
+            for (std::size_t i = 0; i + 1 < result.cells.indptr.size(); ++i)
+                for (auto e = static_cast<std::size_t>(result.cells.indptr[i]);
+                     e < static_cast<std::size_t>(result.cells.indptr[i + 1]); ++e) {
+                    const std::int32_t owner = result.cells.tags[e];
+                    if (owner < 0 || owner == ranks_.rank()) continue;
+                    auto& list = lists[static_cast<std::size_t>(owner)];
+                    if (list.empty() || list.back() != result.ids[i]) list.push_back(result.ids[i]);
+                }
+            for (auto& list : lists) {
+                if (!std::ranges::is_sorted(list)) std::ranges::sort(list);
+                messages.push_back(to_bytes(list));
+            }
+        });
+        const std::vector<Message> from = ranks_.exchange(messages);
+        ranks_.together([&] {
+            result.send_indptr.assign(1, 0);
+            result.receive_indptr.assign(1, 0);
+            for (std::size_t r = 0; r < ranks(); ++r) {
+                result.send.insert(result.send.end(), lists[r].begin(), lists[r].end());
+                append_bytes(from[r], result.receive);
+                result.send_indptr.push_back(static_cast<std::int64_t>(result.send.size()));
+                result.receive_indptr.push_back(static_cast<std::int64_t>(result.receive.size()));
+            }
+        });
+    }
+
+    Ranks ranks_;
+    // The caller's arrays, copied once: another thread may write into them.
+    std::vector<double> points_;
+    Options options_;
+    std::vector<double> weights_, radii_;  // the weights are squares of radii from check_input() on
+    std::vector<std::int64_t> ids_;
+    std::uint64_t first_ = 0;  // number of the first point, in messages
+    std::optional<BlockDomain> domain_;
+    std::vector<CellStatus> status_;
+    std::vector<std::size_t> inside_;
+    std::vector<double> places_;
+    Handed made_;
+    BlockCells cells_;
+    Counts counts_;
+    double done_ = 0;  // what the user's progress callback was told
+};
+
+}  // namespace
+
+Result tessellate(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids,
+                  const Options& options, Cells cells) {
+    return Run(comm, points, ids, options)(cells);
+}
+
+}  // namespace votess::mpi

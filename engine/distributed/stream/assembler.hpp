@@ -1,0 +1,48 @@
+// Puts the cells of all blocks in the order of the input, some at a time.
+#pragma once
+
+#include <vector>
+
+#include "core/thread_pool.hpp"
+#include "distributed/stream/row_store.hpp"
+
+namespace votess::stream {
+
+class Assembler {
+public:
+    // stores: those of the blocks, then those with the cells that they left out. head.entries: of all.
+    Assembler(const Layout& layout, const StreamHead& head, std::vector<RowStore*> stores, std::size_t blocks,
+              ThreadPool& pool);
+
+    // The cells from first() on; at most so many. They stay until the next call.
+    [[nodiscard]] StreamRows next(std::size_t most);
+    [[nodiscard]] std::uint64_t first() const { return first_; }
+
+private:
+    struct Part {  // of a store
+        RowStore* store;
+        Cursor<std::int64_t> ids;
+        Cursor<RowStore::Duplicate> duplicates;
+        std::vector<std::uint32_t> places, lengths;  // of its cells that are next, among these
+    };
+    template <class Task>
+    void for_parts(const Task& task);
+    void find(Part& part, std::uint64_t end);
+    void take_cells(Part& part, Array array);
+    void take_entries(Part& part, Array array);
+    [[nodiscard]] std::byte* bytes_of(Array array) { return arrays_[static_cast<std::size_t>(array)].data(); }
+    template <class T>
+    [[nodiscard]] std::span<const T> as(Array array) const;
+
+    const Layout& layout_;
+    const StreamHead& head_;
+    std::vector<Part> parts_;
+    std::size_t blocks_;
+    ThreadPool& pool_;
+    std::uint64_t first_ = 0;
+    std::int64_t entries_ = 0;  // before the first
+    std::array<std::vector<std::byte>, array_count> arrays_;
+    std::vector<std::int64_t> indptr_, neighbors_, duplicate_of_;
+};
+
+}  // namespace votess::stream

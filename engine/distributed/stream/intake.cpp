@@ -1,0 +1,246 @@
+#include "distributed/stream/intake.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <thread>
+
+#include "core/ceil.hpp"
+#include "input/options.hpp"
+#include "query/locator.hpp"
+
+namespace votess::stream {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Box nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+constexpr std::size_t task_seeds = 4096;
+constexpr std::uint32_t no_block = std::numeric_limits<std::uint32_t>::max();
+
+[[noreturn]] void refuse(const std::string& what) {
+    throw Error(ErrorCode::invalid_argument, what);
+}
+
+void include(Box& box, const exact::Point& x) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        box.lower[k] = std::min(box.lower[k], x[k]);
+        box.upper[k] = std::max(box.upper[k], x[k]);
+    }
+}
+
+exact::Point point_of(std::span<const double> points, std::size_t i, double scale) {
+    return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
+}
+
+Job job_of(std::uint64_t first, const StreamSeeds& some, Options options) {
+    options.weights = some.weights;
+    options.radii = some.radii;
+    return validate({some.points, {}, first}, options);
+}
+
+// What goes to blocks waits until it is worth a write.
+class Dealer {
+public:
+    Dealer(Intake::Dealt& to, std::size_t blocks, std::size_t most) : to_(to), most_(most), waiting_(blocks) {}
+
+    void add(std::uint32_t block, std::uint64_t id, const double* point, const double* weight) {
+        Waiting& some = waiting_[block];
+        some.ids.push_back(static_cast<std::int64_t>(id));
+        some.points.insert(some.points.end(), point, point + 3);
+        if (weight != nullptr) some.weights.push_back(*weight);
+        if (some.ids.size() == most_) write(block);
+    }
+    void end() {
+        for (std::size_t b = 0; b < waiting_.size(); ++b) write(b);
+    }
+
+private:
+    struct Waiting {
+        std::vector<std::int64_t> ids;
+        std::vector<double> points, weights;
+    };
+    void write(std::size_t block) {
+        Waiting& some = waiting_[block];
+        to_.counts[block] += some.ids.size();
+        to_.ids[block].append(std::span<const std::int64_t>(some.ids));
+        to_.points[block].append(std::span<const double>(some.points));
+        to_.weights[block].append(std::span<const double>(some.weights));
+        some.ids.clear(), some.points.clear(), some.weights.clear();
+    }
+
+    Intake::Dealt& to_;
+    std::size_t most_;
+    std::vector<Waiting> waiting_;
+};
+
+}  // namespace
+
+Intake::Intake(StreamSource& source, const Options& options, const std::string& folder, std::uint64_t memory,
+               Stages& stages)
+    : source_(source),
+      options_(options),
+      stages_(stages),
+      pool_(options.threads),
+      most_at_once_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 400), 1000, 250000)),
+      most_sampled_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 800), 1000, 1000000)),
+      bounds_(nothing) {
+    if (source_.restart()) return;
+    file_.emplace(folder);
+    waiting_.emplace(*file_);
+    waiting_weights_.emplace(*file_);
+}
+
+template <class Task>
+void Intake::read(const Task& task) {
+    std::uint64_t first = 0;
+    if (looked_ && waiting_) {
+        waiting_->rewind();
+        waiting_weights_->rewind();
+        std::vector<double> points, weights;
+        while (waiting_->left() > 0) {
+            const auto count =
+                std::min<std::size_t>(most_at_once_, static_cast<std::size_t>(waiting_->left() / (3 * sizeof(double))));
+            points.resize(3 * count);
+            waiting_->read(std::span(points));
+            weights.resize(weighted_ ? count : 0);
+            waiting_weights_->read(std::span(weights));
+            const std::span<const double> beside(weights), none;
+            task(first, StreamSeeds{points, radii_ ? none : beside, radii_ ? beside : none});
+            first += count;
+        }
+        return;
+    }
+    if (looked_ && !source_.restart()) throw Error(ErrorCode::invalid_use, "the source of seeds did not begin again");
+    StreamSeeds some;
+    std::vector<double> points, weights;  // read once, see input/snapshot.hpp
+    while (some = {}, source_.next(some)) {
+        if (some.points.size() % 3 != 0)
+            refuse("points of a piece hold " + std::to_string(some.points.size()) +
+                   " coordinates, which is not a multiple of 3: the shape must be (N,3)");
+        const std::size_t count = some.points.size() / 3;
+        for (const auto& [values, name] : {std::pair(some.weights, "weights"), {some.radii, "radii"}})
+            if (!values.empty() && values.size() != count)
+                refuse(std::string(name) + " of a piece hold " + std::to_string(values.size()) + " numbers for " +
+                       std::to_string(count) + " points");
+        if (count > 0) check_kind(first, some);
+        for (std::size_t begin = 0; begin < count; begin += most_at_once_) {
+            const std::size_t size = std::min(most_at_once_, count - begin);
+            const auto copy = [](std::span<const double> values, std::vector<double>& to) {
+                to.assign(values.begin(), values.end());
+            };
+            const std::span<const double> beside = some.radii.empty() ? some.weights : some.radii;
+            copy(some.points.subspan(3 * begin, 3 * size), points);
+            copy(beside.empty() ? beside : beside.subspan(begin, size), weights);
+            task(first, some.radii.empty() ? StreamSeeds{points, weights, {}} : StreamSeeds{points, {}, weights});
+            first += size;
+        }
+    }
+    if (looked_ && first != seeds_)
+        throw Error(ErrorCode::invalid_use, "the source gave " + std::to_string(seeds_) + " seeds, then " +
+                                                std::to_string(first) + ": it must give the same ones again");
+}
+
+void Intake::check_kind(std::uint64_t first, const StreamSeeds& some) {
+    const bool weighted = !some.weights.empty() || !some.radii.empty();
+    const bool all_like_this = weighted == weighted_ && (some.weights.empty() || !radii_);
+    if ((first > 0 || looked_) && !all_like_this)
+        refuse("some pieces of seeds have weights, others have radii or neither");
+    if (!some.weights.empty() && !some.radii.empty())
+        refuse("weights and radii are both given: weights are the squares of radii, give one of them");
+    weighted_ = weighted;
+    radii_ |= !some.radii.empty();
+}
+
+void Intake::check(std::uint64_t first, const StreamSeeds& some) {
+    std::vector<CellStatus> outside;
+    const Box box = check_points({some.points, {}, first}, options_, outside);
+    for (const exact::Point& x : {box.lower, box.upper}) include(bounds_, x);
+}
+
+// Every 2^k-th seed, with k as small as it may be.
+void Intake::take_sample(std::uint64_t first, std::span<const double> points) {
+    for (std::size_t i = 0; i < points.size() / 3; ++i) {
+        if ((first + i) % every_ != 0) continue;
+        sample_.insert(sample_.end(), &points[3 * i], &points[3 * i] + 3);
+        if (sample_.size() < 3 * most_sampled_) continue;
+        std::size_t kept = 0;
+        for (std::size_t s = 0; s < sample_.size() / 3; s += 2, ++kept)
+            std::copy_n(&sample_[3 * s], 3, &sample_[3 * kept]);
+        sample_.resize(3 * kept);
+        every_ *= 2;
+    }
+}
+
+void Intake::look() {
+    read([&](std::uint64_t first, const StreamSeeds& some) {
+        check(first, some);
+        take_sample(first, some.points);
+        seeds_ = first + some.points.size() / 3;
+        if (waiting_) {
+            waiting_->append(some.points);
+            waiting_weights_->append(some.weights);
+            waiting_weights_->append(some.radii);
+        }
+        stages_.at(0, 1);
+    });
+    looked_ = true;
+}
+
+blocks::Partition Intake::partition(const Options& settled, std::size_t blocks) {
+    Options options = settled;
+    options.outside = Outside::drop;  // a seed that may not be there is found in its turn
+    const Job job = job_of(0, {sample_, {}, {}}, options);
+    std::vector<exact::Point> places;
+    for (std::size_t i = 0; i < sample_.size() / 3; ++i) {
+        if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
+        if (const auto place = cpu::place_in(*job.domain, point_of(sample_, i, job.scale))) places.push_back(place->at);
+    }
+    sample_ = {};
+    return {std::move(places), blocks};
+}
+
+Intake::Dealt Intake::deal(const Options& settled, std::size_t blocks, TemporaryFile& ids, TemporaryFile& seeds) {
+    const blocks::Partition partition = this->partition(settled, blocks);
+    Dealt dealt{std::vector(blocks, Spool(ids)),
+                std::vector(blocks, Spool(seeds)),
+                std::vector(blocks, Spool(seeds)),
+                std::vector(blocks, nothing),
+                std::vector(blocks, -infinity),
+                std::vector<std::uint64_t>(blocks),
+                {}};
+    Dealer dealer(dealt, blocks, std::clamp<std::size_t>(4 * most_at_once_ / blocks, 64, 1 << 15));
+    std::vector<exact::Point> places;
+    std::vector<std::uint32_t> block_of;
+    read([&](std::uint64_t first, const StreamSeeds& some) {
+        const Job job = job_of(first, some, settled);
+        const std::size_t count = some.points.size() / 3;
+        places.resize(count);
+        block_of.assign(count, no_block);
+        pool_.run(ceil_div(count, task_seeds), [&](std::size_t task, unsigned) {
+            for (std::size_t i = task * task_seeds; i < std::min(count, (task + 1) * task_seeds); ++i) {
+                if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
+                const auto place = cpu::place_in(*job.domain, point_of(some.points, i, job.scale));
+                if (!place)
+                    refuse("point " + std::to_string(first + i) +
+                           " lies more than 500 million periods away from the box");
+                places[i] = place->at;
+                block_of[i] = static_cast<std::uint32_t>(partition.block_of(place->at));
+            }
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint32_t block = block_of[i];
+            if (block == no_block) continue;
+            if (dealt.inside.empty()) dealt.inside.assign(&some.points[3 * i], &some.points[3 * i] + 3);
+            double weight = 0;
+            if (weighted_) weight = some.radii.empty() ? some.weights[i] : some.radii[i] * some.radii[i];
+            include(dealt.boxes[block], places[i]);
+            dealt.heaviest[block] = std::max(dealt.heaviest[block], weighted_ ? job.domain->weights[i] : 0);
+            dealer.add(block, first + i, &some.points[3 * i], weighted_ ? &weight : nullptr);
+        }
+        stages_.at(first + count, seeds_);
+    });
+    dealer.end();
+    return dealt;
+}
+
+}  // namespace votess::stream

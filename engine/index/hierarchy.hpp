@@ -1,0 +1,63 @@
+// An implicit tree of bounding boxes over the sorted seeds and their images: level 0 holds the boxes of groups of
+// consecutive seeds, each box of level k+1 covers eight of level k, the top level has one. Seeds follow a Hilbert
+// curve, so boxes are compact at any density. In a power diagram each box knows the largest weight in it, so that one
+// heavy seed does not widen every search.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "core/thread_pool.hpp"
+#include "index/sort.hpp"
+#include "kernels/star_kernels.hpp"
+
+namespace votess::cpu {
+
+class Hierarchy {
+public:
+    static constexpr std::size_t fan = box_fan;
+    static_assert(fan == 8);  // first_seed()
+    // A search in depth never has as many nodes before it, in a tree of any size.
+    static constexpr std::size_t most_nodes = 256;
+
+    void build(const SortedSeeds& seeds, ThreadPool& pool);
+
+    // Gives much memory back to the system until the next build().
+    void rest() {
+        for (auto& level : levels_) level.rest();
+        for (auto& level : weights_) level.rest();
+    }
+
+    [[nodiscard]] int top_level() const { return static_cast<int>(counts_.size()) - 1; }
+    [[nodiscard]] std::size_t count(int level) const { return counts_[level]; }
+    // Boxes 8 index .. 8 index + 7 of a level: the children of box `index` one level up.
+    [[nodiscard]] const BoxBlock& block(int level, std::size_t index) const { return levels_[level][index]; }
+    [[nodiscard]] static std::size_t first_seed(int level, std::size_t node) {
+        return (node * group_size) << (3 * level);
+    }
+    [[nodiscard]] Box box(int level, std::size_t node) const {
+        const BoxBlock& b = levels_[level][node / fan];
+        const std::size_t i = node % fan;
+        return {{b.lower[0][i], b.lower[1][i], b.lower[2][i]}, {b.upper[0][i], b.upper[1][i], b.upper[2][i]}};
+    }
+
+    // 0 without weights.
+    [[nodiscard]] double largest_weight(int level, std::size_t node) const {
+        return has_weights_ ? weights_[static_cast<std::size_t>(level)][node] : 0;
+    }
+    // The same of all boxes of a block.
+    [[nodiscard]] double largest_weight_below(int level, std::size_t index) const {
+        return level == top_level() ? largest_weight(level, 0) : largest_weight(level + 1, index);
+    }
+
+private:
+    void fill(const SortedSeeds& seeds, std::size_t level, std::size_t index);
+
+    std::vector<Buffer<BoxBlock>> levels_;  // those beyond counts_ keep memory for the next build
+    std::vector<Buffer<double>> weights_;   // by level and box, in a power diagram
+    bool has_weights_ = false;
+    std::vector<std::size_t> counts_;
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,392 @@
+#include "index/seed_images.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "core/ceil.hpp"
+#include "index/sort_inside.hpp"
+
+namespace votess::cpu {
+namespace {
+
+// Margin around the box in units of the mean spacing: most cells of uniform seeds need less.
+constexpr double margin_spacings = 2.5;
+constexpr std::size_t task_points = 32768;
+constexpr double fraction_slack = 1e-9;
+// Images beyond the margin are searched for by each cell that needs them; in thin or long boxes there would be too
+// many.
+constexpr double most_images_per_seed = 16, most_images_of_few = 4096;
+
+exact::Point point_of(const Points& points, std::size_t i, double scale) {
+    return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
+}
+
+}  // namespace
+
+inline std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
+    const exact::Point& o = domain_->origin;
+    const exact::Point d{x[0] - o[0], x[1] - o[1], x[2] - o[2]};
+    const auto& dual = basis_->dual;
+    if (straight_) return {d[0] * dual[0][0], d[1] * dual[1][1], d[2] * dual[2][2]};  // other products are 0
+    return basis_->fraction(d);
+}
+
+double SeedImages::reach(const exact::Point& seed) const {
+    double least = std::numeric_limits<double>::infinity();
+    const auto f = fraction(seed);
+    for (int j = 0; j < 3; ++j) {
+        if (!domain_->periodic[j]) continue;
+        const double inside = std::min(f[j], 1 - f[j]) + margin_[j] - 2 * error_[j];
+        least = std::min(least, inside * basis_->width[j]);
+    }
+    return std::max(least * (1 - fraction_slack), 0.0);
+}
+
+exact::Shift SeedImages::shift_in_domain(std::int32_t home, const exact::Shift& moved) const {
+    exact::Shift shift = moves_.empty() ? exact::Shift{} : moves_[static_cast<std::size_t>(home)];
+    for (std::size_t j = 0; j < 3; ++j) shift[j] -= moved[j];
+    return shift;
+}
+
+exact::Point SeedImages::place_in_domain(std::size_t seed) const {
+    if (moves_.empty()) return {seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]};
+    const auto input = static_cast<std::size_t>(seeds_->input[seed]);
+    exact::Shift shift;
+    for (int j = 0; j < 3; ++j) shift[j] = wraps_[input][j] - moves_[seed][j];
+    const auto at = position(input, shift);
+    return {at.x[0].high, at.x[1].high, at.x[2].high};
+}
+
+SeedImages::Base SeedImages::base(std::size_t seed) const {
+    if (!any_moved() || is_exact(seed)) return {{seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]}, {}};
+    const auto input = static_cast<std::size_t>(seeds_->input[seed]);
+    return {point_of(points_, input, scale_), wraps_[input]};
+}
+
+exact::Plane SeedImages::bisector(const Base& seed, std::int32_t home, const exact::Shift& shift) const {
+    const Base other = base(static_cast<std::size_t>(home));
+    exact::Shift total;
+    for (int j = 0; j < 3; ++j) total[j] = shift[j] + other.shift[j] - seed.shift[j];
+    return exact::Plane::bisector(other.point, total, domain_->lattice);
+}
+
+exact::Differences SeedImages::position(std::size_t input, const exact::Shift& shift) const {
+    const exact::Point x = point_of(points_, input, scale_);
+    exact::Differences at;
+    bool all = straight_;
+    for (std::size_t k = 0; k < 3 && all; ++k) {
+        at.x[k] = {x[k], 0};
+        if (shift[k] == 0) continue;
+        const auto by = exact::two_product(domain_->lattice.vector[k][k].high, static_cast<double>(shift[k]));
+        at.x[k] = exact::two_sum(x[k], by.high);
+        all = by.low == 0;
+    }
+    return all ? at : exact::differences({}, exact::Plane::bisector(x, shift, domain_->lattice));
+}
+
+// In a straight box no place is too far to tell.
+bool SeedImages::surely_inside(const exact::Point& x) const {
+    for (int k = 0; k < 3; ++k)
+        if (!straight_ && !(std::abs(x[k]) <= domain_size_)) return false;
+    const auto f = straight_ ? fraction(x) : domain_->fraction(x);
+    for (int j = 0; j < 3; ++j)
+        if (domain_->periodic[j] && !(f[j] > edge_error_[j] && f[j] < 1 - edge_error_[j])) return false;
+    return true;
+}
+
+// outside: as in the job; such seeds stay where they are.
+void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool) {
+    const std::size_t count = points_.count();
+    domain_size_ = 0;
+    for (int k = 0; k < 3; ++k) {
+        double size = std::abs(domain_->origin[k]);
+        for (int j = 0; j < 3; ++j) size += std::abs(domain_->edges.vector[j][k]);
+        domain_size_ = std::max(domain_size_, size);
+    }
+    for (int j = 0; j < 3; ++j) edge_error_[j] = domain_->edges.fraction_error(j, domain_size_);
+    wraps_.assign(count, {});
+    moves_.assign(domain_->skewed ? count : 0, {});
+    std::vector<char> any(ceil_div(count, task_points), 0);
+    std::vector<std::size_t> too_far(ceil_div(count, task_points), count);
+    pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
+        for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
+            if (!outside.empty() && outside[i] == CellStatus::outside) continue;
+            const exact::Point x = point_of(points_, i, scale_);
+            const bool inside = surely_inside(x);
+            if (inside && !domain_->skewed) continue;
+            const auto shift = inside ? exact::Shift{} : wrap(*domain_, x);
+            if (!shift) too_far[task] = std::min(too_far[task], i);
+            wraps_[i] = shift.value_or(exact::Shift{});
+            if (shift && domain_->skewed) {
+                const auto at = position(i, *shift);
+                moves_[i] = shift_into_reduced(*domain_, {at.x[0].high, at.x[1].high, at.x[2].high});
+                for (int j = 0; j < 3; ++j) wraps_[i][j] += moves_[i][j];
+            }
+            any[task] |= wraps_[i] != exact::Shift{} || (domain_->skewed && moves_[i] != exact::Shift{});
+        }
+    });
+    if (const auto first = std::ranges::min_element(too_far); first != too_far.end() && *first < count)
+        throw Error(ErrorCode::invalid_argument,
+                    "point " + std::to_string(*first) + " lies more than 500 million periods away from the box");
+    wrapped_.clear();
+    wrapped_low_.clear();
+    wrapped_rough_.clear();
+    if (std::ranges::count(any, 0) == static_cast<std::ptrdiff_t>(any.size())) {
+        wraps_.clear();
+        moves_.clear();
+        return;
+    }
+    wrapped_.resize(3 * count);
+    wrapped_low_.resize(3 * count);
+    wrapped_rough_.resize(count);
+    pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
+        for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
+            const auto at = position(i, wraps_[i]);
+            wrapped_rough_[i] = at.exact ? 0 : 1;
+            for (int k = 0; k < 3; ++k) wrapped_[3 * i + k] = at.x[k].high, wrapped_low_[3 * i + k] = at.x[k].low;
+        }
+    });
+}
+
+// The sorter takes seeds for equal whose rounded positions are. Those that are not equal go to the end, behind each
+// other where their positions are near; the lowest index of each place keeps it for its duplicates.
+void SeedImages::keep_false_duplicates(SortedSeeds& out) const {
+    if (out.duplicates == 0 || wraps_.empty()) return;
+    struct Member {
+        std::size_t at;  // the sorted seed that has the rounded position
+        std::array<double, 3> low;
+        bool rough;
+        std::int32_t input;
+    };
+    std::vector<std::size_t> sorted(points_.count());
+    for (std::size_t s = 0; s < out.size(); ++s) sorted[static_cast<std::size_t>(out.input[s])] = s;
+    std::vector<Member> members;
+    const auto add = [&](std::size_t i, std::size_t at) {
+        const auto position = this->position(i, wraps_[i]);
+        const auto& [x, y, z] = position.x;
+        members.push_back({at, {x.low, y.low, z.low}, !position.exact, static_cast<std::int32_t>(i)});
+    };
+    std::vector<bool> shared(out.size(), false);
+    for (std::size_t i = 0; i < out.duplicate_of.size(); ++i) {
+        if (out.duplicate_of[i] < 0) continue;
+        const std::size_t at = sorted[static_cast<std::size_t>(out.duplicate_of[i])];
+        if (!shared[at]) add(static_cast<std::size_t>(out.input[at]), at);
+        shared[at] = true;
+        add(i, at);
+    }
+    std::ranges::sort(members, {}, [](const Member& m) { return std::tie(m.at, m.low, m.input); });
+    const auto equal = [this](const Member& a, const Member& b) {
+        if (a.at != b.at || a.low != b.low) return false;
+        if (!a.rough && !b.rough) return true;
+        const auto i = static_cast<std::size_t>(a.input), j = static_cast<std::size_t>(b.input);
+        exact::Shift shift;
+        for (int k = 0; k < 3; ++k) shift[k] = wraps_[j][k] - wraps_[i][k];
+        return exact::difference<exact::Quad>(point_of(points_, i, scale_),
+                                              exact::Plane::bisector(point_of(points_, j, scale_), shift,
+                                                                     domain_->lattice)) == std::array<exact::Quad, 3>{};
+    };
+    std::vector<const Member*> first, apart;  // of each place with these rounded coordinates and lows; of all to keep
+    out.duplicates = 0;
+    for (const Member& member : members) {
+        if (!first.empty() && (first[0]->at != member.at || first[0]->low != member.low)) first.clear();
+        const auto same = std::ranges::find_if(first, [&](const Member* f) { return equal(*f, member); });
+        std::int32_t& duplicate_of = out.duplicate_of[static_cast<std::size_t>(member.input)];
+        if (same != first.end()) {
+            duplicate_of = (*same)->input;
+            ++out.duplicates;
+            continue;
+        }
+        first.push_back(&member);
+        if (duplicate_of >= 0) apart.push_back(&member);
+        duplicate_of = -1;
+    }
+    if (out.duplicates == 0) out.duplicate_of.clear();
+
+    const std::size_t kept = out.size(), count = kept + apart.size();
+    for (auto* axis : {&out.x, &out.y, &out.z}) {
+        Buffer<double> all(SortedSeeds::pages);
+        all.resize_uninitialized(round_up(count, group_size));
+        std::copy_n(axis->begin(), kept, all.begin());
+        for (std::size_t k = 0; k < apart.size(); ++k) all[kept + k] = all[apart[k]->at];
+        std::fill(all.begin() + count, all.end(), std::numeric_limits<double>::infinity());
+        *axis = std::move(all);
+    }
+    Buffer<std::int32_t> input;
+    input.resize_uninitialized(count);
+    std::copy_n(out.input.begin(), kept, input.begin());
+    for (std::size_t k = 0; k < apart.size(); ++k) input[kept + k] = apart[k]->input;
+    out.input = std::move(input);
+}
+
+void SeedImages::choose_margin(std::size_t seeds) {
+    const auto count = static_cast<double>(std::max<std::size_t>(seeds, 1));
+    const double most = most_images_per_seed * count + most_images_of_few;
+    double margin = std::min(margin_spacings * std::cbrt(domain_->volume / count), 2 * domain_->covering_radius);
+    const auto images = [&] {
+        double cells = 1;
+        for (int j = 0; j < 3; ++j) cells *= domain_->periodic[j] ? 1 + 2 * margin / basis_->width[j] : 1;
+        return count * (cells - 1);
+    };
+    while (images() > most) margin *= 0.8;
+    double size = margin;
+    for (int k = 0; k < 3; ++k) {
+        double extent = std::abs(domain_->origin[k]) + margin;
+        for (int j = 0; j < 3; ++j) extent += 2 * std::abs(basis_->vector[j][k]);
+        size = std::max(size, extent);
+    }
+    for (int j = 0; j < 3; ++j) {
+        error_[j] = fraction_slack + basis_->fraction_error(j, size);
+        margin_[j] = domain_->periodic[j] ? margin / basis_->width[j] : 0;
+    }
+    least_reach_ = std::numeric_limits<double>::infinity();
+    for (int j = 0; j < 3; ++j)
+        if (domain_->periodic[j])
+            least_reach_ = std::min(least_reach_, (margin_[j] - 4 * error_[j]) * basis_->width[j]);
+    least_reach_ = std::max(least_reach_ * (1 - fraction_slack), 0.0);
+}
+
+template <class Visit>
+void SeedImages::for_images(const exact::Point& x, Visit visit) const {
+    const auto f = fraction(x);
+    bool near = false;
+    for (int j = 0; j < 3; ++j) near |= domain_->periodic[j] && !(f[j] > margin_[j] && f[j] < 1 - margin_[j]);
+    if (!near) return;
+    std::array<int, 3> least{}, most{};
+    for (int j = 0; j < 3; ++j) {
+        if (!domain_->periodic[j]) continue;
+        least[j] = static_cast<int>(std::ceil(-margin_[j] - f[j]));
+        most[j] = static_cast<int>(std::floor(1 + margin_[j] - f[j]));
+    }
+    for (int a = least[0]; a <= most[0]; ++a)
+        for (int b = least[1]; b <= most[1]; ++b)
+            for (int c = least[2]; c <= most[2]; ++c) {
+                if (a == 0 && b == 0 && c == 0) continue;
+                const auto& [u, v, w] = basis_->shift;
+                visit(exact::Shift{a * u[0] + b * v[0] + c * w[0], a * u[1] + b * v[1] + c * w[1],
+                                   a * u[2] + b * v[2] + c * w[2]});
+            }
+}
+
+void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
+    domain_ = job.domain;
+    points_ = job.points;
+    scale_ = job.scale;
+    seeds_ = &out;
+    basis_ = domain_->skewed ? &domain_->reduced : &domain_->edges;
+    straight_ = !domain_->skewed;
+    for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) {
+            const exact::DoubleDouble& v = domain_->lattice.vector[j][k];
+            straight_ = straight_ && v.low == 0 && (j == k || (v.high == 0 && domain_->edges.dual[j][k] == 0));
+        }
+    wrap_points(job.outside, pool);
+    const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
+    sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
+    keep_false_duplicates(out);
+    if (!moves_.empty()) {
+        std::vector<exact::Shift> moves(out.size());
+        for (std::size_t s = 0; s < moves.size(); ++s) moves[s] = moves_[static_cast<std::size_t>(out.input[s])];
+        moves_ = std::move(moves);
+    }
+    choose_margin(out.size());
+    append(sorter, pool, out);
+    out.images = this;
+}
+
+void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
+    const std::size_t seeds = out.size();
+    const auto at = [&](std::size_t s) { return exact::Point{out.x[s], out.y[s], out.z[s]}; };
+    struct Image {
+        std::int32_t home;
+        exact::Shift shift;
+    };
+    std::vector<std::vector<Image>> found(ceil_div(seeds, task_points));
+    pool.run(found.size(), [&](std::size_t task, unsigned) {
+        for (std::size_t s = task * task_points; s < std::min(seeds, (task + 1) * task_points); ++s)
+            for_images(at(s), [&](const exact::Shift& shift) {
+                found[task].push_back({static_cast<std::int32_t>(s), shift});
+            });
+    });
+    std::vector<std::size_t> begin(found.size() + 1, 0);
+    for (std::size_t t = 0; t < found.size(); ++t) begin[t + 1] = begin[t] + found[t].size();
+    const std::size_t images = begin.back();
+    const std::size_t padded = round_up(seeds, group_size);
+    if (padded + images > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) - group_size)
+        throw Error(ErrorCode::unsupported, "seeds and their periodic images are too many: at most 2147483647");
+
+    Buffer<Image> unsorted;
+    Buffer<double> coordinates;
+    Buffer<std::array<double, 3>> lows;
+    Buffer<char> rough;
+    unsorted.resize_uninitialized(images);
+    coordinates.resize_uninitialized(3 * images);
+    lows.resize_uninitialized(images);
+    rough.resize_uninitialized(images);
+    pool.run(found.size(), [&](std::size_t task, unsigned) {
+        std::ranges::copy(found[task], unsorted.begin() + begin[task]);
+        for (std::size_t i = begin[task]; i < begin[task + 1]; ++i) {
+            const auto input = static_cast<std::size_t>(out.input[static_cast<std::size_t>(unsorted[i].home)]);
+            exact::Shift total = unsorted[i].shift;
+            for (int j = 0; j < 3 && !wraps_.empty(); ++j) total[j] += wraps_[input][j];
+            const auto position = this->position(input, total);
+            rough[i] = position.exact ? 0 : 1;
+            for (int k = 0; k < 3; ++k) {
+                coordinates[3 * i + k] = position.x[k].high;
+                lows[i][k] = position.x[k].low;
+            }
+        }
+    });
+    sorter.sort(std::span<const double>(coordinates), 1, 0, pool, sorted_images_);
+    // Images that are rounded to the same coordinates stay apart: behind the others, in no order.
+    std::vector<std::int32_t> order(sorted_images_.input.begin(), sorted_images_.input.end());
+    for (std::size_t i = 0; i < sorted_images_.duplicate_of.size(); ++i)
+        if (sorted_images_.duplicate_of[i] >= 0) order.push_back(static_cast<std::int32_t>(i));
+
+    first_ = padded;
+    out.images_end = first_ + images;
+    const std::size_t places = padded + round_up(images, group_size);
+    home_.resize_uninitialized(images);
+    shift_.resize_uninitialized(images);
+    low_.assign(places, {});
+    rough_.assign(places, false);
+    any_rough_ = false;
+    largest_coordinate_ = 0;
+    Buffer<double>* const axes[3] = {&out.x, &out.y, &out.z};
+    for (int k = 0; k < 3; ++k) {
+        Buffer<double> all(SortedSeeds::pages);
+        all.resize_uninitialized(places);
+        std::copy_n(axes[k]->begin(), padded, all.begin());
+        for (std::size_t i = 0; i < images; ++i)
+            all[first_ + i] = coordinates[3 * static_cast<std::size_t>(order[i]) + k];
+        std::fill(all.begin() + first_ + images, all.end(), std::numeric_limits<double>::infinity());
+        double largest = 0;
+        for (std::size_t i = 0; i < seeds; ++i) largest = std::max(largest, std::abs(all[i]));
+        for (std::size_t i = first_; i < first_ + images; ++i) largest = std::max(largest, std::abs(all[i]));
+        largest_coordinate_ = std::max(largest_coordinate_, largest);
+        const bool rounds = std::ranges::any_of(domain_->lattice.vector, [&](const auto& v) { return v[k].high != 0; });
+        largest_rounded_[static_cast<std::size_t>(k)] = rounds ? largest : 0;
+        *axes[k] = std::move(all);
+    }
+    for (std::size_t i = 0; i < images; ++i) {
+        const auto from = static_cast<std::size_t>(order[i]);
+        home_[i] = unsorted[from].home;
+        shift_[i] = unsorted[from].shift;
+        low_[first_ + i] = lows[from];
+        if (rough[from] != 0) rough_[first_ + i] = any_rough_ = true;
+    }
+    rounding_of_seeds_ = {};
+    for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s) {
+        const auto input = static_cast<std::size_t>(out.input[s]);
+        if (wraps_[input] == exact::Shift{}) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            low_[s][k] = wrapped_low_[3 * input + k];
+            rounding_of_seeds_[k] = std::max(rounding_of_seeds_[k], std::abs(low_[s][k]) * (1 + 0x1p-50));
+        }
+        rough_[s] = wrapped_rough_[input] != 0;
+        any_rough_ = any_rough_ || rough_[s];
+    }
+}
+
+}  // namespace votess::cpu

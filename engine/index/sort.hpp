@@ -1,0 +1,74 @@
+// Seeds in memory order = order in space. The seeds are binned in a grid whose blocks follow a Hilbert curve; a block
+// that stays crowded is binned again within its own bounds, so any clustering is resolved. Equal seeds always share a
+// block, which is how duplicates are found.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "core/thread_pool.hpp"
+#include "index/sort_block.hpp"
+#include "index/sort_grid.hpp"
+#include "index/sorted_seeds.hpp"
+
+namespace votess::cpu {
+
+// Sorts by scattering the seeds into buckets, stretches of the curve that fit a cache, and each bucket on its own.
+// Needs 36 bytes a seed and keeps them for the next call, but lets the pages of large ones go.
+class SeedSorter {
+public:
+    // points: 3N; each coordinate is multiplied by `scale`, a power of two. resolution: grid blocks along the longest
+    // axis (more than 1024 are as 1024), 0 = automatic. Reuses the memory of `out`. The order is the same for any
+    // number of threads.
+    void sort(std::span<const double> points, double scale, unsigned resolution, ThreadPool& pool, SortedSeeds& out);
+    void sort(std::span<const float> points, double scale, unsigned resolution, ThreadPool& pool, SortedSeeds& out);
+
+private:
+    template <class Real>
+    struct Cloud;
+    // Buckets of one grid, or of a bucket that is binned again.
+    struct Split {
+        Grid grid;
+        int shift;  // from a key to its bucket
+        std::uint32_t first_bucket, buckets;
+    };
+    struct Bucket {  // nonempty bucket in the order of the curve
+        std::uint32_t begin, count;
+        bool one_point;
+    };
+
+    template <class Task>
+    void for_chunks(ThreadPool& pool, std::size_t count, const Task& task) const;
+    template <class Real>
+    void sort_cloud(const Cloud<Real>& cloud, unsigned resolution, ThreadPool& pool, SortedSeeds& out);
+    template <class Real>
+    [[nodiscard]] Bounds measure(const Cloud<Real>& cloud, ThreadPool& pool);
+    void add_split(const Bounds& bounds, int levels, std::size_t seeds);
+    template <class Real>
+    void make_keys(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<double>& keys);
+    template <class Real>
+    [[nodiscard]] bool split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<double>& keys);
+    void count_buckets(ThreadPool& pool);
+    void order_buckets(const Split& split, std::uint32_t& begin);
+    template <class Real>
+    void scatter(const Cloud<Real>& cloud, ThreadPool& pool, const Buffer<double>& keys);
+    void sort_buckets(ThreadPool& pool, SortedSeeds& out);
+    void remove_duplicates(std::size_t count, ThreadPool& pool, SortedSeeds& out);
+
+    // The input is cut in chunks, one task each; each counts its seeds in each bucket.
+    std::size_t chunks_ = 1;
+    std::vector<Bounds> bounds_;          // by chunk, and by crowded bucket
+    std::vector<Split> splits_;           // the first is of all seeds
+    std::vector<std::int32_t> split_of_;  // by bucket: its split, or a negative number
+    Buffer<std::uint32_t> counts_;        // by chunk and bucket; then where the chunk writes next
+    std::vector<std::uint32_t> totals_;   // by bucket: seeds; then where it begins
+    std::vector<std::size_t> crowded_;    // seeds in each bucket that is being split
+    std::vector<Bucket> filled_;
+    Buffer<SeedRecord> records_{Buffer<SeedRecord>::Pages::huge};
+    std::vector<BlockSorter> workers_;
+    std::vector<std::size_t> kept_;  // by chunk
+};
+
+}  // namespace votess::cpu

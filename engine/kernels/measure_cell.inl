@@ -1,0 +1,356 @@
+// Volume, centroid and areas of a cell, from its corners alone: no edge is looked up.
+//
+// Between the seed, its foot on a face A, the foot on the line of A and B, and a corner on that line lies an
+// orthoscheme, a tetrahedron with three right angles in a row; each corner has six of them, and with signs they fill
+// the cell. Planes are a.x = h_a here, a being half the way to the neighbor, and the foot is f_a a,
+// f_a = h_a / |a|^2: without weights h_a = |a|^2 and f_a = 1. With c the third plane of a corner x and
+//     w_ab = (x.ab) sign(det) / |ab|^2,  ab = a x b,  det = a.(b x c),     q_a = (h_b - f_a a.b) w_ab
+// the triangle on the face has the area |a| q_a / 2 and the orthoscheme the volume h_a q_a / 6. Its centroid is the
+// quarter of the sum of f_a a, the corner, and the foot on the line, which is x - (x.ab) ab / |ab|^2.
+//
+// Error. Let u = 2^-53 and cond = |a||b||c| / |det|. No foot is farther away than x, so each orthoscheme has at most
+// |x|^3 / 6, and |f_a a| |x|^2 / 6. The corner is wrong by 62 u cond |x| (cell.hpp), ab by 6 u |a||b|, h_b - f_a a.b by
+// 14 u |b||x|, and |ab| |c| >= |det|: that sums to 106 u cond |x|^3 / 6 for each of six. `corner_error` has room for
+// what rounds the sums. Corners whose cond is large are solved exactly: their error is that of their lines, whose cond
+// |a||b| / |ab| is less. With weights the rounding of a plane counts like that of a point farther away, by |n| / 4
+// (star.hpp).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "polytope/cell_shape.hpp"
+
+namespace votess::cpu {
+
+template <class Isa>
+class CellMeter {
+    static constexpr double accepted_error = 5e-11;  // of the volume; the promise is 1e-10
+    static constexpr double unit = 0x1p-53;
+    template <bool Weighted>
+    static constexpr double corner_error = Weighted ? 240 * unit : 160 * unit;
+    static constexpr double unknown_sign2 = 1e26;    // of the determinant, beyond that
+    static constexpr double worst_condition2 = 4e6;  // of a corner that is not solved exactly
+
+    using Lanes = typename Isa::Lanes;  // four doubles
+    using Pair __attribute__((vector_size(16), may_alias)) = double;
+    using Bits __attribute__((vector_size(32))) = std::int64_t;
+    using Stored __attribute__((vector_size(32), aligned(32), may_alias)) = double;
+    struct Vector {
+        Lanes x, y, z;
+    };
+    struct Planes {  // of four corners
+        Vector n;
+        Lanes h;
+    };
+    struct alignas(64) Sums {
+        static constexpr int count = CellShape::most_planes + 4;  // with the fillers; a multiple of 4
+        std::array<double, count> q, h, foot;                     // by rank
+    };
+
+    [[gnu::always_inline]] static void cross(const Vector& a, const Vector& b, Vector& out) {
+        Isa::multiply_subtract(a.y, b.z, a.z * b.y, out.x);
+        Isa::multiply_subtract(a.z, b.x, a.x * b.z, out.y);
+        Isa::multiply_subtract(a.x, b.y, a.y * b.x, out.z);
+    }
+    [[gnu::always_inline]] static void dot(const Vector& a, const Vector& b, Lanes& out) {
+        Isa::multiply_add(a.y, b.y, a.x * b.x, out);
+        Isa::multiply_add(a.z, b.z, out, out);
+    }
+    // out += by * v
+    [[gnu::always_inline]] static void add(const Lanes& by, const Vector& v, Vector& out) {
+        Isa::multiply_add(by, v.x, out.x, out.x);
+        Isa::multiply_add(by, v.y, out.y, out.y);
+        Isa::multiply_add(by, v.z, out.z, out.z);
+    }
+    // plane(k) is the address of the plane of lane k.
+    template <class Plane>
+    [[gnu::always_inline]] static void load(Plane plane, Planes& out) {
+        const auto half = [&](int lane, int which) -> const Pair& {
+            return reinterpret_cast<const Pair*>(plane(lane))[which];
+        };
+        const Lanes xy02 = __builtin_shufflevector(half(0, 0), half(2, 0), 0, 1, 2, 3);
+        const Lanes xy13 = __builtin_shufflevector(half(1, 0), half(3, 0), 0, 1, 2, 3);
+        const Lanes zh02 = __builtin_shufflevector(half(0, 1), half(2, 1), 0, 1, 2, 3);
+        const Lanes zh13 = __builtin_shufflevector(half(1, 1), half(3, 1), 0, 1, 2, 3);
+        out.n.x = __builtin_shufflevector(xy02, xy13, 0, 4, 2, 6);
+        out.n.y = __builtin_shufflevector(xy02, xy13, 1, 5, 3, 7);
+        out.n.z = __builtin_shufflevector(zh02, zh13, 0, 4, 2, 6);
+        out.h = __builtin_shufflevector(zh02, zh13, 1, 5, 3, 7);
+    }
+    [[gnu::always_inline]] static void load(const CellShape& shape, const std::uint16_t* rank, Planes& out) {
+        static_assert(sizeof(CellShape::Plane) == 8 * CornerOrder::rank_step);
+        const auto* planes = reinterpret_cast<const std::byte*>(shape.plane.data());
+        load([&](int lane) { return planes + std::size_t{8} * rank[lane]; }, out);
+    }
+    [[gnu::always_inline]] static double& at(double* values, std::uint16_t rank) {
+        static_assert(sizeof(double) == 2 * CornerOrder::rank_step);
+        return *reinterpret_cast<double*>(reinterpret_cast<std::byte*>(values) + std::size_t{2} * rank);
+    }
+    [[gnu::always_inline]] static Stored& lanes(double* at) { return *reinterpret_cast<Stored*>(at); }
+    [[gnu::always_inline]] static double sum(const Lanes& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+    [[gnu::always_inline]] static double smallest(const Lanes& v) {
+        return std::min(std::min(v[0], v[1]), std::min(v[2], v[3]));
+    }
+    [[gnu::always_inline]] static double largest(const Lanes& v) {
+        return std::max(std::max(v[0], v[1]), std::max(v[2], v[3]));
+    }
+    [[gnu::always_inline]] static void square_roots(const Lanes& v, Lanes& out) {
+        out = Lanes{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])};
+    }
+
+    // What the line of two planes a, b adds at a corner: to q_a, q_b and the volume (times 6), and by how much of a x b
+    // the foot on the line differs from the corner.
+    struct Line {
+        Lanes q_a, q_b, volume, share;
+    };
+    // product: a.b
+    template <bool Weighted>
+    [[gnu::always_inline]] static void meet(const Vector& ab, const Lanes& product, const Vector& x, const Bits& sign,
+                                            const Lanes& a_h, const Lanes& b_h, const Lanes& foot_a,
+                                            const Lanes& foot_b, Line& out) {
+        Lanes square, along;
+        dot(ab, ab, square);
+        dot(x, ab, along);
+        out.share = along / square;
+        const Lanes w = reinterpret_cast<Lanes>(reinterpret_cast<Bits>(out.share) ^ sign);
+        out.q_a = (b_h - (Weighted ? foot_a * product : product)) * w;
+        out.q_b = (a_h - (Weighted ? foot_b * product : product)) * w;
+        Isa::multiply_add(a_h, out.q_a, b_h * out.q_b, out.volume);
+    }
+
+    // What corners have added up to.
+    struct Totals {
+        Vector moments{}, feet{};
+        Lanes errors{}, farthest{};
+    };
+
+    // Solves those of four corners exactly whose planes are nearly parallel to a line, which spoils the corner, but not
+    // the lines of two: condition2 then is that of the worst of these.
+    [[gnu::noinline]] static void solve_doubtful(const ExactCorners& exact, const Planes& a, const Planes& b,
+                                                 const Planes& c, const std::uint16_t* const (&ranks)[3], Vector& x,
+                                                 Lanes& condition2) {
+        for (int k = 0; k < 4; ++k) {
+            if (condition2[k] <= worst_condition2) continue;
+            if (!(condition2[k] <= unknown_sign2)) {
+                condition2[k] = std::numeric_limits<double>::infinity();
+                continue;
+            }
+            std::array<unsigned, 3> three;
+            for (std::size_t p = 0; p < 3; ++p) three[p] = unsigned{ranks[p][k]} / CornerOrder::rank_step;
+            const std::array<double, 3> at = exact.corner(three);
+            x.x[k] = at[0], x.y[k] = at[1], x.z[k] = at[2];
+            condition2[k] = worst_line(a, b, c, k);
+        }
+    }
+    // The squared condition of the worst line of two of three planes.
+    static double worst_line(const Planes& a, const Planes& b, const Planes& c, int k) {
+        const auto line = [k](const Vector& u, const Vector& v) {
+            const double across[3] = {u.y[k] * v.z[k] - u.z[k] * v.y[k], u.z[k] * v.x[k] - u.x[k] * v.z[k],
+                                      u.x[k] * v.y[k] - u.y[k] * v.x[k]};
+            return (u.x[k] * u.x[k] + u.y[k] * u.y[k] + u.z[k] * u.z[k]) *
+                   (v.x[k] * v.x[k] + v.y[k] * v.y[k] + v.z[k] * v.z[k]) /
+                   (across[0] * across[0] + across[1] * across[1] + across[2] * across[2]);
+        };
+        return std::max({line(a.n, b.n), line(b.n, c.n), line(c.n, a.n)});
+    }
+
+    // Four corners from the i-th on. Doubtful: some of them are; else returns false where some are.
+    template <bool Weighted, bool Doubtful>
+    [[gnu::always_inline]] static bool add_corners(const CellShape& shape, const CornerOrder& order, int i,
+                                                   double further, Sums& sums, Totals& totals) {
+        const std::uint16_t *rank_a = &order.rank[0][i], *rank_b = &order.rank[1][i], *rank_c = &order.rank[2][i];
+        Planes a, b, c;
+        load(shape, rank_a, a);
+        load(shape, rank_b, b);
+        load(shape, rank_c, c);
+        Lanes foot_a{}, foot_b{}, foot_c{};
+        if constexpr (Weighted)
+            for (int k = 0; k < 4; ++k) {
+                foot_a[k] = at(sums.foot.data(), rank_a[k]);
+                foot_b[k] = at(sums.foot.data(), rank_b[k]);
+                foot_c[k] = at(sums.foot.data(), rank_c[k]);
+            }
+        Lanes a_b, b_c, c_a, determinant;
+        Vector ab, bc, ca;
+        dot(a.n, b.n, a_b);
+        cross(a.n, b.n, ab);
+        dot(b.n, c.n, b_c);
+        cross(b.n, c.n, bc);
+        dot(a.n, bc, determinant);
+        dot(c.n, a.n, c_a);
+        cross(c.n, a.n, ca);
+        const Lanes inverse = 1 / determinant;
+        Vector x{a.h * bc.x, a.h * bc.y, a.h * bc.z};
+        add(b.h, ca, x);
+        add(c.h, ab, x);
+        x.x *= inverse, x.y *= inverse, x.z *= inverse;
+        const Bits sign = reinterpret_cast<Bits>(determinant) & std::numeric_limits<std::int64_t>::min();
+
+        Lanes products;
+        if constexpr (Weighted) {
+            Lanes a2, b2, c2;
+            dot(a.n, a.n, a2);
+            dot(b.n, b.n, b2);
+            dot(c.n, c.n, c2);
+            products = a2 * b2 * c2;
+        } else {
+            products = a.h * b.h * c.h;
+        }
+        Lanes condition2 = products * (inverse * inverse);
+        if constexpr (Doubtful)
+            solve_doubtful(*shape.exact, a, b, c, {rank_a, rank_b, rank_c}, x, condition2);
+        else if (Isa::any_above(condition2, worst_condition2))
+            return false;
+        Lanes x2, error;
+        dot(x, x, x2);
+        totals.farthest = x2 > totals.farthest ? x2 : totals.farthest;
+        Lanes length2 = x2;
+        if constexpr (Weighted) {
+            Lanes length;
+            square_roots(x2, length);
+            length2 = (length + further) * (length + further);
+        }
+        square_roots(condition2 * (length2 * length2), error);
+        totals.errors += error;
+
+        Line on_ab, on_bc, on_ca;
+        meet<Weighted>(ab, a_b, x, sign, a.h, b.h, foot_a, foot_b, on_ab);
+        add(on_ab.share * on_ab.volume, ab, totals.feet);
+        meet<Weighted>(bc, b_c, x, sign, b.h, c.h, foot_b, foot_c, on_bc);
+        add(on_bc.share * on_bc.volume, bc, totals.feet);
+        meet<Weighted>(ca, c_a, x, sign, c.h, a.h, foot_c, foot_a, on_ca);
+        add(on_ca.share * on_ca.volume, ca, totals.feet);
+        const Lanes volume = on_ab.volume + on_bc.volume + on_ca.volume;
+        add(volume, x, totals.moments);
+        const Lanes q_a = on_ab.q_a + on_ca.q_b, q_b = on_ab.q_b + on_bc.q_a, q_c = on_bc.q_b + on_ca.q_a;
+        for (int k = 0; k < 4; ++k) {
+            at(sums.q.data(), rank_a[k]) += q_a[k];
+            at(sums.q.data(), rank_b[k]) += q_b[k];
+            at(sums.q.data(), rank_c[k]) += q_c[k];
+        }
+        return true;
+    }
+    template <bool Weighted>
+    [[gnu::noinline]] static void add_doubtful(const CellShape& shape, const CornerOrder& order, int i, double further,
+                                               Sums& sums, Totals& totals) {
+        add_corners<Weighted, true>(shape, order, i, further, sums, totals);
+    }
+
+    // Bounds the errors of volume and areas more sharply, for cells that are long or flat.
+    template <bool Weighted>
+    [[gnu::noinline]] static bool is_exact_enough(const CellShape& shape, const CornerOrder& order,
+                                                  const CellMeasures& found) {
+        double volume_error = 0, area_error = 0;
+        for (int i = 0; i < shape.corners; i += 4) {
+            Planes a, b, c;
+            load(shape, &order.rank[0][i], a);
+            load(shape, &order.rank[1][i], b);
+            load(shape, &order.rank[2][i], c);
+            Vector ab, bc, ca;
+            cross(a.n, b.n, ab);
+            cross(b.n, c.n, bc);
+            cross(c.n, a.n, ca);
+            Lanes determinant, a2, b2, c2;
+            dot(a.n, bc, determinant);
+            dot(a.n, a.n, a2);
+            dot(b.n, b.n, b2);
+            dot(c.n, c.n, c2);
+            for (int k = 0; k < std::min(4, shape.corners - i); ++k) {
+                const auto coordinate = [&](const Lanes& u, const Lanes& v, const Lanes& w) {
+                    return (a.h[k] * u[k] + b.h[k] * v[k] + c.h[k] * w[k]) / determinant[k];
+                };
+                const double x = coordinate(bc.x, ca.x, ab.x), y = coordinate(bc.y, ca.y, ab.y),
+                             z = coordinate(bc.z, ca.z, ab.z);
+                double condition2 = a2[k] * b2[k] * c2[k] / (determinant[k] * determinant[k]);
+                if (!(condition2 <= unknown_sign2)) return false;
+                if (condition2 > worst_condition2) condition2 = worst_line(a, b, c, k);
+                const double longest = Weighted ? std::sqrt(std::max({a2[k], b2[k], c2[k]})) : 0;
+                const double length = std::sqrt(x * x + y * y + z * z) + 0.5 * longest;
+                const double error = std::sqrt(condition2) * length * length;
+                const auto foot = [k](const Planes& p, const Lanes& square) {
+                    const double norm = std::sqrt(square[k]);
+                    return std::abs(p.h[k]) / norm + (Weighted ? norm : 0);
+                };
+                volume_error += error * (foot(a, a2) + foot(b, b2) + foot(c, c2)) / 3;
+                area_error += 2 * error;
+            }
+        }
+        const double surface = std::accumulate(found.areas.begin(), found.areas.begin() + shape.planes, 0.0);
+        return corner_error<Weighted> * volume_error <= accepted_error * found.volume &&
+               corner_error<Weighted> * area_error <= 2 * accepted_error * surface;
+    }
+
+    template <bool Weighted>
+    static bool measure(CellShape& shape, CellMeasures& out) {
+        constexpr double smallest_volume = 1e-140, smallest_square = 1e-90;  // no product of six leaves the range
+        // Planes are handled four at a time: what fills the last four is wanted by no corner.
+        for (int p = shape.planes; p % 4 != 0; ++p) shape.plane[p] = shape.plane[0];
+        Sums sums;
+        Lanes least = Lanes{} + std::numeric_limits<double>::infinity(), longest{};
+        for (int p = 0; p < shape.planes; p += 4) {
+            CellShape::Plane* plane = &shape.plane[p];
+            Planes four;
+            load([&](int lane) { return plane + lane; }, four);
+            Lanes square;
+            dot(four.n, four.n, square);
+            least = square < least ? square : least;
+            if constexpr (Weighted) longest = square > longest ? square : longest;
+            const Lanes h = Weighted ? square + four.h : square;
+            for (int k = 0; k < 4; ++k) plane[k].power = h[k];
+            lanes(&sums.h[p]) = h;
+            lanes(&sums.q[p]) = Lanes{};
+            if constexpr (Weighted) lanes(&sums.foot[p]) = h / square;
+        }
+        if (!(smallest(least) > smallest_square)) return false;
+        lanes(&sums.q[CellShape::most_planes]) = lanes(&sums.foot[CellShape::most_planes]) = Lanes{};
+
+        CornerOrder order;
+        Isa::order_corners(shape, order);
+        const double further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
+        Totals sure;
+        std::array<std::uint8_t, CellShape::most_corners / 4> doubtful;  // groups of four
+        int doubts = 0;
+        for (int i = 0; i < shape.corners; i += 4)
+            if (!add_corners<Weighted, false>(shape, order, i, further, sums, sure))
+                doubtful[doubts++] = static_cast<std::uint8_t>(i / 4);
+        Totals totals = sure;
+        for (int k = 0; k < doubts; ++k) add_doubtful<Weighted>(shape, order, 4 * doubtful[k], further, sums, totals);
+
+        Lanes volumes{}, moment{};
+        for (int p = 0; p < shape.planes; p += 4) {
+            const Lanes h = lanes(&sums.h[p]), q = lanes(&sums.q[p]);
+            Lanes part = h * q, squares = h, length;
+            volumes += part;
+            if constexpr (Weighted) {
+                Planes four;
+                load([&](int lane) { return &shape.plane[p + lane]; }, four);
+                dot(four.n, four.n, squares);
+                part *= lanes(&sums.foot[p]);
+            }
+            square_roots(squares, length);
+            const Lanes area = 0.5 * length * q, none{};
+            lanes(&out.areas[p]) = area > none ? area : none;
+            for (int k = 0; k < 4; ++k) Isa::multiply_add(none + part[k], lanes(shape.plane[p + k].n), moment, moment);
+        }
+        moment += Lanes{sum(2 * totals.moments.x - totals.feet.x), sum(2 * totals.moments.y - totals.feet.y),
+                        sum(2 * totals.moments.z - totals.feet.z)};
+        const double volume = sum(volumes);
+        out.farthest_squared = largest(totals.farthest);
+        out.volume = volume / 6;
+        for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (4 * volume);
+        const double reach = std::sqrt(out.farthest_squared) + further;
+        return out.volume > smallest_volume &&
+               (corner_error<Weighted> * sum(totals.errors) * reach <= accepted_error * out.volume ||
+                is_exact_enough<Weighted>(shape, order, out));
+    }
+
+public:
+    static bool measure(CellShape& shape, CellMeasures& out) {
+        return shape.weighted ? measure<true>(shape, out) : measure<false>(shape, out);
+    }
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,334 @@
+// The loops of StarKernels in AVX2. One file includes this.
+#pragma once
+
+#include <immintrin.h>
+
+#include <array>
+#include <bit>
+#include <limits>
+
+#include "kernels/star_kernels_plain.hpp"
+
+#define VOTESS_AVX2 __attribute__((target("avx2,fma,popcnt,bmi")))
+
+namespace votess::cpu {
+namespace {
+
+// Lanes in the order of compress(): by mask, a byte each; first those whose bit is set.
+constexpr std::array<std::uint64_t, 256> compress_orders = [] {
+    std::array<std::uint64_t, 256> orders{};
+    for (unsigned mask = 0; mask < 256; ++mask) {
+        int at = 0;
+        for (unsigned lane = 0; lane < 8; ++lane)
+            if ((mask >> lane) & 1) orders[mask] |= std::uint64_t{lane} << (8 * at++);
+    }
+    return orders;
+}();
+
+VOTESS_AVX2 VOTESS_INLINE __m256i compress_order(unsigned mask) {
+    return _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(&compress_orders[mask])));
+}
+
+VOTESS_AVX2 VOTESS_INLINE void compress(std::int32_t* to, __m256i values, __m256i order) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_permutevar8x32_epi32(values, order));
+}
+
+VOTESS_AVX2 VOTESS_INLINE void compress(float* to, __m256 values, __m256i order) {
+    _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(values, order));
+}
+
+// What is out of the range of integers becomes the least one.
+VOTESS_AVX2 VOTESS_INLINE __m256i clamp(__m256i x) {
+    return _mm256_min_epi32(_mm256_max_epi32(x, _mm256_set1_epi32(-window_range)), _mm256_set1_epi32(window_range));
+}
+
+template <bool Weighted>
+VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
+                              float near_squared, float distance_squared, CandidatePlanes& c) {
+    const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
+    const __m256 limit = _mm256_set1_ps(distance_squared), near_limit = _mm256_set1_ps(near_squared);
+    int near = c.count, far = 0;
+    for (int i = 0; i < w.count; i += 8) {
+        auto difference = [i](const std::int32_t* at, __m256i from) VOTESS_AVX2 {
+            return _mm256_cvtepi32_ps(
+                _mm256_sub_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(at + i)), from));
+        };
+        const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
+        const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
+        const auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, limit, _CMP_LT_OQ)));
+        if (inside == 0) continue;
+        __m256 h = d;
+        if constexpr (Weighted)
+            h = _mm256_add_ps(d, _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i)));
+        h = _mm256_mul_ps(h, _mm256_set1_ps(0.5f));
+        const unsigned is_near =
+            static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, near_limit, _CMP_LT_OQ))) & inside;
+        const unsigned is_far = inside & ~is_near;
+        if (near > CandidatePlanes::capacity || far > CandidatePlanes::capacity) return false;
+        const auto put = [&](unsigned mask, int to) VOTESS_AVX2 {
+            const __m256i order = compress_order(mask);
+            compress(c.nx + to, nx, order);
+            compress(c.ny + to, ny, order);
+            compress(c.nz + to, nz, order);
+            compress(c.h + to, h, order);
+            compress(c.id + to, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
+        };
+        if (is_near != 0) put(is_near, near);
+        if (is_far != 0) put(is_far, far_begin + far);
+        near += std::popcount(is_near);
+        far += std::popcount(is_far);
+    }
+    return join(c, near, far);
+}
+
+VOTESS_AVX2 VOTESS_INLINE int hit_of(__m256 best, __m256i at) {
+    __m256 least = _mm256_min_ps(best, _mm256_permute2f128_ps(best, best, 1));
+    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0x4e));
+    least = _mm256_min_ps(least, _mm256_shuffle_ps(least, least, 0xb1));
+    const auto where = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(best, least, _CMP_EQ_OQ)));
+    alignas(32) std::int32_t found[8];
+    _mm256_store_si256(reinterpret_cast<__m256i*>(found), at);
+    return found[std::countr_zero(where) & 7];
+}
+
+template <int Blocks>
+VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, std::uint32_t* places) {
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    __m256i of[Blocks], smaller[Blocks];
+    for (int b = 0; b < Blocks; ++b) {
+        const __m256i there = _mm256_cmpgt_epi32(_mm256_set1_epi32(count - 8 * b), iota);
+        of[b] = _mm256_maskload_epi32(ids + 8 * b, there);
+        smaller[b] = _mm256_setzero_si256();
+    }
+    for (int i = 0; i < count; ++i) {
+        const __m256i id = _mm256_set1_epi32(ids[i]);
+        for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi32(smaller[b], _mm256_cmpgt_epi32(of[b], id));
+    }
+    for (int b = 0; b < Blocks; ++b) _mm256_storeu_si256(reinterpret_cast<__m256i*>(places + 8 * b), smaller[b]);
+}
+
+// The keys of up to 32 corners, see Avx2::order_corners().
+VOTESS_AVX2 VOTESS_INLINE void corner_keys(const CellShape& shape, int begin, std::uint16_t* keys) {
+    const __m256i table = _mm256_load_si256(reinterpret_cast<const __m256i*>(shape.rank.data()));
+    const __m256i low = _mm256_permute2x128_si256(table, table, 0x00),
+                  high = _mm256_permute2x128_si256(table, table, 0x11);
+    const auto ranks = [&](const std::uint8_t* slots) VOTESS_AVX2 {
+        const __m256i slot = _mm256_load_si256(reinterpret_cast<const __m256i*>(slots + begin));
+        return _mm256_blendv_epi8(_mm256_shuffle_epi8(low, slot), _mm256_shuffle_epi8(high, slot),
+                                  _mm256_slli_epi16(slot, 3));
+    };
+    const __m256i p = ranks(shape.a.data()), q = ranks(shape.b.data()), r = ranks(shape.c.data());
+    const __m256i lower = _mm256_min_epu8(p, q), upper = _mm256_max_epu8(p, q);
+    const __m256i least = _mm256_min_epu8(lower, r), rest = _mm256_max_epu8(lower, r);
+    const __m256i other = _mm256_min_epu8(upper, rest), greatest = _mm256_max_epu8(upper, rest);
+    for (int half = 0; half < 2; ++half) {
+        const auto wide = [half](__m256i v) VOTESS_AVX2 {
+            return _mm256_cvtepu8_epi16(half == 0 ? _mm256_castsi256_si128(v) : _mm256_extracti128_si256(v, 1));
+        };
+        const __m256i key = _mm256_or_si256(_mm256_slli_epi16(wide(least), 10),
+                                            _mm256_or_si256(_mm256_slli_epi16(wide(other), 5), wide(greatest)));
+        _mm256_store_si256(reinterpret_cast<__m256i*>(keys + begin + 16 * half), key);
+    }
+}
+
+// Sorts keys, of which no two are equal but the fillers: those behind the last, up to a multiple of four, are larger
+// than all others. Keys stand in blocks of 16.
+template <int Blocks>
+VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, std::uint16_t* sorted) {
+    __m256i of[Blocks], smaller[Blocks];
+    for (int b = 0; b < Blocks; ++b) {
+        of[b] = _mm256_load_si256(reinterpret_cast<const __m256i*>(keys + 16 * b));
+        smaller[b] = _mm256_setzero_si256();
+    }
+    for (int i = 0; i < count; i += 4)
+        for (int k = 0; k < 4; ++k) {
+            const __m256i key = _mm256_set1_epi16(static_cast<short>(keys[i + k]));
+            for (int b = 0; b < Blocks; ++b) smaller[b] = _mm256_sub_epi16(smaller[b], _mm256_cmpgt_epi16(of[b], key));
+        }
+    alignas(32) std::uint16_t places[16 * Blocks];
+    for (int b = 0; b < Blocks; ++b) _mm256_store_si256(reinterpret_cast<__m256i*>(places + 16 * b), smaller[b]);
+    for (int i = 0; i < count; i += 4)
+        for (int k = 0; k < 4; ++k) sorted[places[i + k]] = keys[i + k];
+}
+
+}  // namespace
+
+struct Avx2 {
+    static constexpr const char* name = "avx2";
+
+    using Lanes __attribute__((vector_size(32), may_alias)) = double;
+    VOTESS_AVX2 VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
+        out = _mm256_fmadd_pd(a, b, c);
+    }
+    // Or not a number.
+    VOTESS_AVX2 VOTESS_INLINE static bool any_above(const Lanes& a, double limit) {
+        return _mm256_movemask_pd(_mm256_cmp_pd(a, _mm256_set1_pd(limit), _CMP_NLE_UQ)) != 0;
+    }
+    VOTESS_AVX2 VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c,
+                                                            Lanes& out) {
+        out = _mm256_fmsub_pd(a, b, c);
+    }
+
+    VOTESS_AVX2 VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
+        unsigned mask = 0;
+        const __m256d limit = _mm256_set1_pd(distance_squared);
+        for (int i = 0; i < box_fan; i += 4) {
+            __m256d sum = _mm256_setzero_pd();
+            for (int k = 0; k < 3; ++k) {
+                __m256d gap =
+                    _mm256_max_pd(_mm256_sub_pd(_mm256_load_pd(b.lower[k] + i), _mm256_set1_pd(home.upper[k])),
+                                  _mm256_sub_pd(_mm256_set1_pd(home.lower[k]), _mm256_load_pd(b.upper[k] + i)));
+                gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+                sum = _mm256_fmadd_pd(gap, gap, sum);
+            }
+            mask |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ))) << i;
+        }
+        return mask;
+    }
+
+    VOTESS_AVX2 VOTESS_INLINE static unsigned inside_ball(const double* x, const double* y, const double* z,
+                                                          const GroupTest& t, double least) {
+        const __m256d scale = _mm256_set1_pd(t.scale);
+        unsigned mask = 0;
+        for (int i = 0; i < box_fan; i += 4) {
+            const auto difference = [&](const double* from, int k) VOTESS_AVX2 {
+                return _mm256_mul_pd(_mm256_sub_pd(_mm256_loadu_pd(from + i), _mm256_set1_pd(t.p[k])), scale);
+            };
+            const __m256d nx = difference(x, 0), ny = difference(y, 1), nz = difference(z, 2);
+            const __m256d square = _mm256_fmadd_pd(nx, nx, _mm256_fmadd_pd(ny, ny, _mm256_mul_pd(nz, nz)));
+            const __m256d along =
+                _mm256_fmadd_pd(nx, _mm256_set1_pd(t.v[0]),
+                                _mm256_fmadd_pd(ny, _mm256_set1_pd(t.v[1]), _mm256_mul_pd(nz, _mm256_set1_pd(t.v[2]))));
+            const __m256d excess = _mm256_fmadd_pd(square, _mm256_set1_pd(relative_slack - 0.5),
+                                                   _mm256_add_pd(along, _mm256_set1_pd(t.slack)));
+            // Not a number where the seed is padding, infinitely far away.
+            const __m256d inside = _mm256_and_pd(_mm256_cmp_pd(excess, _mm256_setzero_pd(), _CMP_GE_OQ),
+                                                 _mm256_cmp_pd(square, _mm256_set1_pd(least), _CMP_GE_OQ));
+            mask |= static_cast<unsigned>(_mm256_movemask_pd(inside)) << i;
+        }
+        return mask;
+    }
+
+    VOTESS_AVX2 static int to_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                                     std::int32_t* ids) {
+        const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
+        const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        int count = 0;
+        for (std::size_t g = 0; g < from.groups.size(); ++g) {
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
+            __m128i at[2][3];
+            unsigned inside = 0;
+            for (int half = 0; half < 2; ++half) {
+                __m256d sum = _mm256_setzero_pd();
+                for (int k = 0; k < 3; ++k) {
+                    const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed + 4 * half);
+                    __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x),
+                                                _mm256_sub_pd(x, _mm256_set1_pd(frame.home.upper[k])));
+                    gap = _mm256_max_pd(gap, _mm256_setzero_pd());
+                    sum = _mm256_fmadd_pd(gap, gap, sum);
+                    at[half][k] =
+                        _mm256_cvtpd_epi32(_mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale));
+                }
+                inside |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ)))
+                          << (4 * half);
+            }
+            if (g < from.kept) inside = 255;
+            const __m256i order = compress_order(inside);
+            for (int k = 0; k < 3; ++k) compress(out[k] + count, clamp(_mm256_set_m128i(at[1][k], at[0][k])), order);
+            compress(ids + count, _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota), order);
+            count += std::popcount(inside);
+        }
+        return count;
+    }
+
+    VOTESS_AVX2 static bool select(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
+                                   float distance_squared, CandidatePlanes& c) {
+        return w.weight == nullptr ? select_seeds<false>(w, p, weight, near_squared, distance_squared, c)
+                                   : select_seeds<true>(w, p, weight, near_squared, distance_squared, c);
+    }
+
+    VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
+        const __m256 infinity = _mm256_set1_ps(std::numeric_limits<float>::infinity());
+        for (int r = 0; r < 2; ++r) {
+            const auto& [o, d, s, least] = rays[r];
+            const __m256 ox = _mm256_set1_ps(o[0]), oy = _mm256_set1_ps(o[1]), oz = _mm256_set1_ps(o[2]);
+            const __m256 dx = _mm256_set1_ps(d[0]), dy = _mm256_set1_ps(d[1]), dz = _mm256_set1_ps(d[2]);
+            const __m256 limit = _mm256_set1_ps(least);
+            __m256 best = infinity;
+            __m256i at = _mm256_set1_epi32(-1), index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+            for (int i = 0; i < count; i += 8) {
+                const __m256 nx = _mm256_load_ps(c.nx + i), ny = _mm256_load_ps(c.ny + i),
+                             nz = _mm256_load_ps(c.nz + i);
+                const __m256 leaving = _mm256_fmadd_ps(nx, dx, _mm256_fmadd_ps(ny, dy, _mm256_mul_ps(nz, dz)));
+                const __m256 hs = _mm256_mul_ps(_mm256_load_ps(c.h + i), _mm256_set1_ps(s));
+                const __m256 gap = _mm256_fnmadd_ps(nx, ox, _mm256_fnmadd_ps(ny, oy, _mm256_fnmadd_ps(nz, oz, hs)));
+                const __m256 t =
+                    _mm256_blendv_ps(infinity, _mm256_div_ps(gap, leaving), _mm256_cmp_ps(leaving, limit, _CMP_GT_OQ));
+                const __m256 better = _mm256_cmp_ps(t, best, _CMP_LT_OQ);
+                best = _mm256_blendv_ps(best, t, better);
+                at = _mm256_blendv_epi8(at, index, _mm256_castps_si256(better));
+                index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
+            }
+            hits[r] = hit_of(best, at);
+        }
+    }
+
+    VOTESS_AVX2 VOTESS_INLINE static int touching(const CandidatePlanes& c, int count, const float* v,
+                                                  const std::int32_t* three, int begin) {
+        const __m256 vx = _mm256_set1_ps(v[0]), vy = _mm256_set1_ps(v[1]), vz = _mm256_set1_ps(v[2]);
+        const __m256 limit = _mm256_set1_ps(v[3]);
+        const __m256i i0 = _mm256_set1_epi32(three[0]), i1 = _mm256_set1_epi32(three[1]),
+                      i2 = _mm256_set1_epi32(three[2]);
+        unsigned behind = ~0u << (begin % 8);
+        for (int i = begin / 8 * 8; i < count; i += 8, behind = ~0u) {
+            const __m256 gap = _mm256_fnmadd_ps(
+                _mm256_load_ps(c.nx + i), vx,
+                _mm256_fnmadd_ps(_mm256_load_ps(c.ny + i), vy,
+                                 _mm256_fnmadd_ps(_mm256_load_ps(c.nz + i), vz, _mm256_load_ps(c.h + i))));
+            const __m256i id = _mm256_load_si256(reinterpret_cast<const __m256i*>(c.id + i));
+            const __m256i same = _mm256_or_si256(
+                _mm256_cmpeq_epi32(id, i0), _mm256_or_si256(_mm256_cmpeq_epi32(id, i1), _mm256_cmpeq_epi32(id, i2)));
+            const auto mask = static_cast<unsigned>(_mm256_movemask_ps(
+                                  _mm256_andnot_ps(_mm256_castsi256_ps(same), _mm256_cmp_ps(gap, limit, _CMP_LE_OQ)))) &
+                              behind;
+            if (mask != 0) return i + std::countr_zero(mask);
+        }
+        return -1;
+    }
+
+    VOTESS_AVX2 static void rank(const std::int32_t* ids, int count, std::uint32_t* places) {
+        if (count <= 16) return rank_blocks<2>(ids, count, places);
+        if (count <= 32) return rank_blocks<4>(ids, count, places);
+        Baseline::rank(ids, count, places);
+    }
+
+    // By keys of 16 bits: three ranks of five bits, ascending.
+    VOTESS_AVX2 static void order_corners(const CellShape& shape, CornerOrder& out) {
+        constexpr int most_keys = 64;
+        constexpr std::uint64_t fillers = 0x7fff7fff7fff7fff;
+        if (shape.slots > 32 || shape.corners > most_keys) return Baseline::order_corners(shape, out);
+        alignas(32) std::uint16_t keys[most_keys + 16], sorted[most_keys + 16];
+        corner_keys(shape, 0, keys);
+        if (shape.corners > 32) corner_keys(shape, 32, keys);
+        std::memcpy(keys + shape.corners, &fillers, sizeof fillers);
+        if (shape.corners <= 32)
+            sort_keys<2>(keys, shape.corners, sorted);
+        else if (shape.corners <= 48)
+            sort_keys<3>(keys, shape.corners, sorted);
+        else
+            sort_keys<4>(keys, shape.corners, sorted);
+        const __m256i mask = _mm256_set1_epi16(31 * CornerOrder::rank_step);
+        for (int i = 0; i < shape.corners; i += 16) {
+            const __m256i key = _mm256_load_si256(reinterpret_cast<const __m256i*>(sorted + i));
+            const auto store = [&](std::uint16_t* to, __m256i ranks) VOTESS_AVX2 {
+                _mm256_store_si256(reinterpret_cast<__m256i*>(to + i), _mm256_and_si256(ranks, mask));
+            };
+            store(out.rank[0].data(), _mm256_srli_epi16(key, 8));
+            store(out.rank[1].data(), _mm256_srli_epi16(key, 3));
+            store(out.rank[2].data(), _mm256_slli_epi16(key, 2));
+        }
+        Baseline::fill_corners(shape.corners, out);
+    }
+};
+
+}  // namespace votess::cpu

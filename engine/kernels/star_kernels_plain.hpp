@@ -1,0 +1,254 @@
+// The loops of StarKernels for any processor, in vectors of four that the compiler knows.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+#include "kernels/star_kernels.hpp"
+
+namespace votess::cpu {
+
+// With GroupTest::slack this is more than 2e-8 (h + |v| sqrt(h)), h = |n|^2 / 2.
+constexpr double relative_slack = 4e-8;
+
+#define VOTESS_INLINE inline __attribute__((always_inline))
+
+using Float4 __attribute__((vector_size(16))) = float;
+using Int4 __attribute__((vector_size(16))) = std::int32_t;
+
+VOTESS_INLINE Float4 load(const float* from) {
+    Float4 v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+
+VOTESS_INLINE Int4 load(const std::int32_t* from) {
+    Int4 v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+
+// A bit for each lane that is true.
+VOTESS_INLINE unsigned mask_of(Int4 lanes) {
+#if defined(__SSE2__)
+    return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(lanes)));
+#else
+    unsigned mask = 0;
+    for (int k = 0; k < 4; ++k) mask |= (static_cast<unsigned>(lanes[k]) & 1) << k;
+    return mask;
+#endif
+}
+
+// select() puts the far planes here at first.
+constexpr int far_begin = CandidatePlanes::capacity + 16;
+static_assert(far_begin % 16 == 0);
+
+VOTESS_INLINE void pad(CandidatePlanes& c) {
+    for (int i = 0; i < 16; ++i) {
+        c.nx[c.count + i] = c.ny[c.count + i] = c.nz[c.count + i] = 0;
+        c.h[c.count + i] = CandidatePlanes::never;
+    }
+}
+
+// Moves `far` planes from far_begin to behind the first `near`; false when they are too many.
+VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
+    if (near + far > CandidatePlanes::capacity) return false;
+    c.near = near;
+    c.count = near + far;
+    constexpr int step = 8;
+    static_assert(far_begin >= CandidatePlanes::capacity + step);
+    for (int i = 0; i < far; i += step) {
+        const auto move = [&](auto* values) { std::memcpy(values + near + i, values + far_begin + i, step * 4); };
+        move(c.nx);
+        move(c.ny);
+        move(c.nz);
+        move(c.h);
+        move(c.id);
+    }
+    pad(c);
+    return true;
+}
+
+struct Baseline {
+    static constexpr const char* name = "baseline";
+
+    // For numbers that are rounded: a * b may be rounded, too, before c is added.
+    using Lanes __attribute__((vector_size(32), may_alias)) = double;
+    VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
+        out = a * b + c;
+    }
+    // Or not a number.
+    VOTESS_INLINE static bool any_above(const Lanes& a, double limit) {
+        return !(a[0] <= limit && a[1] <= limit && a[2] <= limit && a[3] <= limit);
+    }
+    VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
+        out = a * b - c;
+    }
+
+    VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
+        double sum[box_fan] = {};
+        for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < box_fan; ++i) {
+                const double gap = gap_between(b.lower[k][i] - home.upper[k], home.lower[k] - b.upper[k][i]);
+                sum[i] += gap * gap;
+            }
+        unsigned mask = 0;
+        for (int i = 0; i < box_fan; ++i) mask |= static_cast<unsigned>(sum[i] < distance_squared) << i;
+        return mask;
+    }
+
+    VOTESS_INLINE static unsigned inside_ball(const double* x, const double* y, const double* z, const GroupTest& t,
+                                              double least) {
+        unsigned mask = 0;
+        for (int i = 0; i < box_fan; ++i) {
+            const double nx = (x[i] - t.p[0]) * t.scale, ny = (y[i] - t.p[1]) * t.scale, nz = (z[i] - t.p[2]) * t.scale;
+            const double square = nx * nx + ny * ny + nz * nz;
+            const double excess = nx * t.v[0] + ny * t.v[1] + nz * t.v[2] - 0.5 * square;
+            // Not a number where the seed is padding, infinitely far away.
+            const double margin = excess + (relative_slack * square + t.slack);
+            mask |= static_cast<unsigned>((margin >= 0) & (square >= least)) << i;
+        }
+        return mask;
+    }
+
+    static int to_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                         std::int32_t* ids) {
+        constexpr double range = window_range;
+        int count = 0;
+        for (std::size_t g = 0; g < from.groups.size(); ++g) {
+            const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
+            double sum[box_fan] = {};
+            std::int32_t at[3][box_fan];
+            for (int k = 0; k < 3; ++k) {
+                const double* x = from.seeds[k] + seed;
+                for (int i = 0; i < box_fan; ++i) {
+                    const double gap = gap_between(frame.home.lower[k] - x[i], x[i] - frame.home.upper[k]);
+                    sum[i] += gap * gap;
+                    double v = (x[i] - frame.origin[k]) * frame.scale;
+                    v = v > -range ? v : -range;
+                    v = v < range ? v : range;
+                    at[k][i] = static_cast<std::int32_t>(v + (v < 0 ? -0.5 : 0.5));
+                }
+            }
+            for (int i = 0; i < box_fan; ++i) {
+                for (int k = 0; k < 3; ++k) out[k][count] = at[k][i];
+                ids[count] = static_cast<std::int32_t>(seed) + i;
+                count += static_cast<int>(g < from.kept) | static_cast<int>(sum[i] < frame.distance_squared);
+            }
+        }
+        return count;
+    }
+
+    static bool select(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
+                       float distance_squared, CandidatePlanes& c) {
+        int near = c.count, far = 0;
+        for (int i = 0; i < w.count; i += 4) {
+            const auto difference = [i](const std::int32_t* at, std::int32_t from) {
+                return __builtin_convertvector(load(at + i) - from, Float4);
+            };
+            const Float4 nx = difference(w.x, p[0]), ny = difference(w.y, p[1]), nz = difference(w.z, p[2]);
+            const Float4 d = nx * nx + ny * ny + nz * nz;
+            unsigned inside = mask_of(d < distance_squared);
+            if (inside == 0) continue;
+            const Float4 h = 0.5f * (w.weight == nullptr ? d : d + (weight - load(w.weight + i)));
+            const unsigned is_near = mask_of(d < near_squared);
+            if (near > CandidatePlanes::capacity - 4 || far > CandidatePlanes::capacity - 4) return false;
+            for (; inside != 0; inside &= inside - 1) {
+                const int k = std::countr_zero(inside);
+                const int one = static_cast<int>(is_near >> k & 1);
+                const int to = one != 0 ? near : far_begin + far;
+                c.nx[to] = nx[k];
+                c.ny[to] = ny[k];
+                c.nz[to] = nz[k];
+                c.h[to] = h[k];
+                c.id[to] = w.id[i + k];
+                near += one;
+                far += 1 - one;
+            }
+        }
+        return join(c, near, far);
+    }
+
+    VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {
+        const float infinity = std::numeric_limits<float>::infinity();
+        for (int r = 0; r < 2; ++r) {
+            const auto& [o, d, s, least] = rays[r];
+            Float4 best = Float4{} + infinity;
+            Int4 at = Int4{} - 1, index{0, 1, 2, 3};
+            for (int i = 0; i < count; i += 4, index += 4) {
+                const Float4 nx = load(c.nx + i), ny = load(c.ny + i), nz = load(c.nz + i), h = load(c.h + i);
+                const Float4 leaving = nx * d[0] + ny * d[1] + nz * d[2];
+                const Float4 t = (h * s - nx * o[0] - ny * o[1] - nz * o[2]) / leaving;
+                const Int4 better = (leaving > least) & (t < best);
+                best = better ? t : best;
+                at = better ? index : at;
+            }
+            hits[r] = -1;
+            float nearest = infinity;
+            for (int k = 0; k < 4; ++k)
+                if (best[k] < nearest) nearest = best[k], hits[r] = at[k];
+        }
+    }
+
+    VOTESS_INLINE static int touching(const CandidatePlanes& c, int count, const float* v, const std::int32_t* three,
+                                      int begin) {
+        unsigned behind = ~0u << (begin % 4);
+        for (int i = begin / 4 * 4; i < count; i += 4, behind = ~0u) {
+            const Float4 gap = load(c.h + i) - load(c.nx + i) * v[0] - load(c.ny + i) * v[1] - load(c.nz + i) * v[2];
+            const Int4 id = load(c.id + i);
+            const Int4 other = (id != three[0]) & (id != three[1]) & (id != three[2]);
+            const unsigned mask = mask_of((gap <= v[3]) & other) & behind;
+            if (mask != 0) return i + std::countr_zero(mask);
+        }
+        return -1;
+    }
+
+    static void rank(const std::int32_t* ids, int count, std::uint32_t* places) {
+        for (int i = 0; i < count; ++i) {
+            int smaller = 0;
+            for (int k = 0; k < count; ++k) smaller += ids[k] < ids[i] ? 1 : 0;
+            places[i] = static_cast<std::uint32_t>(smaller);
+        }
+    }
+
+    [[gnu::noinline]] static void order_corners(const CellShape& shape, CornerOrder& out) {
+        constexpr int bits = 6, most = (1 << bits) - 1;
+        static_assert(most + 1 == CellShape::most_planes);
+        std::array<std::int32_t, CellShape::most_corners> keys;
+        for (int k = 0; k < shape.corners; ++k) {
+            const int p = shape.rank[shape.a[k]], q = shape.rank[shape.b[k]], r = shape.rank[shape.c[k]];
+            const int low = p < q ? p : q, high = p < q ? q : p;
+            const int least = low < r ? low : r, greatest = high > r ? high : r, other = p + q + r - least - greatest;
+            keys[k] = least << (2 * bits) | other << bits | greatest;
+        }
+        std::array<std::uint32_t, CellShape::most_corners> places;
+        rank(keys.data(), shape.corners, places.data());
+        for (int k = 0; k < shape.corners; ++k) {
+            out.rank[0][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] >> (2 * bits)));
+            out.rank[1][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] >> bits & most));
+            out.rank[2][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] & most));
+        }
+        fill_corners(shape.corners, out);
+    }
+    VOTESS_INLINE static void fill_corners(int corners, CornerOrder& out) {
+        for (int p = 0; p < 3; ++p)
+            for (int k = 0; k < 4; ++k)
+                out.rank[p][corners + k] =
+                    static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
+    }
+
+private:
+    // Between two intervals that are so far apart, where one of the two is positive.
+    VOTESS_INLINE static double gap_between(double below, double above) {
+        const double gap = below > above ? below : above;
+        return gap > 0 ? gap : 0;
+    }
+};
+
+}  // namespace votess::cpu

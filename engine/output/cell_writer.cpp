@@ -1,0 +1,373 @@
+#include "output/cell_writer.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "core/vector3.hpp"
+#include "index/seed_images.hpp"
+#include "input/implied_wants.hpp"
+
+namespace votess::cpu {
+namespace {
+
+constexpr std::size_t usual_rows = std::size_t{1} << 20;  // ids of a block; memory that is not needed is not touched
+
+// Keeps the first `kept` values.
+template <class T>
+void grow_to(Buffer<T>& values, std::size_t kept, std::size_t size) {
+    Buffer<T> larger;
+    larger.resize_uninitialized(size);
+    std::copy_n(values.data(), kept, larger.data());
+    values = std::move(larger);
+}
+
+[[noreturn]] void too_skewed() {
+    throw Error(ErrorCode::unsupported,
+                "the cell is so skewed that neighbors lie more than 127 box vectors away: give shorter vectors that "
+                "span the same lattice");
+}
+
+inline void narrow(const exact::Shift& shift, std::int8_t* out) {
+    for (std::size_t j = 0; j < 3; ++j) {
+        out[j] = static_cast<std::int8_t>(shift[j]);
+        if (out[j] != shift[j]) too_skewed();
+    }
+}
+
+}  // namespace
+
+void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out) {
+    kernels_ = &kernels;
+    out_ = &out;
+    want_ = job.options.want;
+    walls_ = job.options.list_walls;
+    domain_ = job.domain.get();
+    probe_number_ = job.probes_of.value_or(0);
+    probe_id_ = std::numeric_limits<std::int32_t>::min();
+    moved_ = seeds_.images != nullptr && seeds_.images->has_moves();
+    periodic_ = job.domain->is_periodic();
+    placed_ = needs_geometry(want_);
+    measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
+    ranked_ = measured_ || want_.neighbors;
+    row_order_ = job.row_order;
+    unscale_ = 1 / job.scale;
+    counters_ = {};
+    const Box& box = domain_->box;
+    const Vector3 diagonal = minus(box.upper, box.lower);
+    tally_.begin(4 * dot(diagonal, diagonal));
+    rows_size_ = 0;
+    // As long as the rows of an earlier job.
+    if (want_.areas) areas_.resize_uninitialized(rows_.size());
+    if (want_.normals) normals_.resize_uninitialized(3 * rows_.size());
+    if (periodic_) shifts_.resize_uninitialized(3 * rows_.size());
+    lengths_.clear();
+    polygon_writer_.clear();
+}
+
+void CellWriter::prefetch(std::size_t seed) const {
+    const auto input = static_cast<std::size_t>(seeds_.input[seed]);
+    if (want_.volumes) __builtin_prefetch(&out_->volumes()[input], 1);
+    if (want_.centroids) __builtin_prefetch(&out_->centroids()[3 * input], 1);
+}
+
+void CellWriter::leave_out() {
+    lengths_.push_back(0);
+    if (want_.vertices) polygon_writer_.append_none();
+}
+
+bool CellWriter::write(Star& star) {
+    if (star.faces().empty()) {
+        counters_.exact_cells += star.used_exact() ? 1 : 0;
+        write_empty();
+        return true;
+    }
+    const auto faces = star.faces();
+    face_shifts_.clear();
+    if (moved_) find_shifts(faces);
+    if (ranked_) rank_faces(faces);
+    if (measured_) {
+        CellShape* shape = star.shape(std::span(ranks_).first(faces.size()));
+        if (shape == nullptr || !kernels_->measure(*shape, measures_)) return false;
+        face_areas_ = std::span(measures_.areas).first(faces.size());
+        write_measures();
+    } else if (want_.vertices && !star.knows_vertices()) {
+        return false;
+    }
+    counters_.faces += faces.size();
+    counters_.exact_cells += star.used_exact() ? 1 : 0;
+    if (want_.normals) star.normals(face_normals_);
+    if (want_.neighbors) write_row();
+    if (want_.vertices) {
+        star.polygons(std::span(ranks_).first(faces.size()), polygons_);
+        // Their cells lie elsewhere in the domain, each by a shift of its own.
+        if (moved_) polygons_.shared.clear();
+        write_polygons();
+    }
+    write_counts(faces.size(), static_cast<std::uint32_t>(star.edge_count()),
+                 static_cast<std::uint32_t>(star.vertex_count()));
+    return true;
+}
+
+void CellWriter::write(Cell& cell) {
+    counters_.exact_cells += cell.used_exact() ? 1 : 0;
+    if (cell.empty()) return write_empty();
+    std::span<const std::int32_t> planes;
+    if (placed_ || want_.counts || cell.met_tie()) {
+        cell.canonical_faces(faces_);
+        planes = faces_.planes;
+    } else {
+        cell.face_planes(planes_);
+        planes = planes_;
+    }
+    constexpr std::size_t least_faces = 4;
+    if (planes.size() < least_faces) return write_empty();  // flat
+    counters_.faces += planes.size();
+    ids_.clear();
+    face_normals_.clear();
+    face_shifts_.clear();
+    for (const std::int32_t p : planes) {
+        const CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
+        ids_.push_back(plane.id);
+        if (periodic_) face_shifts_.push_back(plane.shift);
+        if (want_.normals) face_normals_.push_back(unit_normal(cell.seed(), plane.source));
+    }
+    if (moved_) count_from_domain(ids_);
+    if (ranked_) rank_faces(ids_);
+    if (measured_) measure(cell);
+    if (want_.neighbors) write_row();
+    if (want_.vertices) {
+        read_polygons(cell, faces_, std::span(ranks_).first(ranked_ids_.size()), polygons_);
+        write_polygons();
+    }
+    write_counts(planes.size(), faces_.edge_count, faces_.vertex_count);
+}
+
+// As the walk's cells are measured, so that it does not matter how a cell was found; else from exact corners.
+void CellWriter::measure(const Cell& cell) {
+    const std::span ranks = std::span(ranks_).first(ranked_ids_.size());
+    shape_.weighted = domain_->has_weights();
+    if (shape_reader_.read(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
+        face_areas_ = std::span(measures_.areas).first(faces_.size());
+    } else {
+        measure_exactly(cell, faces_, ranks, measures_, many_areas_);
+        face_areas_ = many_areas_;
+    }
+    write_measures();
+}
+
+void CellWriter::write_none(std::size_t output, CellStatus status) {
+    out_->set_empty(output, status);
+    ++counters_.empty_cells;
+    leave_out();
+}
+
+void CellWriter::write_measures() {
+    const CellMeasures& m = measures_;
+    tally_.add(face_areas_.subspan(wall_faces_));
+    if (want_.volumes) out_->volumes()[output_] = m.volume * unscale_ * unscale_ * unscale_;
+    if (want_.centroids) {
+        const exact::Point p = place();
+        for (std::size_t k = 0; k < 3; ++k) out_->centroids()[3 * output_ + k] = (m.centroid[k] + p[k]) * unscale_;
+    }
+    if (want_.surfaces)
+        out_->surface_areas()[output_] =
+            std::accumulate(face_areas_.begin(), face_areas_.end(), 0.0) * unscale_ * unscale_;
+    if (want_.radii) out_->security_radii()[output_] = 2 * std::sqrt(m.farthest_squared) * unscale_;
+}
+
+void CellWriter::write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices) {
+    if (!want_.counts) return;
+    out_->face_counts()[output_] = static_cast<std::uint32_t>(faces);
+    out_->edge_counts()[output_] = edges;
+    out_->vertex_counts()[output_] = vertices;
+}
+
+std::int32_t CellWriter::input_of(std::int32_t id) const {
+    if (id == probe_id_) return probe_number_;
+    const std::int32_t home = seeds_.images == nullptr ? id : seeds_.images->home(id);
+    return seeds_.input[static_cast<std::size_t>(home)];
+}
+
+// Nothing is found where all are seeds themselves by no shift, as they are away from the faces of the domain.
+// An image may have no shift either: one that was moved into the reduced cell, and lies beside it.
+void CellWriter::find_shifts(std::span<const std::int32_t> ids) {
+    const SeedImages& images = *seeds_.images;
+    const bool any_image = std::ranges::any_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); });
+    face_shifts_.resize(ids.size());
+    for (std::size_t f = 0; f < ids.size(); ++f) face_shifts_[f] = ids[f] < 0 ? exact::Shift{} : images.shift(ids[f]);
+    count_from_domain(ids);
+    if (!any_image && std::ranges::all_of(face_shifts_, [](const auto& shift) { return shift == exact::Shift{}; }))
+        face_shifts_.clear();
+}
+
+void CellWriter::count_from_domain(std::span<const std::int32_t> ids) {
+    for (std::size_t f = 0; f < ids.size(); ++f) {
+        if (ids[f] < 0) continue;
+        const exact::Shift more = shift_in_domain(ids[f]);
+        for (std::size_t j = 0; j < 3; ++j) face_shifts_[f][j] += more[j];
+    }
+}
+
+void CellWriter::aim(std::size_t output, const Probe& probe) {
+    output_ = output;
+    probe_ = &probe;
+    probe_id_ = static_cast<std::int32_t>(seeds_.places());
+    moved_ = seeds_.images != nullptr && (seeds_.images->has_moves() || probe.place.move != exact::Shift{});
+}
+
+exact::Shift CellWriter::shift_in_domain(std::int32_t id) const {
+    const SeedImages& images = *seeds_.images;
+    if (probe_ == nullptr) return images.shift_in_domain(images.home(id), seed_);
+    if (id == probe_id_) return {};
+    return images.shift_in_domain(images.home(id), probe_->place.move);
+}
+
+exact::Point CellWriter::place() const {
+    if (probe_ != nullptr) {
+        const auto& [at, low, by, move] = probe_->place;
+        if (move == exact::Shift{}) return at;
+        const exact::Shift shift{by[0] - move[0], by[1] - move[1], by[2] - move[2]};
+        const auto moved = exact::differences({}, exact::Plane::bisector(probe_->x, shift, domain_->lattice));
+        return {moved.x[0].high, moved.x[1].high, moved.x[2].high};
+    }
+    if (seeds_.images != nullptr) return seeds_.images->place_in_domain(seed_);
+    return {seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
+}
+
+void CellWriter::grow(std::size_t ids) {
+    const std::size_t size = std::max(usual_rows, 2 * ids);
+    grow_to(rows_, rows_size_, size);
+    if (want_.areas) grow_to(areas_, rows_size_, size);
+    if (want_.normals) grow_to(normals_, 3 * rows_size_, 3 * size);
+    if (periodic_) grow_to(shifts_, 3 * rows_size_, 3 * size);
+}
+
+exact::Shift CellWriter::shift_of(std::size_t face) const {
+    if (!face_shifts_.empty()) return face_shifts_[face];
+    const std::int32_t id = ranked_ids_[face];
+    return id < 0 || seeds_.images == nullptr ? exact::Shift{} : seeds_.images->shift(id);
+}
+
+void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
+    const std::size_t count = ids.size();
+    if (names_.size() < std::max(count, most_ranked)) {
+        names_.resize(std::max(count, most_ranked));
+        ranks_.resize(names_.size());
+    }
+    ranked_ids_ = ids;
+    bool shifted = !face_shifts_.empty();
+    std::size_t walls = 0;
+    const auto gather = [&, names = names_.data()](const auto& name_of) {
+        for (std::size_t f = 0; f < count; ++f) {
+            const std::int32_t id = ids[f];
+            walls += id < 0 ? 1 : 0;
+            names[f] = id < 0 ? id : name_of(id);
+        }
+    };
+    const std::int32_t* input = seeds_.input.data();
+    const SeedImages* images = seeds_.images;
+    if (shifted)
+        gather([this](std::int32_t id) { return input_of(id); });
+    else if (images == nullptr)
+        gather([input](std::int32_t id) { return input[id]; });
+    else
+        gather([&, input](std::int32_t id) {
+            if (!images->is_image(id)) return input[id];
+            shifted = true;
+            return input[images->home(id)];
+        });
+    shifted_ = shifted;
+    wall_faces_ = walls;
+    hidden_ = walls_ ? 0 : walls;
+    const std::int32_t* keys = names_.data();
+    if (!row_order_.empty()) {
+        keys_.resize(count);
+        for (std::size_t f = 0; f < count; ++f)
+            keys_[f] = names_[f] < 0 ? names_[f] : row_order_[static_cast<std::size_t>(names_[f])];
+        keys = keys_.data();
+    }
+    if (count > most_ranked) return rank_labels();
+    kernels_->rank(keys, static_cast<int>(count), ranks_.data());
+    // In a small periodic box a seed is a neighbor more than once.
+    if (shifted && !ranks_differ()) rank_labels();
+}
+
+bool CellWriter::ranks_differ() const {
+    const std::size_t count = ranked_ids_.size();
+    if (count > most_marked) return false;
+    std::uint64_t marked = 0;
+    for (std::size_t f = 0; f < count; ++f) marked |= 1ull << ranks_[f];
+    return static_cast<std::size_t>(std::popcount(marked)) == count;
+}
+
+void CellWriter::rank_labels() {
+    const std::vector<std::int32_t>& keys = row_order_.empty() ? names_ : keys_;
+    order_.resize(ranked_ids_.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::ranges::sort(order_, {}, [&](std::uint32_t f) { return std::pair(keys[f], shift_of(f)); });
+    for (std::size_t r = 0; r < order_.size(); ++r) ranks_[order_[r]] = static_cast<std::uint32_t>(r);
+}
+
+void CellWriter::write_row() {
+    const std::size_t faces = ranked_ids_.size(), count = faces - hidden_;
+    if (rows_size_ + faces > rows_.size()) grow(rows_size_ + faces);
+    const std::size_t begin = rows_size_;
+    const auto for_listed = [&](auto visit) {  // a face and its entry
+        for (std::size_t f = 0; f < faces; ++f)
+            if (ranks_[f] >= hidden_) visit(f, begin + ranks_[f] - hidden_);
+    };
+    std::int32_t* row = rows_.data() + begin;
+    const std::uint32_t* rank = ranks_.data();
+    if (hidden_ == 0)
+        for (const std::int32_t name : std::span(names_).first(faces)) row[*rank++] = name;
+    else
+        for_listed([&](std::size_t f, std::size_t entry) { rows_[entry] = names_[f]; });
+    if (want_.areas) {
+        const double square = unscale_ * unscale_;
+        for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * square;
+    }
+    if (want_.normals)
+        for_listed([&](std::size_t f, std::size_t entry) {
+            std::ranges::copy(face_normals_[f], normals_.data() + 3 * entry);
+        });
+    if (periodic_) {
+        std::int8_t* shifts = shifts_.data();
+        if (shifted_)
+            for_listed([&](std::size_t f, std::size_t entry) { narrow(shift_of(f), shifts + 3 * entry); });
+        else
+            std::memset(shifts + 3 * begin, 0, 3 * count);
+    }
+    rows_size_ += count;
+    lengths_.push_back(static_cast<std::uint32_t>(count));
+}
+
+void CellWriter::write_polygons() {
+    const std::size_t faces = ranked_ids_.size();
+    labels_.resize(faces);
+    order_.resize(faces);
+    for (std::size_t f = 0; f < faces; ++f) {
+        labels_[f] = {names_[f], {}};
+        narrow(shift_of(f), labels_[f].shift.data());
+        order_[ranks_[f]] = static_cast<std::uint32_t>(f);
+    }
+    polygon_writer_.append(polygons_, labels_, order_, hidden_, place());
+}
+
+void CellWriter::end_block(std::span<const std::int32_t> cells) {
+    const auto of = [this](const auto& values, bool wanted, std::size_t each) {
+        return std::span(values.data(), wanted ? each * rows_size_ : 0);
+    };
+    out_->add_rows(cells, lengths_, std::span(rows_.data(), rows_size_),
+                   {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), of(shifts_, periodic_, 3)});
+    if (want_.vertices) out_->mesh().add(cells, polygon_writer_.block());
+    rows_size_ = 0;
+    lengths_.clear();
+    polygon_writer_.clear();
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,134 @@
+// Puts finished cells where results go: rows in the order of the engine, block by block, and what has a fixed place at
+// once. One per thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "index/sorted_seeds.hpp"
+#include "kernels/star_kernels.hpp"
+#include "output/polygon_writer.hpp"
+#include "output/result_builder.hpp"
+#include "polytope/cell.hpp"
+#include "walk/star.hpp"
+
+namespace votess::cpu {
+
+class CellWriter {
+public:
+    explicit CellWriter(const SortedSeeds& seeds) : seeds_(seeds) {}
+
+    void begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out);
+    // When `star` begins another stretch.
+    void begin_stretch() { polygon_writer_.begin_stretch(); }
+    // For the start of a cell: its results go to the places of the input, which are anywhere in memory.
+    void prefetch(std::size_t seed) const;
+    // The last cell that `star` has built; false when its geometry cannot be had to the digits promised.
+    [[nodiscard]] bool write(std::size_t seed, Star& star) {
+        aim(seed);
+        return write(star);
+    }
+    void write(std::size_t seed, Cell& cell) {
+        aim(seed);
+        write(cell);
+    }
+    // The cell of a probe, to the place `output`.
+    [[nodiscard]] bool write(std::size_t output, const Probe& probe, Star& star) {
+        aim(output, probe);
+        return write(star);
+    }
+    void write(std::size_t output, const Probe& probe, Cell& cell) {
+        aim(output, probe);
+        write(cell);
+    }
+    // A probe that has no cell.
+    void write_none(std::size_t output, CellStatus status);
+    // The row of the next cell comes by another block.
+    void leave_out();
+    // Hands the rows written since the last call to the result; cells: as in ResultBuilder::add_rows.
+    void end_block(std::span<const std::int32_t> cells);
+
+    [[nodiscard]] const CellCounters& counters() const { return counters_; }
+    [[nodiscard]] const FaceTally& tally() const { return tally_; }
+
+private:
+    static constexpr std::size_t most_marked = 64;   // ids of a row in which some may be the same
+    static constexpr std::size_t most_ranked = 256;  // ids of a row; ranking takes the square of their number
+
+    void aim(std::size_t seed) {
+        output_ = static_cast<std::size_t>(seeds_.input[seed]);
+        seed_ = seed;
+        probe_ = nullptr;
+    }
+    void aim(std::size_t output, const Probe& probe);
+    [[nodiscard]] bool write(Star& star);
+    void write(Cell& cell);
+    void write_empty() { write_none(output_, CellStatus::empty); }
+    [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
+    // Fills face_shifts_ where seeds have been moved.
+    void find_shifts(std::span<const std::int32_t> ids);
+    // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
+    void count_from_domain(std::span<const std::int32_t> ids);
+    [[nodiscard]] exact::Shift shift_in_domain(std::int32_t id) const;
+    [[nodiscard]] exact::Point place() const;
+    void measure(const Cell& cell);
+    void write_measures();
+    void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
+    // Fills names_ and ranks_ of faces: sorted seeds or walls. Their shifts are face_shifts_, or, when these are empty,
+    // those of the ids.
+    void rank_faces(std::span<const std::int32_t> ids);
+    void rank_labels();
+    // Whether no two ranks of faces are the same.
+    [[nodiscard]] bool ranks_differ() const;
+    [[nodiscard]] exact::Shift shift_of(std::size_t face) const;
+    // After rank_faces(), in their order; face_normals_ in that of the faces.
+    void write_row();
+    void grow(std::size_t ids);
+    void write_polygons();
+
+    const SortedSeeds& seeds_;
+    const StarKernels* kernels_ = nullptr;
+    ResultBuilder* out_ = nullptr;
+    const Domain* domain_ = nullptr;
+    std::int32_t probe_id_ = 0, probe_number_ = 0;  // of images of a probe: in its cell, in its row
+    bool moved_ = false;                            // shifts count from the domain, not from its reduced cell
+    Want want_;
+    bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, ranked_ = false;
+    std::span<const std::int32_t> row_order_;  // see Job
+    double unscale_ = 1;
+    CellCounters counters_;
+    FaceTally tally_;
+    std::size_t rows_size_ = 0;
+    Buffer<std::int32_t> rows_;  // filled up to rows_size_
+    Buffer<double> areas_, normals_;
+    Buffer<std::int8_t> shifts_;
+    std::vector<std::uint32_t> lengths_;
+    PolygonWriter polygon_writer_;
+
+    // The cell at hand: where it goes, and whose it is.
+    std::size_t output_ = 0, seed_ = 0;
+    const Probe* probe_ = nullptr;  // instead of seed_
+    ShapeReader shape_reader_;
+    CellShape shape_;  // of a clipped cell
+    CellMeasures measures_;
+    std::vector<double> many_areas_;
+    std::span<const double> face_areas_;  // by rank, of measures_ or many_areas_
+    CellFaces faces_;
+    CellPolygons polygons_;
+    std::vector<std::int32_t> ids_, planes_;
+    std::vector<std::array<double, 3>> face_normals_;
+    std::vector<exact::Shift> face_shifts_;     // as Tessellation::shifts()
+    std::span<const std::int32_t> ranked_ids_;  // of the faces that are ranked
+    bool shifted_ = false;                      // some of their shifts may not be 0
+    // By face: the input index or wall, and the place among all faces of the cell, by index and shift.
+    std::vector<std::int32_t> names_, keys_;
+    std::vector<std::uint32_t> ranks_;
+    std::size_t wall_faces_ = 0;  // of the cell, which come first
+    std::size_t hidden_ = 0;      // faces that rows do not list: none, or the walls
+    std::vector<FaceLabel> labels_;
+    std::vector<std::uint32_t> order_;
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,438 @@
+#include "output/result_builder.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "core/ceil.hpp"
+#include "core/peak_memory.hpp"
+#include "core/vector3.hpp"
+#include "input/implied_wants.hpp"
+#include "output/face_filter.hpp"
+
+namespace votess {
+namespace {
+
+constexpr std::size_t copied_block = 4096;  // cells
+constexpr std::size_t task_cells = 65536;   // of loops over all cells; fixed, so that sums do not depend on threads
+constexpr std::size_t least_segment = std::size_t{64} << 10, most_segment = std::size_t{8} << 20;
+constexpr std::size_t lookahead = 16;  // cells whose places in memory are fetched before they are needed
+
+// task(block, begin, end)
+template <class Task>
+void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
+    pool.run(ceil_div(count, task_cells), [&](std::size_t block, unsigned) {
+        task(block, block * task_cells, std::min(count, (block + 1) * task_cells));
+    });
+}
+
+template <class T>
+void touch(Buffer<T>& buffer, ThreadPool& pool) {
+    for_blocks(pool, buffer.size(),
+               [&](std::size_t, std::size_t begin, std::size_t end) { buffer.touch(begin, end - begin); });
+}
+
+template <class T>
+void fill(Buffer<T>& buffer, std::size_t count, T value, ThreadPool& pool) {
+    buffer.resize_uninitialized(count);
+    for_blocks(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
+        std::fill(buffer.data() + begin, buffer.data() + end, value);
+    });
+}
+
+// Kahan: 1e9 volumes sum to the last digits. Several sums side by side, because each waits for its own last addition.
+double accurate_sum(std::span<const double> values) {
+    constexpr std::size_t lanes = 8;
+    double sum[lanes]{}, lost[lanes]{};
+    const auto add = [&](std::size_t k, double value) {
+        const double y = value - lost[k], t = sum[k] + y;
+        lost[k] = (t - sum[k]) - y;
+        sum[k] = t;
+    };
+    std::size_t i = 0;
+    for (; i + lanes <= values.size(); i += lanes)
+        for (std::size_t k = 0; k < lanes; ++k) add(k, values[i + k]);
+    for (; i < values.size(); ++i) add(0, values[i]);
+    for (std::size_t k = 1; k < lanes; ++k) {
+        add(0, sum[k]);
+        add(0, -lost[k]);
+    }
+    // Beyond the largest double the corrections are NaN.
+    return std::isfinite(sum[0]) ? sum[0] : std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+[[noreturn]] void bug(const std::string& what) {
+    throw Error(ErrorCode::internal, "a bug in votess: " + what);
+}
+
+std::size_t sum_of(std::span<const std::uint32_t> lengths) {
+    return std::accumulate(lengths.begin(), lengths.end(), std::size_t{0});
+}
+
+}  // namespace
+
+void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
+    const std::size_t count = job.points.count();
+    const Want& want = job.options.want;
+    if (job.arrays != nullptr && job.arrays->status.capacity() > result_.status.capacity())
+        result_ = std::move(*job.arrays);
+    blocks_.clear();
+    settled_ = false;
+    memory_.reset(std::clamp(8 * count, least_segment, most_segment));
+    counters_ = {};
+    faces_.begin(0);
+    scale_ = job.scale;
+    want_neighbors_ = want.neighbors;
+    want_areas_ = want.areas;
+    want_normals_ = want.normals;
+    want_shifts_ = want.neighbors && job.domain->is_periodic();
+    result_.stats = {};
+    result_.box = job.box;
+    result_.periodic = job.domain->periodic;
+    result_.cell = job.options.cell;
+    result_.walls = job.options.walls;
+    // Scaling by a power of two loses nothing.
+    result_.weights.clear();
+    if (!job.options.weights.empty() || !job.options.radii.empty())
+        for (const double weight : job.domain->weights) result_.weights.push_back(weight / job.scale / job.scale);
+    box_volume_ = job.box_volume;
+    result_.lists_walls = job.options.list_walls;
+    result_.probed = job.probes_of.has_value();
+    result_.least_face = 0;
+    result_.dropped_offsets.resize_uninitialized(0);
+    result_.dropped_vertices.resize_uninitialized(0);
+    min_face_ = job.options.min_face;
+    min_area_ = job.options.min_area;
+    fill(result_.status, count, CellStatus::certified, pool);
+    fill(result_.indptr, want.neighbors ? count + 1 : 0, std::int64_t{0}, pool);
+    for (auto* rows : {&result_.volumes, &result_.centroids, &result_.surface_areas, &result_.security_radii,
+                       &result_.face_areas, &result_.face_normals})
+        rows->resize_uninitialized(0);
+    result_.shifts.resize_uninitialized(0);
+    result_.indices.resize_uninitialized(0);
+    result_.duplicate_of.resize_uninitialized(0);
+    if (want.volumes) result_.volumes.resize_uninitialized(count);
+    if (want.centroids) result_.centroids.resize_uninitialized(3 * count);
+    if (want.surfaces) result_.surface_areas.resize_uninitialized(count);
+    if (want.radii) result_.security_radii.resize_uninitialized(count);
+    touch(result_.volumes, pool);
+    touch(result_.centroids, pool);
+    mesh_.begin(job);
+    for (auto* counts : {&result_.face_counts, &result_.edge_counts, &result_.vertex_counts})
+        counts->resize_uninitialized(want.counts ? count : 0);
+}
+
+void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                             std::span<const std::int32_t> ids, const RowValues& values) {
+    if (!want_neighbors_) return;
+    check_values(values, ids.size());
+    // A row that comes by another call would be taken for one of this block.
+    const bool gaps = set_lengths(cells, lengths, ids.size());
+    push(cells, lengths, ids, values, gaps);
+}
+
+void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                              std::span<const std::int32_t> ids, const RowValues& values) {
+    if (!want_neighbors_) return;
+    if (sum_of(lengths) != ids.size()) bug("rows and their lengths do not fit");
+    check_values(values, ids.size());
+    for (std::size_t begin = 0, entry = 0; begin < cells.size(); begin += copied_block) {
+        const auto part = cells.subspan(begin, std::min(copied_block, cells.size() - begin));
+        const auto part_lengths = lengths.subspan(begin, part.size());
+        const std::size_t size = sum_of(part_lengths);
+        const RowValues part_values{want_areas_ ? values.areas.subspan(entry, size) : values.areas,
+                                    want_normals_ ? values.normals.subspan(3 * entry, 3 * size) : values.normals,
+                                    want_shifts_ ? values.shifts.subspan(3 * entry, 3 * size) : values.shifts};
+        set_lengths(part, part_lengths, size);
+        push(part, part_lengths, ids.subspan(entry, size), part_values, true);
+        entry += size;
+    }
+}
+
+std::span<std::int32_t> ResultBuilder::keep(std::size_t count) {
+    const std::lock_guard lock(mutex_);
+    return {reinterpret_cast<std::int32_t*>(memory_.take(count * sizeof(std::int32_t))), count};
+}
+
+void ResultBuilder::count(const CellCounters& counters) {
+    const std::lock_guard lock(mutex_);
+    counters_.faces += counters.faces;
+    counters_.exact_cells += counters.exact_cells;
+    counters_.fallback_cells += counters.fallback_cells;
+    counters_.empty_cells += counters.empty_cells;
+}
+
+void ResultBuilder::count(const FaceTally& faces) {
+    const std::lock_guard lock(mutex_);
+    faces_.add(faces);
+}
+
+void ResultBuilder::check_values(const RowValues& values, std::size_t ids) const {
+    if (want_areas_ && values.areas.size() != ids) bug("rows and their areas do not fit");
+    if (want_normals_ && values.normals.size() != 3 * ids) bug("rows and their normals do not fit");
+    if (want_shifts_ && values.shifts.size() != 3 * ids) bug("rows and their shifts do not fit");
+}
+
+// The checks keep an engine's bug from writing beyond the arrays in place_rows().
+bool ResultBuilder::set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                                std::size_t ids) {
+    if (cells.size() != lengths.size()) bug("cells and row lengths do not fit");
+    auto& indptr = result_.indptr;
+    const auto place_of = [&](std::size_t k) { return static_cast<std::uint32_t>(cells[k]) + std::size_t{1}; };
+    std::size_t sum = 0, rows = 0;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        if (k + lookahead < cells.size()) __builtin_prefetch(indptr.data() + place_of(k + lookahead), 1);
+        if (lengths[k] == 0) continue;
+        const std::size_t i = place_of(k);
+        if (i >= indptr.size() || indptr[i] != 0) bug("cell " + std::to_string(cells[k]) + " has no place for its row");
+        indptr[i] = lengths[k];
+        sum += lengths[k];
+        ++rows;
+    }
+    if (sum != ids) bug("rows and their lengths do not fit");
+    return rows < cells.size();
+}
+
+template <class T>
+std::span<const T> ResultBuilder::keep_copy(std::span<const T> values) {
+    std::byte* to = nullptr;
+    {
+        const std::lock_guard lock(mutex_);
+        to = memory_.take(values.size_bytes());
+    }
+    std::memcpy(to, values.data(), values.size_bytes());
+    return {reinterpret_cast<const T*>(to), values.size()};
+}
+
+void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                         std::span<const std::int32_t> ids, const RowValues& values, bool copy_cells) {
+    if (ids.empty()) return;
+    const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
+    const auto kept_ids = keep_copy(ids);
+    RowValues kept;
+    if (want_areas_) kept.areas = keep_copy(values.areas);
+    if (want_normals_) kept.normals = keep_copy(values.normals);
+    if (want_shifts_) kept.shifts = keep_copy(values.shifts);
+    std::int32_t* own_cells = nullptr;
+    {
+        const std::lock_guard lock(mutex_);
+        if (copy_cells) own_cells = reinterpret_cast<std::int32_t*>(memory_.take(rows * sizeof *own_cells));
+        blocks_.push_back({copy_cells ? std::span<const std::int32_t>(own_cells, rows) : cells, kept_ids, kept});
+    }
+    for (std::size_t k = 0; copy_cells && k < cells.size(); ++k)
+        if (lengths[k] > 0) *own_cells++ = cells[k];
+}
+
+void ResultBuilder::set_empty(std::size_t i, CellStatus status) {
+    auto& r = result_;
+    r.status[i] = status;
+    for (auto* sizes : {&r.volumes, &r.surface_areas, &r.security_radii})
+        if (!sizes->empty()) (*sizes)[i] = 0;
+    if (!r.centroids.empty()) std::fill_n(r.centroids.data() + 3 * i, 3, std::numeric_limits<double>::quiet_NaN());
+    if (!r.face_counts.empty()) r.face_counts[i] = r.edge_counts[i] = r.vertex_counts[i] = 0;
+}
+
+void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool) {
+    auto& r = result_;
+    r.duplicate_of.resize_uninitialized(duplicate_of.size());
+    std::atomic<std::uint64_t> duplicates{0};
+    for_blocks(pool, duplicate_of.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        std::uint64_t found = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            r.duplicate_of[i] = duplicate_of[i];
+            if (duplicate_of[i] < 0) continue;
+            ++found;
+            set_empty(i, CellStatus::duplicate);
+        }
+        duplicates += found;
+    });
+    r.stats.duplicates = duplicates;
+}
+
+void ResultBuilder::finish(detail::Result& result, ThreadPool& pool) {
+    check_status(pool);
+    if (!settled_) settle({}, pool);
+    mesh_.finish(result_, pool);
+    if (faces_.cells() == 0 && !result_.face_offsets.empty()) measure_polygons(pool);
+    if (min_face_ > 0 || min_area_ > 0) counters_.faces -= drop_small_faces(result_, min_face_, min_area_);
+    finish_stats(result_.stats, pool);
+    result_.stats.device = std::move(result.stats.device);
+    result_.stats.seconds = result.stats.seconds;
+    result = std::move(result_);
+    result_ = {};
+}
+
+void ResultBuilder::check_status(ThreadPool& pool) const {
+    const auto& status = result_.status;
+    std::atomic<std::size_t> first = status.size();
+    for_blocks(pool, status.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        const auto finished = [](CellStatus s) {
+            return s == CellStatus::certified || s == CellStatus::duplicate || s == CellStatus::empty ||
+                   s == CellStatus::outside;
+        };
+        const auto at = static_cast<std::size_t>(
+            std::find_if_not(status.data() + begin, status.data() + end, finished) - status.data());
+        for (std::size_t before = first; at < end && at < before && !first.compare_exchange_weak(before, at);) {
+        }
+    });
+    if (first < status.size()) bug("cell " + std::to_string(first) + " was left over");
+}
+
+void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& pool) {
+    settled_ = true;
+    if (!want_neighbors_) return;
+    sum_lengths(later, pool);
+    const auto size = static_cast<std::size_t>(result_.indptr[result_.indptr.size() - 1]);
+    result_.indices.resize_uninitialized(size);
+    result_.face_areas.resize_uninitialized(want_areas_ ? size : 0);
+    result_.face_normals.resize_uninitialized(want_normals_ ? 3 * size : 0);
+    result_.shifts.resize_uninitialized(want_shifts_ ? 3 * size : 0);
+    touch(result_.indices, pool);
+    touch(result_.face_areas, pool);
+    touch(result_.face_normals, pool);
+    touch(result_.shifts, pool);
+    pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_block(blocks_[index]); });
+}
+
+// Lengths become the places where rows begin.
+void ResultBuilder::sum_lengths(std::span<const std::uint32_t> later, ThreadPool& pool) {
+    auto& indptr = result_.indptr;
+    const std::size_t count = indptr.size() - 1;
+    if (!later.empty() && later.size() != count) bug("cells and the lengths of later rows do not fit");
+    std::vector<std::int64_t> begins(ceil_div(count, task_cells) + 1, 0);
+    for_blocks(pool, count, [&](std::size_t block, std::size_t begin, std::size_t end) {
+        std::int64_t sum = std::accumulate(indptr.data() + begin + 1, indptr.data() + end + 1, std::int64_t{0});
+        if (!later.empty()) sum += static_cast<std::int64_t>(sum_of(later.subspan(begin, end - begin)));
+        begins[block + 1] = sum;
+    });
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    for_blocks(pool, count, [&](std::size_t block, std::size_t begin, std::size_t end) {
+        std::int64_t sum = begins[block];
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t length = later.empty() ? 0 : later[i];
+            if (length != 0 && indptr[i + 1] != 0) bug("cell " + std::to_string(i) + " has two rows");
+            indptr[i + 1] = sum += indptr[i + 1] + length;
+        }
+    });
+}
+
+void ResultBuilder::place_rows(std::size_t first, std::span<const std::uint32_t> lengths,
+                               std::span<const std::int32_t> ids, const RowValues& values) {
+    check_values(values, ids.size());
+    const std::int64_t* const indptr = result_.indptr.data() + first;
+    if (!settled_ || first + lengths.size() >= result_.indptr.size()) bug("rows come at the wrong time");
+    std::size_t entry = 0;
+    for (std::size_t k = 0; k < lengths.size();) {
+        // Rows up to the next cell that has one from elsewhere go together.
+        const std::int64_t begin = indptr[k];
+        std::size_t size = 0;
+        for (; k < lengths.size() && indptr[k + 1] - begin == static_cast<std::int64_t>(size + lengths[k]); ++k)
+            size += lengths[k];
+        if (size > ids.size() - entry) bug("rows and their lengths do not fit");
+        copy_entries(ids.data(), values, entry, static_cast<std::size_t>(begin), size);
+        entry += size;
+        if (k == lengths.size()) break;
+        if (lengths[k] == 0)
+            ++k;
+        else if (size == 0)
+            bug("a row is not as long as was said");
+    }
+    if (entry != ids.size()) bug("rows and their lengths do not fit");
+}
+
+void ResultBuilder::copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
+                                 std::size_t count) {
+    std::copy_n(ids + from, count, result_.indices.data() + to);
+    if (want_areas_) std::copy_n(values.areas.data() + from, count, result_.face_areas.data() + to);
+    if (want_normals_) std::copy_n(values.normals.data() + 3 * from, 3 * count, result_.face_normals.data() + 3 * to);
+    if (want_shifts_) std::copy_n(values.shifts.data() + 3 * from, 3 * count, result_.shifts.data() + 3 * to);
+}
+
+void ResultBuilder::place_block(const Block& block) {
+    const std::int64_t* const indptr = result_.indptr.data();
+    const auto cells = block.cells;
+    std::size_t entry = 0;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        // The order of the engine is not that of the input: each row lies elsewhere.
+        if (k + 2 * lookahead < cells.size()) __builtin_prefetch(indptr + cells[k + 2 * lookahead]);
+        if (k + lookahead < cells.size()) {
+            const std::int32_t* const next = result_.indices.data() + indptr[cells[k + lookahead]];
+            __builtin_prefetch(next, 1);
+            __builtin_prefetch(next + 15, 1);
+        }
+        const std::int64_t begin = indptr[cells[k]];
+        const auto length = static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin);
+        copy_entries(block.ids.data(), block.values, entry, static_cast<std::size_t>(begin), length);
+        entry += length;
+    }
+}
+
+// At the scale of the job, where no square overflows.
+void ResultBuilder::measure_polygons(ThreadPool& pool) {
+    const detail::Result& r = result_;
+    const auto corner = [&](std::int64_t k) {
+        const double* x = &r.vertices[3 * static_cast<std::size_t>(r.face_vertices[static_cast<std::size_t>(k)])];
+        return Vector3{x[0] * scale_, x[1] * scale_, x[2] * scale_};
+    };
+    for_blocks(pool, r.status.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        FaceTally tally;
+        tally.begin(std::numeric_limits<double>::max());
+        std::vector<double> areas;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (r.status[i] != CellStatus::certified) continue;
+            areas.clear();
+            for (auto entry = static_cast<std::size_t>(r.indptr[i]); entry < static_cast<std::size_t>(r.indptr[i + 1]);
+                 ++entry) {
+                if (r.indices[entry] < 0) continue;
+                const std::int64_t first = r.face_offsets[entry], last = r.face_offsets[entry + 1];
+                const Vector3 apex = corner(first);
+                Vector3 twice{};
+                for (std::int64_t k = first + 1; k + 1 < last; ++k) {
+                    const Vector3 part = cross(minus(corner(k), apex), minus(corner(k + 1), apex));
+                    for (std::size_t axis = 0; axis < 3; ++axis) twice[axis] += part[axis];
+                }
+                areas.push_back(0.5 * std::sqrt(dot(twice, twice)));
+            }
+            tally.add(areas);
+        }
+        count(tally);
+    });
+}
+
+// Of the faces that are left.
+void ResultBuilder::count_tiny_faces(Stats& stats) const {
+    stats.tiny_faces = faces_.count();
+    if (result_.least_face == 0) return;
+    const double limit = faces_.limit() / scale_ / scale_;
+    std::uint64_t count = 0;
+    for (std::size_t entry = 0; entry < result_.indices.size() && result_.least_face < limit; ++entry)
+        count += result_.indices[entry] >= 0 && result_.face_areas[entry] < limit ? 1 : 0;
+    stats.tiny_faces = count;
+}
+
+void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
+    stats.points = result_.status.size();
+    stats.empty_cells = stats.duplicates + counters_.empty_cells;
+    stats.faces = counters_.faces;
+    stats.exact_cells = counters_.exact_cells;
+    stats.fallback_cells = counters_.fallback_cells;
+    const auto cells = stats.points - stats.empty_cells;
+    stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
+    const std::span<const double> volumes = result_.volumes;
+    std::vector<double> sums(ceil_div(volumes.size(), task_cells));
+    for_blocks(pool, volumes.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
+        sums[block] = accurate_sum(volumes.subspan(begin, end - begin));
+    });
+    stats.volume_sum = accurate_sum(sums);
+    if (faces_.cells() == cells && !result_.probed) count_tiny_faces(stats);
+    stats.box_volume = box_volume_;
+    stats.threads = pool.size();
+    stats.peak_memory_bytes = peak_memory();
+}
+
+}  // namespace votess

@@ -1,0 +1,446 @@
+#include "polytope/cell.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "core/ceil.hpp"
+
+namespace votess::cpu {
+namespace {
+
+constexpr double unit = 0x1p-53;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Below these squares and products underflow may spoil the error bounds; such planes are always decided exactly.
+constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
+constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
+constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which only the exact test decides
+constexpr int passed_before_sharpening = 256;
+constexpr std::int32_t no_plane = -1;  // walls are never refined
+constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
+// Covers the rounding of squared lengths and distances, and of a box outward.
+constexpr double radius_slack = 1 + 32 * unit;
+// Vertices have a relative error of at most this.
+constexpr double worst_error = worst_condition * solved_factor;
+// A seed q cuts off a vertex v only if |q - v|^2 < |v|^2 + more, where `more` is by how much its weight is greater.
+// When v has a relative error of e, both sides change by less than 4.1 e (|v|^2 + more): with |q - v|^2 = D^2 by 2 e
+// |v| D.
+constexpr double reach_of_error(double e) {
+    return 1 + 5 * e;
+}
+// Squared distances below this may have underflowed; a cell that small is searched as if it were larger.
+constexpr double smallest_radius = 1e-280;
+
+}  // namespace
+
+Cell::Cell(const Kernels& kernels) : kernels_(kernels) {
+    reserve_slots(word_slots);
+}
+
+void Cell::reserve_slots(int slots) {
+    if (slots <= capacity_) return;
+    const int capacity = std::max(round_up(slots, word_slots), 2 * capacity_);
+    std::vector<double> storage(static_cast<std::size_t>(capacity) * 5 + lanes, 0.0);
+    auto address = reinterpret_cast<std::uintptr_t>(storage.data());
+    double* base = storage.data() + (64 - address % 64) % 64 / sizeof(double);
+    double** arrays[] = {&x_, &y_, &z_, &tolerance_, &radius_};
+    for (int k = 0; k < 5; ++k) {
+        if (*arrays[k] != nullptr) std::copy_n(*arrays[k], slots_, base + static_cast<std::size_t>(k) * capacity);
+        *arrays[k] = base + static_cast<std::size_t>(k) * capacity;
+    }
+    storage_ = std::move(storage);
+    capacity_ = capacity;
+    corners_.resize(capacity);
+    refined_.resize(capacity);
+    alive_.resize(capacity / word_slots, 0);
+    killed_.resize(capacity / word_slots, 0);
+}
+
+VertexBlock Cell::block(int word) const {
+    const int first = word * word_slots;
+    return {x_ + first,         y_ + first,      z_ + first,
+            tolerance_ + first, radius_ + first, ceil_div(std::min(slots_ - first, word_slots), lanes)};
+}
+
+namespace {
+
+CellPlane box_wall(const exact::Point& seed, const Box& box, int wall) {
+    const int axis = wall / 2;
+    const bool upper = wall % 2 == 1;
+    CellPlane plane;
+    plane.n = {};
+    plane.n[axis] = upper ? 1 : -1;
+    plane.h = upper ? box.upper[axis] - seed[axis] : seed[axis] - box.lower[axis];
+    plane.norm = 1;
+    plane.id = -1 - wall;
+    plane.reliable = true;
+    plane.source = upper ? exact::Plane::upper(axis, box.upper[axis]) : exact::Plane::lower(axis, box.lower[axis]);
+    return plane;
+}
+
+// h, as sums that cancel, must be known to half of all digits.
+constexpr double worst_cancellation = 0x1p-40;
+
+}  // namespace
+
+CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source, const exact::Shift& shift) {
+    using exact::DoubleDouble;
+    CellPlane plane;
+    plane.id = id;
+    plane.source = source;
+    plane.shift = shift;
+    DoubleDouble h{};
+    double size = 0;
+    if (source.is_bisector()) {
+        const exact::Differences d = exact::differences(p, source);
+        for (int k = 0; k < 3; ++k) {
+            plane.n[k] = d.x[k].high;
+            h = h + d.x[k] * d.x[k];
+        }
+        size = h.high + std::abs(source.power.high);
+        h = h + source.power;
+        h = {0.5 * h.high, 0.5 * h.low};
+        if (source.is_reversed()) {
+            for (double& n : plane.n) n = -n;
+            h = {-h.high, -h.low};
+        }
+    } else if (source.kind == exact::Plane::Kind::cell_wall) {
+        plane.n = source.rounded_normal();
+        const exact::Lattice& lattice = *source.lattice;
+        for (int k = 0; k < 3; ++k) {
+            DoubleDouble from = exact::two_sum(source.seed[k], -p[k]);
+            size += std::abs(plane.n[k]) * (std::abs(source.seed[k]) + std::abs(p[k]));
+            if (source.shift[source.axis] != 0) {
+                from = from + lattice.vector[source.axis][k];
+                size += std::abs(plane.n[k] * lattice.vector[source.axis][k].high);
+            }
+            h = h + lattice.across[source.axis][k] * from;
+        }
+        h = {source.wall * h.high, source.wall * h.low};
+    } else {
+        plane.n = source.seed;
+        h = {source.wall, 0};
+        size = std::abs(source.wall);
+        for (int k = 0; k < 3; ++k) {
+            const DoubleDouble product = exact::two_product(source.seed[k], p[k]);
+            h = h + DoubleDouble{-product.high, -product.low};
+            size += std::abs(product.high);
+        }
+    }
+    const auto& [x, y, z] = plane.n;
+    const double square = x * x + y * y + z * z;
+    plane.h = h.high;
+    plane.norm = std::sqrt(square);
+    plane.reliable = square > smallest_square && std::abs(plane.h) > worst_cancellation * size;
+    return plane;
+}
+
+std::array<double, 3> mirror_image(const CellPlane& wall) {
+    const auto& [x, y, z] = wall.n;
+    if (!wall.source.is_oblique()) return {2 * wall.h * x, 2 * wall.h * y, 2 * wall.h * z};
+    if (!wall.reliable || !(wall.h > 0)) return {};
+    const double times = 2 * wall.h / (wall.norm * wall.norm);
+    return {times * x, times * y, times * z};
+}
+
+void Cell::start(const exact::Point& seed, const Box& box) {
+    Domain domain;
+    domain.box = box;
+    start(seed, domain);
+}
+
+void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id) {
+    seed_ = seed;
+    planes_.clear();
+    const bool is_box = !domain.is_periodic() && !domain.triclinic;
+    for (int wall = 0; wall < 6; ++wall) {
+        if (domain.has_box_wall(wall)) {
+            planes_.push_back(domain.triclinic ? make_plane(seed, -1 - wall, domain.box_wall(wall), {})
+                                               : box_wall(seed, domain.box, wall));
+            continue;
+        }
+        exact::Shift shift = domain.reduced.shift[wall / 2];
+        if (wall % 2 == 0)
+            for (auto& times : shift) times = -times;
+        planes_.push_back(make_plane(seed, id, exact::Plane::bisector(seed, shift, domain.lattice), shift));
+    }
+    // Corners take the upper walls for a right-handed basis.
+    if (domain.triclinic && exact::orientation(seed, planes_[1].source, planes_[3].source, planes_[5].source) < 0)
+        std::swap(planes_[0], planes_[1]);
+    std::fill(alive_.begin(), alive_.end(), 0);
+    alive_[0] = 0xff;
+    slots_ = 8;
+    refined_plane_.id = no_plane;
+    used_exact_ = met_tie_ = radius_known_ = empty_ = sharp_ = false;
+    passed_ = 0;
+    std::fill_n(refined_.begin(), 8, Refined{});
+    for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
+        const int px = v & 1, py = 2 + ((v >> 1) & 1), pz = 4 + ((v >> 2) & 1);
+        const int nx = v ^ 1, ny = v ^ 2, nz = v ^ 4;  // neighbors along x, y, z
+        // The edge on planes y, z runs along x. Positive orientation flips with the number of lower walls.
+        const bool positive = std::popcount(static_cast<unsigned>(v)) % 2 == 1;
+        corners_[v] = positive ? Corner{{px, py, pz}, {nz, nx, ny}} : Corner{{py, px, pz}, {nz, ny, nx}};
+        if (!is_box) {
+            place_vertex(v, px, py, pz);
+            continue;
+        }
+        x_[v] = (v & 1) != 0 ? planes_[1].h : -planes_[0].h;
+        y_[v] = (v & 2) != 0 ? planes_[3].h : -planes_[2].h;
+        z_[v] = (v & 4) != 0 ? planes_[5].h : -planes_[4].h;
+        tolerance_[v] = rounded_factor * (std::abs(x_[v]) + std::abs(y_[v]) + std::abs(z_[v]));
+        radius_[v] = (x_[v] * x_[v] + y_[v] * y_[v] + z_[v] * z_[v]) * reach_of_error(rounded_factor);
+    }
+    for (std::size_t w = 0; w < domain.walls.size(); ++w) clip(-7 - static_cast<std::int32_t>(w), domain.walls[w]);
+}
+
+double Cell::radius_squared() {
+    if (!radius_known_) {
+        double r = smallest_radius;
+        for (int w = 0; w * word_slots < slots_; ++w) r = std::max(r, kernels_.largest_radius(block(w)));
+        radius_squared_ = r * radius_slack;
+        radius_known_ = true;
+    }
+    return radius_squared_;
+}
+
+Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding) {
+    Box relative;
+    for (int k = 0; k < 3; ++k) {
+        relative.lower[k] = box.lower[k] - at[k];
+        relative.lower[k] -= 2 * unit * std::abs(relative.lower[k]) + 2 * rounding[k];
+        relative.upper[k] = box.upper[k] - at[k];
+        relative.upper[k] += 2 * unit * std::abs(relative.upper[k]) + 2 * rounding[k];
+    }
+    return relative;
+}
+
+bool Cell::in_reach(const Box& relative, double more) const {
+    const double floor = smallest_radius + more * reach_of_error(worst_error) * radius_slack;
+    for (int w = 0; w * word_slots < slots_; ++w)
+        if (kernels_.box_in_reach(block(w), relative, radius_slack, floor)) return true;
+    return false;
+}
+
+// A seed q cuts off v when |q|^2 - 2 q.v < more, axis by axis least where q is v itself or the end of the box. The
+// terms are rounded by 4 u of their size. An error t of v moves the least q by t at most, and so the sum by 2 (|q| + 3
+// t) t.
+bool Cell::may_cut(const Box& relative, double more) {
+    bool found = false;
+    for_each_alive([&](int slot) {
+        const double v[3] = {x_[slot], y_[slot], z_[slot]}, t = tolerance_[slot];
+        double sum = 0, size = 0, length = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double q = std::clamp(v[k], relative.lower[k], relative.upper[k]), term = q * (q - 2 * v[k]);
+            sum += term;
+            size += std::abs(term);
+            length += std::abs(q);
+        }
+        const double slack = 8 * unit * (size + more) + 2 * (length + 3 * t) * t * (1 + 8 * unit) + smallest_radius;
+        found = found || !(sum > more + slack);
+    });
+    if (found && ++passed_ == passed_before_sharpening) sharpen();
+    return found;
+}
+
+void Cell::sharpen() {
+    sharp_ = true;
+    for_each_alive([&](int slot) {
+        const auto [a, b, c] = corners_[slot].plane;
+        place_vertex(slot, a, b, c);
+    });
+    radius_known_ = false;
+}
+
+bool Cell::knows(std::int32_t id, const exact::Shift& shift) const {
+    return std::ranges::any_of(planes_, [&](const CellPlane& p) { return p.id == id && p.shift == shift; });
+}
+
+int Cell::refined_side(int slot, const CellPlane& plane) {
+    using exact::DoubleDouble;
+    Refined& vertex = refined_[slot];
+    if (++vertex.tests < tests_before_refining || !plane.reliable || !plane.source.is_bisector() ||
+        plane.source.is_reversed())
+        return 0;
+    if (!vertex.solved) {
+        vertex.solved = true;
+        const auto& [a, b, c] = corners_[slot].plane;
+        const auto solved =
+            exact::vertex_position<exact::Quad>(seed_, planes_[a].source, planes_[b].source, planes_[c].source);
+        for (int k = 0; k < 3; ++k) {
+            const auto high = static_cast<double>(solved[k]);
+            vertex.position[k] = {high, static_cast<double>(solved[k] - high)};
+        }
+    }
+    if (refined_plane_.id != plane.id || refined_plane_.shift != plane.shift) {
+        const exact::Differences d = exact::differences(seed_, plane.source);
+        DoubleDouble square{};
+        for (int k = 0; k < 3; ++k) square = square + d.x[k] * d.x[k];
+        refined_plane_ = {plane.id, plane.shift, d.x, {}, 0.5 * (square.high + std::abs(plane.source.power.high))};
+        square = square + plane.source.power;
+        refined_plane_.minus_h = {-0.5 * square.high, -0.5 * square.low};
+    }
+    DoubleDouble excess = refined_plane_.minus_h;
+    for (int k = 0; k < 3; ++k) excess = excess + refined_plane_.n[k] * vertex.position[k];
+    // Each product, each sum and the rounding of the vertex add at most 20 u^2.
+    const double bound = 0x1p-98 * (plane.norm * std::sqrt(radius_[slot]) + refined_plane_.size);
+    return excess.high > bound ? 1 : (excess.high < -bound ? -1 : 0);
+}
+
+int Cell::side_exact(int slot, const CellPlane& plane) {
+    used_exact_ = true;
+    if (const int refined = refined_side(slot, plane); refined != 0) return refined;
+    const auto& [a, b, c] = corners_[slot].plane;
+    const int side =
+        exact::side_of_vertex(seed_, planes_[a].source, planes_[b].source, planes_[c].source, plane.source);
+    if (side == 0) met_tie_ = true;
+    return side;
+}
+
+int Cell::take_slot() {
+    for (int w = 0; w * word_slots < slots_; ++w) {
+        const std::uint64_t free = ~(alive_[w] | killed_[w]);
+        if (free == 0) continue;
+        const int slot = w * word_slots + std::countr_zero(free);
+        if (slot >= slots_) break;
+        return slot;
+    }
+    // A whole block at a time, its free lanes at the origin where no plane cuts.
+    reserve_slots(slots_ + lanes);
+    const int slot = slots_;
+    for (int i = slot; i < slot + lanes; ++i) x_[i] = y_[i] = z_[i] = tolerance_[i] = radius_[i] = 0;
+    slots_ += lanes;
+    return slot;
+}
+
+void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c) {
+    const CellPlane &pa = planes_[a], &pb = planes_[b], &pc = planes_[c];
+    const auto& [ax, ay, az] = pa.n;
+    const auto& [bx, by, bz] = pb.n;
+    const auto& [cx, cy, cz] = pc.n;
+    const double bcx = by * cz - bz * cy, bcy = bz * cx - bx * cz, bcz = bx * cy - by * cx;
+    const double cax = cy * az - cz * ay, cay = cz * ax - cx * az, caz = cx * ay - cy * ax;
+    const double abx = ay * bz - az * by, aby = az * bx - ax * bz, abz = ax * by - ay * bx;
+    const double determinant = ax * bcx + ay * bcy + az * bcz;
+    const double inverse = 1 / determinant;
+    const double product = pa.norm * pb.norm * pc.norm;
+    const double condition = product * std::abs(inverse);
+    double x, y, z, factor;
+    if (!sharp_ && condition < worst_condition && product > smallest_product && pa.reliable && pb.reliable &&
+        pc.reliable) {
+        x = (pa.h * bcx + pb.h * cax + pc.h * abx) * inverse;
+        y = (pa.h * bcy + pb.h * cay + pc.h * aby) * inverse;
+        z = (pa.h * bcz + pb.h * caz + pc.h * abz) * inverse;
+        factor = solved_factor * condition;
+    } else {
+        const auto position = exact::vertex_position<double>(seed_, pa.source, pb.source, pc.source);
+        x = position[0], y = position[1], z = position[2];
+        factor = rounded_factor;
+    }
+    refined_[slot].tests = 0, refined_[slot].solved = false;
+    x_[slot] = x, y_[slot] = y, z_[slot] = z;
+    tolerance_[slot] = factor * (std::abs(x) + std::abs(y) + std::abs(z));
+    radius_[slot] = (x * x + y * y + z * z) * reach_of_error(factor);
+}
+
+bool Cell::clip(std::int32_t id, const exact::Point& q) {
+    CellPlane plane;
+    for (int k = 0; k < 3; ++k) plane.n[k] = q[k] - seed_[k];
+    const double square = plane.n[0] * plane.n[0] + plane.n[1] * plane.n[1] + plane.n[2] * plane.n[2];
+    plane.h = 0.5 * square;
+    plane.norm = std::sqrt(square);
+    plane.id = id;
+    plane.reliable = square > smallest_square;
+    plane.source = exact::Plane::bisector(q);
+    return clip(plane);
+}
+
+bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift) {
+    return clip(make_plane(seed_, id, source, shift));
+}
+
+// In a power diagram, where the bisector of a seed farther behind lies on that of a face: whether it is so, and then
+// the face is the other seed's, for beyond the plane its power is the least.
+bool Cell::take_over(const CellPlane& plane, int slot) {
+    if (plane.source.is_reversed()) return false;
+    for (const std::int32_t p : corners_[slot].plane) {
+        CellPlane& face = planes_[p];
+        if (!face.source.has_power() && !plane.source.has_power()) continue;
+        if (!face.source.is_bisector() || face.source.is_reversed() ||
+            !exact::same_plane(seed_, face.source, plane.source))
+            continue;
+        if (exact::longer_normal(seed_, plane.source, face.source)) face = plane;
+        return true;
+    }
+    return false;
+}
+
+bool Cell::clip(const CellPlane& plane) {
+    const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
+                             plane.h,    plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
+    const int words = ceil_div(slots_, word_slots);
+    bool any = false;
+    for (int w = 0; w < words; ++w) {
+        auto [possible, certain] = kernels_.classify(block(w), filter);
+        possible &= alive_[w];
+        certain &= possible;
+        for (std::uint64_t m = possible & ~certain; m != 0; m &= m - 1) {
+            const int bit = std::countr_zero(m);
+            const int side = side_exact(w * word_slots + bit, plane);
+            if (side > 0) certain |= 1ull << bit;
+            if (side == 0 && plane.source.is_bisector() && take_over(plane, w * word_slots + bit)) return false;
+        }
+        killed_[w] = certain;
+        any |= certain != 0;
+    }
+    if (!any) return false;
+
+    // The horizon: edges with one end cut off.
+    horizon_.clear();
+    auto is_killed = [this](int v) { return (killed_[v / word_slots] >> (v % word_slots)) & 1; };
+    for (int w = 0; w < words; ++w) {
+        for (std::uint64_t m = killed_[w]; m != 0; m &= m - 1) {
+            const Corner& corner = corners_[w * word_slots + std::countr_zero(m)];
+            for (int k = 0; k < 3; ++k) {
+                const std::int32_t survivor = corner.next[k];
+                if (!is_killed(survivor))
+                    horizon_.push_back({corner.plane[k], corner.plane[k == 2 ? 0 : k + 1], survivor});
+            }
+        }
+    }
+    if (horizon_.empty()) empty_ = true;
+    const auto added = static_cast<std::int32_t>(planes_.size());
+    planes_.push_back(plane);
+    ring_.resize(planes_.size());
+    for (int w = 0; w < words; ++w) {  // free at once: horizon_ holds all that is still needed of them
+        for (std::uint64_t m = killed_[w]; m != 0; m &= m - 1) {
+            const int v = w * word_slots + std::countr_zero(m);
+            x_[v] = y_[v] = z_[v] = tolerance_[v] = radius_[v] = 0;
+        }
+        alive_[w] &= ~killed_[w];
+        killed_[w] = 0;
+    }
+
+    // One new vertex per horizon edge, linked around the new face by the planes they share.
+    for (const HorizonEdge& edge : horizon_) {
+        const int v = take_slot();
+        alive_[v / word_slots] |= 1ull << (v % word_slots);
+        corners_[v].plane = {edge.first, edge.second, added};
+        corners_[v].next[0] = edge.survivor;
+        Corner& survivor = corners_[edge.survivor];
+        for (int k = 0; k < 3; ++k)
+            if (survivor.plane[k] == edge.second && survivor.plane[k == 2 ? 0 : k + 1] == edge.first)
+                survivor.next[k] = v;
+        ring_[edge.first] = v;
+        place_vertex(v, edge.first, edge.second, added);
+    }
+    for (const HorizonEdge& edge : horizon_) {
+        const int v = ring_[edge.first], w = ring_[edge.second];
+        corners_[v].next[1] = w;  // along planes second, added
+        corners_[w].next[2] = v;
+    }
+    radius_known_ = false;
+    return true;
+}
+
+}  // namespace votess::cpu

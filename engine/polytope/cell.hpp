@@ -1,0 +1,182 @@
+// One Voronoi cell: a convex polytope around a seed, clipped plane by plane.
+//
+// The polytope is kept simple: every vertex lies on exactly three of its planes, every edge on two. A plane that only
+// touches a vertex leaves it alone (as if later planes were pushed outward by an infinitesimal), so vertices may
+// coincide; canonical_faces() merges those that exact arithmetic finds equal and drops faces of no area.
+//
+// Filter. With u = 2^-53 and planes rounded from exact ones (n relative error u, h 5u), Cramer's rule gives a vertex
+//     |x - X| <= 62 u |X| |na||nb||nc| / |det(na,nb,nc)|
+// (17u per numerator term, |perm| <= 1.16 |na||nb||nc| after Carlen, Lieb, Loss 2006), and the test of plane n, h
+//     |n.x - h - exact| <= |n| (|x - X| + 6u |x|) + 12 u h .
+// Vertices worse than `worst_condition` are solved exactly and rounded instead. Signs inside the bound are decided by
+// exact::side_of_vertex. A vertex that many bisectors almost touch (seeds near a sphere) is solved once to 106 bits and
+// tested in double-double arithmetic first.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "domain/domain.hpp"
+#include "exact/double_double.hpp"
+#include "exact/predicate.hpp"
+#include "polytope/cell_kernels.hpp"
+#include "votess/votess.hpp"
+
+namespace votess::cpu {
+
+struct CellPlane {
+    std::array<double, 3> n;  // q - p rounded, or the outward normal of a wall
+    double h;                 // n.x = h on the plane
+    double norm;              // |n|
+    std::int32_t id;          // what clip() was given; walls are -1..-6, then -7, -8, ...
+    bool reliable;            // h is known to its last digits, and large enough that no product underflows
+    exact::Plane source;
+    exact::Shift shift{};  // of the image that q is, between positions inside a periodic box
+};
+
+// The plane of a bisector or a wall as a seed at p sees it.
+CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source,
+                     const exact::Shift& shift = {});
+
+// The vector from the seed to its mirror image in a wall; 0 where the seed lies on it, or that is not known well.
+std::array<double, 3> mirror_image(const CellPlane& wall);
+
+struct CellGeometry {
+    double volume = 0;
+    std::array<double, 3> centroid{};  // relative to the seed
+    double farthest_squared = 0;       // from the seed to a vertex
+};
+
+// Faces of the canonical cell. Face f is the polygon of vertex slots corners[offsets[f]..offsets[f+1]), ordered
+// counterclockwise seen from outside.
+struct CellFaces {
+    std::vector<std::int32_t> planes;  // index into Cell::planes()
+    std::vector<std::int32_t> offsets;
+    std::vector<std::int32_t> corners;
+    std::uint32_t vertex_count = 0, edge_count = 0;
+
+    [[nodiscard]] std::size_t size() const { return planes.size(); }
+};
+
+// A box as seen from `at`, moved outward by the rounding of the subtraction and by that of the places: each may be off
+// by `rounding` along an axis.
+Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding = {});
+
+class Cell {
+public:
+    explicit Cell(const Kernels& kernels = best_kernels());
+
+    // Begins anew with the box around the seed; the box contains the seed.
+    void start(const exact::Point& seed, const Box& box);
+    // The same with a domain, whose walls bound the cell, and along periodic axes the nearest images of the seed, which
+    // is `id`.
+    void start(const exact::Point& seed, const Domain& domain, std::int32_t id = 0);
+    // Cuts by the bisector with q (not equal to the seed). True when the cell changed.
+    bool clip(std::int32_t id, const exact::Point& q);
+    // Cuts by any plane that is relative to seed(); a bisector with a seed at the same place needs power.
+    bool clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift = {});
+
+    // Returns at least the squared distance R^2 to the farthest vertex, with slack for the rounding of what it is
+    // compared with: no seed at 2 R or beyond cuts the cell.
+    [[nodiscard]] double radius_squared();
+    // False only when no seed inside the box, which is relative to the cell's own seed, can cut the cell. more: how
+    // much the weight of the seed may exceed that of the cell's, 0 or more.
+    [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
+    // The same, slower, and sharp where the box is much nearer than the vertices: the row of images along the short
+    // edge of a thin box. Where it is asked often it makes the vertices as exact as doubles are.
+    [[nodiscard]] bool may_cut(const Box& relative, double more);
+    // Whether it has been cut, or begun, by that bisector.
+    [[nodiscard]] bool knows(std::int32_t id, const exact::Shift& shift) const;
+    // Nothing is left: in a power diagram another seed is nearer everywhere.
+    [[nodiscard]] bool empty() const { return empty_; }
+
+    [[nodiscard]] const exact::Point& seed() const { return seed_; }
+    [[nodiscard]] std::span<const CellPlane> planes() const { return planes_; }
+    // Slots below this hold vertices, if they are alive.
+    [[nodiscard]] int slots() const { return slots_; }
+    [[nodiscard]] bool alive(int slot) const { return (alive_[slot / word_slots] >> (slot % word_slots)) & 1; }
+    [[nodiscard]] std::array<const CellPlane*, 3> corner_planes(int slot) const {
+        const auto& [a, b, c] = corners_[slot].plane;
+        return {&planes_[a], &planes_[b], &planes_[c]};
+    }
+    // Returns the place of a vertex relative to the seed.
+    [[nodiscard]] std::array<double, 3> position(int slot) const { return {x_[slot], y_[slot], z_[slot]}; }
+    // A bound on the error of each coordinate of position().
+    [[nodiscard]] double tolerance(int slot) const { return tolerance_[slot]; }
+    [[nodiscard]] bool used_exact() const { return used_exact_; }
+    // Whether a plane touched a vertex, so that faces of no area may be left.
+    [[nodiscard]] bool met_tie() const { return met_tie_; }
+
+    // Planes that have a face; the canonical cell's only when no tie was met.
+    void face_planes(std::vector<std::int32_t>& out);
+    void canonical_faces(CellFaces& out);
+    // areas: if given, the areas of the faces, each to an absolute error of 1e-10 of their sum.
+    [[nodiscard]] CellGeometry measure(const CellFaces& faces, std::vector<double>* areas = nullptr) const;
+
+private:
+    struct Corner {  // a vertex: planes in positive orientation; edge k lies on planes k, k+1 and leads to next[k]
+        std::array<std::int32_t, 3> plane;
+        std::array<std::int32_t, 3> next;
+    };
+    struct Refined {  // grows more precise with the number of uncertain tests
+        int tests = 0;
+        bool solved = false;  // whether the position is known
+        std::array<exact::DoubleDouble, 3> position{};
+    };
+    struct RefinedPlane {
+        std::int32_t id;
+        exact::Shift shift;
+        std::array<exact::DoubleDouble, 3> n;
+        exact::DoubleDouble minus_h;
+        double size;  // of what minus_h was summed from
+    };
+    bool clip(const CellPlane& plane);
+    [[nodiscard]] bool take_over(const CellPlane& plane, int slot);
+    struct HorizonEdge {
+        std::int32_t first, second;  // planes, as ordered in the vertex that is cut off
+        std::int32_t survivor;       // vertex slot that stays
+    };
+
+    void reserve_slots(int slots);
+    [[nodiscard]] VertexBlock block(int word) const;
+    [[nodiscard]] int side_exact(int slot, const CellPlane& plane);
+    // Sign of the refined test; 0 when that is uncertain too.
+    [[nodiscard]] int refined_side(int slot, const CellPlane& plane);
+    int take_slot();
+    void place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c);
+    void sharpen();
+    void merge_equal_corners();
+    [[nodiscard]] bool same_position(int v, int w, int shared_edge);
+    template <class Visit>
+    void for_each_alive(Visit visit) const {
+        for (int w = 0; w * word_slots < slots_; ++w)
+            for (std::uint64_t m = alive_[w]; m != 0; m &= m - 1) visit(w * word_slots + std::countr_zero(m));
+    }
+
+    const Kernels& kernels_;
+    exact::Point seed_{};
+    std::vector<CellPlane> planes_;
+
+    int slots_ = 0;  // slots in use or free below this
+    std::vector<double> storage_;
+    double *x_ = nullptr, *y_ = nullptr, *z_ = nullptr, *tolerance_ = nullptr, *radius_ = nullptr;
+    int capacity_ = 0;
+    std::vector<Corner> corners_;
+    std::vector<Refined> refined_;
+    RefinedPlane refined_plane_{};  // of the last plane tested
+    std::vector<std::uint64_t> alive_, killed_;
+
+    std::vector<HorizonEdge> horizon_;
+    std::vector<std::int32_t> ring_;    // plane -> new vertex that has it first
+    std::vector<std::int32_t> merged_;  // slot -> representative among equal vertices
+    std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
+    bool radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
+    double radius_squared_ = 0;
+    int passed_ = 0;      // boxes that may_cut() let pass
+    bool sharp_ = false;  // vertices are rounded from exact ones
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,189 @@
+#include "polytope/cell_kernels.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "polytope/target.hpp"
+
+#if defined(__x86_64__)
+#include <cpuid.h>
+#include <immintrin.h>
+#endif
+
+namespace votess::cpu {
+namespace {
+
+using Real8 = double __attribute__((vector_size(64)));
+using Mask8 = std::int64_t __attribute__((vector_size(64)));
+
+#define VOTESS_INLINE inline __attribute__((always_inline))
+
+VOTESS_INLINE void load(Real8& r, const double* p) {
+    std::memcpy(&r, p, sizeof r);
+}
+VOTESS_INLINE std::uint64_t combine(const Mask8& m) {
+    return static_cast<std::uint64_t>(((m[0] | m[1]) | (m[2] | m[3])) | ((m[4] | m[5]) | (m[6] | m[7])));
+}
+VOTESS_INLINE void maximum(Real8& a, const Real8& b) {
+    a = a > b ? a : b;
+}
+
+VOTESS_INLINE SideMasks classify_body(const VertexBlock& v, const FilterPlane& plane) {
+    Mask8 possible{}, certain{};
+    Mask8 bit{1, 2, 4, 8, 16, 32, 64, 128};
+    for (int b = 0; b < v.blocks; ++b, bit <<= lanes) {
+        Real8 x, y, z, tolerance;
+        load(x, v.x + lanes * b);
+        load(y, v.y + lanes * b);
+        load(z, v.z + lanes * b);
+        load(tolerance, v.tolerance + lanes * b);
+        const Real8 excess = plane.nx * x + plane.ny * y + plane.nz * z - plane.h;
+        const Real8 bound = plane.norm * tolerance + plane.h_error;
+        possible |= (excess >= -bound) & bit;
+        certain |= (excess > bound) & bit;
+    }
+    return {combine(possible), combine(certain)};
+}
+
+VOTESS_INLINE bool box_in_reach_body(const VertexBlock& v, const Box& box, double slack, double floor) {
+    Mask8 any{};
+    const Real8 zero{};
+    for (int b = 0; b < v.blocks; ++b) {
+        Real8 x, y, z, radius;
+        load(x, v.x + lanes * b);
+        load(y, v.y + lanes * b);
+        load(z, v.z + lanes * b);
+        load(radius, v.radius_squared + lanes * b);
+        Real8 dx = box.lower[0] - x, dy = box.lower[1] - y, dz = box.lower[2] - z;
+        maximum(dx, x - box.upper[0]);
+        maximum(dy, y - box.upper[1]);
+        maximum(dz, z - box.upper[2]);
+        maximum(dx, zero);
+        maximum(dy, zero);
+        maximum(dz, zero);
+        any |= (dx * dx + dy * dy + dz * dz) < radius * slack + floor;
+    }
+    return combine(any) != 0;
+}
+
+VOTESS_INLINE double largest_radius_body(const VertexBlock& v) {
+    Real8 r{};
+    for (int b = 0; b < v.blocks; ++b) {
+        Real8 radius;
+        load(radius, v.radius_squared + lanes * b);
+        maximum(r, radius);
+    }
+    double m = r[0];
+    for (int i = 1; i < lanes; ++i) m = r[i] > m ? r[i] : m;
+    return m;
+}
+
+VOTESS_INLINE void squared_distances_body(const double* x, const double* y, const double* z, int count, const double* p,
+                                          double* out) {
+    const double px = p[0], py = p[1], pz = p[2];
+    for (int i = 0; i < count; ++i) {
+        const double dx = x[i] - px, dy = y[i] - py, dz = z[i] - pz;
+        out[i] = dx * dx + dy * dy + dz * dz;
+    }
+}
+
+int select_band_plain(const double* distances, int count, double from, double to, std::uint64_t* keys) {
+    int selected = 0;
+    for (int i = 0; i < count; ++i) {  // without branches: each is a coin toss
+        const double d = distances[i];
+        keys[selected] = (std::bit_cast<std::uint64_t>(d) & key_distance_bits) | static_cast<std::uint32_t>(i);
+        selected += static_cast<int>(d >= from) & static_cast<int>(d < to);
+    }
+    return selected;
+}
+
+#if defined(__x86_64__)
+// The compiler does not find the compressing store by itself.
+__attribute__((target("avx512f"))) int select_band_compress(const double* distances, int count, double from, double to,
+                                                            std::uint64_t* keys) {
+    int selected = 0;
+    __m512i index = _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0);
+    for (int i = 0; i < count; i += lanes) {
+        const auto valid = static_cast<__mmask8>(count - i >= lanes ? 0xff : (1 << (count - i)) - 1);
+        const __m512d d = _mm512_maskz_loadu_pd(valid, distances + i);
+        const __mmask8 inside = _mm512_mask_cmp_pd_mask(
+            _mm512_mask_cmp_pd_mask(valid, d, _mm512_set1_pd(from), _CMP_GE_OQ), d, _mm512_set1_pd(to), _CMP_LT_OQ);
+        const __m512i high =
+            _mm512_and_si512(_mm512_castpd_si512(d), _mm512_set1_epi64(static_cast<long long>(key_distance_bits)));
+        _mm512_mask_compressstoreu_epi64(keys + selected, inside, _mm512_or_si512(high, index));
+        selected += __builtin_popcount(inside);
+        index = _mm512_add_epi64(index, _mm512_set1_epi64(lanes));
+    }
+    return selected;
+}
+#endif
+
+// One set of functions per instruction set; the bodies above are inlined into each. SELECT is the one that is not.
+#define VOTESS_KERNELS(NAME, TARGET, SELECT)                                                            \
+    TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                      \
+        return classify_body(v, p);                                                                     \
+    }                                                                                                   \
+    TARGET bool box_in_reach_##NAME(const VertexBlock& v, const Box& box, double slack, double floor) { \
+        return box_in_reach_body(v, box, slack, floor);                                                 \
+    }                                                                                                   \
+    TARGET double largest_radius_##NAME(const VertexBlock& v) {                                         \
+        return largest_radius_body(v);                                                                  \
+    }                                                                                                   \
+    TARGET void squared_distances_##NAME(const double* x, const double* y, const double* z, int count,  \
+                                         const double* p, double* out) {                                \
+        squared_distances_body(x, y, z, count, p, out);                                                 \
+    }                                                                                                   \
+    constexpr Kernels kernels_##NAME{                                                                   \
+        #NAME, classify_##NAME, box_in_reach_##NAME, largest_radius_##NAME, squared_distances_##NAME, SELECT};
+
+VOTESS_KERNELS(baseline, , select_band_plain)
+#if defined(__x86_64__)
+VOTESS_KERNELS(avx2, __attribute__((target("avx2"))), select_band_plain)
+VOTESS_KERNELS(avx512, VOTESS_TARGET_512("avx512f,avx512dq,avx512vl"), select_band_compress)
+#endif
+
+#if defined(__x86_64__)
+// Clang 14 has no name for it.
+bool has_lzcnt() {
+    unsigned a = 0, b = 0, c = 0, d = 0;
+    return __get_cpuid(0x80000001, &a, &b, &c, &d) != 0 && (c & bit_LZCNT) != 0;
+}
+#endif
+
+const Kernels* best = nullptr;  // of set_best_kernels()
+
+}  // namespace
+
+std::vector<const Kernels*> supported_kernels() {
+    std::vector<const Kernels*> supported;
+#if defined(__x86_64__)
+    // All that any code of the set is compiled for: a virtual machine may hide some of it.
+    const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                          __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt() &&
+                          __builtin_cpu_supports("popcnt");
+    if (has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
+        supported.push_back(&kernels_avx512);
+    if (has_avx2) supported.push_back(&kernels_avx2);
+#endif
+    supported.push_back(&kernels_baseline);
+    if (best != nullptr) supported.erase(supported.begin(), std::ranges::find(supported, best));
+    return supported;
+}
+
+void set_best_kernels(const Kernels& kernels) {
+    best = &kernels;
+}
+
+const Kernels& best_kernels() {
+    return *supported_kernels().front();
+}
+
+const Kernels* find_kernels(std::string_view name) {
+    for (const Kernels* kernels : supported_kernels())
+        if (name.empty() || name == kernels->name) return kernels;
+    return nullptr;
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,59 @@
+// Seeds of a power diagram that a probe may bury: inside of its cell they are nearer than all seeds known so far. The
+// parts of the known seeds are convex, and on each of them the difference of two powers is linear. So a seed that is
+// nearer anywhere is nearer at a vertex of some part.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "domain/probe.hpp"
+#include "index/hierarchy.hpp"
+#include "index/seed_images.hpp"
+
+namespace votess::cpu {
+
+// A sorted seed, and by which shift of it an image is meant, as seen from the place of a probe.
+struct Member {
+    std::int32_t home;
+    exact::Shift shift{};
+    friend auto operator<=>(const Member&, const Member&) = default;
+};
+
+// One per thread.
+class NearerSeeds {
+public:
+    NearerSeeds(const SortedSeeds& seeds, const Hierarchy& hierarchy) : seeds_(seeds), hierarchy_(hierarchy) {}
+
+    void begin(const Probe& probe);
+    // Adds a vertex of a part, relative to the probe. power: the squared distance of its seed, less the weight; error:
+    // a bound on that of the place.
+    void add_vertex(const std::array<double, 3>& x, double power, double error);
+    // Appends the seeds that may be nearer at some vertex, except those that are there. Returns false when images that
+    // are not among the sorted seeds may be nearer.
+    [[nodiscard]] bool find(std::vector<Member>& members);
+
+private:
+    struct Vertex {
+        std::array<double, 3> x;
+        double power, error;
+    };
+    struct Node {
+        int level;
+        std::size_t index;
+    };
+    // No seed of a weight up to this is nearer at a vertex unless it is nearer to the probe than that.
+    [[nodiscard]] double reach(double weight) const;
+    [[nodiscard]] bool may_be_nearer(std::size_t place, double weight) const;
+
+    const SortedSeeds& seeds_;
+    const Hierarchy& hierarchy_;
+    exact::Point at_{};
+    double rounding_ = 0;  // of places
+    double farthest_ = 0, highest_ = 0;
+    std::vector<Vertex> vertices_;
+    std::vector<Node> nodes_;
+};
+
+}  // namespace votess::cpu

@@ -1,0 +1,195 @@
+#include <atomic>
+
+#include "result/result_pool.hpp"
+#include "run/engines.hpp"
+#include "votess/votess.hpp"
+
+namespace votess {
+namespace {
+
+template <class T>
+std::span<const T> view(const Buffer<T>& b) {
+    return b;
+}
+
+}  // namespace
+
+namespace detail {
+struct TessellatorState {
+    std::atomic_flag at_work;
+    Engines engines;
+    std::shared_ptr<ResultPool> results = std::make_shared<ResultPool>();
+};
+}  // namespace detail
+
+Tessellation::Tessellation() {
+    auto empty = std::make_shared<detail::Result>();
+    empty->indptr.resize_uninitialized(1);
+    empty->indptr[0] = 0;
+    result_ = std::move(empty);
+}
+Tessellation::Tessellation(std::shared_ptr<const detail::Result> result) : result_(std::move(result)) {}
+
+std::size_t Tessellation::size() const noexcept {
+    return result_->status.size();
+}
+std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexcept {
+    const auto& p = result_->indptr;
+    if (i + 1 >= p.size()) return {};
+    return view(result_->indices).subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
+}
+std::span<const std::int64_t> Tessellation::indptr() const noexcept {
+    return view(result_->indptr);
+}
+std::span<const std::int32_t> Tessellation::indices() const noexcept {
+    return view(result_->indices);
+}
+std::span<const double> Tessellation::face_areas() const noexcept {
+    return view(result_->face_areas);
+}
+std::span<const double> Tessellation::volumes() const noexcept {
+    return view(result_->volumes);
+}
+std::span<const double> Tessellation::centroids() const noexcept {
+    return view(result_->centroids);
+}
+std::span<const std::uint32_t> Tessellation::face_counts() const noexcept {
+    return view(result_->face_counts);
+}
+std::span<const std::uint32_t> Tessellation::edge_counts() const noexcept {
+    return view(result_->edge_counts);
+}
+std::span<const std::uint32_t> Tessellation::vertex_counts() const noexcept {
+    return view(result_->vertex_counts);
+}
+std::span<const double> Tessellation::face_normals() const noexcept {
+    return view(result_->face_normals);
+}
+std::span<const std::int8_t> Tessellation::shifts() const noexcept {
+    return view(result_->shifts);
+}
+std::span<const double> Tessellation::surface_areas() const noexcept {
+    return view(result_->surface_areas);
+}
+std::span<const double> Tessellation::security_radii() const noexcept {
+    return view(result_->security_radii);
+}
+std::span<const double> Tessellation::vertices() const noexcept {
+    return view(result_->vertices);
+}
+std::span<const std::int64_t> Tessellation::face_offsets() const noexcept {
+    return view(result_->face_offsets);
+}
+std::span<const std::int32_t> Tessellation::face_vertices() const noexcept {
+    return view(result_->face_vertices);
+}
+std::span<const std::int64_t> Tessellation::cell_vertex_indptr() const noexcept {
+    return view(result_->cell_vertex_indptr);
+}
+std::span<const std::int32_t> Tessellation::cell_vertex_indices() const noexcept {
+    return view(result_->cell_vertex_indices);
+}
+double Tessellation::least_face() const noexcept {
+    return result_->least_face;
+}
+std::span<const CellStatus> Tessellation::status() const noexcept {
+    return view(result_->status);
+}
+std::span<const std::int32_t> Tessellation::duplicate_of() const noexcept {
+    return view(result_->duplicate_of);
+}
+const Box& Tessellation::box() const noexcept {
+    return result_->box;
+}
+const std::array<bool, 3>& Tessellation::periodic() const noexcept {
+    return result_->periodic;
+}
+const std::optional<TriclinicBox>& Tessellation::cell() const noexcept {
+    return result_->cell;
+}
+std::span<const Wall> Tessellation::walls() const noexcept {
+    return result_->walls;
+}
+std::span<const double> Tessellation::weights() const noexcept {
+    return result_->weights;
+}
+bool Tessellation::lists_walls() const noexcept {
+    return result_->lists_walls;
+}
+bool Tessellation::probed() const noexcept {
+    return result_->probed;
+}
+const Stats& Tessellation::stats() const noexcept {
+    return result_->stats;
+}
+
+Tessellator::Tessellator() : state_(std::make_shared<detail::TessellatorState>()) {}
+Tessellator::~Tessellator() = default;
+Tessellator::Tessellator(Tessellator&&) noexcept = default;
+Tessellator& Tessellator::operator=(Tessellator&&) noexcept = default;
+
+namespace {
+
+void log(const Options& options, const std::string& line) {
+    if (options.log) options.log(line);
+}
+
+// One call at a time; a flag and no mutex, for the second call may come from a callback of the first.
+class Turn {
+public:
+    explicit Turn(detail::TessellatorState& state) : at_work_(state.at_work) {
+        if (at_work_.test_and_set(std::memory_order_acquire))
+            throw Error(ErrorCode::invalid_use,
+                        "this Tessellator is in use by another call, or was when fork() made this process: use one "
+                        "for each thread, and none of them in its own callbacks");
+    }
+    ~Turn() { at_work_.clear(std::memory_order_release); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+private:
+    std::atomic_flag& at_work_;
+};
+
+// shared: so that it outlives a Tessellator that is destroyed by a callback, and is never destroyed in a child
+// made by fork() meanwhile.
+Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options) {
+    if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
+    detail::TessellatorState& state = *shared;
+    const Turn turn(state);
+    try {
+        auto result = state.results->share(run_on(state.engines, points, options, state.results->take()));
+        const Stats& s = result->stats;
+        log(options, "tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
+                         std::to_string(s.seconds.total) + " s");
+        return Tessellation(std::move(result));
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory,
+                    "out of memory while tessellating " + std::to_string(points.count()) + " seeds");
+    } catch (const std::length_error&) {
+        throw Error(ErrorCode::out_of_memory,
+                    "out of memory while tessellating " + std::to_string(points.count()) + " seeds");
+    }
+}
+
+}  // namespace
+
+Tessellation Tessellator::tessellate(std::span<const double> points, const Options& options) {
+    return run(state_, {points, {}}, options);
+}
+Tessellation Tessellator::tessellate(std::span<const float> points, const Options& options) {
+    return run(state_, {{}, points}, options);
+}
+
+Tessellation tessellate(std::span<const double> points, const Options& options) {
+    return Tessellator().tessellate(points, options);
+}
+Tessellation tessellate(std::span<const float> points, const Options& options) {
+    return Tessellator().tessellate(points, options);
+}
+
+std::vector<DeviceInfo> devices() {
+    return Engines::devices();
+}
+
+}  // namespace votess

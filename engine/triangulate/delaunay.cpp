@@ -1,0 +1,127 @@
+#include "triangulate/delaunay.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <numeric>
+
+#include "core/progress.hpp"
+#include "exact/insphere.hpp"
+
+namespace votess::cpu {
+namespace {
+
+// Uniform seeds have 7 tetrahedra each, infinite ones included.
+constexpr std::size_t most_cells_per_seed = 64, most_cells_of_few = 4'000'000;
+constexpr int first_round_bits = 8;
+
+// Finalizer of SplitMix64 (Steele, Lea, Flood 2014): the same order everywhere.
+std::uint64_t scramble(std::uint64_t x) {
+    x += 0x9e3779b97f4a7c15;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+    return x ^ (x >> 31);
+}
+
+// Rounds of twice as many random seeds as before, each in the order of the seeds in space (Amenta, Choi, Rote,
+// Incremental constructions con BRIO, SoCG 2003): near each other, yet the seeds inserted so far always lie everywhere.
+std::vector<std::int32_t> insertion_order(std::size_t count) {
+    const int rounds = std::max(0, static_cast<int>(std::bit_width(count)) - first_round_bits) + 1;
+    auto round_of = [&](std::size_t i) { return rounds - 1 - std::min(rounds - 1, std::countr_zero(scramble(i))); };
+    std::vector<std::size_t> begin(static_cast<std::size_t>(rounds) + 1);
+    in_pieces(count, [&](std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i < end; ++i) ++begin[round_of(i) + 1];
+    });
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::int32_t> order(count);
+    in_pieces(count, [&](std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i < end; ++i) order[begin[round_of(i)]++] = static_cast<std::int32_t>(i);
+    });
+    return order;
+}
+
+}  // namespace
+
+Delaunay::Delaunay(const SortedSeeds& seeds) : count_(seeds.size()) {
+    points_.reserve(count_ + 4);
+    for (std::size_t i = 0; i < count_; ++i) points_.push_back({seeds.x[i], seeds.y[i], seeds.z[i]});
+    points_.insert(points_.end(), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+    first_.assign(points_.size(), Triangulation::unused);
+    Triangulation triangulation(points_);
+    valid_ = count_ < 2 || triangulate(triangulation);
+    if (!valid_) return;
+    cells_ = triangulation.take();
+    list_by_vertex();
+}
+
+bool Delaunay::triangulate(Triangulation& triangulation) {
+    std::vector<std::int32_t> order = insertion_order(count_);
+    // Coplanar seeds get a point beside their plane, collinear ones two: then every tetrahedron joins triangles (pairs)
+    // of seeds to these points. Wherever these are, its circumsphere meets the plane (line) in the circle of the
+    // triangle (the pair): what it says about seeds stays right.
+    const auto added = static_cast<std::int32_t>(count_);
+    auto orient = [this](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
+        return exact::orient(points_[a], points_[b], points_[c], points_[d]);
+    };
+    auto is_beside = [&](std::int32_t a, std::int32_t b, std::int32_t c) {  // not collinear
+        for (std::int32_t d = added; d < added + 4; ++d)
+            if (orient(a, b, c, d) != 0) return true;
+        return false;
+    };
+    auto first_of = [&](auto suits) {
+        const auto found = std::find_if(order.begin() + 2, order.end(), suits);
+        if (found != order.end()) return *found;
+        std::int32_t point = added;
+        while (!suits(point)) ++point;
+        return point;
+    };
+    const std::int32_t a = order[0], b = order[1];
+    const std::int32_t c = first_of([&](std::int32_t p) { return is_beside(a, b, p); });
+    const std::int32_t d = first_of([&](std::int32_t p) { return orient(a, b, c, p) != 0; });
+    triangulation.begin(a, b, c, d);
+
+    const std::size_t most = std::min<std::size_t>(std::max(most_cells_per_seed * count_, most_cells_of_few),
+                                                   std::numeric_limits<std::int32_t>::max() - std::size_t{1'000'000});
+    for (std::size_t k = 2; k < count_; ++k) {
+        const std::int32_t p = order[k];
+        if (p == c || p == d) continue;
+        check_stop();
+        triangulation.insert(p);
+        if (triangulation.tetrahedra().size() > most) return false;
+    }
+    return true;
+}
+
+void Delaunay::list_by_vertex() {
+    in_pieces(cells_.size(), [this](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            Tetrahedron& t = cells_[i];
+            if (!Triangulation::is_finite(t)) continue;  // nor unused
+            for (int k = 0; k < 4; ++k) {
+                t.neighbor[k] = first_[t.vertex[k]];
+                first_[t.vertex[k]] = static_cast<std::int32_t>(i);
+            }
+        }
+    });
+}
+
+void Delaunay::neighbors(std::size_t seed, std::vector<std::int32_t>& out) const {
+    out.clear();
+    const auto self = static_cast<std::int32_t>(seed), end = static_cast<std::int32_t>(count_);
+    for (std::int32_t cell = first_[seed]; cell >= 0;) {
+        const Tetrahedron& t = cells_[cell];
+        int own = 0;
+        for (int k = 0; k < 4; ++k) {
+            if (t.vertex[k] == self)
+                own = k;
+            else if (t.vertex[k] < end)
+                out.push_back(t.vertex[k]);
+        }
+        cell = t.neighbor[own];
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,165 @@
+// A stretch of the sorted seeds whose cells are built by one thread. Cells of the stretch hand the Voronoi vertices
+// that they have found to the other cells that share them, so each vertex is computed once.
+//
+// Vertices refer to cells by local ids: the walls (0..5 those of the box), the seeds of the stretch, then other seeds
+// as they are met.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "index/sorted_seeds.hpp"
+
+namespace votess::cpu {
+
+struct alignas(32) Four {
+    double x[4];
+};
+
+// A vertex as a cell sees it: the three neighbors that it shares the vertex with, the outward normals of whose faces
+// are positively oriented. Or more than three, which stand in Neighborhood::tie().
+struct KnownVertex {
+    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 names a tie, cells[1] its number
+    std::uint32_t vertex;               // its position, see Neighborhood::position()
+
+    [[nodiscard]] bool is_tie() const { return cells[0] < 0; }
+};
+
+class Neighborhood {
+public:
+    // walls: their ids are -1 .. -walls.
+    void begin(const SortedSeeds& seeds, std::size_t first, std::size_t last, std::int32_t walls, bool positions);
+
+    [[nodiscard]] bool holds(std::int64_t seed) const {
+        return seed >= static_cast<std::int64_t>(first_) && seed < static_cast<std::int64_t>(last_);
+    }
+    // Whether the stretch holds any of these seeds.
+    [[nodiscard]] bool overlaps(std::size_t begin, std::size_t end) const { return begin < last_ && end > first_; }
+    // id: a sorted seed, or a wall below 0.
+    [[nodiscard, gnu::always_inline]] std::int32_t local(std::int32_t id) {
+        if (id < 0) return -1 - id;
+        if (holds(id)) return walls_ + id - static_cast<std::int32_t>(first_);
+        return foreign(id);
+    }
+    [[nodiscard]] std::int32_t id(std::int32_t local) const { return ids_[static_cast<std::size_t>(local)]; }
+    // Whether a local id is a wall's or a seed's of the stretch.
+    [[nodiscard]] bool is_own(std::int32_t local) const { return local < own_end_; }
+    [[nodiscard]] std::int32_t locals() const { return static_cast<std::int32_t>(ids_.size()); }
+
+    // Whether a cell of the stretch has handed over all of its vertices.
+    [[nodiscard]] bool done(std::size_t seed) const { return done_[seed - first_] != 0; }
+    void set_done(std::size_t seed) {
+        done_[seed - first_] = 1;
+        ++group_done_[(seed - first_) / group_size];
+        release(seed - first_);
+    }
+    [[nodiscard]] bool group_done(std::size_t group) const {
+        const std::size_t begin = group * group_size;
+        return begin >= first_ && begin + group_size <= last_ &&
+               group_done_[(begin - first_) / group_size] == group_size;
+    }
+
+    // When positions are kept: stores a vertex of a seed of the stretch. Returns its number in the stretch.
+    [[gnu::always_inline]] std::uint32_t place(std::int32_t owner, const Four& position) {
+        if (vertices_ == positions_.size()) grow_positions();
+        positions_[vertices_] = position;
+        owners_[vertices_] = owner - walls_;
+        return vertices_++;
+    }
+    // Hands a vertex of cells[0], a seed of the stretch, to the others, which it meets in faces whose normals are
+    // positively oriented.
+    [[gnu::always_inline]] void give(const std::array<std::int32_t, 4>& cells, std::uint32_t vertex) {
+        // Even permutations of the four keep the orientation.
+        const auto& [p, a, b, c] = cells;
+        give(a, p, c, b, vertex);
+        give(b, p, a, c, vertex);
+        give(c, p, b, a, vertex);
+        forget_strangers();
+    }
+    // The same for a vertex of more than four cells, which have no order. power: its squared distance from a seed, less
+    // the weight of the seed.
+    void give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex, double power);
+
+    // What was handed to a seed of the stretch.
+    [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
+        const std::uint32_t next = next_[seed - first_], count = next % slab_size;
+        if (count == 0 && next != 0) return with_spilled(seed - first_);
+        return {known_.data() + (next - count + 1), count == 0 ? 0 : count - 1};
+    }
+    // All cells of a tie.
+    [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
+        const auto at = static_cast<std::size_t>(-1 - known.cells[0]);
+        return {ties_.data() + at + 1, static_cast<std::size_t>(ties_[at])};
+    }
+
+    [[nodiscard]] double power_of_tie(const KnownVertex& known) const {
+        return tie_powers_[static_cast<std::size_t>(known.cells[1])];
+    }
+
+    // When positions are kept: a vertex, relative to its owner, in x[0..3), and in x[3] what bounds its error; and the
+    // place of a seed of the stretch in the stretch. Seeds are sums of two doubles where they have been moved.
+    [[nodiscard]] const Four& position(std::uint32_t vertex) const { return positions_[vertex]; }
+    [[nodiscard]] std::size_t owner(std::uint32_t vertex) const { return static_cast<std::size_t>(owners_[vertex]); }
+    [[nodiscard]] const Four& seed_position(std::size_t place) const { return seeds_[place]; }
+    [[nodiscard]] bool has_lows() const { return !lows_.empty(); }
+    [[nodiscard]] const Four& seed_low(std::size_t place) const { return lows_[place]; }
+
+private:
+    // What was handed to a seed stands in a slab of known_, behind its first place, and then in a linked list. It has
+    // the slab from the first vertex on and until it is done: only the front of the cells at hand needs memory, which
+    // stays in the cache.
+    static constexpr std::uint32_t slab_size = 32;
+    struct Spill {
+        KnownVertex vertex;
+        std::int32_t next;
+    };
+
+    [[gnu::noinline]] std::int32_t foreign(std::int32_t id);
+    void grow_table();
+    [[gnu::noinline]] void grow_positions();
+    [[gnu::always_inline]] void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c,
+                                     std::uint32_t vertex) {
+        // Cells that are not of the stretch share a place behind it.
+        const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
+        std::uint32_t& next = next_[s];
+        if (next % slab_size == 0 && !take_slab(s)) return spill(s, {{a, b, c}, vertex});
+        KnownVertex& known = known_[next++];
+        known.cells[0] = a;
+        known.cells[1] = b;
+        known.cells[2] = c;
+        known.vertex = vertex;
+    }
+    // Their slab is the first; it is never full.
+    void forget_strangers() { next_[own_count_] = 1; }
+    // False when the seed has a slab, which is full.
+    bool take_slab(std::size_t s);
+    void release(std::size_t s) {
+        if (next_[s] > 0) free_slabs_.push_back((next_[s] - 1) / slab_size);
+    }
+    void spill(std::size_t s, const KnownVertex& known);
+    [[nodiscard]] std::span<const KnownVertex> with_spilled(std::size_t s);
+
+    std::size_t first_ = 0, last_ = 0;
+    std::uint32_t own_count_ = 0;
+    std::int32_t walls_ = 0, own_end_ = 0;
+    std::uint32_t vertices_ = 0;
+    std::vector<std::int32_t> ids_;    // by local id
+    std::vector<std::int32_t> table_;  // open addressing: local ids of other seeds, or -1
+    std::vector<Four> positions_, seeds_, lows_;
+    std::vector<std::int32_t> owners_;
+    std::vector<KnownVertex> known_;   // slabs
+    std::vector<std::uint32_t> next_;  // by seed: the place in known_ for its next vertex; full slabs end at multiples
+    std::vector<std::uint32_t> free_slabs_;
+    std::uint32_t slabs_ = 0;
+    std::vector<std::int32_t> spilled_;
+    std::vector<Spill> spill_;
+    std::vector<KnownVertex> gathered_;
+    std::vector<std::int32_t> ties_;  // their number, then the cells
+    std::vector<double> tie_powers_;  // by tie
+    std::vector<std::uint8_t> done_, group_done_;
+};
+
+}  // namespace votess::cpu

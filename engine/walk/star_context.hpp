@@ -1,0 +1,25 @@
+// All that the walk uses. Files that compile it for one instruction set include this before they choose the set:
+// functions of headers are shared with files that run on any processor.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "exact/corner.hpp"
+#include "exact/predicate.hpp"
+#include "exact/vertex.hpp"
+#include "index/hierarchy.hpp"
+#include "index/seed_images.hpp"
+#include "kernels/star_kernels.hpp"
+#include "polytope/cell.hpp"
+#include "walk/neighborhood.hpp"
+#include "walk/star.hpp"
+#include "walk/star_bounds.hpp"
+#include "walk/window.hpp"

@@ -1,0 +1,353 @@
+// The walk of star.hpp. Vectors have four lanes, of which the last is free.
+#pragma once
+
+#include "walk/star_context.hpp"
+
+namespace votess::cpu {
+
+// Isa has the functions of StarKernels in one instruction set; the file that includes this one compiles all else for
+// it, too.
+template <class Isa>
+class StarWalk final : public Star, private ExactCorners {
+public:
+    StarWalk(const SortedSeeds& seeds, const Hierarchy& hierarchy)
+        : seeds_(seeds), hierarchy_(hierarchy), window_(seeds, hierarchy, kernels_of<Isa>) {
+        static_assert(alignment % Window::home_seeds == 0);
+    }
+
+    void begin_job(const Domain& domain) override;
+    void begin(std::size_t first, std::size_t last, Keep keep) override;
+    bool build(std::size_t seed) override;
+    void begin_probes(std::size_t group, Keep keep) override;
+    void look_around(const Box& box, double lightest) override;
+    bool build(const Probe& probe) override;
+    [[nodiscard]] double usual_reach() const override { return std::sqrt(typical_reach_); }
+    CellShape* shape(std::span<const std::uint32_t> ranks) override;
+    [[nodiscard]] bool knows_vertices() const override;
+    void polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const override;
+    void normals(std::vector<std::array<double, 3>>& out) override;
+
+private:
+    static constexpr double unit = bounds::unit, margin = bounds::margin, quantum = bounds::quantum;
+    static constexpr double worst_condition2 = bounds::worst_condition * bounds::worst_condition;
+    static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
+    static constexpr double longest_normal = 1e12;    // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.7;       // of the squared security radius that is typical
+    static constexpr int most_candidates = 160;       // at first; room for others is left
+    static constexpr double near_share = 0.6;         // of the squared reach
+    static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer is near
+    static constexpr int most_picks = 256;            // planes tried for one vertex
+    static constexpr int most_beginnings = 8;
+    static constexpr float parallel = 0x1p-18f;  // rays nearly along a plane do not leave it
+    static constexpr int most_new = 24;          // seeds taken at once from beyond the window
+    static constexpr int most_ties = 64;
+    static constexpr std::int16_t no_slot = -1;
+
+    // Attributes stand behind the name: elsewhere Clang does not see a lesser alignment.
+    using Wide __attribute__((vector_size(32), aligned(8), may_alias)) = double;
+    static_assert(alignof(Wide) == 8);
+
+    // By reference, for processors without such registers.
+    [[gnu::always_inline]] static const Wide& wide(const Four& four) { return reinterpret_cast<const Wide&>(four); }
+    [[gnu::always_inline]] static Wide& wide(Four& four) { return reinterpret_cast<Wide&>(four); }
+    [[gnu::always_inline]] static double dot(const Wide& a, const Wide& b) {
+        const Wide ab = a * b;
+        return ab[0] + ab[1] + ab[2];
+    }
+    // y, z, x of an x, y, z; the last lane stays.
+    [[gnu::always_inline]] static void turn(const Wide& a, Wide& out) {
+        out = __builtin_shufflevector(a, a, 1, 2, 0, 3);
+    }
+    [[gnu::always_inline]] static void turn_twice(const Wide& a, Wide& out) {
+        out = __builtin_shufflevector(a, a, 2, 0, 1, 3);
+    }
+    [[gnu::always_inline]] static void cross(const Wide& a, const Wide& b, Wide& out) {
+        Wide turned_a, turned_b;
+        turn(a, turned_a);
+        turn(b, turned_b);
+        turn(a * turned_b - turned_a * b, out);
+    }
+
+    using Floats __attribute__((vector_size(16), aligned(4), may_alias)) = float;
+    static_assert(alignof(Floats) == 4);
+
+    [[gnu::always_inline]] static const Floats& floats(const float (&v)[4]) {
+        return reinterpret_cast<const Floats&>(v);
+    }
+    [[gnu::always_inline]] static Floats& floats(float (&v)[4]) { return reinterpret_cast<Floats&>(v); }
+    [[gnu::always_inline]] static void cross(const Floats& a, const Floats& b, Floats& out) {
+        const Floats turned =
+            a * __builtin_shufflevector(b, b, 1, 2, 0, 3) - __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
+        out = __builtin_shufflevector(turned, turned, 1, 2, 0, 3);
+    }
+    [[gnu::always_inline]] static void narrow(const Wide& w, float (&out)[4]) {
+        floats(out) = __builtin_convertvector(w, Floats);
+    }
+
+    // An edge on two planes, by their slots, one of whose ends is known: the vertex that has a -> b.
+    struct OpenEdge {
+        std::uint8_t a, b;
+    };
+    struct alignas(32) Line {  // of an edge
+        Four ab;               // n_a x n_b
+        Four e;                // h_a n_b - h_b n_a
+        double norms2;         // |n_a|^2 |n_b|^2
+        double longest2;       // the larger of the two
+    };
+    struct alignas(16) Facing {  // a plane in floats
+        float normal[4];         // of length 1
+        float distance;
+    };
+    struct alignas(32) Third {  // the plane that ends an edge
+        Four n;
+        double h, square;             // square = |n|^2
+        double norms2, determinant2;  // |na|^2 |nb|^2 |nc|^2 and det(na, nb, nc)^2
+        double length2;               // of the vertex, or more: what its error is measured by, see star_bounds.hpp
+        [[nodiscard]] double condition() const { return std::sqrt(norms2 / determinant2); }
+    };
+
+    // ---- From vertex to vertex along the edges ----
+    template <bool Alone>
+    bool build_cell();
+    template <Star::Keep Kept, bool Alone>
+    bool complete();
+    template <Star::Keep Kept>
+    [[gnu::noinline]] bool find_first();
+    template <Star::Keep Kept>
+    [[gnu::always_inline]] inline bool take_known();
+    [[gnu::always_inline]] inline void take_position(const KnownVertex& known, int vertex);
+    bool take_tie(const KnownVertex& known, int vertex);
+    bool collect_faces();
+    [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
+    [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
+    // The candidate that the ray meets first, a guess; walls become candidates if there is none. -1 if there still is
+    // none.
+    [[nodiscard, gnu::noinline]] int first_hit(const Ray& ray);
+    // How many candidates may come near to a vertex of that squared security radius. Walls and seeds that were added
+    // later lie farther away than all seeds of the window.
+    [[nodiscard]] int in_reach(double reach2) const {
+        return reach2 < near_covered_ ? candidates_.near : candidates_.count;
+    }
+    // At least the squared distance within which a seed may cut off a vertex of squared length x2.
+    [[nodiscard]] double reach_squared(double x2) const {
+        return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : bounds::widest_reach_squared(x2, more_);
+    }
+    // The square of `length` in star_bounds.hpp, for a vertex of squared length x2.
+    [[nodiscard]] double error_length2(const Line& line, const Third& third, double x2) const {
+        if (plain_ || !weighted_) return x2;
+        const double length = std::sqrt(x2) + 0.25 * std::sqrt(std::max(line.longest2, third.square));
+        return length * length;
+    }
+    // At least |X|^2 of a vertex, up to a factor of 1 + 4 margin.
+    [[nodiscard]] double most_distance_squared(double x2, const Third& third) const {
+        if (!weighted_) return x2;
+        const double most = bounds::most_distance(std::sqrt(x2), std::sqrt(third.length2));
+        return most * most;
+    }
+    // Turns a distance in window units into one between places. size: the largest of their coordinates, which are
+    // rounded.
+    [[nodiscard]] double in_places(double distance, double size) const {
+        return distance * unscale_ * (1 + 4 * margin) + 8 * unit * size;
+    }
+    [[nodiscard]] double weight_of(std::int32_t id) const {
+        return seeds_.weights[static_cast<std::size_t>(seeds_.images == nullptr ? id : seeds_.images->home(id))];
+    }
+    // What the rounding of h is measured by.
+    [[nodiscard]] static double size_of_h(double h, double square) { return 0.5 * (square + std::abs(2 * h - square)); }
+    [[nodiscard]] bool solve(const Line& line, Third& third, Four& x) const;
+    // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
+    template <Star::Keep Kept>
+    [[gnu::always_inline]] inline bool close(const OpenEdge& edge, const Ray& ray, int lane);
+    [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
+                                  int lane, int count);
+    [[nodiscard]] double relative_error(const Third& third) const;
+    [[nodiscard]] int sure_side(std::int32_t id, const Third& third, double relative, const Four& x);
+    [[gnu::always_inline]] inline void keep_position(const Third& third, const Four& x);
+    template <Star::Keep Kept>
+    [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
+                                                  const Four& x);
+    [[gnu::noinline]] bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
+    bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
+    void forget_planes();
+    [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
+    template <Star::Keep Kept>
+    [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
+    void set_longest(double length);
+    void set_image_reach(double reach) {
+        reach = std::min(reach, own_images_);
+        images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
+        images_beyond2_ = window_open_ ? bounds::least_image_vertex2 : -1;
+    }
+    [[gnu::noinline]] void note_reach(double x2, const Third& third);
+    [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2);
+    [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
+    // Stacks an edge a -> b, which a vertex has brought, unless its other end is known.
+    [[gnu::always_inline]] void stack(int a, int b) {
+        open_edges_[static_cast<std::size_t>(open_end_)] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
+        open_end_ += static_cast<int>(~(in_[a] >> b) & 1);
+    }
+    [[gnu::always_inline]] void make_room(std::int32_t locals) {
+        if (slot_.size() < static_cast<std::size_t>(locals) + most_planes) grow_slots(locals);
+    }
+    [[gnu::noinline]] void grow_slots(std::int32_t locals) {
+        slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
+    }
+    [[gnu::always_inline]] int new_slot(std::int32_t id) {
+        const std::int32_t local = cells_.local(id);
+        if (!cells_.is_own(local)) make_room(local);
+        return slot_of(local, planes_);
+    }
+
+    // ---- Bisector planes in floats, in doubles and exactly ----
+    [[gnu::always_inline]] inline void need_plane(int slot);
+    [[gnu::always_inline]] inline void need_facing(int slot);
+    [[gnu::noinline]] void find_facing(int slot);
+    [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h, double& square);
+    [[gnu::always_inline]] inline void add_low(std::int32_t id, Four& n) const;
+    [[nodiscard, gnu::noinline]] bool may_cancel(std::int32_t id, const Four& n) const;
+    [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
+    [[nodiscard]] exact::Plane powered(exact::Plane plane, std::int32_t id) const;
+    [[nodiscard]] bool any_parallel(std::span<const std::int32_t> cells);
+    [[gnu::always_inline]] inline void face(int slot);
+
+    // ---- Which planes are candidates ----
+    void guess_reach(std::size_t group);
+    void open_window(std::size_t home, double reach2);
+    [[nodiscard]] bool may_coincide() const;
+    bool gather_candidates();
+    bool begin_anywhere();
+    bool begin_at_face(int candidate);
+    bool begin_outside();
+    [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);
+    [[nodiscard]] int side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x);
+    bool add_candidate(std::int32_t id);
+    [[nodiscard]] double surely_covered(double square) const;
+    [[nodiscard]] double with_weights(double reach2, double weight) const;
+    [[nodiscard]] double least_weight(std::size_t home) const;
+    [[nodiscard]] bool is_extra(std::int32_t id) const;
+    [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
+    [[nodiscard, gnu::noinline]] unsigned find_inside_weighted(std::size_t begin, const GroupTest& test) const;
+    [[gnu::noinline]] bool add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
+                                      int& added);
+
+    // ---- Walls: to the walk a wall is the bisector of the seed and its mirror image ----
+    struct Wall {
+        std::int32_t id;
+        exact::Plane plane;
+        std::array<double, 3> normal;  // of length 1, outward
+        double offset;                 // normal.x = offset on it, rounded
+        double error;                  // of the distance of a seed
+        // How the seed mirror_of sees it: the bisector with its mirror image, h = 0 where that is not known well.
+        std::size_t mirror_of;
+        Four n;
+        double h;
+    };
+    void collect_near_walls(const Box& home, double reach);
+    bool add_near_walls();
+    [[gnu::noinline]] bool add_walls();
+    [[nodiscard]] bool two_walls_coincide() const;
+    [[nodiscard]] double distance_to(const Wall& wall) const;
+    void wall_plane(std::int32_t id, Four& n, double& h);
+    [[nodiscard]] Wall& wall_of(std::int32_t id) {
+        return walls_[static_cast<std::size_t>(wall_places_[static_cast<std::size_t>(-1 - id)])];
+    }
+
+    // ---- The finished cell: measures, polygons, normals ----
+    [[nodiscard]] bool is_difference(std::int32_t id) const;
+    [[nodiscard]] std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const override;
+    template <bool Plain>
+    void shape_planes(std::span<const std::uint32_t> ranks);
+
+    const SortedSeeds& seeds_;
+    const Hierarchy& hierarchy_;
+    const Domain* domain_ = nullptr;
+    std::vector<Wall> walls_;
+    std::vector<std::int32_t> wall_places_;  // by -1 - id: in walls_, or -1
+    std::vector<std::size_t> near_walls_;    // of the seeds of the window's home
+    bool any_rough_ = false;                 // images, see SeedImages
+    bool moved_ = false;                     // the seed is not where the input has it
+    bool weighted_ = false;
+    bool plain_ = false;  // no weights, no images
+    // Squared. All images that matter to a vertex are there if its security radius is less than images_within2_, and
+    // their rounding does not matter if it lies farther away than images_beyond2_.
+    double images_beyond2_ = 0, images_within2_ = 0;
+    bool any_moved_ = false;  // of all seeds
+    Neighborhood cells_;
+    Window window_;
+    std::size_t window_home_ = ~std::size_t{0};
+    bool window_open_ = false;
+    Keep keep_ = Keep::nothing;
+    double typical_reach_ = 0;  // squared security radius that vertices of late needed
+
+    bool probing_ = false;
+    Box probes_box_{};  // of the probes that share a window
+    double lightest_probe_ = 0;
+    double own_images_ = std::numeric_limits<double>::infinity();  // distance of the nearest, if they are no candidates
+
+    std::size_t seed_ = 0;  // a number of its own for a probe
+    std::int32_t own_id_ = 0, own_local_ = 0;
+    exact::Point p_{};         // the seed, rounded where it has been moved
+    Four low_{};               // what rounding took from it
+    SeedImages::Base base_{};  // as exact arithmetic knows it
+    double weight_ = 0;        // of the seed
+    double more_ = 0;          // by which any weight may exceed it, in squared units
+    bool empty_ = false;       // the cell
+    bool have_candidates_ = false, have_walls_ = false;
+    bool begun_badly_ = false;  // the edge to begin with has no end
+    std::int32_t own_x_ = 0;    // in the window
+    CandidatePlanes candidates_;
+    int near_walls_end_ = 0;                        // candidates up to here are walls
+    int extras_ = 0;                                // candidates from here on are no seeds of the window
+    double covered_ = 0;                            // squared distance within which all seeds not done are candidates
+    double near_covered_ = 0;                       // and are among the near ones
+    double longest_ = 0;                            // at least the length of the longest candidate normal
+    double weight_span_ = 0;                        // of the candidates and the seed, in squared units
+    double rounding_ = 0, rounding_by_square_ = 0;  // margin of a vertex: rounding_by_square_ times its square more
+    double reached_ = 0;                            // largest squared security radius of the vertices found
+    double scale_ = 1, unscale_ = 1;  // planes and vertices times this: window units, or 1 without a window
+
+    // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b; the vertex at its
+    // other end has b -> a, and sets bit b of in_[a].
+    std::array<std::uint64_t, most_planes> out_{}, in_{};
+    // Edges that were open when they were put here; those from open_begin_ to open_end_ may still be.
+    std::array<OpenEdge, 4 * most_vertices + most_ties> open_edges_;
+    int open_begin_ = 0, open_end_ = 0;
+    std::uint64_t planes_known_ = 0;   // planes with n_, h_, square_, id_
+    std::uint64_t facings_known_ = 0;  // with facing_, too
+    int ends_ = 0;                     // edges, counted at either end
+    std::array<std::int32_t, most_planes> local_{}, id_{};
+    int planes_ = 0;
+    alignas(64) std::array<Four, most_planes> n_{};
+    std::array<double, most_planes> h_{}, square_{};
+    std::array<Facing, most_planes> facing_{};
+    std::vector<std::int16_t> slot_;  // by local id
+
+    std::vector<std::int32_t> tied_;  // ids of the planes that go through the vertex examined
+    std::vector<std::int32_t> tied_cells_;
+    struct Node {
+        std::int32_t level;
+        std::uint32_t index;
+    };
+    std::array<Node, Hierarchy::most_nodes> nodes_;
+    Cell probe_;                                               // of a seed outside of its cell
+    std::array<float, CandidatePlanes::capacity> distance_{};  // of the candidates of a power diagram from the seed
+
+    // For shape(): the corners of vertices on three planes, by vertex. Ties stand apart until the ranks are known.
+    CellShape shape_;
+    std::array<std::uint8_t, most_planes> face_slot_;
+    struct Tie {
+        int vertex;
+        std::vector<std::uint8_t>::difference_type begin, end;  // in tie_slots_
+    };
+    std::vector<Tie> ties_;
+    std::vector<std::uint8_t> tie_slots_;
+
+    // For polygons().
+    alignas(64) std::array<Four, most_vertices> position_{};
+    std::array<std::uint32_t, most_vertices> numbers_{};                            // in the stretch
+    std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // vertex that has the edge a -> b
+};
+
+}  // namespace votess::cpu
+
+#include "walk/star_walk.inl"

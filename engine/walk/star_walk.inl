@@ -1,0 +1,1247 @@
+// The functions of StarWalk, a part for each step of the walk.
+#pragma once
+
+#include "walk/star_walk.hpp"
+
+namespace votess::cpu {
+
+// ---- Which planes are candidates ----
+
+// A first guess that depends on nothing but the stretch: the answer, to the last bit, is the same for any number of
+// threads. The seeds of a box of the tree take about its volume each.
+template <class Isa>
+void StarWalk<Isa>::guess_reach(std::size_t group) {
+    const int level = std::min(1, hierarchy_.top_level());
+    const std::size_t seeds = level == 1 ? group_size * box_fan : group_size, first = group * group_size;
+    const Box box = hierarchy_.box(level, first / seeds);
+    double longest = 0, volume = 1;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, box.upper[k] - box.lower[k]);
+    for (int k = 0; k < 3; ++k) volume *= std::max(box.upper[k] - box.lower[k], 0.01 * longest);
+    const double count = static_cast<double>(std::min(seeds, seeds_.size() - first / seeds * seeds));
+    typical_reach_ = 5 * std::pow(volume / count, 2.0 / 3);
+}
+
+template <class Isa>
+void StarWalk<Isa>::begin(std::size_t first, std::size_t last, Keep keep) {
+    forget_planes();
+    cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()), keep == Keep::places);
+    make_room(cells_.locals());
+    keep_ = keep;
+    probing_ = false;
+    own_images_ = std::numeric_limits<double>::infinity();
+    any_moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
+    any_rough_ = seeds_.images != nullptr && seeds_.images->any_rough();
+    low_ = {};
+    moved_ = false;
+    window_home_ = ~std::size_t{0};
+    guess_reach(first / group_size);
+}
+
+template <class Isa>
+void StarWalk<Isa>::begin_probes(std::size_t group, Keep keep) {
+    begin(0, 0, keep);
+    probing_ = true;
+    if (seeds_.images != nullptr) own_images_ = nearest_translation(*domain_);
+    guess_reach(group);
+}
+
+template <class Isa>
+void StarWalk<Isa>::look_around(const Box& box, double lightest) {
+    probes_box_ = box;
+    lightest_probe_ = lightest;
+    window_home_ = ~std::size_t{0};
+}
+
+template <class Isa>
+void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
+    window_home_ = home;
+    Box box = probing_ ? probes_box_ : window_.home_box(home);
+    const double lightest = probing_ ? lightest_probe_ : least_weight(home);
+    const double radius = std::sqrt(with_weights(reach2, lightest)) * 1.02;
+    window_open_ = window_.open(home, box, radius, lightest, cells_);
+    // A home may span far more than its surroundings, where the curve leaves a cluster.
+    if (!window_open_) {
+        box = {p_, p_};
+        window_open_ = window_.open(home, box, radius, lightest, cells_);
+        window_home_ = ~std::size_t{0};
+    }
+    if (!window_open_) return;
+    collect_near_walls(box, window_.reach());
+    for (std::size_t s = home * Window::home_seeds; s < seed_ && !probing_; ++s)
+        if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
+}
+
+// Whether a candidate may lie where the seed does: window integers are exact to half a unit each.
+template <class Isa>
+bool StarWalk<Isa>::may_coincide() const {
+    constexpr float near = 2;
+    const CandidatePlanes& c = candidates_;
+    bool any = false;
+    for (int i = near_walls_end_; i < c.count; ++i)
+        any |= std::abs(c.nx[i]) <= near && std::abs(c.ny[i]) <= near && std::abs(c.nz[i]) <= near;
+    return any;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::gather_candidates() {
+    double reach2 = reach_margin * typical_reach_;
+    const std::size_t home = probing_ ? Window::no_home : seed_ / Window::home_seeds;
+    if (window_home_ != home) open_window(home, reach2);
+    if (!window_open_ || !(probing_ || window_.holds(seed_))) return false;
+    reach2 = std::min(with_weights(reach2, weight_), window_.reach() * window_.reach());
+    const double scale = window_.scale();
+    float weight = 0;
+    if (weighted_) {
+        more_ = std::max(0.0, domain_->most_more(weight_)) * scale * scale;
+        weight = window_.weight(weight_);
+        weight_span_ = window_.weight_span(weight);
+    }
+    const auto p = probing_ ? window_.position(p_) : window_.position(seed_);
+    if (!probing_) window_.hide(seed_);
+    have_candidates_ = true;
+    own_x_ = p[0];
+    scale_ = scale;
+    unscale_ = 1 / scale;
+    if (seeds_.images != nullptr) set_image_reach(seeds_.images->least_reach());
+    planes_known_ = facings_known_ = 0;
+    for (int tries = 0;; ++tries) {
+        const double reach = std::sqrt(reach2) * scale;
+        set_longest(reach * (1 + 0x1p-20) + quantum);
+        candidates_.count = 0;
+        if (!add_near_walls()) return false;
+        const double square = reach2 * scale * scale, near_square = near_share * square;
+        if (Isa::select(window_.seeds(), p.data(), weight, static_cast<float>(near_square), static_cast<float>(square),
+                        candidates_) &&
+            candidates_.count <= most_candidates) {
+            covered_ = surely_covered(square);
+            near_covered_ = surely_covered(near_square);
+            break;
+        }
+        if (tries == 8) return false;
+        reach2 *= 0.5;
+    }
+    extras_ = candidates_.count;
+    return true;
+}
+
+// The squared security radius for vertices whose distance is half of sqrt(reach2).
+template <class Isa>
+double StarWalk<Isa>::with_weights(double reach2, double weight) const {
+    if (!weighted_) return reach2;
+    const double x2 = 0.25 * reach2, reach = std::sqrt(x2) + std::sqrt(x2 + std::max(0.0, domain_->most_more(weight)));
+    return reach * reach;
+}
+
+template <class Isa>
+double StarWalk<Isa>::least_weight(std::size_t home) const {
+    if (!weighted_) return 0;
+    const std::size_t begin = home * Window::home_seeds, end = std::min(begin + Window::home_seeds, seeds_.size());
+    return *std::min_element(seeds_.weights.begin() + static_cast<std::ptrdiff_t>(begin),
+                             seeds_.weights.begin() + static_cast<std::ptrdiff_t>(end));
+}
+
+// Sets the length and the margin that follows from it.
+template <class Isa>
+void StarWalk<Isa>::set_longest(double length) {
+    longest_ = length;
+    const bounds::FloatMargin m =
+        weighted_ ? bounds::float_margin(longest_, more_, weight_span_) : bounds::float_margin(longest_);
+    rounding_by_square_ = m.by_square;
+    rounding_ = m.constant;
+}
+
+// The squared distance within which all seeds are candidates that were looked for within this one.
+template <class Isa>
+double StarWalk<Isa>::surely_covered(double square) const {
+    const double covered = std::sqrt(square) * (1 - 0x1p-20) - quantum;
+    return covered > 0 ? covered * covered : 0;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::add_candidate(std::int32_t id) {
+    CandidatePlanes& c = candidates_;
+    if (c.count == CandidatePlanes::capacity) return false;
+    Four n;
+    double h, square;
+    plane_through(id, n, h, square);
+    const double length = std::sqrt(square);
+    if (!(length < longest_normal)) return false;
+    if (length * (1 + 0x1p-20) > longest_) set_longest(length * (1 + 0x1p-20));
+    const int i = c.count++;
+    c.nx[i] = static_cast<float>(n.x[0]);
+    c.ny[i] = static_cast<float>(n.x[1]);
+    c.nz[i] = static_cast<float>(n.x[2]);
+    c.h[i] = static_cast<float>(h);
+    c.id[i] = id;
+    if (c.count % 16 == 1)
+        for (int k = c.count; k < c.count + 15; ++k) {
+            c.nx[k] = c.ny[k] = c.nz[k] = 0;
+            c.h[k] = CandidatePlanes::never;
+        }
+    return true;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::is_extra(std::int32_t id) const {
+    const std::int32_t* end = candidates_.id + candidates_.count;
+    return std::find(candidates_.id + extras_, end, id) != end;
+}
+
+// The nearest seed is a neighbor, and the middle between the two lies inside their face. From there any way along the
+// face leads to an edge.
+template <class Isa>
+bool StarWalk<Isa>::begin_anywhere() {
+    if (!have_candidates_ && !gather_candidates()) return false;
+    if (candidates_.count == 0 && !add_walls()) return false;
+    const CandidatePlanes& c = candidates_;
+    if (c.count == 0) return false;  // a periodic domain has no walls
+    if (!weighted_) return begin_at_face(static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h));
+    for (int i = 0; i < c.count; ++i)
+        distance_[i] = c.h[i] / std::sqrt(c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]);
+    const auto nearest = std::min_element(distance_.begin(), distance_.begin() + c.count);
+    if (*nearest < parallel * static_cast<float>(longest_)) return begin_outside();
+    return begin_at_face(static_cast<int>(nearest - distance_.begin()));
+}
+
+// The seed lies outside of its cell, or nearly: the clipper finds an edge, or that the cell is empty. A few of the
+// nearest planes are enough to leave nothing; the order of the others does not matter.
+template <class Isa>
+bool StarWalk<Isa>::begin_outside() {
+    constexpr int nearest_first = 8;
+    constexpr float taken = std::numeric_limits<float>::infinity();
+    const std::int32_t own = own_id_;
+    probe_.start(base_.point, *domain_, own);
+    const auto begin = distance_.begin(), end = begin + candidates_.count;
+    auto next = begin;
+    for (int tries = 0; tries < nearest_first || next != end; ++tries) {
+        const auto at = tries < nearest_first ? std::min_element(begin, end) : next++;
+        const std::int32_t id = candidates_.id[at - begin];
+        if (*at == taken || id < 0) continue;
+        *at = taken;
+        probe_.clip(id, exact_plane(id));
+        if (probe_.empty()) {
+            used_exact_ = probe_.used_exact();
+            return empty_ = true;
+        }
+    }
+    if (!have_walls_ && !add_walls()) return false;
+    for (int slot = 0; slot < probe_.slots(); ++slot) {
+        if (!probe_.alive(slot)) continue;
+        const auto planes = probe_.corner_planes(slot);
+        // In a periodic box it begins with images of the seed, which are no candidates.
+        if (std::ranges::any_of(planes, [own](const CellPlane* plane) { return plane->id == own; })) continue;
+        const int a = new_slot(planes[0]->id), b = new_slot(planes[1]->id);
+        stack(a, b);
+        return true;
+    }
+    return false;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::begin_at_face(int nearest) {
+    const CandidatePlanes& c = candidates_;
+    const int a = new_slot(c.id[nearest]);
+    need_plane(a);
+    const auto& n = n_[a].x;
+    const double foot = h_[a] / square_[a];
+    const double skew[3] = {0.61803398875 * n[1], 0.7548776662 * n[2],
+                            0.5698402910 * n[0] + std::sqrt(0.5 * square_[a])};
+    Ray ray;
+    float size = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        ray.o[k] = static_cast<float>(foot * n[k]);
+        ray.d[k] = static_cast<float>(n[i] * skew[j] - n[j] * skew[i]);
+        size += std::abs(ray.d[k]);
+    }
+    ray.s = 1;
+    ray.least = parallel * size * static_cast<float>(longest_);
+    const int hit = first_hit(ray);
+    if (hit < 0) return false;
+    stack(a, new_slot(c.id[hit]));
+    return true;
+}
+
+// Bits of those of eight seeds beyond the candidates that may cut off the vertex.
+template <class Isa>
+unsigned StarWalk<Isa>::find_inside(std::size_t begin, const GroupTest& test) const {
+    if (weighted_) return find_inside_weighted(begin, test);
+    return Isa::inside_ball(&seeds_.x[begin], &seeds_.y[begin], &seeds_.z[begin], test, covered_);
+}
+
+template <class Isa>
+unsigned StarWalk<Isa>::find_inside_weighted(std::size_t begin, const GroupTest& test) const {
+    double more[box_fan] = {}, excess[box_fan], square[box_fan];
+    const std::size_t count = seeds_.group_end(begin) - begin;
+    for (std::size_t i = 0; i < count; ++i)
+        more[i] = (weight_of(static_cast<std::int32_t>(begin + i)) - weight_) * scale_ * scale_;
+    const double *x = &seeds_.x[begin], *y = &seeds_.y[begin], *z = &seeds_.z[begin];
+    for (int i = 0; i < box_fan; ++i) {
+        const double nx = (x[i] - p_[0]) * scale_, ny = (y[i] - p_[1]) * scale_, nz = (z[i] - p_[2]) * scale_;
+        square[i] = nx * nx + ny * ny + nz * nz;
+        const double slack = 8 * margin * (square[i] + std::abs(more[i]) + more_) + 4 * test.slack;
+        excess[i] = nx * test.v[0] + ny * test.v[1] + nz * test.v[2] - 0.5 * (square[i] - more[i]) + slack;
+    }
+    unsigned inside = 0;
+    // Not a number where the seed is padding, infinitely far away.
+    for (int i = 0; i < box_fan; ++i) inside |= static_cast<unsigned>((excess[i] >= 0) & (square[i] >= covered_)) << i;
+    return inside;
+}
+
+// In a power diagram done seeds matter to a cell that knows no vertex: if it is not empty none of them is its neighbor,
+// and none cuts off its first vertex; if it is empty, some cut off all of space. True when that decides, or is left to
+// the clipper.
+template <class Isa>
+bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, const Four& x) {
+    Box at;
+    double size = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double offset = x.x[k] * unscale_;
+        at.lower[k] = at.upper[k] = p_[k] + offset;
+        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
+    }
+    const double reach = in_places(bounds::widest_reach(dot(wide(x), wide(x)), more_), size);
+    std::size_t nodes = 1;
+    nodes_[0] = {hierarchy_.top_level(), 0};
+    while (nodes > 0) {
+        const auto [level, index] = nodes_[--nodes];
+        unsigned near = Isa::near_boxes(hierarchy_.block(level, index), at, reach * reach);
+        for (; near != 0; near &= near - 1) {
+            const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
+            const std::size_t begin = Hierarchy::first_seed(level, child);
+            const std::size_t end = Hierarchy::first_seed(level, child + 1);
+            if (!cells_.overlaps(begin, end)) continue;
+            if (level > 0) {
+                nodes_[nodes++] = {level - 1, child};
+                continue;
+            }
+            for (std::size_t i = begin; i < end; ++i) {
+                if (!cells_.holds(static_cast<std::int64_t>(i)) || !cells_.done(i)) continue;
+                const int side = side_of(static_cast<std::int32_t>(i), three, third, x);
+                empty_ = side > 0;
+                if (side >= 0) return true;
+            }
+        }
+    }
+    return false;
+}
+
+template <class Isa>
+int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x) {
+    if (const int sure = sure_side(id, third, relative_error(third), x); sure != 0) return sure;
+    used_exact_ = true;
+    return exact::side_of_vertex(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]),
+                                 exact_plane(id));
+}
+
+// Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
+// the vertex along its edge, and the sphere shrinks.
+//
+// The edge need not be searched again, unless there were most_new of them. It begins at a proven vertex, where
+// n.x - h <= 0 for all seeds. Along the edge n.x - h is linear: if it is >= 0 at some vertex, it is so at all vertices
+// behind, and the search around those has found the seed.
+template <class Isa>
+bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
+                               int& added) {
+    Box at;
+    double x2 = 0, length = 0, size = 0, reach2 = 0;
+    GroupTest test{p_, scale_, {}, 0};
+    auto look_around = [&](double length2) {
+        size = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double offset = x.x[k] * unscale_;
+            at.lower[k] = at.upper[k] = p_[k] + offset;
+            size = std::max(size, std::abs(p_[k]) + std::abs(offset));
+            test.v[k] = x.x[k];
+        }
+        x2 = dot(wide(x), wide(x));
+        length = std::sqrt(length2);
+        const double reach = in_places(bounds::widest_reach(x2, more_), size);
+        reach2 = reach * reach;
+        test.slack = 2 * margin * x2;
+    };
+    look_around(of_vertex.length2);
+    // The same for seeds that are no heavier, 0 if there is none: the sphere shrinks to nothing for the lightest.
+    auto reach_of = [&](double heaviest) {
+        const double more = (heaviest - weight_) * scale_ * scale_;
+        if (more >= more_) return reach2;
+        const double rounding = 8 * unit * (std::abs(heaviest) + std::abs(weight_)) * scale_ * scale_;
+        const double distance = bounds::reach_from_vertex(std::sqrt(x2), length, more + rounding);
+        if (distance == 0) return 0.0;
+        const double reach = in_places(distance, size);
+        return reach * reach;
+    };
+    std::size_t nodes = 1;
+    nodes_[0] = {hierarchy_.top_level(), 0};
+    while (nodes > 0) {
+        const auto [level, index] = nodes_[--nodes];
+        unsigned near = Isa::near_boxes(hierarchy_.block(level, index), at,
+                                        weighted_ ? reach_of(hierarchy_.largest_weight_below(level, index)) : reach2);
+        if (level > 0) {
+            for (; near != 0; near &= near - 1)
+                nodes_[nodes++] = {level - 1, index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near))};
+            continue;
+        }
+        for (; near != 0; near &= near - 1) {
+            const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
+            if (cells_.group_done(child)) continue;
+            if (weighted_ && reach_of(hierarchy_.largest_weight(0, child)) == 0) continue;
+            const std::size_t begin = std::size_t{child} * group_size;
+            unsigned inside = find_inside(begin, test);
+            while (inside != 0) {
+                const int k = std::countr_zero(inside);
+                inside &= inside - 1;
+                const auto id = static_cast<std::int32_t>(begin) + k;
+                if (id == own_id_ || id == three[0] || id == three[1] || id == three[2]) continue;
+                Third third;
+                Four nearer;
+                plane_through(id, third.n, third.h, third.square);
+                const double excess = dot(wide(third.n), wide(x)) - third.h;
+                // No candidate is surely inside.
+                if (!(excess > 4 * test.slack + 8 * margin * third.square) && is_extra(id)) continue;
+                if (!add_candidate(id)) return false;
+                if (++added == most_new) return true;
+                if (excess > 0 && solve(line, third, nearer)) {
+                    x = nearer;
+                    look_around(error_length2(line, third, dot(wide(x), wide(x))));
+                    inside &= find_inside(begin, test);
+                }
+            }
+        }
+    }
+    return true;
+}
+
+// ---- From vertex to vertex along the edges ----
+
+// `planes` is planes_, in a register when it can be.
+template <class Isa>
+int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
+    const int known = slot_[static_cast<std::size_t>(local)];
+    if (known >= 0) return known;
+    slot_[static_cast<std::size_t>(local)] = static_cast<std::int16_t>(planes);
+    local_[static_cast<std::size_t>(planes)] = local;
+    return planes++;
+}
+
+// The edges a -> b, b -> c, c -> a of a vertex.
+template <class Isa>
+template <Star::Keep Kept>
+void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
+    const std::uint64_t bit_a = 1ull << a, bit_b = 1ull << b, bit_c = 1ull << c;
+    out_[a] |= bit_b;
+    in_[a] |= bit_c;
+    out_[b] |= bit_c;
+    in_[b] |= bit_a;
+    out_[c] |= bit_a;
+    in_[c] |= bit_b;
+    if constexpr (Kept != Keep::nothing) {
+        shape_.a[vertex] = static_cast<std::uint8_t>(a);
+        shape_.b[vertex] = static_cast<std::uint8_t>(b);
+        shape_.c[vertex] = static_cast<std::uint8_t>(c);
+    }
+    if constexpr (Kept == Keep::places)
+        from_vertex_[a][b] = from_vertex_[b][c] = from_vertex_[c][a] = static_cast<std::uint8_t>(vertex);
+}
+
+template <class Isa>
+void StarWalk<Isa>::forget_planes() {
+    for (int p = 0; p < planes_; ++p) {
+        slot_[static_cast<std::size_t>(local_[p])] = no_slot;
+        out_[p] = in_[p] = 0;
+    }
+    planes_ = 0;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::build(std::size_t seed) {
+    seed_ = seed;
+    own_id_ = static_cast<std::int32_t>(seed);
+    p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    base_ = {p_, {}};
+    if (weighted_) weight_ = seeds_.weights[seed];
+    if (any_moved_) {
+        const auto& low = seeds_.images->low(own_id_);
+        low_ = {{low[0], low[1], low[2], 0}};
+        base_ = seeds_.images->base(seed);
+        moved_ = !seeds_.images->is_exact(seed);
+    }
+    const bool done = build_cell<false>();
+    if (done) cells_.set_done(seed);
+    if (have_candidates_ && !done) window_.show(seed, own_x_);
+    if (done && window_open_ && window_home_ == seed / Window::home_seeds) window_.hide(seed);
+    return done;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::build(const Probe& probe) {
+    ++seed_;  // what is known of walls belongs to another
+    own_id_ = static_cast<std::int32_t>(seeds_.places());
+    p_ = probe.place.at;
+    base_ = {probe.x, probe.place.by};
+    const auto& low = probe.place.low;
+    low_ = {{low[0], low[1], low[2], 0}};
+    if (weighted_) weight_ = probe.weight;
+    if (seeds_.images != nullptr) {
+        moved_ = low != std::array<double, 3>{};
+        any_moved_ = seeds_.images->any_moved() || moved_;
+        any_rough_ = seeds_.images->any_rough();
+    }
+    return build_cell<true>() && !empty_ && !may_coincide();
+}
+
+template <class Isa>
+template <bool Alone>
+bool StarWalk<Isa>::build_cell() {
+    forget_planes();
+    own_local_ = cells_.local(own_id_);
+    vertices_ = ends_ = open_begin_ = open_end_ = 0;
+    planes_known_ = facings_known_ = 0;
+    scale_ = unscale_ = 1;
+    have_candidates_ = have_walls_ = used_exact_ = false;
+    power_found_ = least_power;
+    ties_.clear();
+    tie_slots_.clear();
+    if (keep_ == Keep::nothing) return complete<Keep::nothing, Alone>();
+    return keep_ == Keep::corners ? complete<Keep::corners, Alone>() : complete<Keep::places, Alone>();
+}
+
+// Alone: no other cell has handed over vertices.
+template <class Isa>
+template <Star::Keep Kept, bool Alone>
+bool StarWalk<Isa>::complete() {
+    if constexpr (!Alone)
+        if (!take_known<Kept>()) return false;
+    empty_ = false;
+    reached_ = 0;
+    if (vertices_ == 0 && !find_first<Kept>()) {
+        if (empty_) faces_ = edges_ = 0;
+        return empty_;
+    }
+    if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
+    for (;;) {
+        // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
+        // been closed by the vertex of the first.
+        while (open_begin_ < open_end_ && !is_open(open_edges_[open_begin_])) ++open_begin_;
+        if (open_begin_ == open_end_) break;
+        OpenEdge edges[2];
+        edges[0] = open_edges_[open_begin_++];
+        while (open_begin_ < open_end_ && !is_open(open_edges_[open_end_ - 1])) --open_end_;
+        edges[1] = open_begin_ < open_end_ ? open_edges_[--open_end_] : edges[0];
+        Ray rays[2];
+        aim(edges[0], rays[0]);
+        aim(edges[1], rays[1]);
+        int hits[2];
+        Isa::first_hits(candidates_, candidates_.near, rays, hits);
+        for (int k = 0; k < 2; ++k)
+            if (is_open(edges[k]) && !close<Kept>(edges[k], rays[k], hits[k])) return false;
+    }
+    const double needed = reached_ * unscale_ * unscale_;
+    if (needed > 0) {
+        typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
+        power_found_ = std::max(power_found_, bounds::power((1 + 4 * margin) * 0.25 * needed, weight_));
+    }
+    return collect_faces();
+}
+
+// The first vertex of a cell that knows none. The edge to begin with is none if not all seeds near it are candidates;
+// those that were found since may help.
+template <class Isa>
+template <Star::Keep Kept>
+bool StarWalk<Isa>::find_first() {
+    int candidates = 0;
+    for (int tries = 0; tries < most_beginnings; ++tries) {
+        open_begin_ = open_end_ = 0;
+        begun_badly_ = false;
+        if (!begin_anywhere() || empty_ || candidates_.count == candidates) return false;
+        candidates = candidates_.count;
+        const OpenEdge edge = open_edges_[open_begin_++];
+        Ray ray;
+        aim(edge, ray);
+        if (close<Kept>(edge, ray, -1)) return true;
+        if (!begun_badly_) return false;
+    }
+    return false;
+}
+
+template <class Isa>
+void StarWalk<Isa>::take_position(const KnownVertex& known, int vertex) {
+    numbers_[vertex] = known.vertex;
+    const std::size_t owner = cells_.owner(known.vertex);
+    Wide from = wide(cells_.seed_position(owner)) - Wide{p_[0], p_[1], p_[2], 0};
+    if (cells_.has_lows()) from += wide(cells_.seed_low(owner)) - wide(low_);
+    wide(position_[vertex]) = wide(cells_.position(known.vertex)) + from;
+}
+
+template <class Isa>
+template <Star::Keep Kept>
+bool StarWalk<Isa>::take_known() {
+    make_room(cells_.locals());
+    const auto handed = cells_.known(seed_);
+    if (handed.size() > most_vertices - 4) return false;
+    int planes = 0, vertices = 0, ties = 0;
+    for (const KnownVertex& known : handed) {
+        if (planes > most_planes - 4) {
+            planes_ = planes;
+            return false;
+        }
+        if (known.is_tie()) {
+            planes_ = planes;
+            if (!take_tie(known, vertices++)) return false;
+            planes = planes_;
+            ++ties;
+            continue;
+        }
+        if constexpr (Kept == Keep::places) take_position(known, vertices);
+        const int a = slot_of(known.cells[0], planes), b = slot_of(known.cells[1], planes),
+                  c = slot_of(known.cells[2], planes);
+        link_corner<Kept>(a, b, c, vertices++);
+    }
+    planes_ = planes, vertices_ = vertices, ends_ += 3 * (vertices - ties);
+    for (int p = 0; p < planes; ++p)
+        for (std::uint64_t open = out_[p] & ~in_[p]; open != 0; open &= open - 1)
+            open_edges_[open_end_++] = {static_cast<std::uint8_t>(p),
+                                        static_cast<std::uint8_t>(std::countr_zero(open))};
+    return true;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::take_tie(const KnownVertex& known, int vertex) {
+    if (keep_ == Keep::places) take_position(known, vertex);
+    power_found_ = std::max(power_found_, cells_.power_of_tie(known));
+    tied_cells_.clear();
+    for (const std::int32_t cell : cells_.tie(known))
+        if (cell != own_local_) tied_cells_.push_back(cell);
+    return link_polygon(tied_cells_, vertex, false);
+}
+
+// Faces are the planes that have edges; a plane that was tried as a beginning may have none.
+template <class Isa>
+bool StarWalk<Isa>::collect_faces() {
+    int edges = 0, faces = 0;
+    const int planes = planes_;
+    for (int p = 0; p < planes; ++p) {
+        face_[faces] = cells_.id(local_[p]);
+        face_slot_[faces] = static_cast<std::uint8_t>(p);
+        const int own = std::popcount(out_[p]);
+        edges += own;
+        faces += own != 0 ? 1 : 0;
+    }
+    faces_ = faces;
+    edges_ = edges / 2;
+    return edges == ends_;  // no edge was found twice in the same direction
+}
+
+// In floats: what it hits is a guess.
+template <class Isa>
+void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
+    need_facing(edge.a);
+    need_facing(edge.b);
+    const Facing &a = facing_[edge.a], &b = facing_[edge.b];
+    Floats ab, across;
+    cross(floats(a.normal), floats(b.normal), ab);
+    // e x ab / |ab|^2 is the point of the line that is nearest to the seed.
+    cross(a.distance * floats(b.normal) - b.distance * floats(a.normal), ab, across);
+    const Floats squares = ab * ab;
+    const float square = squares[0] + squares[1] + squares[2];
+    floats(ray.o) = across;
+    floats(ray.d) = -ab;
+    ray.s = square;
+    ray.least = parallel * std::sqrt(square) * static_cast<float>(longest_);
+}
+
+// False when the planes are too near to parallel, or too large or small to square.
+template <class Isa>
+bool StarWalk<Isa>::draw_line(const OpenEdge& edge, Line& line) const {
+    const Wide &na = wide(n_[edge.a]), &nb = wide(n_[edge.b]);
+    const double square_a = square_[edge.a], square_b = square_[edge.b];
+    Wide ab;
+    cross(na, nb, ab);
+    line.norms2 = square_a * square_b;
+    line.longest2 = std::max(square_a, square_b);
+    wide(line.ab) = ab;
+    wide(line.e) = h_[edge.a] * nb - h_[edge.b] * na;
+    return square_a > smallest_square && square_b > smallest_square && line.norms2 < largest_product &&
+           dot(ab, ab) * worst_condition2 > line.norms2;
+}
+
+template <class Isa>
+int StarWalk<Isa>::first_hit(const Ray& ray) {
+    const Ray rays[2] = {ray, ray};
+    int hits[2];
+    Isa::first_hits(candidates_, candidates_.count, rays, hits);
+    if (hits[0] < 0 && !have_walls_ && add_walls()) Isa::first_hits(candidates_, candidates_.count, rays, hits);
+    return hits[0];
+}
+
+// Cramer's rule: (ha nb x nc + hb nc x na + hc na x nb) / det = (e x nc + hc ab) / det. False when the planes are too
+// near to parallel, or meet behind where the edge begins.
+template <class Isa>
+bool StarWalk<Isa>::solve(const Line& line, Third& c, Four& x) const {
+    const double determinant = dot(wide(c.n), wide(line.ab));
+    c.norms2 = line.norms2 * c.square;
+    c.determinant2 = determinant * determinant;
+    if (!(determinant < 0 && c.norms2 < worst_condition2 * c.determinant2 && c.square > smallest_square)) return false;
+    Wide across;
+    cross(wide(line.e), wide(c.n), across);
+    wide(x) = (across + c.h * wide(line.ab)) * (1 / determinant);
+    return true;
+}
+
+template <class Isa>
+template <Star::Keep Kept>
+bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
+    Line line;
+    if (!draw_line(edge, line)) return false;
+    bool searched = false;
+    for (int pick = 0; pick < most_picks; ++pick) {
+        if (lane < 0) lane = first_hit(ray);
+        if (lane < 0) return false;
+        const std::int32_t id = candidates_.id[lane];
+        const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
+        Third third;
+        alignas(32) Four x;
+        plane_through(id, third.n, third.h, third.square);
+        if (!solve(line, third, x)) {
+            begun_badly_ = true;
+            return false;
+        }
+        const double x2 = dot(wide(x), wide(x));
+        third.length2 = error_length2(line, third, x2);
+        if (!(x2 < longest_normal * longest_normal)) {
+            if (have_walls_ || !add_walls()) return false;
+            lane = -1;
+            continue;
+        }
+        float v[4];
+        narrow(wide(x), v);
+        v[3] = static_cast<float>(rounding_by_square_ * x2 + rounding_);
+        const double reach2 = reach_squared(x2);
+        const int count = in_reach(reach2);
+        const int touching = Isa::touching(candidates_, count, v, three, 0);
+        tied_.clear();
+        if (touching >= 0) {
+            const int cutting = examine(v, three, third, x, touching, count);
+            if (cutting >= 0) {
+                lane = cutting;
+                continue;
+            }
+        }
+        if (reach2 > covered_ && !searched) {
+            if (!have_walls_) {
+                if (!add_walls()) return false;
+                lane = -1;
+                continue;
+            }
+            int added = 0;
+            if (!add_inside(line, third, x, three, added)) return false;
+            searched = vertices_ > 0 && added < most_new;
+            if (added > 0) {
+                lane = -1;
+                continue;
+            }
+        }
+        if (!plain_) {
+            if (seeds_.images != nullptr && !(reach2 < images_within2_ && x2 > images_beyond2_) &&
+                !images_known(x, x2, reach2))
+                return false;
+            if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
+            if (weighted_) note_reach(x2, third);
+        }
+        reached_ = std::max(reached_, 4 * x2);
+        if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
+        return add_tie(edge, id, third, x) && !is_open(edge);
+    }
+    return false;
+}
+
+// Keeps the reach of a vertex in a power diagram. Not inlined: without weights it costs nothing.
+template <class Isa>
+void StarWalk<Isa>::note_reach(double x2, const Third& third) {
+    reached_ = std::max(reached_, 4 * most_distance_squared(x2, third));
+}
+
+// Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
+template <class Isa>
+bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2) {
+    set_image_reach(seeds_.images->reach(p_));
+    if (!(x2 > images_beyond2_)) return false;
+    if (reach2 < images_within2_) return true;
+    // The sphere around the vertex has half of that radius.
+    exact::Point vertex;
+    double size = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double offset = x.x[k] * unscale_;
+        vertex[k] = p_[k] + offset;
+        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
+    }
+    const double radius = in_places(bounds::widest_reach(x2, more_), size);
+    return reach2 * unscale_ * unscale_ < own_images_ * own_images_ * (1 - 4 * margin) &&
+           radius < seeds_.images->reach(vertex);
+}
+
+// Looks through the candidates that come too near to a vertex, from `lane` on. Returns one that cuts it off, or -1;
+// tied_ then holds those that go through it.
+template <class Isa>
+int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane,
+                           int count) {
+    std::optional<exact::ExactVertex> vertex;
+    const double relative = relative_error(third);
+    while (lane >= 0) {
+        const std::int32_t id = candidates_.id[lane];
+        const int sure = sure_side(id, third, relative, x);
+        if (sure > 0) return lane;
+        if (sure == 0) {
+            used_exact_ = true;
+            if (!vertex)
+                vertex.emplace(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
+            const int side = vertex->side(exact_plane(id));
+            if (side > 0) return lane;
+            if (side == 0 && std::find(tied_.begin(), tied_.end(), id) == tied_.end()) tied_.push_back(id);
+        }
+        lane = Isa::touching(candidates_, count, v, three, lane + 1);
+    }
+    return -1;
+}
+
+// Bounds the error of n.x, in units of |n| and the length of the vertex.
+template <class Isa>
+double StarWalk<Isa>::relative_error(const Third& third) const {
+    return (weighted_ ? bounds::weighted_factor : bounds::solved_factor) * third.condition() + 8 * unit;
+}
+
+// On which side of a plane the vertex lies: 0 where rounding may decide.
+template <class Isa>
+int StarWalk<Isa>::sure_side(std::int32_t id, const Third& third, double relative, const Four& x) {
+    Four n;
+    double h, square;
+    plane_through(id, n, h, square);
+    const double excess = dot(wide(n), wide(x)) - h;
+    const double bound = std::sqrt(square * third.length2) * relative + 12 * unit * size_of_h(h, square);
+    return excess > bound ? 1 : excess < -bound ? -1 : 0;
+}
+
+template <class Isa>
+void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
+    Wide position = wide(x) * unscale_;
+    position[3] = third.norms2 / third.determinant2 * third.length2 * unscale_ * unscale_;
+    wide(position_[vertices_]) = position;
+    numbers_[vertices_] = cells_.place(own_local_, position_[vertices_]);
+}
+
+template <class Isa>
+template <Star::Keep Kept>
+bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
+    if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
+    const int c = new_slot(id);
+    if (((planes_known_ >> c) & 1) == 0) {
+        planes_known_ |= 1ull << c;
+        facings_known_ |= 1ull << c;
+        id_[c] = id;
+        wide(n_[c]) = wide(third.n);
+        h_[c] = third.h;
+        square_[c] = third.square;
+        face(c);
+    }
+    if constexpr (Kept == Keep::places) keep_position(third, x);
+    cells_.give({own_local_, local_[edge.b], local_[edge.a], local_[c]},
+                Kept == Keep::places ? numbers_[vertices_] : 0);
+    link_corner<Kept>(edge.b, edge.a, c, vertices_++);
+    ends_ += 3;
+    stack(edge.a, c);
+    stack(c, edge.b);
+    return true;
+}
+
+// A vertex of more than three planes: each of its cells sorts out by itself which of the others it has an edge with.
+template <class Isa>
+bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
+    if (vertices_ > most_vertices - 4) return false;
+    if (keep_ == Keep::places) keep_position(third, x);
+    tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
+    for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
+    const double square = (1 + 4 * margin) * most_distance_squared(dot(wide(x), wide(x)), third);
+    cells_.give_tie(tied_cells_, numbers_[vertices_], bounds::power(square * unscale_ * unscale_, weight_));
+    return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
+}
+
+template <class Isa>
+bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them) {
+    if (cells.size() > most_ties || planes_ + cells.size() > most_planes || ends_ + cells.size() > 4 * most_vertices)
+        return false;
+    if (weighted_ && any_parallel(cells)) return false;
+    used_exact_ = true;
+    std::array<exact::Plane, most_ties> planes;
+    std::array<const exact::Plane*, most_ties> pointers;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        planes[k] = exact_plane(cells_.id(cells[k]));
+        pointers[k] = &planes[k];
+    }
+    std::array<int, most_ties> room;
+    const auto polygon = exact::corner_polygon(base_.point, std::span(pointers).first(cells.size()),
+                                               std::span(room).first(cells.size()));
+    if (polygon.size() < 3) return false;
+    std::array<std::uint8_t, most_ties> slots;
+    const std::size_t count = polygon.size();
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::int32_t cell = cells[static_cast<std::size_t>(polygon[k])];
+        make_room(cell);
+        slots[k] = static_cast<std::uint8_t>(slot_of(cell, planes_));
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const int a = slots[k], b = slots[k + 1 == count ? 0 : k + 1];
+        out_[a] |= 1ull << b;
+        in_[b] |= 1ull << a;
+        from_vertex_[a][b] = static_cast<std::uint8_t>(vertex);
+    }
+    if (keep_ != Keep::nothing) {
+        const auto begin = std::ssize(tie_slots_);
+        tie_slots_.insert(tie_slots_.end(), slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(count));
+        ties_.push_back({vertex, begin, std::ssize(tie_slots_)});
+    }
+    ends_ += static_cast<int>(count);
+    for (std::size_t k = 0; k < count && stack_them; ++k) stack(slots[k], slots[k + 1 == count ? 0 : k + 1]);
+    return true;
+}
+
+// ---- The finished cell: measures, polygons, normals ----
+
+// Whether the vector to a seed is the difference of two doubles each.
+template <class Isa>
+bool StarWalk<Isa>::is_difference(std::int32_t id) const {
+    return seeds_.images == nullptr ||
+           (!moved_ && !seeds_.images->is_rough(id) && seeds_.images->low(id) == std::array<double, 3>{});
+}
+
+// Plain: neither weights nor images.
+template <class Isa>
+template <bool Plain>
+void StarWalk<Isa>::shape_planes(std::span<const std::uint32_t> ranks) {
+    CellShape& shape = shape_;
+    const Wide at{p_[0], p_[1], p_[2], 0};
+    const double *x = seeds_.x.begin(), *y = seeds_.y.begin(), *z = seeds_.z.begin();  // kept in registers
+    for (int face = 0; face < faces_; ++face) {
+        const std::uint32_t rank = ranks[static_cast<std::size_t>(face)];
+        shape.rank[face_slot_[face]] = static_cast<std::uint8_t>(rank);
+        const std::int32_t id = face_[face];
+        Wide& plane = reinterpret_cast<Wide&>(shape.plane[rank]);
+        if (id < 0) {
+            Four n;
+            double h;
+            wall_plane(id, n, h);
+            plane = 0.5 * unscale_ * wide(n);
+            continue;
+        }
+        if (Plain || is_difference(id)) {
+            plane = 0.5 * (Wide{x[id], y[id], z[id], 0} - at);
+        } else {
+            const auto difference = exact::differences(base_.point, exact_plane(id)).x;
+            plane = 0.5 * Wide{difference[0].high, difference[1].high, difference[2].high, 0};
+        }
+        if (!Plain && weighted_) plane[3] = 0.25 * (weight_ - weight_of(id));
+    }
+}
+
+template <class Isa>
+std::array<double, 3> StarWalk<Isa>::corner(const std::array<unsigned, 3>& ranks) const {
+    const auto plane = [&](unsigned rank) {
+        int face = 0;
+        while (shape_.rank[face_slot_[face]] != rank) ++face;
+        return exact_plane(face_[face]);
+    };
+    return exact::vertex_position<double>(base_.point, plane(ranks[0]), plane(ranks[1]), plane(ranks[2]));
+}
+
+template <class Isa>
+CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
+    CellShape& shape = shape_;
+    shape.planes = faces_;
+    shape.slots = planes_;
+    shape.corners = vertices_;
+    shape.weighted = weighted_;
+    shape.exact = this;
+    if (plain_)
+        shape_planes<true>(ranks);
+    else
+        shape_planes<false>(ranks);
+    for (const Tie& tie : ties_) {
+        if (!shape.add_polygon(std::span(tie_slots_.begin() + tie.begin, tie_slots_.begin() + tie.end))) return nullptr;
+        // The last corner takes the place of the vertex.
+        const auto from = static_cast<std::size_t>(--shape.corners), to = static_cast<std::size_t>(tie.vertex);
+        shape.a[to] = shape.a[from], shape.b[to] = shape.b[from], shape.c[to] = shape.c[from];
+    }
+    return &shape;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::knows_vertices() const {
+    constexpr double accepted_error = 4e-10;
+    Wide largest{};  // squares
+    for (int v = 0; v < vertices_; ++v) {
+        const Wide square = wide(position_[v]) * wide(position_[v]);
+        largest = square > largest ? square : largest;
+    }
+    return bounds::solved_factor * std::sqrt(std::sqrt(largest[3])) <=
+           accepted_error * std::sqrt(std::max({largest[0], largest[1], largest[2]}));
+}
+
+// Around face b: from the vertex that has a -> b along both of them to the one that has b -> a.
+template <class Isa>
+void StarWalk<Isa>::polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const {
+    out.clear();
+    out.positions.resize(static_cast<std::size_t>(vertices_));
+    for (std::size_t v = 0; v < out.positions.size(); ++v) {
+        const auto& x = position_[v].x;
+        out.positions[v] = {x[0], x[1], x[2]};
+    }
+    out.shared.assign(numbers_.begin(), numbers_.begin() + vertices_);
+    std::array<unsigned, most_planes> key;  // the rank, then the plane
+    for (unsigned p = 0, faces = 0; p < static_cast<unsigned>(planes_); ++p)
+        if (out_[p] != 0) key[p] = ranks[faces++] << 8 | p;
+    out.corners.resize(static_cast<std::size_t>(ends_));
+    std::uint32_t* corner = out.corners.data();
+    std::array<std::uint8_t, most_vertices> next;  // a, by the vertex that has a -> b
+    for (int b = 0; b < planes_; ++b) {
+        if (out_[b] == 0) continue;
+        unsigned least = ~0u;
+        for (std::uint64_t rest = out_[b]; rest != 0; rest &= rest - 1) {
+            const int a = std::countr_zero(rest);
+            next[from_vertex_[a][b]] = static_cast<std::uint8_t>(a);
+            least = std::min(least, key[a]);
+        }
+        out.beginnings.push_back(least >> 8);
+        const unsigned first = from_vertex_[least & 0xff][b];
+        unsigned v = first;
+        do {
+            *corner++ = v;
+            v = from_vertex_[b][next[v]];
+        } while (v != first);
+        out.offsets.push_back(static_cast<std::uint32_t>(corner - out.corners.data()));
+    }
+}
+
+template <class Isa>
+void StarWalk<Isa>::normals(std::vector<std::array<double, 3>>& out) {
+    out.clear();
+    for (const std::int32_t id : faces()) out.push_back(unit_normal(base_.point, exact_plane(id)));
+}
+
+// ---- Bisector planes in floats, in doubles and exactly ----
+
+template <class Isa>
+void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& square) {
+    if (id < 0) {
+        wall_plane(id, n, h);
+        square = 2 * h;
+        return;
+    }
+    const auto i = static_cast<std::size_t>(id);
+    const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
+    wide(n) = q - p;
+    if (!plain_ && seeds_.images != nullptr && (any_moved_ || seeds_.images->is_image(id))) add_low(id, n);
+    wide(n) *= scale_;
+    square = dot(wide(n), wide(n));
+    h = 0.5 * square;
+    if (!plain_ && weighted_) h = 0.5 * (square + (weight_ - weight_of(id)) * scale_ * scale_);
+}
+
+// Adds what the rounding of coordinates took.
+template <class Isa>
+void StarWalk<Isa>::add_low(std::int32_t id, Four& n) const {
+    // Where places nearly cancel, what a third double holds would be missing, and so would be the rounding of this sum.
+    if ((moved_ || any_rough_) && may_cancel(id, n)) {
+        const auto [x, y, z] = exact::differences(base_.point, exact_plane(id)).x;
+        wide(n) = Wide{x.high, y.high, z.high, 0};
+        return;
+    }
+    const auto& low = seeds_.images->low(id);
+    wide(n) += Wide{low[0], low[1], low[2], 0} - wide(low_);
+}
+
+template <class Isa>
+bool StarWalk<Isa>::may_cancel(std::int32_t id, const Four& n) const {
+    const double size = closest_moved * seeds_.images->largest_coordinate();
+    return (moved_ && dot(wide(n), wide(n)) < size * size) || (any_rough_ && seeds_.images->is_rough(id));
+}
+
+template <class Isa>
+void StarWalk<Isa>::need_plane(int slot) {
+    if (((planes_known_ >> slot) & 1) != 0) return;
+    planes_known_ |= 1ull << slot;
+    id_[slot] = cells_.id(local_[slot]);
+    plane_through(id_[slot], n_[slot], h_[slot], square_[slot]);
+}
+
+template <class Isa>
+void StarWalk<Isa>::need_facing(int slot) {
+    if (((facings_known_ >> slot) & 1) == 0) find_facing(slot);
+}
+
+template <class Isa>
+void StarWalk<Isa>::find_facing(int slot) {
+    facings_known_ |= 1ull << slot;
+    need_plane(slot);
+    face(slot);
+}
+
+template <class Isa>
+void StarWalk<Isa>::face(int slot) {
+    const double inverse = 1 / std::sqrt(square_[slot]);
+    narrow(wide(n_[slot]) * inverse, facing_[slot].normal);
+    facing_[slot].distance = static_cast<float>(h_[slot] * inverse);
+}
+
+template <class Isa>
+exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
+    if (id < 0) return walls_[static_cast<std::size_t>(wall_places_[static_cast<std::size_t>(-1 - id)])].plane;
+    if (seeds_.images != nullptr)
+        return powered(seeds_.images->bisector(base_, seeds_.images->home(id), seeds_.images->shift(id)), id);
+    const auto i = static_cast<std::size_t>(id);
+    return powered(exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]}), id);
+}
+
+template <class Isa>
+exact::Plane StarWalk<Isa>::powered(exact::Plane plane, std::int32_t id) const {
+    if (weighted_) plane.power = exact::two_sum(weight_, -weight_of(id));
+    return plane;
+}
+
+// Whether two bisectors may be one plane: the farther seed then has the face, which the clipper decides.
+template <class Isa>
+bool StarWalk<Isa>::any_parallel(std::span<const std::int32_t> cells) {
+    constexpr double nearly = 1e-20;
+    std::array<Four, most_ties> normals;
+    std::array<double, most_ties> squares;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        double h;
+        plane_through(cells_.id(cells[i]), normals[i], h, squares[i]);
+        for (std::size_t j = 0; j < i; ++j) {
+            Wide across;
+            cross(wide(normals[i]), wide(normals[j]), across);
+            if (dot(across, across) <= nearly * squares[i] * squares[j] && dot(wide(normals[i]), wide(normals[j])) > 0)
+                return true;
+        }
+    }
+    return false;
+}
+
+// ---- Walls: to the walk a wall is the bisector of the seed and its mirror image ----
+
+template <class Isa>
+void StarWalk<Isa>::begin_job(const Domain& domain) {
+    domain_ = &domain;
+    weighted_ = domain.has_weights();
+    weight_ = more_ = 0;
+    plain_ = !weighted_ && seeds_.images == nullptr;
+    walls_.clear();
+    wall_places_.assign(6 + domain.walls.size(), -1);
+    double size = largest_coordinate(domain.box);
+    for (int k = 0; k < 3; ++k) size = std::max(size, std::abs(domain.origin[k]));
+    for (std::size_t w = 0; w < wall_places_.size(); ++w) {
+        const int of_box = static_cast<int>(w);
+        if (w < 6 && !domain.has_box_wall(of_box)) continue;
+        wall_places_[w] = static_cast<std::int32_t>(walls_.size());
+        Wall wall{};
+        wall.id = -1 - of_box;
+        wall.plane = w < 6 ? domain.box_wall(of_box) : domain.walls[w - 6];
+        wall.mirror_of = ~std::size_t{0};
+        if (wall.plane.is_oblique()) {
+            const CellPlane at_origin = make_plane({}, wall.id, wall.plane);
+            const double inverse = 1 / at_origin.norm;
+            for (std::size_t k = 0; k < 3; ++k) wall.normal[k] = at_origin.n[k] * inverse;
+            wall.offset = at_origin.h * inverse;
+            wall.error = 64 * unit * (4 * size + std::abs(wall.offset));
+        } else {
+            const int axis = of_box / 2;
+            wall.normal[static_cast<std::size_t>(axis)] = of_box % 2 == 0 ? -1 : 1;
+            wall.offset = of_box % 2 == 0 ? -domain.box.lower[axis] : domain.box.upper[axis];
+        }
+        walls_.push_back(wall);
+    }
+}
+
+// At most how far the seed lies inside.
+template <class Isa>
+double StarWalk<Isa>::distance_to(const Wall& wall) const {
+    const auto& n = wall.normal;
+    return wall.offset - (n[0] * p_[0] + n[1] * p_[1] + n[2] * p_[2]) - wall.error;
+}
+
+// Those nearer than `reach` to a box.
+template <class Isa>
+void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
+    near_walls_.clear();
+    for (std::size_t w = 0; w < walls_.size(); ++w) {
+        const auto& n = walls_[w].normal;
+        double farthest = 0;
+        for (int k = 0; k < 3; ++k) farthest += n[k] * (n[k] > 0 ? home.upper[k] : home.lower[k]);
+        if (walls_[w].offset - farthest - 2 * walls_[w].error < reach) near_walls_.push_back(w);
+    }
+}
+
+template <class Isa>
+bool StarWalk<Isa>::add_near_walls() {
+    const double reach = longest_;
+    bool oblique = false;
+    for (const std::size_t w : near_walls_) {
+        const Wall& wall = walls_[w];
+        if (2 * distance_to(wall) * scale_ * (1 - margin) >= reach) continue;
+        if (!add_candidate(wall.id)) return false;
+        oblique = oblique || wall.plane.is_oblique();
+    }
+    near_walls_end_ = candidates_.count;
+    return !oblique || !two_walls_coincide();
+}
+
+template <class Isa>
+bool StarWalk<Isa>::add_walls() {
+    have_walls_ = true;
+    bool oblique = false;
+    const std::int32_t *near = candidates_.id, *near_end = near + near_walls_end_;
+    for (const Wall& wall : walls_) {
+        if (std::find(near, near_end, wall.id) != near_end) continue;
+        if (!add_candidate(wall.id)) return false;
+        oblique = oblique || wall.plane.is_oblique();
+    }
+    return !oblique || !two_walls_coincide();
+}
+
+// Whether two walls may be one plane: the first then has the face, as the clipper decides, which takes them in order.
+template <class Isa>
+bool StarWalk<Isa>::two_walls_coincide() const {
+    constexpr float nearly = 1e-5f;
+    const CandidatePlanes& c = candidates_;
+    for (int i = 0; i < c.count; ++i) {
+        if (c.id[i] >= 0) continue;
+        for (int j = 0; j < i; ++j) {
+            if (c.id[j] >= 0) continue;
+            const float apart = std::abs(c.nx[i] - c.nx[j]) + std::abs(c.ny[i] - c.ny[j]) + std::abs(c.nz[i] - c.nz[j]);
+            if (apart <= nearly * (std::abs(c.nx[i]) + std::abs(c.ny[i]) + std::abs(c.nz[i]))) return true;
+        }
+    }
+    return false;
+}
+
+template <class Isa>
+void StarWalk<Isa>::wall_plane(std::int32_t id, Four& n, double& h) {
+    Wall& wall = wall_of(id);
+    if (wall.mirror_of != seed_) {
+        wall.mirror_of = seed_;
+        wall.n = {};
+        wall.h = 0;
+        if (!wall.plane.is_oblique()) {
+            const int axis = (-1 - id) / 2;
+            const double distance = wall.plane.wall - p_[static_cast<std::size_t>(axis)];
+            wall.n.x[axis] = 2 * distance;
+            wall.h = 2 * distance * distance;
+        } else {  // moves are along walls
+            const CellPlane plane = make_plane(base_.point, id, wall.plane);
+            std::ranges::copy(mirror_image(plane), wall.n.x);
+            if (plane.reliable && plane.h > 0) wall.h = 2 * plane.h / (plane.norm * plane.norm) * plane.h;
+        }
+    }
+    wide(n) = wide(wall.n) * scale_;
+    h = wall.h * scale_ * scale_;
+}
+
+}  // namespace votess::cpu
