@@ -11,11 +11,12 @@
 namespace clvotess {
 namespace {
 
-using Stages = std::array<std::pair<const char*, double>, 9>;
+using Stages = std::array<std::pair<const char*, double>, 10>;
 
 Stages stages_of(const Summary& summary) {
     const votess::StageSeconds& seconds = summary.stats.seconds;
     return {{{"total", summary.seconds_total},
+             {"open", seconds.open},
              {"read", summary.seconds_read},
              {"upload", seconds.upload},
              {"sort", seconds.sort},

@@ -1,4 +1,4 @@
-// Seconds of the six stages of a run, one of which is always under way.
+// Seconds of the stages of a run. One of them is always under way.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@ class StageClock {
 public:
     using Stage = double StageSeconds::*;
 
-    // Ends the stage that is under way, at first upload, and begins another. Returns the one that ended.
+    // Ends the present stage and begins another. Returns the one that ended. The first stage is upload.
     Stage enter(Stage next) {
         const auto now = std::chrono::steady_clock::now();
         seconds_.*stage_ += std::chrono::duration<double>(now - begin_).count();
@@ -45,7 +45,7 @@ public:
     [[nodiscard]] StageSeconds seconds() {
         enter(stage_);
         const StageSeconds& s = seconds_;
-        seconds_.total = s.upload + s.sort + s.knn + s.clip + s.fallback + s.download;
+        seconds_.total = s.open + s.upload + s.sort + s.knn + s.clip + s.fallback + s.download;
         return seconds_;
     }
 

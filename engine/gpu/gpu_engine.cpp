@@ -112,6 +112,7 @@ void GpuEngine::begin(const Job& job) {
 void GpuEngine::find_parts() {
     const PassSettings settings = pass_settings(job_.options);
     if (!passes_ || passes_->settings != settings) {
+        const StageClock::Within opening(*clock_, &StageSeconds::open);
         passes_.reset();
         for (auto& chunk : chunks_) chunk.reset();
         passes_.emplace(*device_, settings);
@@ -235,7 +236,10 @@ void GpuEngine::clip_part(std::size_t index) {
                 started = &next;
                 slot ^= 1;
                 if (running == nullptr) begun = std::chrono::steady_clock::now();
-                if (piece->ties) passes_->make_with_ties(*device_);
+                if (piece->ties) {
+                    const StageClock::Within opening(*clock_, &StageSeconds::open);
+                    passes_->make_with_ties(*device_);
+                }
                 started->start(seeds_, *passes_, job, *piece, download_.on_device());
             } else {
                 leave_to_cpu(piece->first, piece->count);

@@ -10,8 +10,8 @@ namespace votess {
 class Engine {
 public:
     virtual ~Engine() = default;
-    // Goes through the stages upload, sort, knn, clip, fallback, download, and tells the clock which. Fills the result
-    // but for its seconds. After an error the next run begins anew.
+    // Goes through the stages upload, sort, knn, clip, fallback, download, and enters each on the clock. Fills the
+    // result except its seconds. After an error the next run starts afresh.
     virtual void run(const Job& job, StageClock& clock, detail::Result& result) = 0;
 };
 

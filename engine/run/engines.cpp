@@ -61,7 +61,7 @@ void Engines::put(const std::string& device, std::unique_ptr<Engine> engine) {
 
 #if VOTESS_HAVE_VULKAN
 
-Engine& Engines::choose(const Job& job) {
+Engine& Engines::choose(const Job& job, StageClock& clock) {
     const std::string& device = job.options.device;
     if (device == "cpu" || (device == "auto" && !gpu::device_clips(job))) return state_->cpu;
     if (state_->gpu && !state_->gpu_home.is_this())
@@ -70,6 +70,7 @@ Engine& Engines::choose(const Job& job) {
                         "': this Tessellator has opened one before fork(), and the child process cannot use it: use "
                         "the CPU there, or start the process anew instead of by fork()");
     if (state_->gpu && state_->gpu_name == device) return *state_->gpu;
+    const StageClock::Within opening(clock, &StageSeconds::open);
     auto chosen = gpu::choose_device(device);
     if (!chosen) return state_->cpu;
     forget_gpu();  // before another one takes its memory
@@ -79,7 +80,7 @@ Engine& Engines::choose(const Job& job) {
 
 #else
 
-Engine& Engines::choose(const Job& job) {
+Engine& Engines::choose(const Job& job, StageClock&) {
     const std::string& device = job.options.device;
     if (device != "cpu" && device != "auto")
         throw Error(ErrorCode::unsupported, "device '" + device + "': this votess was built without Vulkan, use cpu");
@@ -124,7 +125,7 @@ detail::Result run_on(Engines& engines, const Points& points, const Options& opt
     job.snapshot = &engines.snapshot();
     bool on_cpu = false;
     try {
-        Engine& engine = engines.choose(job);
+        Engine& engine = engines.choose(job, clock);
         on_cpu = &engine == &engines.cpu();
         return run_job(engine, job, clock);
     } catch (const Error& error) {

@@ -16,9 +16,9 @@ public:
     Engines(const Engines&) = delete;
     Engines& operator=(const Engines&) = delete;
 
-    // The engine that the job's options name; of "auto" the CPU's, too, where a GPU would hand every cell to it. Throws
-    // `unsupported` with the reason when it cannot be had.
-    Engine& choose(const Job& job);
+    // Returns the engine that the job's options name, and counts the time that opening a device takes; of "auto" the
+    // CPU's, too, where a GPU would hand every cell to it. Throws `unsupported` with the reason when it cannot be had.
+    Engine& choose(const Job& job, StageClock& clock);
     Engine& cpu();
     // Copies points with this number of threads, see input/snapshot.hpp.
     Points take(const Points& points, unsigned threads);

@@ -132,7 +132,8 @@ typedef struct votess_stats {
     // vertices than the device holds, the search ended too early, the device had failed before, or cannot do the
     // domain.
     uint64_t fallback_uncertain, fallback_overflow, fallback_exhausted, fallback_skipped, fallback_domain;
-    int64_t tiny_faces;  // faces far smaller than the mean, see Stats::tiny_faces in votess.hpp; -1 when unknown
+    int64_t tiny_faces;   // faces far smaller than the mean, see Stats::tiny_faces in votess.hpp; -1 when unknown
+    double seconds_open;  // see StageSeconds::open in votess.hpp; part of seconds_total
 } votess_stats;
 
 typedef struct votess_tessellator votess_tessellator;

@@ -194,12 +194,13 @@ struct Options {
 // unsupported for options that are wrong whatever the seeds are.
 [[nodiscard]] VOTESS_API Want implied_want(const Options& options);
 
-// Seconds of wall clock per stage of the pipeline. On the CPU `knn` builds the search structure, and `clip` pulls the
-// candidates and decides uncertain signs exactly on the spot, so that nothing is left for `fallback`. On a GPU, where
-// chunks of cells pass through knn, clip and download while the CPU does its share of the chunk before (`fallback`),
-// that stretch is divided by what each took; where a subgroup of the device makes a cell, it searches within `clip`.
+// Seconds of wall clock per stage of the pipeline. `open` looks for a device, opens it and makes its pipelines; it is 0
+// where no device was looked for. On the CPU `knn` builds the search structure, and `clip` pulls the candidates and
+// decides uncertain signs exactly on the spot, so that nothing is left for `fallback`. On a GPU, where chunks of cells
+// pass through knn, clip and download while the CPU does its share of the chunk before (`fallback`), that stretch is
+// divided by what each took; where a subgroup of the device makes a cell, it searches within `clip`.
 struct StageSeconds {
-    double upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
+    double open = 0, upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
     double total = 0;
 };
 

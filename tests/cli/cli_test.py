@@ -19,7 +19,7 @@ SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreig
 JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
              "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "tiny_faces", "threads", "seconds",
              "peak_memory_bytes", "verified", "verified_cells"]
-SECONDS_KEYS = ["total", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
+SECONDS_KEYS = ["total", "open", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--copy", "--density", "--output", "--format", "--want",
            "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder",
            "--wall-cone", "--outside", "--min-face", "--min-area", "--image", "--image-size", "--slice", "--cut",

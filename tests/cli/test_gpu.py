@@ -76,8 +76,10 @@ class Devices(CliTest):
         self.assertEqual(sum(result["fallback_reasons"].values()), result["fallback_cells"])
         self.assertAlmostEqual(result["volume_sum"], 1, delta=1e-5)
         seconds = result["seconds"]
-        for stage in ["upload", "sort", "knn", "clip", "download"]:
+        for stage in ["open", "upload", "sort", "knn", "clip", "download"]:
             self.assertGreater(seconds[stage], 0, stage)
+        self.assertGreater(seconds["open"], seconds["upload"])
+        self.assertEqual(self.json("--random", 2000, "-x", "cpu")["seconds"]["open"], 0)
         stages = sum(value for name, value in seconds.items() if name != "total")
         # A busy machine takes time away between the stages; the bounds tell seconds from other units, no more.
         self.assertLess(stages, 2 * seconds["total"])

@@ -65,9 +65,10 @@ struct Stage {
     double votess::StageSeconds::*seconds;
 };
 inline constexpr Stage stages[] = {
-    {"upload", &votess::StageSeconds::upload},     {"sort", &votess::StageSeconds::sort},
-    {"knn", &votess::StageSeconds::knn},           {"clip", &votess::StageSeconds::clip},
-    {"fallback", &votess::StageSeconds::fallback}, {"download", &votess::StageSeconds::download}};
+    {"open", &votess::StageSeconds::open},        {"upload", &votess::StageSeconds::upload},
+    {"sort", &votess::StageSeconds::sort},        {"knn", &votess::StageSeconds::knn},
+    {"clip", &votess::StageSeconds::clip},        {"fallback", &votess::StageSeconds::fallback},
+    {"download", &votess::StageSeconds::download}};
 double median_of(const Stage& stage, const std::vector<votess::StageSeconds>& runs);
 
 struct PeerVersion {

@@ -160,6 +160,7 @@ class Stats(ctypes.Structure):
         ("fallback_skipped", c_uint64),
         ("fallback_domain", c_uint64),
         ("tiny_faces", c_int64),
+        ("seconds_open", c_double),
     ]
 
 

@@ -13,8 +13,12 @@ from ._library import lib
 
 @dataclass(frozen=True)
 class StageSeconds:
-    """Seconds of wall clock per stage. On the CPU ``knn`` and ``fallback`` are part of ``clip``."""
+    """Seconds of wall clock per stage.
 
+    ``open`` finds and opens a device and makes its pipelines. On the CPU ``knn`` and ``fallback`` are part of ``clip``.
+    """
+
+    open: float
     upload: float
     sort: float
     knn: float

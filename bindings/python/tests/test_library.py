@@ -63,7 +63,7 @@ class Facts(unittest.TestCase):
         self.assertGreater(stats.seconds.total, 0)
         as_dict = dataclasses.asdict(stats)
         self.assertEqual(
-            list(as_dict["seconds"]), ["upload", "sort", "knn", "clip", "fallback", "download", "total"]
+            list(as_dict["seconds"]), ["open", "upload", "sort", "knn", "clip", "fallback", "download", "total"]
         )
         parts = sum(as_dict["seconds"].values()) - stats.seconds.total
         self.assertLessEqual(parts, stats.seconds.total * 1.01 + 1e-3)
