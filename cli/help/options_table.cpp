@@ -204,7 +204,8 @@ number, the first axis to the right; --colormap as for pictures)"},
         {"run",
          {
              {"-x, --device auto|cpu|gpu|lavapipe|INDEX", "where to run; default the first GPU, else the CPU",
-              R"(auto      the first GPU, else the CPU (default)
+              R"(auto      the first GPU, else the CPU (default); for fewer than 10,000 points the
+          CPU, which is done before a GPU is found
 gpu       the first GPU; without one an error, never the CPU instead
 lavapipe  the first Vulkan device that is software
 INDEX     that Vulkan device, a number of --list-devices)"},

@@ -61,6 +61,9 @@ void Engines::put(const std::string& device, std::unique_ptr<Engine> engine) {
 
 #if VOTESS_HAVE_VULKAN
 
+// Finding out that there is no GPU takes 40 ms, as long as 10,000 cells take on one core; opening one takes longer.
+constexpr std::size_t least_to_look = 10000;
+
 Engine& Engines::choose(const Job& job, StageClock& clock) {
     const std::string& device = job.options.device;
     if (device == "cpu" || (device == "auto" && !gpu::device_clips(job))) return state_->cpu;
@@ -70,6 +73,12 @@ Engine& Engines::choose(const Job& job, StageClock& clock) {
                         "': this Tessellator has opened one before fork(), and the child process cannot use it: use "
                         "the CPU there, or start the process anew instead of by fork()");
     if (state_->gpu && state_->gpu_name == device) return *state_->gpu;
+    if (device == "auto" && job.points.count() < least_to_look) {
+        if (job.options.log)
+            job.options.log("the CPU takes fewer than " + std::to_string(least_to_look) +
+                            " seeds: it is done before a GPU is found");
+        return state_->cpu;
+    }
     const StageClock::Within opening(clock, &StageSeconds::open);
     auto chosen = gpu::choose_device(device);
     if (!chosen) return state_->cpu;

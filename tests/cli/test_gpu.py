@@ -52,12 +52,17 @@ class Devices(CliTest):
         self.put("a.txt", text_of(random_points(50)))
         hidden = self.environment(**HIDDEN)
         self.assertEqual(len(self.run_cli("--list-devices", env=hidden).stdout.splitlines()), 2)
-        self.assertEqual(self.json("a.txt", "-x", "auto", env=hidden)["device"], "cpu")
+        self.assertEqual(self.json("--random", 10000, "-x", "auto", env=hidden)["device"], "cpu")
         self.assertEqual(self.json("a.txt", env=hidden)["device"], "cpu")
         for device in ["gpu", "lavapipe", "0"]:
             done = self.run_cli("a.txt", "-x", device, "-o", "b.txt", env=hidden, code=2)
             self.assertEqual(done.stderr, f"clvotess: device '{device}' is not available: no Vulkan driver on this machine\n")
         self.assertEqual(self.files(), ["a.txt"])
+
+    def test_few_points_look_for_no_gpu(self):
+        for points, looks in ((9999, False), (10000, True)):
+            done = self.run_cli("--random", points, "-q", env=self.environment(LD_DEBUG="files"))
+            self.assertEqual("libvulkan" in done.stderr, looks)
 
     def test_no_such_device(self):
         self.put("a.txt", text_of(random_points(50)))

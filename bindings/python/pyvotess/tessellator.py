@@ -132,7 +132,8 @@ def tessellate(
     list_walls : list the walls in the rows too: -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, of a
         ``cell`` across its edges a, b, c in the same order, then those of ``walls``.
     device : "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device
-        that is software; or an ``id`` out of :func:`devices`. One that cannot be had raises VotessError.
+        that is software; or an ``id`` out of :func:`devices`. One that is not available raises VotessError. "auto"
+        takes the CPU for fewer than 10,000 points, which it finishes before a GPU is found.
     precision : of volumes, centroids and areas from a GPU: "single", relative error 1e-5, or "double", 1e-10. The CPU always
         gives 1e-10; the neighbor lists are exact either way.
     threads, grid_resolution, k_init, chunk_size : tuning, 0 = automatic. They change speed and memory, never the
