@@ -1,18 +1,20 @@
 // The CPU engine: every cell by the exact clipper, on a thread pool.
 #pragma once
 
+#include "core/stage_clock.hpp"
 #include "cpu/cpu_clipper.hpp"
-#include "output/engine.hpp"
 #include "output/result_builder.hpp"
 
 namespace votess::cpu {
 
-class CpuEngine : public Engine {
+class CpuEngine {
 public:
     // The clipper and its threads may serve another engine between the runs of this one.
     explicit CpuEngine(CpuClipper& clipper) : clipper_(clipper) {}
 
-    void run(const Job& job, StageClock& clock, detail::Result& result) override;
+    // Goes through the stages upload, sort, knn, clip, fallback, download, and enters each on the clock. Fills the
+    // result except its seconds. After an error the next run starts afresh.
+    void run(const Job& job, StageClock& clock, detail::Result& result);
 
 private:
     CpuClipper& clipper_;

@@ -72,6 +72,8 @@ Box device_box(const Job& job) {
     return whole_box(box, {true, true, true});
 }
 
+namespace {
+
 std::optional<ImageRange> image_range(const Job& job) {
     const Domain& domain = *job.domain;
     const auto count = static_cast<double>(std::max<std::size_t>(seeds_inside(job), 1));
@@ -90,7 +92,6 @@ std::optional<ImageRange> image_range(const Job& job) {
         range.box.upper[k] += margin;
     }
     range.box = whole_box(range.box, domain.has_cell_walls() ? std::array{true, true, true} : range.extended);
-    if (domain.has_weights() && !weight_units(domain, Units::for_box(range.box), job.scale)) return std::nullopt;
 
     range.fractions = fractions_of(domain, *range.basis, range.box, job.scale);
     double members = count / domain.volume;
@@ -102,10 +103,20 @@ std::optional<ImageRange> image_range(const Job& job) {
     return range;
 }
 
-bool device_clips(const Job& job) {
-    const Domain& domain = *job.domain;
-    if (domain.is_periodic()) return image_range(job).has_value();
-    return !domain.has_weights() || weight_units(domain, Units::for_box(device_box(job)), job.scale).has_value();
+}  // namespace
+
+std::optional<DeviceDomain> device_domain(const Job& job) {
+    DeviceDomain result;
+    if (job.domain->is_periodic()) {
+        result.images = image_range(job);
+        if (!result.images) return std::nullopt;
+        result.box = result.images->box;
+    } else {
+        result.box = device_box(job);
+    }
+    if (job.domain->has_weights() && !weight_units(*job.domain, Units::for_box(result.box), job.scale))
+        return std::nullopt;
+    return result;
 }
 
 }  // namespace votess::gpu

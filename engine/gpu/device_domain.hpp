@@ -1,4 +1,4 @@
-// Which jobs a device clips; of others the exact clipper takes every cell.
+// How a device sees a job's domain. A device does not clip every domain; the exact clipper takes the cells of others.
 #pragma once
 
 #include <array>
@@ -27,13 +27,15 @@ struct ImageRange {
 // radius of its own seed, and heavier than that by at most so much.
 [[nodiscard]] double image_margin(double radius, double heavier);
 
-// Returns nothing when images would be many times the seeds: in long cells that lie across the axes.
-std::optional<ImageRange> image_range(const Job& job);
+// Returns the device's box of a domain that is not periodic.
+[[nodiscard]] Box device_box(const Job& job);
 
-// The device's box of a domain that is not periodic.
-Box device_box(const Job& job);
-
-// All domains but such periodic ones, and those whose weights differ too much for their size.
-bool device_clips(const Job& job);
+struct DeviceDomain {
+    Box box;                           // of seeds and images, in the units of length given
+    std::optional<ImageRange> images;  // of a periodic domain; refers to the job's domain
+};
+// Returns nothing for a job that no device clips. Its images are many times its seeds, as in a long box that lies
+// across the axes; or its weights differ too much for its size.
+[[nodiscard]] std::optional<DeviceDomain> device_domain(const Job& job);
 
 }  // namespace votess::gpu

@@ -61,10 +61,10 @@ std::uint32_t GpuEngine::chunk_cells(const PassSettings& settings) const {
     return cells > TILE_ITEMS ? cells / TILE_ITEMS * TILE_ITEMS : cells;
 }
 
-void GpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
+void GpuEngine::run(const Job& job, const DeviceDomain* domain, StageClock& clock, detail::Result& result) {
     clock_ = &clock;
     begin(job);
-    device_clips_ = job_.points.count() > 0 && find_domain();
+    device_clips_ = domain != nullptr && job_.points.count() > 0 && find_seeds(*domain);
     if (device_clips_) {
         find_parts();
         for (std::size_t index = 0; index < parts_->size(); ++index) {
@@ -127,14 +127,13 @@ void GpuEngine::find_parts() {
     parts_.emplace(job_, duplicate_of, box_, periodic_ ? INDEX_MASK : most);
 }
 
-bool GpuEngine::find_domain() {
+bool GpuEngine::find_seeds(const DeviceDomain& domain) {
     periodic_.reset();
-    if (!device_clips(job_)) return false;
-    if (job_.domain->is_periodic()) {
-        periodic_ = periodic_part(job_, most_seeds());
+    if (domain.images) {
+        periodic_ = periodic_part(job_, *domain.images, most_seeds());
         if (!periodic_) return false;
     }
-    box_ = periodic_ ? periodic_->box : device_box(job_);
+    box_ = domain.box;
     seeds_.set_walls(device_walls(job_, box_));
     return true;
 }

@@ -7,13 +7,13 @@
 #include <optional>
 #include <vector>
 
+#include "core/stage_clock.hpp"
 #include "gpu/chunk.hpp"
 #include "gpu/download/part_download.hpp"
 #include "gpu/passes/passes.hpp"
 #include "gpu/pending_cells.hpp"
 #include "gpu/seeds/parts.hpp"
 #include "gpu/seeds/seed_store.hpp"
-#include "output/engine.hpp"
 #include "output/exact_clipper.hpp"
 #include "output/result_builder.hpp"
 
@@ -28,11 +28,14 @@ struct EngineLimits {
     double chunk_seconds = 0;  // that the device may take for a chunk; the next one has as many cells
 };
 
-class GpuEngine : public Engine {
+class GpuEngine {
 public:
     GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipper, const EngineLimits& limits = {});
 
-    void run(const Job& job, StageClock& clock, detail::Result& result) override;
+    // Goes through the stages upload, sort, knn, clip, fallback, download, and enters each on the clock. Fills the
+    // result except its seconds. After an error the next run starts afresh. domain: that of the job; null when no
+    // device clips it.
+    void run(const Job& job, const DeviceDomain* domain, StageClock& clock, detail::Result& result);
 
     [[nodiscard]] vulkan::Device& device() { return *device_; }
     [[nodiscard]] vulkan::Memory& memory() { return memory_; }
@@ -41,8 +44,8 @@ private:
     [[nodiscard]] PassSettings pass_settings(const Options& options) const;
     [[nodiscard]] std::uint32_t chunk_cells(const PassSettings& settings) const;
     void begin(const Job& job);
-    // Whether the passes can do the job; else the exact clipper takes all cells.
-    [[nodiscard]] bool find_domain();
+    // Returns whether the passes can do the job; else the exact clipper takes all cells.
+    [[nodiscard]] bool find_seeds(const DeviceDomain& domain);
     void find_parts();
     [[nodiscard]] std::uint32_t most_seeds() const;
     void upload_part(std::size_t index);

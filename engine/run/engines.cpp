@@ -5,41 +5,88 @@
 #include <thread>
 #include <utility>
 
-#include "core/home_process.hpp"
 #include "core/progress.hpp"
 #include "cpu/cpu_engine.hpp"
 #include "input/options.hpp"
 #include "input/snapshot.hpp"
 #include "polytope/cell_kernels.hpp"
 #if VOTESS_HAVE_VULKAN
+#include "core/home_process.hpp"
 #include "gpu/device_choice.hpp"
-#include "gpu/device_domain.hpp"
 #include "gpu/gpu_engine.hpp"
 #endif
 
 namespace votess {
 
-struct Engines::State {
-    ~State() { forget_gpu(); }
-    void forget_gpu() {
-        if (!gpu_home.is_this()) (void)gpu.release();
-        gpu.reset();
-    }
+#if VOTESS_HAVE_VULKAN
 
+namespace {
+
+// Finding out that there is no GPU takes 40 ms, as long as 10,000 cells take on one core; opening one takes longer.
+constexpr std::size_t least_to_look = 10000;
+
+// The engine of a GPU, and what the job's options call it.
+class OpenGpu {
+public:
+    ~OpenGpu() { close(); }
+    void close() {
+        if (!home_.is_this()) (void)engine_.release();
+        engine_.reset();
+    }
+    void put(const std::string& device, std::unique_ptr<gpu::GpuEngine> engine) {
+        engine_ = std::move(engine);
+        name_ = device;
+        home_ = {};
+    }
+    // Returns null when the CPU runs the job. domain: null when no device clips it.
+    gpu::GpuEngine* find(const Job& job, const gpu::DeviceDomain* domain, ExactClipper& clipper, StageClock& clock);
+
+private:
+    std::unique_ptr<gpu::GpuEngine> engine_;
+    std::string name_;
+    HomeProcess home_;  // where it was opened
+};
+
+gpu::GpuEngine* OpenGpu::find(const Job& job, const gpu::DeviceDomain* domain, ExactClipper& clipper,
+                              StageClock& clock) {
+    const std::string& device = job.options.device;
+    const bool is_auto = device == "auto";
+    if (is_auto && domain == nullptr) return nullptr;
+    if (engine_ && !home_.is_this())
+        throw Error(ErrorCode::unsupported,
+                    "device '" + device +
+                        "': this Tessellator opened one before fork(), and the child process cannot use it: use the "
+                        "CPU there, or start the process afresh instead of by fork()");
+    if (engine_ && name_ == device) return engine_.get();
+    if (is_auto && job.points.count() < least_to_look) {
+        if (job.options.log)
+            job.options.log("the CPU takes fewer than " + std::to_string(least_to_look) +
+                            " seeds: it is done before a GPU is found");
+        return nullptr;
+    }
+    const StageClock::Within opening(clock, &StageSeconds::open);
+    auto chosen = gpu::choose_device(device);
+    if (!chosen) return nullptr;
+    close();  // before another one takes its memory
+    put(device, std::make_unique<gpu::GpuEngine>(std::move(chosen), clipper));
+    return engine_.get();
+}
+
+}  // namespace
+
+#endif
+
+struct Engines::State {
     cpu::CpuClipper clipper;  // and its threads, for both engines
     cpu::CpuEngine cpu{clipper};
     Snapshot snapshot;
-    std::unique_ptr<Engine> gpu;
-    std::string gpu_name;  // the device name that chose it
-    HomeProcess gpu_home;  // where it was opened
+#if VOTESS_HAVE_VULKAN
+    OpenGpu gpu;
+#endif
 };
 
 Engines::Engines() : state_(std::make_unique<State>()) {}
 Engines::~Engines() = default;
-
-Engine& Engines::cpu() {
-    return state_->cpu;
-}
 
 Points Engines::take(const Points& points, unsigned threads) {
     return state_->snapshot.take(points, state_->clipper.pool_of(threads));
@@ -49,51 +96,40 @@ Snapshot& Engines::snapshot() {
     return state_->snapshot;
 }
 
-void Engines::forget_gpu() {
-    state_->forget_gpu();
-}
-
-void Engines::put(const std::string& device, std::unique_ptr<Engine> engine) {
-    state_->gpu = std::move(engine);
-    state_->gpu_name = device;
-    state_->gpu_home = {};
-}
-
 #if VOTESS_HAVE_VULKAN
 
-// Finding out that there is no GPU takes 40 ms, as long as 10,000 cells take on one core; opening one takes longer.
-constexpr std::size_t least_to_look = 10000;
+void Engines::put(const std::string& device, std::unique_ptr<gpu::GpuEngine> engine) {
+    state_->gpu.put(device, std::move(engine));
+}
 
-Engine& Engines::choose(const Job& job, StageClock& clock) {
+void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
     const std::string& device = job.options.device;
-    if (device == "cpu" || (device == "auto" && !gpu::device_clips(job))) return state_->cpu;
-    if (state_->gpu && !state_->gpu_home.is_this())
-        throw Error(ErrorCode::unsupported,
-                    "device '" + device +
-                        "': this Tessellator has opened one before fork(), and the child process cannot use it: use "
-                        "the CPU there, or start the process anew instead of by fork()");
-    if (state_->gpu && state_->gpu_name == device) return *state_->gpu;
-    if (device == "auto" && job.points.count() < least_to_look) {
-        if (job.options.log)
-            job.options.log("the CPU takes fewer than " + std::to_string(least_to_look) +
-                            " seeds: it is done before a GPU is found");
-        return state_->cpu;
+    if (device == "cpu") return state_->cpu.run(job, clock, result);
+    std::optional<Job> again;
+    try {
+        const std::optional<gpu::DeviceDomain> domain = gpu::device_domain(job);
+        const gpu::DeviceDomain* const clipped = domain ? &*domain : nullptr;
+        if (gpu::GpuEngine* gpu = state_->gpu.find(job, clipped, state_->clipper, clock))
+            return gpu->run(job, clipped, clock, result);
+    } catch (const Error& error) {
+        const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
+        if (device_failed) state_->gpu.close();  // its device may be unusable
+        if (device != "auto" || (!device_failed && error.code() != ErrorCode::unsupported)) throw;
+        if (job.options.log) job.options.log(std::string("the CPU takes over: ") + error.what());
+        result = {};
+        again = job;
+        again->arrays = nullptr;  // the failed run may have taken them
     }
-    const StageClock::Within opening(clock, &StageSeconds::open);
-    auto chosen = gpu::choose_device(device);
-    if (!chosen) return state_->cpu;
-    forget_gpu();  // before another one takes its memory
-    put(device, std::make_unique<gpu::GpuEngine>(std::move(chosen), state_->clipper));
-    return *state_->gpu;
+    state_->cpu.run(again ? *again : job, clock, result);
 }
 
 #else
 
-Engine& Engines::choose(const Job& job, StageClock&) {
+void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
     const std::string& device = job.options.device;
     if (device != "cpu" && device != "auto")
         throw Error(ErrorCode::unsupported, "device '" + device + "': this votess was built without Vulkan, use cpu");
-    return state_->cpu;
+    state_->cpu.run(job, clock, result);
 }
 
 #endif
@@ -110,17 +146,6 @@ std::vector<DeviceInfo> Engines::devices() {
     return all;
 }
 
-namespace {
-
-detail::Result run_job(Engine& engine, const Job& job, StageClock& clock) {
-    detail::Result result;
-    engine.run(job, clock, result);
-    result.stats.seconds = clock.seconds();
-    return result;
-}
-
-}  // namespace
-
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
     StageClock clock;
     Progress progress(options.progress);
@@ -132,21 +157,10 @@ detail::Result run_on(Engines& engines, const Points& points, const Options& opt
     stoppable.reset();  // an engine has its own
     job.arrays = &arrays;
     job.snapshot = &engines.snapshot();
-    bool on_cpu = false;
-    try {
-        Engine& engine = engines.choose(job, clock);
-        on_cpu = &engine == &engines.cpu();
-        return run_job(engine, job, clock);
-    } catch (const Error& error) {
-        const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
-        // After a failure the engine's device may be unusable.
-        if (device_failed) engines.forget_gpu();
-        const bool device_cannot = device_failed || error.code() == ErrorCode::unsupported;
-        if (!device_cannot || options.device != "auto" || on_cpu) throw;
-        if (options.log) options.log(std::string("the CPU takes over: ") + error.what());
-    }
-    job.arrays = nullptr;  // which the failed run may have taken
-    return run_job(engines.cpu(), job, clock);
+    detail::Result result;
+    engines.run(job, clock, result);
+    result.stats.seconds = clock.seconds();
+    return result;
 }
 
 }  // namespace votess

@@ -1,13 +1,19 @@
-// The engines of a Tessellator, and which of them runs a job.
+// The engines of a Tessellator. A job runs on one of them.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "output/engine.hpp"
+#include "core/stage_clock.hpp"
+#include "input/job.hpp"
+#include "result/result.hpp"
 
 namespace votess {
+
+namespace gpu {
+class GpuEngine;
+}
 
 class Engines {
 public:
@@ -16,17 +22,15 @@ public:
     Engines(const Engines&) = delete;
     Engines& operator=(const Engines&) = delete;
 
-    // Returns the engine that the job's options name, and counts the time that opening a device takes; of "auto" the
-    // CPU's, too, where a GPU would hand every cell to it. Throws `unsupported` with the reason when it cannot be had.
-    Engine& choose(const Job& job, StageClock& clock);
-    Engine& cpu();
+    // Runs the job on the device that its options name. With "auto" the CPU runs it where no GPU is worth a look, where
+    // there is none, and where the GPU fails. Throws `unsupported` with the reason for any other device that cannot run
+    // it. Fills the result except its seconds.
+    void run(const Job& job, StageClock& clock, detail::Result& result);
     // Copies points with this number of threads, see input/snapshot.hpp.
     Points take(const Points& points, unsigned threads);
     [[nodiscard]] Snapshot& snapshot();
-    // The next choice of a GPU opens it anew.
-    void forget_gpu();
-    // For tests: the engine that a device name stands for, until it is forgotten.
-    void put(const std::string& device, std::unique_ptr<Engine> engine);
+    // For tests: the engine that a device name means, until it fails.
+    void put(const std::string& device, std::unique_ptr<gpu::GpuEngine> engine);
 
     static std::vector<DeviceInfo> devices();
 
@@ -35,8 +39,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// Checks the input and runs it on the engine that the options name; with "auto" the CPU takes over when that one fails.
-// arrays: memory of an earlier result to use again.
+// Checks the input and runs it. arrays: memory of an earlier result to use again.
 detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {});
 
 }  // namespace votess

@@ -200,11 +200,9 @@ void Images::set_bounds() const {
 
 }  // namespace
 
-std::optional<PeriodicPart> periodic_part(const Job& job, std::uint32_t most_seeds) {
-    const auto range = image_range(job);
-    if (!range) return std::nullopt;
+std::optional<PeriodicPart> periodic_part(const Job& job, const ImageRange& range, std::uint32_t most_seeds) {
     PeriodicPart result;
-    Images images(job, *range, result);
+    Images images(job, range, result);
     if (!images.add_seeds() || !images.add_images(most_seeds)) return std::nullopt;
     images.set_bounds();
     return result;

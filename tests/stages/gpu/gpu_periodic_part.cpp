@@ -31,11 +31,17 @@ mpq_class scaled(double x, int shift) {
     return result;
 }
 
+std::optional<PeriodicPart> part_of(const votess::Job& job) {
+    const auto domain = votess::gpu::device_domain(job);
+    if (!domain) return std::nullopt;
+    return votess::gpu::periodic_part(job, *domain->images, 1u << 20);
+}
+
 // Shifts up to `reach` are tried. Returns how many images are members; 0 when the device does not take the job.
 std::size_t check_part(const Coordinates& points, const votess::Options& options, int reach) {
     const votess::Job job = votess::validate({points, {}}, options);
     const std::size_t count = points.size() / 3;
-    const auto part = votess::gpu::periodic_part(job, 1u << 20);
+    const auto part = part_of(job);
     if (!part) return 0;
     const votess::Domain& domain = *job.domain;
     const int shift = votess::gpu::Units::for_box(part->box).shift;
@@ -170,7 +176,7 @@ TEST_SUITE("stages") {
             CAPTURE(set);
             images += check_part(points, options, 16);
             const votess::Job job = votess::validate({points, {}}, options);
-            const auto part = votess::gpu::periodic_part(job, 1u << 20);
+            const auto part = part_of(job);
             lossy += part && part->lossy;
             moved += part && !part->moves.empty();
         }

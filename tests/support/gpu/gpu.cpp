@@ -139,7 +139,9 @@ votess::Tessellation GpuRunner::run(const PointSet& set, votess::Options options
     options.box = set.box;
     votess::StageClock clock;
     votess::detail::Result result;
-    engine.run(votess::validate({set.points, {}}, options), clock, result);
+    const votess::Job job = votess::validate({set.points, {}}, options);
+    const auto domain = votess::gpu::device_domain(job);
+    engine.run(job, domain ? &*domain : nullptr, clock, result);
     result.stats.seconds = clock.seconds();
     return votess::Tessellation(std::make_shared<const votess::detail::Result>(std::move(result)));
 }
