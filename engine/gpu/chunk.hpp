@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "gpu/download/device_results.hpp"
+#include "gpu/cells/device_results.hpp"
 #include "gpu/schedule.hpp"
 #include "gpu/seeds/seed_store.hpp"
 

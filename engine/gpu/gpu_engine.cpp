@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "gpu/domain/walls.hpp"
 #include "gpu/passes/kernel_choice.hpp"
-#include "gpu/seeds/walls.hpp"
 #include "input/implied_wants.hpp"
 
 namespace votess::gpu {
@@ -139,7 +139,18 @@ bool GpuEngine::find_seeds(const DeviceDomain& domain) {
 }
 
 std::uint32_t GpuEngine::most_seeds() const {
-    return limits_.most_seeds != 0 ? limits_.most_seeds : SeedStore::most_seeds(*device_, memory_, !lists_only_);
+    if (limits_.most_seeds != 0) return limits_.most_seeds;
+    const vulkan::Adapter& adapter = device_->adapter();
+    const bool measure = !lists_only_;
+    const auto range = std::min<VkDeviceSize>(adapter.limits.maxStorageBufferRange, memory_.max_buffer_bytes());
+    // Seven seeds have at most one node on level 0 and a seventh of that above.
+    const VkDeviceSize by_nodes = range / sizeof(Node) * 7 - 8 * MOST_LEVELS;
+    // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, 8 of names, and what is
+    // kept of the cells. That is half of the memory; a quarter each is for chunks and for rows.
+    const VkDeviceSize by_memory = adapter.device_memory / 2 / (92 + DeviceResults::bytes_per_member(measure));
+    const VkDeviceSize by_geometry = range / (measure ? DeviceResults::geometry_bytes : 1);
+    return static_cast<std::uint32_t>(
+        std::min({range / DeviceSeeds::coordinate_bytes, by_geometry, by_nodes, by_memory, VkDeviceSize{INDEX_MASK}}));
 }
 
 void GpuEngine::upload_part(std::size_t index) {
@@ -285,9 +296,7 @@ std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, double host_seconds, st
 
 void GpuEngine::collect(const Chunk& chunk, Schedule& schedule) {
     const auto order = seeds_.order().subspan(chunk.first(), chunk.count());
-    left_.clear();
-    const LeftCells found = find_left_cells(chunk.info(), order, clipper_.pool(), left_);
-    for (const LeftCell& cell : left_) pending_.add(input_of(cell.member), cell.reason);
+    const PendingCells::Left found = pending_.add_left(chunk.info(), order, part_.members, clipper_.pool());
     const std::size_t own = chunk.count() - found.beside;
     done_cells_ += own;
     download_.set_entries(chunk.entries());

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/stage_clock.hpp"
+#include "gpu/cells/part_download.hpp"
+#include "gpu/cells/pending_cells.hpp"
 #include "gpu/chunk.hpp"
-#include "gpu/download/part_download.hpp"
+#include "gpu/domain/parts.hpp"
 #include "gpu/passes/passes.hpp"
-#include "gpu/pending_cells.hpp"
-#include "gpu/seeds/parts.hpp"
 #include "gpu/seeds/seed_store.hpp"
 #include "output/exact_clipper.hpp"
 #include "output/result_builder.hpp"
@@ -47,6 +47,7 @@ private:
     // Returns whether the passes can do the job; else the exact clipper takes all cells.
     [[nodiscard]] bool find_seeds(const DeviceDomain& domain);
     void find_parts();
+    // Seeds for which all buffers stay within the device's limits.
     [[nodiscard]] std::uint32_t most_seeds() const;
     void upload_part(std::size_t index);
     void sort_part();
@@ -96,8 +97,7 @@ private:
     bool device_clips_ = true;  // else the exact clipper takes all cells
     bool duplicates_ = false;   // there are some, or there may be
     PendingCells pending_;
-    std::vector<LeftCell> left_;  // of the chunk being collected
-    bool lists_only_ = false;     // the device gives lists, and the CPU's clipper makes the cells from them
+    bool lists_only_ = false;  // the device gives lists, and the CPU's clipper makes the cells from them
     std::size_t done_cells_ = 0;
     StageClock* clock_ = nullptr;  // of the run
     Chunk::Seconds device_seconds_;

@@ -7,7 +7,7 @@
 
 #include "distributed/blocks/local_block.hpp"
 #include "domain/near_places.hpp"
-#include "gpu/frames/frame_domain.hpp"
+#include "gpu/frames/frame.hpp"
 #include "input/options.hpp"
 
 namespace votess::vulkan {

@@ -4,7 +4,7 @@
 // SPIR-V has no such promise for fma(): a device may fuse it, or round the product and then the sum. Error bounds count
 // both roundings, so that they hold either way. What needs every rounding as it is written, exact sums and products,
 // uses no fma (numbers/number.glsl). The host demands to round to nearest where the device offers it
-// (engine/gpu/passes/spirv.hpp), and tries out how all of them round (probe_rounding.comp).
+// (engine/gpu/vulkan/spirv.hpp), and tries out how all of them round (probe_rounding.comp).
 #ifndef VOTESS_NUMBERS_REAL_GLSL
 #define VOTESS_NUMBERS_REAL_GLSL
 

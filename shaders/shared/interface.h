@@ -1,5 +1,5 @@
 // The ids by which C++ hands things to shaders: specialization constants, and bindings of set 0. GLSL and C++ include
-// this; a pass sets the constants, and binds the buffers, that its shader declares (engine/gpu/passes/pass.cpp).
+// this; a pass sets the constants, and binds the buffers, that its shader declares (engine/gpu/vulkan/pass.cpp).
 #ifndef VOTESS_SHADERS_INTERFACE_H
 #define VOTESS_SHADERS_INTERFACE_H
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "gpu/frames/frame_domain.hpp"
-
 namespace votess::vulkan {
 namespace {
 

@@ -1,11 +1,10 @@
-#include "gpu/frames/frame_domain.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "core/text.hpp"
-#include "gpu/device_domain.hpp"
-#include "gpu/seeds/walls.hpp"
+#include "gpu/domain/device_domain.hpp"
+#include "gpu/domain/walls.hpp"
+#include "gpu/frames/frame.hpp"
 #include "input/options.hpp"
 
 namespace votess::vulkan::detail {

@@ -1,7 +1,7 @@
 // votess::vulkan::Plan: checks, pipelines and sizes.
 #include <algorithm>
 
-#include "gpu/frames/frame_domain.hpp"
+#include "gpu/frames/frame.hpp"
 #include "input/options.hpp"
 
 namespace votess::vulkan {

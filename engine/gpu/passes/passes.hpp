@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "gpu/passes/pass.hpp"
+#include "gpu/vulkan/pass.hpp"
 
 namespace votess::gpu {
 

@@ -8,12 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "gpu/domain/cell_images.hpp"
+#include "gpu/domain/units.hpp"
 #include "gpu/passes/passes.hpp"
-#include "gpu/passes/recorder.hpp"
-#include "gpu/seeds/cell_images.hpp"
-#include "gpu/seeds/units.hpp"
-#include "gpu/seeds/weight_units.hpp"
-#include "gpu/workspace.hpp"
+#include "gpu/vulkan/recorder.hpp"
+#include "gpu/vulkan/workspace.hpp"
 #include "shared/interface.h"
 #include "shared/layout.h"
 

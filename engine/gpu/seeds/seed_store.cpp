@@ -4,8 +4,6 @@
 #include <cstring>
 #include <optional>
 
-#include "gpu/download/device_results.hpp"
-
 namespace votess::gpu {
 namespace {
 
@@ -18,18 +16,6 @@ constexpr std::uint32_t task_items = 1u << 14;  // of a thread that fills stagin
 
 SeedStore::SeedStore(vulkan::Device& device, vulkan::Memory& memory)
     : memory_(memory), commands_(device, 4), uploads_{Commands(device, 2), Commands(device, 2)} {}
-
-std::uint32_t SeedStore::most_seeds(const vulkan::Device& device, const vulkan::Memory& memory, bool measure) {
-    const auto range = std::min<VkDeviceSize>(device.adapter().limits.maxStorageBufferRange, memory.max_buffer_bytes());
-    // Seven seeds have at most one node on level 0 and a seventh of that above.
-    const VkDeviceSize by_nodes = range / sizeof(Node) * 7 - 8 * MOST_LEVELS;
-    // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, 8 of names, and what is
-    // kept of the cells. That is half of the memory; a quarter each is for chunks and for rows.
-    const VkDeviceSize by_memory = device.adapter().device_memory / 2 / (92 + DeviceResults::bytes_per_member(measure));
-    const VkDeviceSize by_geometry = range / (measure ? DeviceResults::geometry_bytes : 1);
-    return static_cast<std::uint32_t>(
-        std::min({range / DeviceSeeds::coordinate_bytes, by_geometry, by_nodes, by_memory, VkDeviceSize{INDEX_MASK}}));
-}
 
 void SeedStore::reserve(std::uint32_t count, bool weights) {
     if (count <= capacity_ && walls_.size() <= wall_capacity_ && weights <= has_weights_) return;

@@ -6,9 +6,9 @@
 #include <span>
 
 #include "core/thread_pool.hpp"
-#include "gpu/passes/commands.hpp"
+#include "gpu/domain/periodic_part.hpp"
 #include "gpu/seeds/device_seeds.hpp"
-#include "gpu/seeds/periodic_part.hpp"
+#include "gpu/vulkan/commands.hpp"
 #include "input/job.hpp"
 
 namespace votess::gpu {
@@ -19,10 +19,6 @@ using vulkan::Commands;
 class SeedStore {
 public:
     SeedStore(vulkan::Device& device, vulkan::Memory& memory);
-
-    // Seeds for which all buffers stay within the device's limits.
-    [[nodiscard]] static std::uint32_t most_seeds(const vulkan::Device& device, const vulkan::Memory& memory,
-                                                  bool measure);
 
     // Walls of any direction of the seeds that are uploaded from now on.
     void set_walls(std::vector<WallPlane> walls) { walls_ = std::move(walls); }

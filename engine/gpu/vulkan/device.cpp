@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/passes/pass.hpp"
+#include "gpu/vulkan/pass.hpp"
 
 namespace votess::gpu::vulkan {
 

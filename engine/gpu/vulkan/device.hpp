@@ -8,11 +8,21 @@
 
 #include "gpu/vulkan/instance.hpp"
 #include "gpu/vulkan/pipeline_cache.hpp"
-#include "gpu/vulkan/rounding.hpp"
 
 namespace votess::gpu::vulkan {
 
+class Device;
 class PassCache;
+
+// How a device rounds.
+struct Rounding {
+    // float32 sums, products and conversions are rounded to nearest even, fma() once or twice, and quotients and roots
+    // are right to a few units in the last place.
+    bool nearest32 = false;
+    bool nearest64 = false;  // the same in float64
+};
+// Tries it out. float64: whether the device has it, and it is enabled.
+[[nodiscard]] Rounding probe_rounding(Device& device, bool float64);
 
 // Features to use where the device has them.
 struct DeviceOptions {

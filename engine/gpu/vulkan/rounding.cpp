@@ -1,11 +1,10 @@
-#include "gpu/vulkan/rounding.hpp"
-
+// Vulkan lets a device round sums and products to nearest or toward zero, and does not say which. This tries it out.
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <vector>
 
-#include "gpu/passes/commands.hpp"
+#include "gpu/vulkan/commands.hpp"
 #include "shaders.hpp"
 #include "shared/interface.h"
 #include "shared/layout.h"

@@ -6,8 +6,8 @@
 #include <bit>
 #include <cmath>
 
+#include "gpu/cells/part_download.hpp"
 #include "gpu/chunk.hpp"
-#include "gpu/download/part_download.hpp"
 #include "gpu/passes/kernel_choice.hpp"
 #include "support/check.hpp"
 #include "support/gpu/gpu.hpp"

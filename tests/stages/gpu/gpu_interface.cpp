@@ -5,7 +5,7 @@
 #include <set>
 
 #include "gpu/passes/passes.hpp"
-#include "gpu/passes/spirv.hpp"
+#include "gpu/vulkan/spirv.hpp"
 #include "shaders.hpp"
 #include "shared/interface.h"
 #include "support/gpu/gpu_stages.hpp"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gpu/cells/part_download.hpp"
 #include "gpu/chunk.hpp"
-#include "gpu/download/part_download.hpp"
 #include "support/check.hpp"
 #include "support/gpu/gpu_stages.hpp"
 #include "support/random.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "gpu/seeds/periodic_part.hpp"
+#include "gpu/domain/periodic_part.hpp"
 #include "input/options.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "exact/predicate.hpp"
-#include "gpu/seeds/units.hpp"
+#include "gpu/domain/units.hpp"
 #include "shared/interface.h"
 #include "support/check.hpp"
 #include "support/gpu/vulkan.hpp"

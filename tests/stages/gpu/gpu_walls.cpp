@@ -7,8 +7,8 @@
 #include <bit>
 #include <cmath>
 
-#include "gpu/device_domain.hpp"
-#include "gpu/seeds/walls.hpp"
+#include "gpu/domain/device_domain.hpp"
+#include "gpu/domain/walls.hpp"
 #include "input/options.hpp"
 #include "shared/interface.h"
 #include "support/check.hpp"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/passes/commands.hpp"
+#include "gpu/vulkan/commands.hpp"
 #include "support/check.hpp"
 #include "test_shaders.hpp"
 

@@ -8,7 +8,8 @@
 #include <random>
 
 #include "domain/domain.hpp"
-#include "gpu/download/host_cells.hpp"
+#include "gpu/cells/host_cells.hpp"
+#include "gpu/cells/pending_cells.hpp"
 
 namespace {
 
@@ -71,11 +72,11 @@ void run(const MadeUp& cells, unsigned threads) {
     const auto done = [&] { moments.push_back(now()); };
     result.begin(job, pool);
     done();
-    std::vector<gpu::LeftCell> left;
+    gpu::PendingCells left;
     for (std::size_t first = 0; first < cells.count; first += chunk_cells) {
         const std::size_t count = std::min(chunk_cells, cells.count - first);
-        gpu::find_left_cells(std::span(cells.sorted_info).subspan(first, count),
-                             std::span(cells.order).subspan(first, count), pool, left);
+        left.add_left(std::span(cells.sorted_info).subspan(first, count), std::span(cells.order).subspan(first, count),
+                      {}, pool);
     }
     done();
     // The CPU's own clipper would do this.

@@ -1,4 +1,4 @@
-#include "gpu/seeds/weight_units.hpp"
+#include "gpu/domain/units.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "gpu/device_cells.hpp"
+#include "gpu/cells/device_cells.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "gpu/passes/spirv.hpp"
+#include "gpu/vulkan/spirv.hpp"
 
 #include <algorithm>
 #include <cstring>

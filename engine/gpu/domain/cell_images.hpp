@@ -1,7 +1,7 @@
 // Where recorded frames have the images of a triclinic box that repeats along all its edges: what the passes are told.
 #pragma once
 
-#include "gpu/seeds/units.hpp"
+#include "gpu/domain/units.hpp"
 #include "shared/layout.h"
 #include "votess/votess.hpp"
 

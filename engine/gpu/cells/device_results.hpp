@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "gpu/device_cells.hpp"
+#include "gpu/cells/device_cells.hpp"
 #include "gpu/vulkan/memory.hpp"
 
 namespace votess::gpu {

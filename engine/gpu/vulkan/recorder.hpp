@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "gpu/passes/pass.hpp"
 #include "gpu/vulkan/memory.hpp"
+#include "gpu/vulkan/pass.hpp"
 
 namespace votess::gpu::vulkan {
 

@@ -1,4 +1,4 @@
-#include "gpu/download/part_download.hpp"
+#include "gpu/cells/part_download.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,11 +1,10 @@
-#include "gpu/device_domain.hpp"
+#include "gpu/domain/device_domain.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "gpu/seeds/walls.hpp"
-#include "gpu/seeds/weight_units.hpp"
+#include "gpu/domain/walls.hpp"
 
 namespace votess::gpu {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "gpu/seeds/units.hpp"
+#include "gpu/domain/units.hpp"
 #include "input/job.hpp"
 
 namespace votess::gpu {

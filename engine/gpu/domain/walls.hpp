@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "gpu/seeds/units.hpp"
+#include "gpu/domain/units.hpp"
 #include "input/job.hpp"
 
 namespace votess::gpu {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "gpu/seeds/units.hpp"
+#include "gpu/domain/units.hpp"
 #include "input/job.hpp"
 
 namespace votess::gpu {

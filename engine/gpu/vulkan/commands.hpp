@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "gpu/passes/recorder.hpp"
+#include "gpu/vulkan/recorder.hpp"
 
 namespace votess::gpu::vulkan {
 

@@ -1,4 +1,4 @@
-#include "gpu/passes/commands.hpp"
+#include "gpu/vulkan/commands.hpp"
 
 #include <algorithm>
 #include <array>

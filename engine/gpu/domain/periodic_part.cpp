@@ -1,4 +1,4 @@
-#include "gpu/seeds/periodic_part.hpp"
+#include "gpu/domain/periodic_part.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "gpu/passes/recorder.hpp"
+#include "gpu/vulkan/recorder.hpp"
 
 #include <algorithm>
 #include <string>

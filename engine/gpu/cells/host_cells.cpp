@@ -1,8 +1,7 @@
-#include "gpu/download/host_cells.hpp"
+#include "gpu/cells/host_cells.hpp"
 
 #include <algorithm>
 #include <cstring>
-#include <mutex>
 #include <numeric>
 
 #include "core/ceil.hpp"
@@ -13,44 +12,7 @@ namespace {
 
 constexpr std::size_t block_cells = 4096;  // per task
 
-std::uint64_t FallbackReasons::*reason_of(std::uint32_t status) {
-    switch (status) {
-        case STATUS_NEEDS_EXACT:
-            return &FallbackReasons::uncertain;
-        case STATUS_PLANE_OVERFLOW:
-        case STATUS_VERTEX_OVERFLOW:
-            return &FallbackReasons::overflow;
-        default:
-            return &FallbackReasons::exhausted;
-    }
-}
-
 }  // namespace
-
-LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, ThreadPool& pool,
-                          std::vector<LeftCell>& left) {
-    std::mutex mutex;  // of what follows
-    LeftCells found;
-    pool.run(ceil_div(info.size(), block_cells), [&](std::size_t block, unsigned) {
-        const std::size_t begin = block * block_cells, end = std::min(info.size(), begin + block_cells);
-        std::vector<LeftCell> of_block;
-        std::size_t beside = 0;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t status = info[i] & 0xff;
-            if (status == STATUS_CERTIFIED || status == STATUS_DUPLICATE || status == STATUS_EMPTY) continue;
-            if (status == STATUS_OUTSIDE) {
-                ++beside;
-                continue;
-            }
-            of_block.push_back({order[i] & INDEX_MASK, reason_of(status)});
-        }
-        const std::lock_guard lock(mutex);
-        found.to_cpu += of_block.size();
-        found.beside += beside;
-        left.insert(left.end(), of_block.begin(), of_block.end());
-    });
-    return found;
-}
 
 double Numbers::operator[](std::size_t i) const {
     if (float64) {

@@ -1,4 +1,4 @@
-#include "gpu/seeds/parts.hpp"
+#include "gpu/domain/parts.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,10 +1,10 @@
-#include "gpu/seeds/cell_images.hpp"
+#include "gpu/domain/cell_images.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "domain/domain.hpp"
-#include "gpu/device_domain.hpp"
+#include "gpu/domain/device_domain.hpp"
 
 namespace votess::gpu {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 constexpr int most_steps = 3;             // along an edge, to an image
 constexpr double most_fraction = 7;       // of seeds as given
 constexpr double least_margin = 0x1p-16;  // of the longest side: more than rounding takes seeds out of the box
-constexpr double slack = 0.01;            // of fractions, see gpu/seeds/periodic_part.cpp
+constexpr double slack = 0.01;            // of fractions, see gpu/domain/periodic_part.cpp
 constexpr int fraction_bits = FRACTION_BITS;
 
 [[noreturn]] void refuse() {

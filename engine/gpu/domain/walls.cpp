@@ -1,4 +1,4 @@
-#include "gpu/seeds/walls.hpp"
+#include "gpu/domain/walls.hpp"
 
 #include <algorithm>
 #include <cmath>

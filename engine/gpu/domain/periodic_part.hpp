@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "gpu/device_domain.hpp"
-#include "gpu/seeds/parts.hpp"
+#include "gpu/domain/device_domain.hpp"
+#include "gpu/domain/parts.hpp"
 
 namespace votess::gpu {
 

@@ -1,4 +1,4 @@
-#include "gpu/download/device_results.hpp"
+#include "gpu/cells/device_results.hpp"
 
 #include <cstddef>
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <span>
 
-#include "gpu/download/device_results.hpp"
-#include "gpu/download/host_cells.hpp"
-#include "gpu/passes/commands.hpp"
+#include "gpu/cells/device_results.hpp"
+#include "gpu/cells/host_cells.hpp"
+#include "gpu/vulkan/commands.hpp"
 
 namespace votess::gpu {
 

@@ -33,19 +33,6 @@ struct DeviceRows {
     std::span<const std::int8_t> shifts;  // 3 beside each id in a periodic domain
 };
 
-// What a chunk leaves.
-struct LeftCells {
-    std::size_t to_cpu = 0;
-    std::size_t beside = 0;  // seeds beside the part, which get no cell
-};
-struct LeftCell {
-    std::uint32_t member;
-    std::uint64_t FallbackReasons::*reason;
-};
-// info, order: of the cells of a chunk, and the members that they belong to. Adds those left to the CPU to `left`.
-LeftCells find_left_cells(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order, ThreadPool& pool,
-                          std::vector<LeftCell>& left);
-
 // Cells in the order of their part's members.
 class HostCells {
 public:

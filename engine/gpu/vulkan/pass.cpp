@@ -1,10 +1,10 @@
-#include "gpu/passes/pass.hpp"
+#include "gpu/vulkan/pass.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
-#include "gpu/passes/spirv.hpp"
+#include "gpu/vulkan/spirv.hpp"
 #include "shared/interface.h"
 
 namespace votess::gpu::vulkan {
