@@ -38,7 +38,7 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
         throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name +
                                                 "' has no float64 arithmetic: use precision single, or the CPU");
     PassSettings s = usual_settings(*device_, options.k_init);
-    if (limits_.most_walk_visits != 0) s.most_walk_visits = limits_.most_walk_visits;
+    if (limits_.max_walk_visits != 0) s.max_walk_visits = limits_.max_walk_visits;
     s.tiers[0].float64 = measured_double;
     s.measure_float64 = s.measure_float64 || measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
@@ -117,7 +117,7 @@ void GpuEngine::find_parts() {
         for (auto& chunk : chunks_) chunk.reset();
         passes_.emplace(*device_, settings);
     }
-    const std::uint32_t most = most_seeds();
+    const std::uint32_t most = max_seeds();
     std::span<const std::int32_t> duplicate_of;
     if (job_.points.count() > most) {
         // Copies of a seed would otherwise lie in several parts.
@@ -130,7 +130,7 @@ void GpuEngine::find_parts() {
 bool GpuEngine::find_seeds(const DeviceDomain& domain) {
     periodic_.reset();
     if (domain.images) {
-        periodic_ = periodic_part(job_, *domain.images, most_seeds());
+        periodic_ = periodic_part(job_, *domain.images, max_seeds());
         if (!periodic_) return false;
     }
     box_ = domain.box;
@@ -138,13 +138,13 @@ bool GpuEngine::find_seeds(const DeviceDomain& domain) {
     return true;
 }
 
-std::uint32_t GpuEngine::most_seeds() const {
-    if (limits_.most_seeds != 0) return limits_.most_seeds;
+std::uint32_t GpuEngine::max_seeds() const {
+    if (limits_.max_seeds != 0) return limits_.max_seeds;
     const vulkan::Adapter& adapter = device_->adapter();
     const bool measure = !lists_only_;
     const auto range = std::min<VkDeviceSize>(adapter.limits.maxStorageBufferRange, memory_.max_buffer_bytes());
     // Seven seeds have at most one node on level 0 and a seventh of that above.
-    const VkDeviceSize by_nodes = range / sizeof(Node) * 7 - 8 * MOST_LEVELS;
+    const VkDeviceSize by_nodes = range / sizeof(Node) * 7 - 8 * MAX_LEVELS;
     // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, 8 of names, and what is
     // kept of the cells. That is half of the memory; a quarter each is for chunks and for rows.
     const VkDeviceSize by_memory = adapter.device_memory / 2 / (92 + DeviceResults::bytes_per_member(measure));
@@ -198,7 +198,7 @@ void GpuEngine::clip_part(std::size_t index) {
     std::copy_n(part_.upper, 3, job.upper);
     job.bounded = part_.bounded;
     if (!part_.members.empty()) job.named_from = named_from();
-    const auto most_entries = [&](std::uint32_t count) { return chunks_[0]->on_device().most_entries(count); };
+    const auto max_entries = [&](std::uint32_t count) { return chunks_[0]->on_device().max_entries(count); };
     download_.begin(
         {.members = part_.own_count,
          .neighbors = job.neighbors,
@@ -206,8 +206,8 @@ void GpuEngine::clip_part(std::size_t index) {
          .areas = passes_->settings.areas,
          .shifts = periodic_.has_value(),
          .float64 = passes_->settings.measure_float64,
-         .least_entries = std::max(most_entries(cells), 2 * most_entries(std::min(cells, Schedule::trial_cells))),
-         .most_entries = limits_.most_entries});
+         .min_entries = std::max(max_entries(cells), 2 * max_entries(std::min(cells, Schedule::trial_cells))),
+         .max_entries = limits_.max_entries});
 
     Schedule schedule(seeds_.count(), cells);
     bool first_batch = true;
@@ -233,8 +233,8 @@ void GpuEngine::clip_part(std::size_t index) {
             if (piece->on_device) {
                 Chunk& next = *chunks_[slot];
                 // A trial that is repeated with ties leaves its first rows where they are.
-                const VkDeviceSize needed = most_entries(piece->count) * (piece->trial && !piece->ties ? 2 : 1);
-                if (running != nullptr && !download_.has_room(most_entries(running->count()) + needed)) {
+                const VkDeviceSize needed = max_entries(piece->count) * (piece->trial && !piece->ties ? 2 : 1);
+                if (running != nullptr && !download_.has_room(max_entries(running->count()) + needed)) {
                     take(*running);
                     running = nullptr;
                 }
@@ -283,13 +283,13 @@ std::size_t GpuEngine::uncertain_cells(const Chunk& chunk) const {
 
 std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const {
     constexpr double usual_seconds = 0.25;  // drivers of displays stop work that takes some seconds
-    constexpr double most_growth = 32;      // the next cells may be slower ones
+    constexpr double max_growth = 32;       // the next cells may be slower ones
     if (limits_.chunk_seconds == 0 && device_->adapter().software()) return most;
     const double allowed = limits_.chunk_seconds != 0 ? limits_.chunk_seconds : usual_seconds;
     const auto on_device = chunk.seconds();
     double spent = on_device.knn + on_device.clip + on_device.download;
     if (spent == 0) spent = host_seconds;  // a device without timestamps
-    const double growth = std::min(allowed / std::max(spent, 1e-9), most_growth);
+    const double growth = std::min(allowed / std::max(spent, 1e-9), max_growth);
     return static_cast<std::uint32_t>(
         std::clamp<double>(chunk.count() * growth, std::min(most, Schedule::trial_cells), most));
 }

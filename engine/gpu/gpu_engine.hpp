@@ -21,10 +21,10 @@ namespace votess::gpu {
 
 // What tests vary beyond the options. 0 = as the device allows.
 struct EngineLimits {
-    std::uint32_t most_seeds = 0;    // on the device at once
-    std::uint32_t most_entries = 0;  // of rows, on the device at once
+    std::uint32_t max_seeds = 0;    // on the device at once
+    std::uint32_t max_entries = 0;  // of rows, on the device at once
     std::uint32_t local_size = 0;
-    std::uint32_t most_walk_visits = 0;
+    std::uint32_t max_walk_visits = 0;
     double chunk_seconds = 0;  // that the device may take for a chunk; the next one has as many cells
 };
 
@@ -48,7 +48,7 @@ private:
     [[nodiscard]] bool find_seeds(const DeviceDomain& domain);
     void find_parts();
     // Seeds for which all buffers stay within the device's limits.
-    [[nodiscard]] std::uint32_t most_seeds() const;
+    [[nodiscard]] std::uint32_t max_seeds() const;
     void upload_part(std::size_t index);
     void sort_part();
     void clip_part(std::size_t index);

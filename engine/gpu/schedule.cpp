@@ -9,7 +9,7 @@ namespace {
 
 constexpr double hopeless = 0.9;    // share of the cells left to the CPU
 constexpr double many_ties = 0.02;  // share of uncertain ones, of which float32 and float64 leave far less without ties
-constexpr std::uint32_t most_skipped = 31, enough_to_judge = 256;
+constexpr std::uint32_t max_skipped = 31, enough_to_judge = 256;
 
 bool is_many(std::uint64_t ties, std::uint64_t cells) {
     return static_cast<double>(ties) > many_ties * static_cast<double>(cells);
@@ -76,7 +76,7 @@ void Schedule::begin_window() {
 
 void Schedule::judge(const Tally& tally) {
     const bool is_hopeless = static_cast<double>(tally.left) > hopeless * static_cast<double>(tally.cells);
-    skip_ = is_hopeless ? std::min(2 * skip_ + 1, most_skipped) : 0;
+    skip_ = is_hopeless ? std::min(2 * skip_ + 1, max_skipped) : 0;
 }
 
 void Schedule::judge_second_tier(const Tally& tally) {

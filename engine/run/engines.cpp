@@ -23,7 +23,7 @@ namespace votess {
 namespace {
 
 // Finding out that there is no GPU takes 40 ms, as long as 10,000 cells take on one core; opening one takes longer.
-constexpr std::size_t least_to_look = 10000;
+constexpr std::size_t min_seeds = 10000;
 
 // The engine of a GPU, and what the job's options call it.
 class OpenGpu {
@@ -58,9 +58,9 @@ gpu::GpuEngine* OpenGpu::find(const Job& job, const gpu::DeviceDomain* domain, E
                         "': this Tessellator opened one before fork(), and the child process cannot use it: use the "
                         "CPU there, or start the process afresh instead of by fork()");
     if (engine_ && name_ == device) return engine_.get();
-    if (is_auto && job.points.count() < least_to_look) {
+    if (is_auto && job.points.count() < min_seeds) {
         if (job.options.log)
-            job.options.log("the CPU takes fewer than " + std::to_string(least_to_look) +
+            job.options.log("the CPU takes fewer than " + std::to_string(min_seeds) +
                             " seeds: it is done before a GPU is found");
         return nullptr;
     }

@@ -74,7 +74,7 @@ public:
         const double spacing = std::cbrt(empty.domain->volume / static_cast<double>(std::max<std::size_t>(count, 1)));
         for (Open& cell : open) cell.distance = first_spacings * spacing;
         // The second time the distances are those that the cells need, which become no more.
-        for (int round = 0; round < 2 && !open.empty() && open.size() < count / least_seeds_a_cell; ++round) {
+        for (int round = 0; round < 2 && !open.empty() && open.size() < count / min_seeds_a_cell; ++round) {
             NearPlaces near(*empty.domain, 0.5 * first_spacings * spacing);
             for (const Open& cell : open) near.add(place(cell.seed, empty.scale), cell.distance);
             if (near.share() > largest_share) break;
@@ -89,7 +89,7 @@ public:
 
 private:
     static constexpr double first_spacings = 4;  // of the mean distance between seeds: more than most cells need
-    static constexpr std::size_t least_seeds_a_cell = 1000;
+    static constexpr std::size_t min_seeds_a_cell = 1000;
     static constexpr double largest_share = 0.25;  // of the domain: sorting all is not much slower
 
     struct Open {

@@ -64,7 +64,7 @@ bool is_left_out() {
 bool is_secure_from(float bound) {
     if (bound >= UNBOUNDED) return true;
     return is_secure(real(bound * scale * scale),
-                     weighted != 0u ? cutting_distance_squared(radius(), most_heavier) : security());
+                     weighted != 0u ? cutting_distance_squared(radius(), max_heavier) : security());
 }
 
 // Each goes up to the next wall that cuts, as with neighbors. One farther than all vertices cuts none off.
@@ -75,7 +75,7 @@ void clip_by_walls() {
         bool cuts = false;
         for (; next < uint(walls.length()) && !cuts && status == STATUS_CERTIFIED; ++next) {
             const uint w = wall_in_turn(next);
-            if (least_wall_distance(w, place) * 0.9999 > float(sqrt(radius_squared) + largest_error)) continue;
+            if (min_wall_distance(w, place) * 0.9999 > float(sqrt(radius_squared) + largest_error)) continue;
             tested = wall_plane(w);
             tested_id = first_wall - int(w);
             cuts = test_plane();
@@ -199,7 +199,7 @@ void clip_by_walk(uint self, float reach, float bound) {
             if (sibling == node) continue;
             Walk walk = Walk(level, sibling, level, sibling);
             do {
-                if (++visits > push.most_visits) {
+                if (++visits > push.max_visits) {
                     status = STATUS_CANDIDATES_EXHAUSTED;
                     return;
                 }
@@ -225,7 +225,7 @@ void finish(uint slot, uint cell, uint exponent) {
     if (status == STATUS_CERTIFIED) {
         note_planes_in_use();
         for (int w = 0; w < plane_words; ++w) faces += uint(bitCount(planes_used[w]));
-        for (int p = 0; p < most_planes && has_walls != 0u; ++p)
+        for (int p = 0; p < max_planes && has_walls != 0u; ++p)
             if ((planes_used[p >> 5] & (1u << (p & 31))) != 0u && is_no_wall(plane_id[p])) status = STATUS_NEEDS_EXACT;
         if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
     }

@@ -57,7 +57,7 @@ void clip_by_walls() {
         bool near = false;
         if (lane < each && first + lane < count) {
             // Half of the security radius is no less than the distance of any vertex.
-            near = !(least_wall_distance(w, place) * 1.9999 > float(sqrt(security)));
+            near = !(min_wall_distance(w, place) * 1.9999 > float(sqrt(security)));
             if (near) prepare_test(wall_plane(w), first_wall - int(w));
         }
         share();
@@ -142,7 +142,7 @@ float square_scale() {
 // In a power diagram: whether nothing at this squared distance, as searches have it, or beyond can cut the cell.
 bool is_secure_from(float bound) {
     return bound >= UNBOUNDED ||
-           is_secure(real(bound * square_scale()), cutting_distance_squared(radius_of_all, most_heavier));
+           is_secure(real(bound * square_scale()), cutting_distance_squared(radius_of_all, max_heavier));
 }
 
 // Searches and clips in turn, outwards, until all seeds within the security radius were seen or none is left that can

@@ -38,7 +38,7 @@ void main() {
         barrier();
     }
     if (tile >= tiles) return;
-    const uint all = sums[TILE_GROUP - 1u], taken = min(all, push.most_of_tile);
+    const uint all = sums[TILE_GROUP - 1u], taken = min(all, push.max_of_tile);
     if (push.places == 0u) {
         if (me == 0u) tile_begin[tile] = taken;
         return;

@@ -18,7 +18,7 @@
 #include "search/seeds.glsl"
 
 const int side_unknown = 2;
-const float most_offset = 2048.0, most_square = 16777216.0;
+const float max_offset = 2048.0, max_square = 16777216.0;
 
 // Bits of the numbers that the plane is made of; what is zero in all of them is left out.
 uvec2 bits_of_plane(int id) {
@@ -44,7 +44,7 @@ vec4 small_plane(int id, float unit, inout bool fits) {
         n[axis] = upper ? 1.0 : -1.0;
         s = 2.0 * unit * abs(rough_difference(upper ? push.extent[axis] : uvec2(0), p));
     }
-    fits = fits && max(max(abs(n.x), abs(n.y)), abs(n.z)) < most_offset && s < most_square;
+    fits = fits && max(max(abs(n.x), abs(n.y)), abs(n.z)) < max_offset && s < max_square;
     return vec4(n, s);
 }
 

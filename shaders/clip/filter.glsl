@@ -37,23 +37,23 @@
 real quantum;
 // What prepare_bounds() makes of it: factors in the bound of a vertex, of |x|, of the condition and of both, and the largest
 // condition.
-real error_of_length, error_of_condition, error_of_both, most_condition;
+real error_of_length, error_of_condition, error_of_both, max_condition;
 // In a power diagram, in squared units of the cell:
 real weight_quantum;  // 0 unless a weight was rounded
-real most_heavier;    // A over all seeds
+real max_heavier;    // A over all seeds
 
 // In units: what coordinates and walls that were rounded move a plane by (clip/wall_distance.glsl). Rounded vectors of a
-// lattice put an image half a unit beside its place for each step, that is at most MOST_STEPS_APART / 2, times sqrt(3).
+// lattice put an image half a unit beside its place for each step, that is at most MAX_STEPS_APART / 2, times sqrt(3).
 float quantum_in_units(uint lossy) {
-    if ((lossy & LOSSY_IMAGES) != 0u) return float(MOST_STEPS_APART);
-    return lossy == 0u ? 0.0 : ((lossy & LOSSY_WALLS) != 0u ? float(MOST_WALL_ERROR) : 2.0);
+    if ((lossy & LOSSY_IMAGES) != 0u) return float(MAX_STEPS_APART);
+    return lossy == 0u ? 0.0 : ((lossy & LOSSY_WALLS) != 0u ? float(MAX_WALL_ERROR) : 2.0);
 }
 
 void prepare_bounds() {
     error_of_length = real(12.6) * unit + quantum;
     error_of_condition = real(4) * quantum;
     error_of_both = real(9.8) * unit + error_of_condition;
-    most_condition = real(0.0005) / max(unit, real(0.5) * quantum);
+    max_condition = real(0.0005) / max(unit, real(0.5) * quantum);
 }
 
 struct Plane {
@@ -150,8 +150,8 @@ real cutting_distance_squared(real radius, real heavier) {
 real security_radius_squared(real farthest, real largest_error) {
     if (weighted != 0u) {
         const real radius = real(1.00001) * (farthest + largest_error);
-        const real distance = radius + sqrt(radius * radius + most_heavier);
-        return real(2.0001) * radius * distance + real(1e-5) * most_heavier + real(2) * weight_quantum;
+        const real distance = radius + sqrt(radius * radius + max_heavier);
+        return real(2.0001) * radius * distance + real(1e-5) * max_heavier + real(2) * weight_quantum;
     }
     const real radius = real(2.00002) * (farthest + largest_error);
     return radius * radius;
@@ -229,7 +229,7 @@ bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
     precise const real length = sqrt(fma(x, x, fma(y, y, z * z)));
     precise const real condition = product * inverse;
     vertex = Vertex(x, y, z, length, vertex_error_bound(condition, a.distance + b.distance + c.distance, length));
-    return is_positive_below(condition, most_condition);
+    return is_positive_below(condition, max_condition);
 }
 
 #endif

@@ -10,27 +10,27 @@
 #include "clip/filter.glsl"
 #include "shared/interface.h"
 
-layout(constant_id = CONSTANT_MOST_PLANES) const int most_planes = 32;
-layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
+layout(constant_id = CONSTANT_MAX_PLANES) const int max_planes = 32;
+layout(constant_id = CONSTANT_MAX_VERTICES) const int max_vertices = 64;
 
 // A step of a loop takes so many vertices, for the loads to overlap; beyond the last one there is room to read.
 const int side_by_side = 4;
-const int plane_words = most_planes / 32;
-const int vertex_words = most_vertices / 32;
+const int plane_words = max_planes / 32;
+const int vertex_words = max_vertices / 32;
 
-real plane_x[most_planes], plane_y[most_planes], plane_z[most_planes], plane_h[most_planes];
-real plane_norm[most_planes];
-int plane_id[most_planes];  // sorted seed, or wall id
+real plane_x[max_planes], plane_y[max_planes], plane_z[max_planes], plane_h[max_planes];
+real plane_norm[max_planes];
+int plane_id[max_planes];  // sorted seed, or wall id
 uint planes_used[plane_words];
 
-real vertex_x[most_vertices], vertex_y[most_vertices], vertex_z[most_vertices];
-real vertex_error[most_vertices];    // |x - X| + 6u |x|
-uint vertex_planes[most_vertices];
+real vertex_x[max_vertices], vertex_y[max_vertices], vertex_z[max_vertices];
+real vertex_error[max_vertices];    // |x - X| + 6u |x|
+uint vertex_planes[max_vertices];
 int vertex_count;
 
 uint killed[vertex_words];                       // vertices outside the plane tested last
-uint edges_killed[most_planes * plane_words];    // bit b of row a: edge (a, b) of a killed vertex
-uint horizon[most_planes];                       // edges (a, b) with one vertex killed: a | b << 8
+uint edges_killed[max_planes * plane_words];    // bit b of row a: edge (a, b) of a killed vertex
+uint horizon[max_planes];                       // edges (a, b) with one vertex killed: a | b << 8
 uint status;
 real radius_squared;  // over all vertices, as of the last test
 real largest_error;   // at least that of any vertex
@@ -60,7 +60,7 @@ Plane plane_at(uint slot) {
 
 // Appends the vertex of planes a, b, c.
 void add_vertex(uint a, uint b, uint c) {
-    if (vertex_count == most_vertices) {
+    if (vertex_count == max_vertices) {
         status = STATUS_VERTEX_OVERFLOW;
         return;
     }
@@ -189,11 +189,11 @@ void note_planes_in_use() {
         }
 }
 
-// A plane slot that is not in use, most_planes when there is none.
+// A plane slot that is not in use, max_planes when there is none.
 uint free_plane() {
     for (int w = 0; w < plane_words; ++w)
         if (planes_used[w] != 0xffffffffu) return uint(32 * w + findLSB(~planes_used[w]));
-    return uint(most_planes);
+    return uint(max_planes);
 }
 
 bool all_are_killed() {
@@ -259,10 +259,10 @@ void cut() {
         }
 
     uint slot = free_plane();
-    if (slot == uint(most_planes)) {
+    if (slot == uint(max_planes)) {
         note_planes_in_use();
         slot = free_plane();
-        if (slot == uint(most_planes)) {
+        if (slot == uint(max_planes)) {
             status = STATUS_PLANE_OVERFLOW;
             return;
         }

@@ -31,7 +31,7 @@ void find_near(int v) {
 // Leaves in use the planes of faces that have at least three edges of some length, and counts these faces, and the vertices
 // that differ. The two vertices of an edge are one when the one lies on the third plane of the other.
 void keep_true_faces(inout uint faces, inout uint vertices) {
-    for (int p = 0; p < most_planes; ++p) horizon[p] = 0u;  // edges of each plane
+    for (int p = 0; p < max_planes; ++p) horizon[p] = 0u;  // edges of each plane
     for (int v = 0; v < vertex_count; ++v) {
         const uint planes = vertex_planes[v];
         for (int k = 0; k < 3; ++k) ++horizon[plane_of(planes, k)];
@@ -53,7 +53,7 @@ void keep_true_faces(inout uint faces, inout uint vertices) {
     }
     uint edges = 0u;  // twice
     faces = 0u;
-    for (int p = 0; p < most_planes; ++p) {
+    for (int p = 0; p < max_planes; ++p) {
         if (horizon[p] >= 3u) {
             edges += horizon[p];
             ++faces;

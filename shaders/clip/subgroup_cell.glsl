@@ -14,9 +14,9 @@
 #include "search/subgroup_state.glsl"
 #include "shared/interface.h"
 
-layout(constant_id = CONSTANT_MOST_VERTICES) const int most_vertices = 64;
+layout(constant_id = CONSTANT_MAX_VERTICES) const int max_vertices = 64;
 
-const int slots = (most_vertices + lanes - 1) / lanes;  // vertices of a lane
+const int slots = (max_vertices + lanes - 1) / lanes;  // vertices of a lane
 const uint all_planes = 0xffffffffu >> (32 - SUBGROUP_PLANES);
 
 real vertex_x[slots], vertex_y[slots], vertex_z[slots];
@@ -131,7 +131,7 @@ void start_cell() {
                              vertex_error_bound(real(1), a.distance + b.distance + c.distance, length)),
                    odd ? positive : negative);
     }
-    if (!is_positive_below(real(1), most_condition)) status = STATUS_NEEDS_EXACT;
+    if (!is_positive_below(real(1), max_condition)) status = STATUS_NEEDS_EXACT;
     measure_radius_and_error();
 }
 

@@ -16,7 +16,7 @@ void set_unit_of_length(uint exponent, uint root) {
     weight_scale = scale * scale * uintBitsToFloat(uint(127 + state.weight_exponent) << 23);
     weight_quantum = state.lossy_weights != 0u ? real(weight_scale) : real(0);
     quantum += real(0.6) * weight_quantum;
-    most_heavier = max(heavier_by(lighter_by(node_weights[root])), real(0));
+    max_heavier = max(heavier_by(lighter_by(node_weights[root])), real(0));
 }
 
 #endif

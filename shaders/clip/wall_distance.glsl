@@ -2,7 +2,7 @@
 //
 // The distance d - n.x cancels, so it is taken from whole numbers: n is right to 2^-63 an axis, which with coordinates below
 // 2^62 changes n.x by at most 1.5 units; the distance is rounded to half a unit; and coordinates that were rounded down
-// change it by sqrt(3) units. That is less than MOST_WALL_ERROR together.
+// change it by sqrt(3) units. That is less than MAX_WALL_ERROR together.
 #ifndef VOTESS_CLIP_WALL_DISTANCE_GLSL
 #define VOTESS_CLIP_WALL_DISTANCE_GLSL
 
@@ -33,7 +33,7 @@ vec3 rough_place(uvec2 x, uvec2 y, uvec2 z) {
 
 // At most the distance, in units: low words are less than 2^32 each, conversions, products and sums of numbers below 2^64
 // err by less than 2^45 altogether.
-float least_wall_distance(WallPlane wall, vec3 place) {
+float min_wall_distance(WallPlane wall, vec3 place) {
     return wall.rough[3] - dot(vec3(wall.rough[0], wall.rough[1], wall.rough[2]), place) - 3.5184372e13;
 }
 

@@ -1,4 +1,4 @@
-// Walls of any direction as planes of a cell. The seed's distance is right to less than MOST_WALL_ERROR, which
+// Walls of any direction as planes of a cell. The seed's distance is right to less than MAX_WALL_ERROR, which
 // `quantum` has in a run with walls (clip/wall_distance.glsl). As the seed lies within its walls, a distance below 0 is 0.
 #ifndef VOTESS_CLIP_WALLS_GLSL
 #define VOTESS_CLIP_WALLS_GLSL
@@ -58,8 +58,8 @@ vec3 rough_place() {
 }
 
 // At most the distance, in units of the cell, of a seed at this place.
-float least_wall_distance(uint w, vec3 place) {
-    return least_wall_distance(walls[w], place) * scale;
+float min_wall_distance(uint w, vec3 place) {
+    return min_wall_distance(walls[w], place) * scale;
 }
 
 // Whether a plane is a face of the box beyond walls, which a cell cannot have.

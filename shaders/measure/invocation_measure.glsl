@@ -5,8 +5,8 @@
 #include "clip/invocation_cell.glsl"
 #include "measure/tetrahedra.glsl"
 
-ExactPlane exact_plane[most_planes];
-Number area[most_planes];  // when want_geometry is 2
+ExactPlane exact_plane[max_planes];
+Number area[max_planes];  // when want_geometry is 2
 
 ExactPlane exact_plane_at(uint plane) {
     return exact_plane[plane];

@@ -159,7 +159,7 @@ bool is_near(uint level, uint node) {
         dz = gap(pz, nodes[n].lower[2], nodes[n].upper[2]);
     }
     const float d = dx * dx + dy * dy + dz * dz;
-    if (weighted != 0u) return least_rank(d, rough_lighter_by(node_weights[n])) < worst;
+    if (weighted != 0u) return min_rank(d, rough_lighter_by(node_weights[n])) < worst;
     return d * box_slack < worst;
 }
 
@@ -167,7 +167,7 @@ bool is_near(uint level, uint node) {
 void explore(uint root_level, uint root) {
     Walk walk = Walk(root_level, root, root_level, root);
     do {
-        if (++visits > push.most_visits) return;
+        if (++visits > push.max_visits) return;
         while (is_near(walk.level, walk.node)) {
             if (walk.level == 0u) {
                 visit_group(walk.node);
@@ -238,7 +238,7 @@ void main() {
         ++attempt;
         worst = attempt == 3 ? UNBOUNDED : 4.0 * worst;
     }
-    truncated = truncated || visits > push.most_visits;
+    truncated = truncated || visits > push.max_visits;
 
     // The list takes buckets that fit into it whole.
     count_by_bucket();

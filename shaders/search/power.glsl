@@ -26,7 +26,7 @@ float rank_at(float square, float lighter) {
 
 // At most the rank that any seed of a box is found to have: seeds are as far away as the box and no heavier, and
 // w - 4e-7 |w| grows with w.
-float least_rank(float squared_gap, float lighter) {
+float min_rank(float squared_gap, float lighter) {
     return rank_at(squared_gap * box_slack, lighter - 1e-5 * abs(lighter));
 }
 

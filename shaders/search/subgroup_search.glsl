@@ -104,7 +104,7 @@ void begin_search() {
     rounded_weight = state.lossy_weights != 0u ? weight_unit : 0.0;
     nearest_square = UNBOUNDED;
     reach_radius = exp2(float(COORDINATE_BITS + 1)) / high_unit;  // beyond the box
-    done = least_rank(0.0, rough_lighter_by(node_weights[root_node()]));
+    done = min_rank(0.0, rough_lighter_by(node_weights[root_node()]));
     if (next < UNBOUNDED)
         next += max(rough_lighter_by(node_weights[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)]), 0.0);
     first_reach = next;
@@ -173,7 +173,7 @@ bool is_near(uint level, uint node) {
     float d = dot(gap, gap) * box_slack, lighter = 0.0;
     if (weighted != 0u) lighter = rough_lighter_by(node_weights[n]);
     const bool full = box.lower[0].y != NO_COORDINATE, may = may_cut(lower, upper, d, lighter), possible = full && may;
-    if (weighted != 0u) d = least_rank(dot(gap, gap), lighter);
+    if (weighted != 0u) d = min_rank(dot(gap, gap), lighter);
     const bool near = d < next;
     nearest_beyond = min(nearest_beyond, possible && !near ? d : UNBOUNDED);
     return possible && near;
@@ -266,7 +266,7 @@ bool collect() {
     for (;;) {
         if (group_count < side_by_side && node_count > 0u) {
             if (!open_boxes()) return false;
-            if (visits > push.most_visits) {
+            if (visits > push.max_visits) {
                 status = STATUS_CANDIDATES_EXHAUSTED;
                 return false;
             }

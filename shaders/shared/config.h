@@ -16,13 +16,13 @@
 #define LOSSY_WALLS 4u    // their places have been rounded
 #define LOSSY_IMAGES 16u  // vectors of a triclinic box have been rounded
 
-#define MOST_WALL_ERROR 4  // units, of the distance to a wall of any direction (clip/wall_distance.glsl)
+#define MAX_WALL_ERROR 4  // units, of the distance to a wall of any direction (clip/wall_distance.glsl)
 #define WALL_BITS 62       // normals of walls of any direction are right to half of 2^-WALL_BITS
 
 // Triclinic boxes of frames: bits of a fraction behind the point; the most steps along the edges, in sum, that lie
 // between a seed and what bounds its cell.
 #define FRACTION_BITS 60
-#define MOST_STEPS_APART 128
+#define MAX_STEPS_APART 128
 
 // Weights, in a power diagram, are whole numbers below 2^62 of 2^RunState.weight_exponent squared units; the lightest
 // has 0.
@@ -36,13 +36,13 @@
 #define TILE_GROUP 128     // invocations per tile, in sort and scan; every Vulkan device has 128
 #define TILE_ITEMS_EACH 8  // items of one invocation, at most 15: four bits count them
 #define TILE_ITEMS (TILE_GROUP * TILE_ITEMS_EACH)
-#define MOST_LOOK_BACK 64  // seeds of equal key compared in search of a duplicate
+#define MAX_LOOK_BACK 64  // seeds of equal key compared in search of a duplicate
 
 // knn: boxes over groups of consecutive sorted seeds, each level above covers FAN nodes of the level below.
 #define GROUP_SEEDS 8
 #define FAN_BITS 3
 #define FAN (1 << FAN_BITS)
-#define MOST_LEVELS 12
+#define MAX_LEVELS 12
 #define UNBOUNDED 3.0e38  // beyond all squared distances, which are below 2^126 units
 
 // Stands for the coordinates of a seed that gives way to another one at its place; none is this large. Where it does so

@@ -6,8 +6,8 @@
 #define CONSTANT_LOCAL_SIZE 0     // all passes: invocations of a work-group
 #define CONSTANT_K 1              // knn: most neighbors listed
 #define CONSTANT_LIST_OF_TODO 2   // knn, clip: 1 when only cells of the second tier have a column in the list
-#define CONSTANT_MOST_PLANES 3    // clip: a multiple of 32
-#define CONSTANT_MOST_VERTICES 4  // clip: a multiple of 32
+#define CONSTANT_MAX_PLANES 3    // clip: a multiple of 32
+#define CONSTANT_MAX_VERTICES 4  // clip: a multiple of 32
 #define CONSTANT_TIER 5           // clip: 0 or 1
 #define CONSTANT_GEOMETRY 6       // clip: 1 computes volume and centroid, 2 areas too
 #define CONSTANT_UNIT_ROUNDOFF 7  // clip: float32's, as float bits

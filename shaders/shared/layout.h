@@ -70,9 +70,9 @@ struct KnnPush {
     uint seed_count;
     uint own_count;  // input indices from here on are seeds beside the part, which get no cell
     uint level_count;
-    uint most_visits;  // boxes looked at before the search gives up
+    uint max_visits;  // boxes looked at before the search gives up
     uint stride;       // of the list from neighbor to neighbor
-    uint level_first[MOST_LEVELS];
+    uint level_first[MAX_LEVELS];
 };
 
 struct ClipPush {
@@ -86,10 +86,10 @@ struct ClipPush {
     uint walls;              // 1: wall ids are in the rows
     uint neighbors;          // 1: rows are wanted
     float volume_tolerance;  // relative
-    uint most_visits;        // boxes looked at in a walk before it gives up
+    uint max_visits;        // boxes looked at in a walk before it gives up
     uint bounded;            // as in KnnPush
     uint level_count;
-    uint level_first[MOST_LEVELS];
+    uint level_first[MAX_LEVELS];
 };
 
 // Search and clip in one: the first tier's pass of a subgroup per cell.
@@ -103,7 +103,7 @@ struct CellsPush {
     uint seed_count;
     uint own_count;
     uint level_count;
-    uint most_visits;
+    uint max_visits;
     uint row_stride;
     uint walls;
     uint neighbors;
@@ -112,7 +112,7 @@ struct CellsPush {
 
 struct TodoPush {
     uint cell_count;
-    uint most_of_tile;  // cells of TILE_ITEMS that the second tier takes
+    uint max_of_tile;  // cells of TILE_ITEMS that the second tier takes
     uint group;         // local size of the second tier
     uint places;        // 0: tiles are counted; 1: cells are written down
 };

@@ -54,7 +54,7 @@ void main() {
     const uvec2 key = keys[seed];
     for (uint back = 1u; back <= seed && !outside && !(weighted != 0u ? lighter : duplicate); ++back) {
         if (keys[seed - back] != key) break;
-        if (back > MOST_LOOK_BACK) {
+        if (back > MAX_LOOK_BACK) {
             atomicOr(state.suspects, 1u);
             break;
         }
@@ -63,7 +63,7 @@ void main() {
     // A heavier one may lie behind it too.
     for (uint on = 1u; weighted != 0u && seed + on < push.count && !outside && !lighter; ++on) {
         if (keys[seed + on] != key) break;
-        if (on > MOST_LOOK_BACK) {
+        if (on > MAX_LOOK_BACK) {
             atomicOr(state.suspects, 1u);
             break;
         }

@@ -26,10 +26,10 @@ void main() {
     bool beyond = false, unsure = false;
     // The first six are the faces of the box, against which upload has compared the coordinates as given.
     for (uint w = 6u; w < uint(walls.length()) && !beyond; ++w) {
-        if (least_wall_distance(walls[w], place) > 0.0) continue;
+        if (min_wall_distance(walls[w], place) > 0.0) continue;
         const uvec4 fine = fine_wall_distance(walls[w], x, y, z);
         const bool negative = is_negative(fine.zw);
-        if (!less64(whole_wall_distance(negative ? negate128(fine) : fine), uvec2(MOST_WALL_ERROR, 0u)))
+        if (!less64(whole_wall_distance(negative ? negate128(fine) : fine), uvec2(MAX_WALL_ERROR, 0u)))
             beyond = negative;
         else
             unsure = true;

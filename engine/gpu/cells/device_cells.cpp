@@ -16,13 +16,13 @@ constexpr std::uint32_t shift_windows[ROW_WINDOWS]{BINDING_SHIFTS_OUT, BINDING_S
                                                    BINDING_SHIFTS_OUT_3};
 
 // How many cells of a tile the second tier takes. Small lists leave nearly all cells to it.
-std::uint32_t most_of_tile(std::uint32_t cells, const PassSettings& settings) {
+std::uint32_t max_of_tile(std::uint32_t cells, const PassSettings& settings) {
     constexpr std::uint32_t ordinary_k = 64;
     return settings.k < ordinary_k || cells <= TILE_ITEMS ? TILE_ITEMS : TILE_ITEMS / 2;
 }
 
 std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& settings) {
-    return std::min(cells, blocks_of(cells, TILE_ITEMS) * most_of_tile(cells, settings));
+    return std::min(cells, blocks_of(cells, TILE_ITEMS) * max_of_tile(cells, settings));
 }
 
 // Where subgroups make the cells of the first tier, only those of the second need lists.
@@ -68,7 +68,7 @@ VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
 void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings) {
     cells_ = cells;
     todo_capacity_ = second_tier_cells(cells, settings);
-    most_of_tile_ = most_of_tile(cells, settings);
+    max_of_tile_ = max_of_tile(cells, settings);
     const VkDeviceSize n = cells, t = todo_capacity_;
     const VkDeviceSize words = number_bytes / 4, area_words = settings.areas ? words : 0;
     const VkDeviceSize first_rows = n * settings.tiers[0].planes, second_rows = t * settings.tiers[1].planes;
@@ -99,7 +99,7 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
 
 std::uint32_t DeviceCells::window_bits(const vulkan::Device& device) {
     const std::uint32_t words = device.adapter().limits.maxStorageBufferRange / 4;
-    return std::min<std::uint32_t>(static_cast<std::uint32_t>(std::bit_width(words)) - 1, most_window_bits);
+    return std::min<std::uint32_t>(static_cast<std::uint32_t>(std::bit_width(words)) - 1, max_window_bits);
 }
 
 void DeviceCells::set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], const Slice& rows) {
@@ -148,12 +148,12 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     knn_.level_count = clip_.level_count = static_cast<std::uint32_t>(seeds.level_first().size());
     std::ranges::copy(seeds.level_first(), knn_.level_first);
     std::ranges::copy(seeds.level_first(), clip_.level_first);
-    knn_.most_visits = settings.most_visits;
-    clip_.most_visits = settings.most_walk_visits;
+    knn_.max_visits = settings.max_visits;
+    clip_.max_visits = settings.max_walk_visits;
     knn_.stride = clip_.list_stride = listed_cells(cells_, settings);
     clip_.row_stride = rows_.row_stride = cells_;
     rows_.second_row_stride = todo_capacity_;
-    todo_ = {count, most_of_tile_, settings.local_size, 0};
+    todo_ = {count, max_of_tile_, settings.local_size, 0};
     clip_.walls = job.walls ? 1 : 0;
     clip_.neighbors = job.neighbors ? 1 : 0;
     clip_.volume_tolerance = static_cast<float>(job.volume_tolerance);
@@ -167,7 +167,7 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     both_.seed_count = clip_.seed_count;
     both_.own_count = clip_.own_count;
     both_.level_count = clip_.level_count;
-    both_.most_visits = knn_.most_visits;
+    both_.max_visits = knn_.max_visits;
     both_.row_stride = clip_.row_stride;
     both_.walls = clip_.walls;
     both_.neighbors = clip_.neighbors;

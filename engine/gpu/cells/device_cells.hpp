@@ -39,10 +39,10 @@ public:
     void reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings);
     // Where the rows go, and the areas beside them; for that many entries. Windows of 2^window_bits of them are bound.
     void set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
-                      std::uint32_t window_bits = most_window_bits);
+                      std::uint32_t window_bits = max_window_bits);
     // Beside the rows, in as many windows; after set_rows_out(), without which none are wanted.
     void set_shifts_out(const Slice& shifts);
-    static constexpr std::uint32_t most_window_bits = 31;
+    static constexpr std::uint32_t max_window_bits = 31;
     // The largest that the device can bind.
     [[nodiscard]] static std::uint32_t window_bits(const vulkan::Device& device);
 
@@ -57,7 +57,7 @@ public:
 
     [[nodiscard]] std::uint32_t capacity() const { return cells_; }
     // Entries that the rows of so many cells may have.
-    [[nodiscard]] VkDeviceSize most_entries(std::uint32_t cells) const {
+    [[nodiscard]] VkDeviceSize max_entries(std::uint32_t cells) const {
         return VkDeviceSize{cells} * planes_ + VkDeviceSize{std::min(cells, todo_capacity_)} * more_planes_;
     }
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
@@ -66,7 +66,7 @@ public:
 private:
     void set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], const Slice& rows);
 
-    std::uint32_t cells_ = 0, todo_capacity_ = 0, most_of_tile_ = 0;
+    std::uint32_t cells_ = 0, todo_capacity_ = 0, max_of_tile_ = 0;
     std::uint32_t planes_ = 0, more_planes_ = 0;  // of a cell, and of one of the second tier beyond
     Scan scan_, todo_scan_;
     Slice tiles_;  // of cells left to the second tier

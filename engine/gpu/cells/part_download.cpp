@@ -68,9 +68,9 @@ ResultSizes PartDownload::best_sizes() const {
     VkDeviceSize most = std::min({seen, memory_.max_buffer_bytes() / each,
                                   adapter.device_memory / 4 / DeviceResults::bytes_per_entry(sizes),
                                   VkDeviceSize{std::numeric_limits<std::uint32_t>::max()}});
-    if (wanted_.most_entries != 0) most = std::min<VkDeviceSize>(most, wanted_.most_entries);
-    const VkDeviceSize usual = VkDeviceSize{usual_row} * wanted_.members + wanted_.least_entries;
-    sizes.entries = static_cast<std::uint32_t>(std::max(std::min(usual, most), wanted_.least_entries));
+    if (wanted_.max_entries != 0) most = std::min<VkDeviceSize>(most, wanted_.max_entries);
+    const VkDeviceSize usual = VkDeviceSize{usual_row} * wanted_.members + wanted_.min_entries;
+    sizes.entries = static_cast<std::uint32_t>(std::max(std::min(usual, most), wanted_.min_entries));
     return sizes;
 }
 
@@ -78,7 +78,7 @@ void PartDownload::reserve() {
     const ResultSizes best = best_sizes(), &now = results_.sizes();
     const bool fits = now.members >= best.members && now.entries >= best.entries && now.measure == best.measure &&
                       now.areas == best.areas && now.shifts == best.shifts;
-    if (!fits || wanted_.most_entries != 0) results_.reserve(best);
+    if (!fits || wanted_.max_entries != 0) results_.reserve(best);
     const auto on_host = [&](Buffer& buffer, VkDeviceSize bytes, const char* name) {
         if (buffer && buffer.size() >= bytes) return;
         buffer = {};

@@ -19,9 +19,9 @@ public:
     struct Wanted {
         std::uint32_t members = 0;
         bool neighbors = true, measure = true, areas = false, shifts = false;
-        bool float64 = true;             // what is measured, else sums of two float32
-        VkDeviceSize least_entries = 0;  // of the rows of a chunk
-        std::uint32_t most_entries = 0;  // on the device; 0 = as it allows
+        bool float64 = true;            // what is measured, else sums of two float32
+        VkDeviceSize min_entries = 0;   // of the rows of a chunk
+        std::uint32_t max_entries = 0;  // on the device; 0 = as it allows
     };
     // Begins a part, with a batch.
     void begin(const Wanted& wanted);

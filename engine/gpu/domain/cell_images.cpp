@@ -9,10 +9,10 @@
 namespace votess::gpu {
 namespace {
 
-constexpr int most_steps = 3;             // along an edge, to an image
-constexpr double most_fraction = 7;       // of seeds as given
-constexpr double least_margin = 0x1p-16;  // of the longest side: more than rounding takes seeds out of the box
-constexpr double slack = 0.01;            // of fractions, see gpu/domain/periodic_part.cpp
+constexpr int max_steps = 3;            // along an edge, to an image
+constexpr double max_fraction = 7;      // of seeds as given
+constexpr double min_margin = 0x1p-16;  // of the longest side: more than rounding takes seeds out of the box
+constexpr double slack = 0.01;          // of fractions, see gpu/domain/periodic_part.cpp
 constexpr int fraction_bits = FRACTION_BITS;
 
 [[noreturn]] void refuse() {
@@ -43,10 +43,9 @@ void find_steps(const Domain& domain, double scale, double margin, CellImages& o
         out.allowed.upper[k] += side;
     }
     const auto allowed = fractions_of(domain, domain.edges, out.allowed, scale);
-    const double most_margin = 2 * domain.covering_radius / scale;
-    for (double m = std::clamp(margin, longest * least_margin, std::max(most_margin, longest * least_margin));;
-         m *= 0.8) {
-        if (m < longest * least_margin) m = longest * least_margin;
+    const double max_margin = 2 * domain.covering_radius / scale;
+    for (double m = std::clamp(margin, longest * min_margin, std::max(max_margin, longest * min_margin));; m *= 0.8) {
+        if (m < longest * min_margin) m = longest * min_margin;
         out.box = bounds;
         for (std::size_t k = 0; k < 3; ++k) {
             out.box.lower[k] -= m;
@@ -59,13 +58,13 @@ void find_steps(const Domain& domain, double scale, double margin, CellImages& o
         for (std::size_t j = 0; j < 3; ++j) {
             out.data.least[j] = static_cast<int>(std::ceil(range.lower[j] - 1 - slack));
             out.data.last[j] = static_cast<int>(std::floor(range.upper[j] + slack));
-            fits = fits && out.data.least[j] >= -most_steps && out.data.last[j] < most_steps;
-            if (allowed.lower[j] < -most_fraction || allowed.upper[j] > most_fraction) refuse();
-            apart += 2 * most_steps + allowed.upper[j] - allowed.lower[j] + 2;
+            fits = fits && out.data.least[j] >= -max_steps && out.data.last[j] < max_steps;
+            if (allowed.lower[j] < -max_fraction || allowed.upper[j] > max_fraction) refuse();
+            apart += 2 * max_steps + allowed.upper[j] - allowed.lower[j] + 2;
         }
-        if (apart > MOST_STEPS_APART) refuse();
+        if (apart > MAX_STEPS_APART) refuse();
         if (fits) return;
-        if (m == longest * least_margin) refuse();
+        if (m == longest * min_margin) refuse();
     }
 }
 

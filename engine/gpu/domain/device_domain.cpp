@@ -9,9 +9,9 @@
 namespace votess::gpu {
 namespace {
 
-constexpr double margin_spacings = 4;                  // of the mean distance between seeds
-constexpr double most_shifts = 1000;                   // tried for each seed
-constexpr double most_images = 16, few_members = 1e5;  // images for each seed, where seeds are not few
+constexpr double margin_spacings = 4;                 // of the mean distance between seeds
+constexpr double max_shifts = 1000;                   // tried for each seed
+constexpr double max_images = 16, few_members = 1e5;  // images for each seed, where seeds are not few
 
 // The bounds of the cell that a basis spans at the domain's origin.
 Box box_of_cell(const Job& job, const Basis& basis) {
@@ -60,8 +60,8 @@ FractionRange fractions_of(const Domain& domain, const Basis& basis, const Box& 
 }
 
 double image_margin(double radius, double heavier) {
-    constexpr double most_heavier = 8;  // squares of the radius: seeds heavier than that leave few cells
-    return radius + std::sqrt(radius * radius + std::min(heavier, most_heavier * radius * radius));
+    constexpr double max_heavier = 8;  // squares of the radius: seeds heavier than that leave few cells
+    return radius + std::sqrt(radius * radius + std::min(heavier, max_heavier * radius * radius));
 }
 
 Box device_box(const Job& job) {
@@ -98,7 +98,7 @@ std::optional<ImageRange> image_range(const Job& job) {
     double tries = 1;
     for (std::size_t j = 0; j < 3; ++j)
         if (domain.periodic[j]) tries *= range.fractions.upper[j] - range.fractions.lower[j] + 1;
-    if (!(tries <= most_shifts) || !(members <= std::max(most_images * count, few_members))) return std::nullopt;
+    if (!(tries <= max_shifts) || !(members <= std::max(max_images * count, few_members))) return std::nullopt;
     return range;
 }
 

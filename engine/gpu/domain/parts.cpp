@@ -12,10 +12,10 @@ constexpr double margin_spacings = 5;
 
 }  // namespace
 
-Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t most_seeds)
-    : job_(job), box_(box), units_(Units::for_box(box)), most_seeds_(std::max(most_seeds, 2u)) {
+Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t max_seeds)
+    : job_(job), box_(box), units_(Units::for_box(box)), max_seeds_(std::max(max_seeds, 2u)) {
     const std::size_t count = job.points.count();
-    if (count <= most_seeds_ && job.outside.empty()) {
+    if (count <= max_seeds_ && job.outside.empty()) {
         ends_.assign(1, count);
         return;
     }
@@ -27,7 +27,7 @@ Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const B
                (!duplicate_of.empty() && duplicate_of[seed] >= 0);
     });
     if (order_.empty()) return;
-    split(0, order_.size(), order_.size() <= most_seeds_ ? most_seeds_ : most_seeds_ / 2);
+    split(0, order_.size(), order_.size() <= max_seeds_ ? max_seeds_ : max_seeds_ / 2);
 }
 
 Box Parts::bounds(std::size_t begin, std::size_t end) const {
@@ -44,8 +44,8 @@ Box Parts::bounds(std::size_t begin, std::size_t end) const {
 }
 
 // Halves the set along its longest side until it is small enough.
-void Parts::split(std::size_t begin, std::size_t end, std::size_t most_own) {
-    if (end - begin <= most_own) {
+void Parts::split(std::size_t begin, std::size_t end, std::size_t max_own) {
+    if (end - begin <= max_own) {
         ends_.push_back(end);
         return;
     }
@@ -59,8 +59,8 @@ void Parts::split(std::size_t begin, std::size_t end, std::size_t most_own) {
         return job_.points[3 * static_cast<std::size_t>(a) + axis] <
                job_.points[3 * static_cast<std::size_t>(b) + axis];
     });
-    split(begin, middle, most_own);
-    split(middle, end, most_own);
+    split(begin, middle, max_own);
+    split(middle, end, max_own);
 }
 
 Part Parts::get(std::size_t index) const {
@@ -96,7 +96,7 @@ Part Parts::get(std::size_t index) const {
             box.upper[k] = own.upper[k] + margin;
         }
         const auto add_around = [&](std::size_t from, std::size_t to) {
-            for (std::size_t i = from; i < to && part.members.size() <= most_seeds_; ++i) {
+            for (std::size_t i = from; i < to && part.members.size() <= max_seeds_; ++i) {
                 bool inside = true;
                 for (int k = 0; k < 3; ++k) {
                     const double x = job_.points[3 * static_cast<std::size_t>(order_[i]) + k];
@@ -107,7 +107,7 @@ Part Parts::get(std::size_t index) const {
         };
         add_around(0, begin);
         add_around(end, order_.size());
-        if (part.members.size() <= most_seeds_) break;
+        if (part.members.size() <= max_seeds_) break;
         if (margin == 0) {  // many seeds on the very bounds: leave them all to the CPU
             part.members.resize(part.own_count);
             box = own;

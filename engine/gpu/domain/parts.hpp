@@ -22,21 +22,21 @@ struct Part {
 
 class Parts {
 public:
-    // At most `most_seeds` members a part. One part when all points fit; else duplicates are in none. Seeds outside of
+    // At most `max_seeds` members a part. One part when all points fit; else duplicates are in none. Seeds outside of
     // the domain are in none at all.
-    Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t most_seeds);
+    Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t max_seeds);
 
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
     [[nodiscard]] Part get(std::size_t index) const;
 
 private:
-    void split(std::size_t begin, std::size_t end, std::size_t most_own);
+    void split(std::size_t begin, std::size_t end, std::size_t max_own);
     [[nodiscard]] Box bounds(std::size_t begin, std::size_t end) const;
 
     const Job& job_;
     Box box_;  // the device's
     Units units_;
-    std::uint32_t most_seeds_;
+    std::uint32_t max_seeds_;
     std::vector<std::int32_t> order_;  // part by part; empty when all points are in one
     std::vector<std::size_t> ends_;    // of each part in the order
 };

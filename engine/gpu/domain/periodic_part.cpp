@@ -9,7 +9,7 @@ namespace votess::gpu {
 namespace {
 
 // This share of a vector is more than fractions err by: places are right to 2^-52 of the box, which spans at most
-// most_shifts of the vectors.
+// max_shifts of the vectors.
 constexpr double slack = 0.01;
 constexpr std::int64_t largest_shift = 63;  // so that differences of two of them fit into rows
 
@@ -200,10 +200,10 @@ void Images::set_bounds() const {
 
 }  // namespace
 
-std::optional<PeriodicPart> periodic_part(const Job& job, const ImageRange& range, std::uint32_t most_seeds) {
+std::optional<PeriodicPart> periodic_part(const Job& job, const ImageRange& range, std::uint32_t max_seeds) {
     PeriodicPart result;
     Images images(job, range, result);
-    if (!images.add_seeds() || !images.add_images(most_seeds)) return std::nullopt;
+    if (!images.add_seeds() || !images.add_images(max_seeds)) return std::nullopt;
     images.set_bounds();
     return result;
 }

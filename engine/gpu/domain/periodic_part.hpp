@@ -23,7 +23,7 @@ struct PeriodicPart {
     std::vector<std::array<std::int8_t, 3>> moves;
 };
 
-// Returns nothing when the range holds more than `most_seeds`, or shifts are too large for rows.
-std::optional<PeriodicPart> periodic_part(const Job& job, const ImageRange& range, std::uint32_t most_seeds);
+// Returns nothing when the range holds more than `max_seeds`, or shifts are too large for rows.
+std::optional<PeriodicPart> periodic_part(const Job& job, const ImageRange& range, std::uint32_t max_seeds);
 
 }  // namespace votess::gpu

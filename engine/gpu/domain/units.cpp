@@ -8,9 +8,9 @@ namespace votess::gpu {
 namespace {
 
 // No two places of a box are as far apart: its sides are below 2^COORDINATE_BITS units.
-constexpr double squared_diagonal = 3;            // over 2^(2 COORDINATE_BITS)
-constexpr double most_more = 3.5, most_span = 4;  // of weights that matter; of floats in searches
-static_assert(squared_diagonal < most_more && most_more < most_span);
+constexpr double squared_diagonal = 3;          // over 2^(2 COORDINATE_BITS)
+constexpr double max_more = 3.5, max_span = 4;  // of weights that matter; of floats in searches
+static_assert(squared_diagonal < max_more && max_more < max_span);
 
 // A weight times 2^n is in squared units, for this n.
 int squared_units(const Units& units, double scale) {
@@ -24,7 +24,7 @@ double squares(double sides, int in_squares) {
 }  // namespace
 
 std::optional<WeightUnits> WeightUnits::of(double lightest, double heaviest, const Units& units, double scale) {
-    const double most = squares(most_more, squared_units(units, scale));
+    const double most = squares(max_more, squared_units(units, scale));
     double least = std::max(lightest, heaviest - most);
     // Rounding may have moved it up.
     if (least > lightest && heaviest - least < most)
@@ -35,7 +35,7 @@ std::optional<WeightUnits> WeightUnits::of(double lightest, double heaviest, con
 std::optional<WeightUnits> WeightUnits::between(double least, double largest, const Units& units, double scale) {
     const int finest = squared_units(units, scale);
     const double span = largest - least;
-    if (!std::isfinite(span) || !(span <= squares(most_span, finest))) return std::nullopt;
+    if (!std::isfinite(span) || !(span <= squares(max_span, finest))) return std::nullopt;
     WeightUnits result;
     result.least = least;
     result.largest = largest;

@@ -71,7 +71,7 @@ struct WeightUnits {
     // squares of over the one that `units` are parts of. Returns nothing when doubles as large are too coarse.
     static std::optional<WeightUnits> of(double lightest, double heaviest, const Units& units, double scale);
     // The same for any weights from `least` to `largest`. Returns nothing too when these differ by more than
-    // most_span (units.cpp), which is at least four times the square of the box's longest side.
+    // max_span (units.cpp), which is at least four times the square of the box's longest side.
     static std::optional<WeightUnits> between(double least, double largest, const Units& units, double scale);
 };
 

@@ -139,7 +139,7 @@ void detail::FrameState::record_cells(std::uint32_t count) {
     job.volume_tolerance = volume_tolerance;
     job.own_count = count;
     for (std::size_t k = 0; k < 3 && plan->options.cell; ++k) {
-        constexpr std::uint64_t rounded = 2 * MOST_STEPS_APART;  // images may be beside their places by less
+        constexpr std::uint64_t rounded = 2 * MAX_STEPS_APART;  // images may be beside their places by less
         job.bounded |= 9u << k;
         job.lower[k] = rounded;
         job.upper[k] = seeds_.extent()[k] - rounded;

@@ -46,7 +46,7 @@ private:
 
 // The domain of recorded frames: box, images, weights and walls of a plan (frame_domain.cpp).
 
-inline constexpr std::uint32_t most_of_all = 1u << 27;  // seeds: rows have 32 bits for their entries
+inline constexpr std::uint32_t max_of_all = 1u << 27;  // seeds: rows have 32 bits for their entries
 
 [[nodiscard]] inline bool is_periodic(const PlanOptions& options) {
     return options.cell || options.periodic != std::array<bool, 3>{};

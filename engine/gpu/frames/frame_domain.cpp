@@ -92,7 +92,7 @@ std::uint32_t usual_images(const PlanOptions& options) {
         larger = 1 / images.volume;
         for (std::size_t k = 0; k < 3; ++k) larger *= images.box.upper[k] - images.box.lower[k];
     }
-    return static_cast<std::uint32_t>(std::min(1.25 * (larger - 1) * options.most_seeds + 1000, 1.0 * most_of_all));
+    return static_cast<std::uint32_t>(std::min(1.25 * (larger - 1) * options.most_seeds + 1000, 1.0 * max_of_all));
 }
 
 void make_walls(PlanState& plan) {

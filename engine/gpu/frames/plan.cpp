@@ -7,11 +7,11 @@
 namespace votess::vulkan {
 namespace {
 
-using detail::most_of_all;
+using detail::max_of_all;
 using detail::refuse;
 
-constexpr VkDeviceSize geometry_bytes = 16;       // of a cell: vec4
-constexpr std::uint32_t most_walk_visits = 2000;  // a frame waits for its slowest cell; resolve() makes what is left
+constexpr VkDeviceSize geometry_bytes = 16;      // of a cell: vec4
+constexpr std::uint32_t max_walk_visits = 2000;  // a frame waits for its slowest cell; resolve() makes what is left
 
 void check(const HostInstance& host) {
     if (host.instance == VK_NULL_HANDLE) refuse("the Vulkan instance is null");
@@ -26,8 +26,8 @@ std::shared_ptr<gpu::vulkan::Instance> adopt(const HostInstance& host, bool debu
 }
 
 void check(const PlanOptions& options) {
-    if (options.most_seeds == 0 || options.most_seeds > most_of_all)
-        refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(most_of_all));
+    if (options.most_seeds == 0 || options.most_seeds > max_of_all)
+        refuse("most_seeds = " + std::to_string(options.most_seeds) + " must be 1 to " + std::to_string(max_of_all));
     if (options.stride < 3) refuse("stride = " + std::to_string(options.stride) + " must be 3 or more numbers");
     if (options.format != SeedFormat::float32 && options.format != SeedFormat::float64)
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
@@ -91,7 +91,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     settings.weights = options.weights.has_value();
     settings.walls = !options.walls.empty();
     settings.tiers[1].ties = !settings.weights && !settings.walls;  // with these nothing decides them
-    settings.most_walk_visits = std::min(settings.most_walk_visits, most_walk_visits);
+    settings.max_walk_visits = std::min(settings.max_walk_visits, max_walk_visits);
     settings.images = detail::is_periodic(options);
     settings.triclinic = options.cell.has_value();
     gpu::DeviceSeeds seeds;
@@ -99,8 +99,8 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     detail::set_domain(seeds, *state, {.count = options.most_seeds});  // refuses what no frame could be
     state->passes.emplace(device, settings);
     if (settings.images) state->images = options.most_images != 0 ? options.most_images : detail::usual_images(options);
-    if (state->images > most_of_all)
-        refuse("most_images = " + std::to_string(state->images) + " must be at most " + std::to_string(most_of_all));
+    if (state->images > max_of_all)
+        refuse("most_images = " + std::to_string(state->images) + " must be at most " + std::to_string(max_of_all));
     state->chunk_cells = gpu::usual_chunk(device, settings, options.chunk_size, options.most_seeds);
 
     const VkDeviceSize n = options.most_seeds;

@@ -11,7 +11,7 @@
 namespace votess::gpu {
 namespace {
 
-constexpr std::uint32_t fewest_lanes = 8, most_lanes = 64;
+constexpr std::uint32_t min_lanes = 8, max_lanes = 64;
 constexpr std::uint32_t amd = 0x1002, intel = 0x8086;
 
 // With 32, a lane has two vertices; few cells have more than 64. Intel's registers hold 16 lanes with four each, 32
@@ -64,7 +64,7 @@ std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
         adapter.vendor_id != amd)
         return "control of the size of subgroups, which varies";
     const std::uint32_t lanes = lanes_of(adapter);
-    if (lanes < fewest_lanes || lanes > most_lanes || !std::has_single_bit(lanes))
+    if (lanes < min_lanes || lanes > max_lanes || !std::has_single_bit(lanes))
         return "subgroups of 8 to 64 invocations, it has " + std::to_string(lanes);
     return {};
 }

@@ -63,8 +63,8 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
                                   limits.ties ? Variants{clip_f32_ties, clip_f32_measure_f64_ties, clip_f64_ties}
                                               : Variants{clip_f32, clip_f32_measure_f64, clip_f64});
     return make<ClipPush>(device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv, settings.local_size,
-                          with_numbers({{CONSTANT_MOST_PLANES, limits.planes},
-                                        {CONSTANT_MOST_VERTICES, limits.vertices},
+                          with_numbers({{CONSTANT_MAX_PLANES, limits.planes},
+                                        {CONSTANT_MAX_VERTICES, limits.vertices},
                                         {CONSTANT_TIER, tier},
                                         wanted_geometry(settings),
                                         {CONSTANT_WALLS, settings.walls ? 1u : 0u},
@@ -78,7 +78,7 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
 // numbers a plane in each array; and the users of scratch memory leave each other room.
 static_assert(SUBGROUP_PLANES <= 32 && 4 * SUBGROUP_PLANES <= SUBGROUP_STORE && GROUP_SEEDS == FAN);
 static_assert(SUBGROUP_NODES + SUBGROUP_GROUPS <= 3 * SUBGROUP_PLANES + SUBGROUP_STORE &&
-              3 * SUBGROUP_PLANES + SUBGROUP_STORE + MOST_LEVELS <= SUBGROUP_SCRATCH);
+              3 * SUBGROUP_PLANES + SUBGROUP_STORE + MAX_LEVELS <= SUBGROUP_SCRATCH);
 
 // The size of its shared arrays for one subgroup.
 std::uint32_t shared_bytes(const PassSettings& settings) {
@@ -99,7 +99,7 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings) {
     if (adapter.subgroup_size_control) subgroups = std::min(subgroups, adapter.max_subgroups);
     subgroups = std::max(subgroups, 1u);
     return make<CellsPush>(device, "clip_subgroup", spirv, subgroups * settings.subgroup_size,
-                           with_numbers({{CONSTANT_MOST_VERTICES, limits.vertices},
+                           with_numbers({{CONSTANT_MAX_VERTICES, limits.vertices},
                                          {CONSTANT_LANES, settings.subgroup_size},
                                          {CONSTANT_SUBGROUPS, subgroups},
                                          {CONSTANT_LOCKSTEP, adapter.lockstep ? 1u : 0u},
@@ -138,15 +138,15 @@ Pass download_named_rows(Device& device, const PassSettings& settings) {
 }  // namespace
 
 PassSettings usual_settings(const Device& device, std::uint32_t k) {
-    constexpr std::uint32_t usual_k = 112, most_first_count = 3 * SUBGROUP_STORE / 4;
+    constexpr std::uint32_t usual_k = 112, max_first_count = 3 * SUBGROUP_STORE / 4;
     constexpr std::uint32_t software_walk = 512, usual_walk = 20000;
     PassSettings s;
     s.k = k == 0 ? usual_k : k;
     s.subgroup_size = choose_subgroup_size(device.adapter(), kernel_from_environment());
     s.measure_float64 = measures_in_float64(device.adapter(), device.has_float64(), measure_from_environment());
-    if (k != 0) s.first_count = std::min(k, most_first_count);
+    if (k != 0) s.first_count = std::min(k, max_first_count);
     // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
-    s.most_walk_visits = device.adapter().software() ? software_walk : usual_walk;
+    s.max_walk_visits = device.adapter().software() ? software_walk : usual_walk;
     s.tiers[0] = {.planes = SUBGROUP_PLANES, .vertices = 64, .float64 = false};
     s.tiers[1] = {.planes = 64, .vertices = 128, .float64 = device.has_float64()};
     return s;

@@ -21,17 +21,17 @@ struct TierLimits {
 struct PassSettings {
     std::uint32_t k = 112;  // neighbors listed
     TierLimits tiers[2];
-    std::uint32_t most_visits = 4000;        // boxes looked at in a search
-    std::uint32_t most_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
-    bool measure = true;                     // volumes and centroids are wanted
-    bool measure_float64 = true;             // they are float64, else sums of two float32
-    bool areas = false;                      // areas beside the rows are wanted too
-    bool weights = false;                    // of a power diagram
-    bool frames = false;                     // there are passes for recorded frames instead of parts
-    bool walls = false;                      // there are walls of any direction
-    bool images = false;                     // and for periodic ones
-    bool triclinic = false;                  // whose boxes are triclinic
-    std::uint32_t local_size = 64;           // work-groups of all passes that do not rely on a size
+    std::uint32_t max_visits = 4000;        // boxes looked at in a search
+    std::uint32_t max_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
+    bool measure = true;                    // volumes and centroids are wanted
+    bool measure_float64 = true;            // they are float64, else sums of two float32
+    bool areas = false;                     // areas beside the rows are wanted too
+    bool weights = false;                   // of a power diagram
+    bool frames = false;                    // there are passes for recorded frames instead of parts
+    bool walls = false;                     // there are walls of any direction
+    bool images = false;                    // and for periodic ones
+    bool triclinic = false;                 // whose boxes are triclinic
+    std::uint32_t local_size = 64;          // work-groups of all passes that do not rely on a size
     // So many invocations make a cell of the first tier together, searching as they clip; 0: each makes one, from a
     // list.
     std::uint32_t subgroup_size = 0;

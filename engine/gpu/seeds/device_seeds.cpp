@@ -40,7 +40,7 @@ void Scan::reserve(Workspace& workspace, std::uint32_t count) {
 }
 
 void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const {
-    std::array<std::uint32_t, most_levels> counts{};  // of each level's array
+    std::array<std::uint32_t, max_levels> counts{};  // of each level's array
     std::size_t levels = 0;
     Bindings bindings;
     for (;; count = blocks_of(count, TILE_ITEMS)) {

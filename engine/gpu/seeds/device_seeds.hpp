@@ -41,8 +41,8 @@ public:
     void record(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const;
 
 private:
-    static constexpr std::size_t most_levels = 4;  // TILE_ITEMS to the fourth is more than 32 bits can count
-    std::array<Slice, most_levels> sums_;          // per level: totals of the level below
+    static constexpr std::size_t max_levels = 4;  // TILE_ITEMS to the fourth is more than 32 bits can count
+    std::array<Slice, max_levels> sums_;          // per level: totals of the level below
 };
 
 class DeviceSeeds {
@@ -131,7 +131,7 @@ private:
     Scan scan_, image_scan_;
     ImagesPush images_{};
     LatticeData lattice_{};
-    std::array<std::uint32_t, MOST_LEVELS> level_first_{}, level_size_{};
+    std::array<std::uint32_t, MAX_LEVELS> level_first_{}, level_size_{};
     std::uint32_t level_count_ = 0;
     Bindings bindings_;
 };

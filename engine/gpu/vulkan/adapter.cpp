@@ -9,9 +9,9 @@
 namespace votess::gpu::vulkan {
 namespace {
 
-constexpr std::uint32_t least_storage_buffers = 18;  // clip_cells has the most
-constexpr std::uint32_t least_push_bytes = 128;
-constexpr std::uint32_t least_invocations = TILE_GROUP;
+constexpr std::uint32_t min_storage_buffers = 18;  // clip_cells has the most
+constexpr std::uint32_t min_push_bytes = 128;
+constexpr std::uint32_t min_invocations = TILE_GROUP;
 
 std::string version_text(std::uint32_t version) {
     return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
@@ -201,17 +201,16 @@ std::string Adapter::missing() const {
     if (queue_family == VK_QUEUE_FAMILY_IGNORED) return needs("a compute queue", "none");
     const std::uint32_t buffers =
         std::min(limits.maxPerStageDescriptorStorageBuffers, limits.maxDescriptorSetStorageBuffers);
-    if (buffers < least_storage_buffers)
-        return needs(std::to_string(least_storage_buffers) + " storage buffers per stage", std::to_string(buffers));
-    if (limits.maxPushConstantsSize < least_push_bytes) {
-        return needs(std::to_string(least_push_bytes) + " bytes of push constants",
+    if (buffers < min_storage_buffers)
+        return needs(std::to_string(min_storage_buffers) + " storage buffers per stage", std::to_string(buffers));
+    if (limits.maxPushConstantsSize < min_push_bytes) {
+        return needs(std::to_string(min_push_bytes) + " bytes of push constants",
                      std::to_string(limits.maxPushConstantsSize));
     }
     const std::uint32_t invocations =
         std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
-    if (invocations < least_invocations)
-        return needs("work-groups of " + std::to_string(least_invocations) + " invocations",
-                     std::to_string(invocations));
+    if (invocations < min_invocations)
+        return needs("work-groups of " + std::to_string(min_invocations) + " invocations", std::to_string(invocations));
     return {};
 }
 

@@ -44,7 +44,7 @@ Pass PassCache::get(const PassInfo& info) {
     }
     known_.push_back({info, Pass(device_, info)});
     const auto unused = [](const Known& known) { return !known.pass.is_shared(); };
-    if (std::ranges::count_if(known_, unused) > std::ptrdiff_t{most_unused})
+    if (std::ranges::count_if(known_, unused) > std::ptrdiff_t{max_unused})
         known_.erase(std::ranges::find_if(known_, unused));
     return known_.back().pass;
 }

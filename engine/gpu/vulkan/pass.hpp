@@ -76,7 +76,7 @@ private:
         PassInfo info;
         Pass pass;
     };
-    static constexpr std::size_t most_unused = 64;
+    static constexpr std::size_t max_unused = 64;
 
     Device& device_;
     std::mutex mutex_;

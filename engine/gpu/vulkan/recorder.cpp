@@ -8,7 +8,7 @@
 namespace votess::gpu::vulkan {
 namespace {
 
-constexpr std::uint32_t most_bindings = 32;  // of one pass
+constexpr std::uint32_t max_bindings = 32;  // of one pass
 
 [[noreturn]] void misuse(const std::string& what) {
     throw Error(ErrorCode::internal, what);
@@ -90,7 +90,7 @@ VkDescriptorSet DescriptorSets::get(const Pass& pass, std::span<const VkDescript
     --pool.sets;
     pool.descriptors -= count;
 
-    std::array<VkWriteDescriptorSet, most_bindings> writes{};
+    std::array<VkWriteDescriptorSet, max_bindings> writes{};
     for (std::uint32_t i = 0; i < count; ++i) {
         writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
         writes[i].dstSet = set;
@@ -137,13 +137,13 @@ void Recorder::fill(const Slice& buffer, VkDeviceSize offset, VkDeviceSize bytes
 }
 
 void Recorder::write(const Slice& buffer, VkDeviceSize offset, std::span<const std::byte> bytes) {
-    constexpr std::size_t most_at_once = 65536;
+    constexpr std::size_t max_at_once = 65536;
     expect_open("write");
     if (offset > buffer.size || bytes.size() > buffer.size - offset)
         misuse("Commands::write beyond the end of a buffer");
     if (buffer_ == VK_NULL_HANDLE) return;
-    for (std::size_t done = 0; done < bytes.size(); done += most_at_once) {
-        const auto piece = bytes.subspan(done, std::min(most_at_once, bytes.size() - done));
+    for (std::size_t done = 0; done < bytes.size(); done += max_at_once) {
+        const auto piece = bytes.subspan(done, std::min(max_at_once, bytes.size() - done));
         device_.table().vkCmdUpdateBuffer(buffer_, buffer.handle, buffer.offset + offset + done, piece.size(),
                                           piece.data());
     }
@@ -181,7 +181,7 @@ void Recorder::bind(const Pass& pass, std::span<const BufferBinding> buffers, st
                " bytes of push constants, not " + std::to_string(push.size()));
     }
     const std::size_t count = pass.bindings().size();
-    std::array<VkDescriptorBufferInfo, most_bindings> infos;
+    std::array<VkDescriptorBufferInfo, max_bindings> infos;
     if (count > infos.size()) misuse("the pass " + pass.name() + " has too many bindings");
     for (std::size_t i = 0; i < count; ++i) infos[i] = descriptor(pass, pass.bindings()[i], buffers);
     const VkDescriptorSet set = count == 0 ? VK_NULL_HANDLE : sets_.get(pass, std::span(infos).first(count));

@@ -107,7 +107,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu: a device lost between parts") {
         fail_everywhere<&VolkDeviceTable::vkQueueSubmit>(VK_ERROR_DEVICE_LOST, ErrorCode::device_lost,
-                                                         {.most_seeds = 300});
+                                                         {.max_seeds = 300});
     }
 
     TEST_CASE("gpu: no memory for a block, a buffer, a pipeline, a descriptor pool or a recording") {
@@ -326,7 +326,7 @@ TEST_SUITE("cases") {
         Gpu gpu;
         const PointSet large = test::uniform(test::by_size(4000, 1500), 113);
         for (const double fraction : {0.06, 0.5}) {
-            GpuRunner runner(gpu, {.most_seeds = 1500});
+            GpuRunner runner(gpu, {.max_seeds = 1500});
             Options options = test::all_options();
             options.chunk_size = 300;
             options.progress = stop_at(fraction);

@@ -36,7 +36,7 @@ PointSet crowded_steps() {
 struct Case {
     PointSet set;
     bool periodic = false;
-    double most_left_to_cpu = 0;  // share of the cells
+    double max_left_to_cpu = 0;  // share of the cells
 };
 
 // The CPU's lists, counts and geometry, by both kernels.
@@ -55,7 +55,7 @@ void check_on_device(const std::vector<Case>& cases) {
             const auto gpu = tessellator.tessellate(c.set.points, options);
             CHECK(test::check_same(gpu, cpu, c.set.points, test::tolerance(options)) == "");
             CHECK(static_cast<double>(gpu.stats().fallback_cells) <=
-                  c.most_left_to_cpu * static_cast<double>(c.set.size()));
+                  c.max_left_to_cpu * static_cast<double>(c.set.size()));
         }
     }
 }

@@ -56,7 +56,7 @@ TEST_SUITE("cases") {
         test::Gpu gpu;
         const auto set = test::uniform(test::by_size(6000, 1500), 181);
         votess::gpu::EngineLimits limits;
-        limits.most_seeds = static_cast<std::uint32_t>(set.size() / 2);
+        limits.max_seeds = static_cast<std::uint32_t>(set.size() / 2);
         test::GpuRunner runner(gpu, limits);
         const votess::Options options = mesh_options(set.box);
         CHECK(test::check_same_mesh(runner.run(set, options), votess::tessellate(set.points, options)) == "");

@@ -23,7 +23,7 @@ std::string compare(test::GpuRunner& runner, const PointSet& set, Options option
 TEST_SUITE("cases") {
     TEST_CASE("gpu: seeds in parts, every family") {
         test::Gpu gpu;
-        test::GpuRunner small(gpu, {.most_seeds = 300});
+        test::GpuRunner small(gpu, {.max_seeds = 300});
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()})
             for (const PointSet& set :
                  test::families(kernel == Kernel::invocation ? test::by_size(800, 350) : 350, 91)) {
@@ -32,7 +32,7 @@ TEST_SUITE("cases") {
                 const test::UseKernel chosen(kernel);
                 CHECK(compare(small, set) == "");
             }
-        test::GpuRunner large(gpu, {.most_seeds = 1000});
+        test::GpuRunner large(gpu, {.max_seeds = 1000});
         const std::size_t n = test::by_size(2500, 1100);
         for (const PointSet& set : {test::clustered(n, 88), test::with_duplicates(n, n / 5, 89), test::on_walls(n, 90)})
             CHECK(compare(large, set) == "");
@@ -74,20 +74,20 @@ TEST_SUITE("cases") {
         options.chunk_size = 50;
         for (const std::uint32_t most : {1u, 4000u}) {
             CAPTURE(most);
-            test::GpuRunner runner(gpu, {.most_entries = most});
+            test::GpuRunner runner(gpu, {.max_entries = most});
             for (const PointSet& set : {test::uniform(600, 81), test::with_duplicates(500, 90, 82)})
                 CHECK(compare(runner, set, options) == "");
             Options periodic = options;
             periodic.periodic = {true, true, true};
             CHECK(compare(runner, test::uniform(400, 83), periodic) == "");
-            test::GpuRunner parts(gpu, {.most_seeds = 300, .most_entries = most});
+            test::GpuRunner parts(gpu, {.max_seeds = 300, .max_entries = most});
             CHECK(compare(parts, test::uniform(500, 84), options) == "");
         }
     }
 
     TEST_CASE("gpu: parts spare the CPU most cells") {
         test::Gpu gpu;
-        test::GpuRunner runner(gpu, {.most_seeds = test::reduced() ? 2000u : 5000u});
+        test::GpuRunner runner(gpu, {.max_seeds = test::reduced() ? 2000u : 5000u});
         const PointSet set = test::uniform(test::by_size(12000, 4000), 92);
         Options options = test::all_options();
         options.threads = 0;
@@ -112,7 +112,7 @@ TEST_SUITE("cases") {
     TEST_CASE("gpu: parts and options") {
         test::Gpu gpu;
         for (const std::uint32_t most : {2u, 40u}) {
-            test::GpuRunner runner(gpu, {.most_seeds = most});
+            test::GpuRunner runner(gpu, {.max_seeds = most});
             for (const PointSet& set : {test::uniform(90, 93), test::with_duplicates(90, 20, 94),
                                         test::on_walls(90, 95), test::on_axis_plane(60, 96), test::cubic(4)}) {
                 Options options = test::all_options();
@@ -126,7 +126,7 @@ TEST_SUITE("cases") {
                 CHECK(compare(runner, set, options) == "");
             }
         }
-        test::GpuRunner runner(gpu, {.most_seeds = 400});
+        test::GpuRunner runner(gpu, {.max_seeds = 400});
         for (const std::size_t n : {900, 300, 0, 401, 400}) {
             CAPTURE(n);
             CHECK(compare(runner, test::clustered(n, n + 1)) == "");
@@ -143,7 +143,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu: duplicates in different parts are refused with the CPU's words") {
         test::Gpu gpu;
-        test::GpuRunner runner(gpu, {.most_seeds = 100});
+        test::GpuRunner runner(gpu, {.max_seeds = 100});
         Options options = test::all_options();
         options.duplicates = votess::Duplicates::error;
         const PointSet set = test::with_duplicates(600, 60, 99);

@@ -240,7 +240,7 @@ TEST_SUITE("cases") {
         set.points = seeds.points;
         set.box = test::unit_box();
         for (const bool faces : {false, true}) {
-            test::GpuRunner runner(gpu, {.most_seeds = faces ? 0 : static_cast<std::uint32_t>(cpu.size() / 2)});
+            test::GpuRunner runner(gpu, {.max_seeds = faces ? 0 : static_cast<std::uint32_t>(cpu.size() / 2)});
             options.want.faces = faces;
             const auto result = runner.run(set, options);
             CHECK(test::check_same(result, cpu, seeds.points, test::tolerance(options)) == "");

@@ -83,7 +83,7 @@ Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {
     download.begin({.members = n,
                     .neighbors = wanted.neighbors,
                     .measure = gpu.passes->settings.measure,
-                    .least_entries = chunk.on_device().most_entries(size)});
+                    .min_entries = chunk.on_device().max_entries(size)});
     Counts counts{};
     for (std::uint32_t first = 0; first < n; first += size) {
         const std::uint32_t count = std::min(size, n - first);
@@ -173,7 +173,7 @@ void check_by_work_groups(std::uint32_t lanes) {
                                                        .spirv = spirv,
                                                        .push_bytes = pass.push_bytes(),
                                                        .local_size = lanes,
-                                                       .constants = {{CONSTANT_MOST_VERTICES, 64},
+                                                       .constants = {{CONSTANT_MAX_VERTICES, 64},
                                                                      {CONSTANT_LANES, lanes},
                                                                      {CONSTANT_SUBGROUPS, 1},
                                                                      {CONSTANT_LOCKSTEP, 0},
@@ -348,7 +348,7 @@ TEST_SUITE("stages") {
             check_cells(gpu, test::nested_clusters(n, 31));
             check_cells(gpu, test::with_duplicates(n, n / 10, 32));
         }
-        kernels.use([](PassSettings& s) { s.most_visits = 20; });
+        kernels.use([](PassSettings& s) { s.max_visits = 20; });
         CHECK(fraction(check_cells(gpu, test::uniform(n, 29), {.second_tier = false}), STATUS_CANDIDATES_EXHAUSTED) >
               0.9);
         CHECK(fraction(check_cells(gpu, test::uniform(n, 29)), STATUS_CERTIFIED) >

@@ -74,14 +74,14 @@ struct Family {
     bool float64 = false, lossy = false;
     // Half of the vertices are of three planes nearly through one line: how far, and about one over their condition.
     double narrowest = 1e-3, widest = 1;
-    int most_exponent = 57;
+    int max_exponent = 57;
     bool weights = false;
 };
 
 Case random_case(test::Random& random, const Family& family) {
     Case c;
     c.lossy = family.lossy;
-    c.exponent = static_cast<int>(random.integer(SMALLEST_CELL_EXPONENT, family.most_exponent));
+    c.exponent = static_cast<int>(random.integer(SMALLEST_CELL_EXPONENT, family.max_exponent));
     const double length = std::ldexp(1.0, c.exponent);
     const double most = std::ldexp(0.4, COORDINATE_BITS - 1 - c.exponent);  // what the box has room for
     const double radius = length * (random.chance(0.7) ? random.uniform(0.8, 3) : log_uniform(random, 0.8, most));

@@ -55,7 +55,7 @@ Declared read_spirv(std::span<const std::uint32_t> words) {
 struct Calls {
     Ids bindings;
     Declared declared;
-    std::size_t most_bindings = 0, asks_for_nearest = 0;
+    std::size_t max_bindings = 0, asks_for_nearest = 0;
     std::set<std::uint32_t> all_bindings, all_constants;
 } calls;
 
@@ -98,7 +98,7 @@ VKAPI_ATTR VkResult VKAPI_CALL compare(VkDevice, VkPipelineCache, std::uint32_t,
     // Ids are declared once.
     const std::set<std::uint32_t> once(constants.begin(), constants.end());
     CHECK(once.size() == constants.size());
-    calls.most_bindings = std::max(calls.most_bindings, calls.bindings.size());
+    calls.max_bindings = std::max(calls.max_bindings, calls.bindings.size());
     calls.all_bindings.insert(calls.bindings.begin(), calls.bindings.end());
     calls.all_constants.insert(constants.begin(), constants.end());
     *pipeline = VK_NULL_HANDLE;
@@ -142,7 +142,7 @@ TEST_SUITE("stages") {
         CHECK(calls.all_constants.size() == CONSTANT_COUNT);
         CHECK(*calls.all_constants.rbegin() == CONSTANT_COUNT - 1);
         // Adapter::missing() asks for so many.
-        CHECK(calls.most_bindings == 18);
+        CHECK(calls.max_bindings == 18);
     }
 
     TEST_CASE("gpu interface: shaders demand to round to nearest, in the widths that they have") {

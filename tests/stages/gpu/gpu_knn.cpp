@@ -32,7 +32,7 @@ void check_boxes(GpuStages& gpu) {
     const auto first = gpu.seeds.on_device().level_first();
     const std::size_t levels = gpu.seeds.on_device().level_first().size();
     const auto nodes = gpu.read<Node>(BINDING_NODES, first.back() + 1);
-    REQUIRE(levels <= MOST_LEVELS);
+    REQUIRE(levels <= MAX_LEVELS);
     std::size_t width = GROUP_SEEDS;  // seeds below a node
     for (std::size_t level = 0; level < levels; ++level, width *= FAN) {
         const std::size_t count = (n + width - 1) / width;
@@ -116,7 +116,7 @@ ChunkJob whole_job(std::uint32_t own_count) {
 Lists search(GpuStages& gpu, std::uint32_t k, const ChunkJob& job, std::uint32_t first, std::uint32_t count) {
     Chunk chunk(*gpu.gpu.device, gpu.memory, count, gpu.passes->settings);
     votess::gpu::PartDownload download(*gpu.gpu.device, gpu.memory);
-    download.begin({.members = job.own_count, .least_entries = chunk.on_device().most_entries(count)});
+    download.begin({.members = job.own_count, .min_entries = chunk.on_device().max_entries(count)});
     chunk.start(gpu.seeds, *gpu.passes, job, {.first = first, .count = count, .second_tier = false},
                 download.on_device());
     chunk.wait();
@@ -311,7 +311,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("gpu knn: a search that looks at too many boxes says so") {
         votess::gpu::PassSettings settings = test::pass_settings(64);
-        settings.most_visits = 5;
+        settings.max_visits = 5;
         GpuStages gpu(settings);
         const Reached reached = check_lists(gpu, test::uniform(3000, 16), 64, 50);
         CHECK(reached.none == reached.cells);

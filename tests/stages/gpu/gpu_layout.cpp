@@ -117,20 +117,20 @@ TEST_SUITE("stages") {
         const auto knn = filled<KnnPush>();
         check("KnnPush", shaders::test_layout_knn, knn,
               words_of(knn.lower, knn.upper, knn.bounded, knn.first_cell, knn.cell_count, knn.seed_count, knn.own_count,
-                       knn.level_count, knn.most_visits, knn.stride, knn.level_first));
+                       knn.level_count, knn.max_visits, knn.stride, knn.level_first));
         const auto clip = filled<ClipPush>();
         check("ClipPush", shaders::test_layout_clip, clip,
               words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.list_stride,
-                       clip.row_stride, clip.walls, clip.neighbors, clip.volume_tolerance, clip.most_visits,
+                       clip.row_stride, clip.walls, clip.neighbors, clip.volume_tolerance, clip.max_visits,
                        clip.bounded, clip.level_count, clip.level_first));
         const auto cells = filled<CellsPush>();
         check("CellsPush", shaders::test_layout_cells, cells,
               words_of(cells.extent, cells.lower, cells.upper, cells.bounded, cells.first_cell, cells.cell_count,
-                       cells.seed_count, cells.own_count, cells.level_count, cells.most_visits, cells.row_stride,
+                       cells.seed_count, cells.own_count, cells.level_count, cells.max_visits, cells.row_stride,
                        cells.walls, cells.neighbors, cells.volume_tolerance));
         const auto todo = filled<TodoPush>();
         check("TodoPush", shaders::test_layout_todo, todo,
-              words_of(todo.cell_count, todo.most_of_tile, todo.group, todo.places));
+              words_of(todo.cell_count, todo.max_of_tile, todo.group, todo.places));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
               words_of(rows.first_cell, rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity,

@@ -172,7 +172,7 @@ void check_sort(GpuStages& gpu, const PointSet& set, std::uint32_t bits) {
     for (std::size_t s = 0; s < n; ++s) {
         bool found = false, given_up = false;
         for (std::size_t back = 1; back <= s && !found && !given_up && keys[order[s - back]] == keys[order[s]]; ++back)
-            (back > MOST_LOOK_BACK ? given_up : found) = back > MOST_LOOK_BACK || same(order[s], order[s - back]);
+            (back > MAX_LOOK_BACK ? given_up : found) = back > MAX_LOOK_BACK || same(order[s], order[s - back]);
         suspects = suspects || given_up || (found && lossy);
         const bool marked = found && !lossy;
         duplicates += marked ? 1 : 0;
@@ -349,11 +349,11 @@ TEST_SUITE("stages") {
 
         check_sort(gpu, test::uniform(2000, 21), 1);  // one block holds some 250 different points
         CHECK(gpu.seeds.state().suspects == 1);
-        for (const std::size_t n : {MOST_LOOK_BACK, MOST_LOOK_BACK + 1, MOST_LOOK_BACK + 2}) {
+        for (const std::size_t n : {MAX_LOOK_BACK, MAX_LOOK_BACK + 1, MAX_LOOK_BACK + 2}) {
             PointSet few = test::uniform(n, 22);
             for (double& x : few.points) x /= 8;  // all in one block
             check_sort(gpu, few, 1);
-            CHECK(gpu.seeds.state().suspects == (n > MOST_LOOK_BACK + 1 ? 1u : 0u));
+            CHECK(gpu.seeds.state().suspects == (n > MAX_LOOK_BACK + 1 ? 1u : 0u));
         }
         // Equal in units, different as given.
         PointSet lossy{"lossy", {0.5, 0.5, 0.5, 0x1p-70, 0.25, 0.75, 0x1p-71, 0.25, 0.75}, test::unit_box()};
