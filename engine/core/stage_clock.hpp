@@ -19,7 +19,7 @@ public:
         begin_ = now;
         return std::exchange(stage_, next);
     }
-    // A stage within another one, to which the clock returns at the end of the scope.
+    // Enters a stage within another one, to which the clock returns at the end of the scope.
     class Within {
     public:
         Within(StageClock& clock, Stage stage) : clock_(clock), outer_(clock.enter(stage)) {}
@@ -31,8 +31,7 @@ public:
         StageClock& clock_;
         Stage outer_;
     };
-    // Shares the time of clip among the stages that a device went through meanwhile, by the seconds that it took for
-    // each.
+    // Divides the time of clip among the stages that a device ran meanwhile, by the seconds that each took.
     void share_clip(double knn, double clip, double download) {
         enter(stage_);
         const double all = knn + clip + download, shared = seconds_.clip;
@@ -41,7 +40,7 @@ public:
         seconds_.clip = shared * clip / all;
         seconds_.download += shared * download / all;
     }
-    // The seconds up to now.
+    // Returns the seconds up to now.
     [[nodiscard]] StageSeconds seconds() {
         enter(stage_);
         const StageSeconds& s = seconds_;

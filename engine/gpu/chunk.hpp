@@ -1,5 +1,5 @@
-// Cells in flight. Two chunks take turns, so that the host works on what one leaves to it while the device works on the
-// other; what is certified stays on the device.
+// Cells in flight. Two chunks alternate: the host clips the cells that one left while the device works on the other.
+// Certified cells stay on the device.
 #pragma once
 
 #include <cstdint>
@@ -21,14 +21,14 @@ public:
                const DeviceResults& results);
     void wait();
 
-    // These tell of the finished chunk; info, of each cell in sorted order.
+    // Of the finished chunk. info: of each cell, in sorted order.
     [[nodiscard]] const Piece& piece() const { return piece_; }
     [[nodiscard]] std::uint32_t first() const { return piece_.first; }
     [[nodiscard]] std::uint32_t count() const { return piece_.count; }
     [[nodiscard]] std::span<const std::uint32_t> info() const { return info_host_.as<std::uint32_t>().first(count()); }
-    // Entries of all rows that the results hold.
+    // Returns the entries of all rows that the results hold.
     [[nodiscard]] std::uint32_t entries() const { return state_host_.as<ChunkState>()[0].row_base; }
-    // Cells that the first tier left, when there was a second one.
+    // Returns the number of cells that the first tier left, when there was a second one.
     [[nodiscard]] std::uint32_t left_count() const { return state_host_.as<ChunkState>()[0].left_count; }
 
     struct Seconds {

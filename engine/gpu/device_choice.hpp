@@ -1,4 +1,4 @@
-// Which Vulkan device a name stands for.
+// The Vulkan device that a name means.
 #pragma once
 
 #include <memory>
@@ -9,11 +9,11 @@
 
 namespace votess::gpu {
 
-// All Vulkan devices by index; empty where there is no Vulkan.
+// Returns all Vulkan devices by index; empty where there is no Vulkan.
 std::vector<DeviceInfo> list_devices();
 
-// device: "auto", "gpu", "lavapipe" or an index. Null for "auto" when there is no GPU that votess can use; throws
-// `unsupported` with the reason for the others. Discrete GPUs come before integrated ones.
+// Opens the device of a name: "auto", "gpu", "lavapipe" or an index. Discrete GPUs come before integrated ones. Returns
+// null for "auto" when there is no GPU that votess can use. Throws `unsupported` with the reason for other names.
 std::shared_ptr<vulkan::Device> choose_device(const std::string& device);
 
 }  // namespace votess::gpu

@@ -14,7 +14,7 @@
 namespace votess::gpu {
 namespace {
 
-// As names have it, see SHIFT_NONE.
+// Returns the shift as a word of a name, see SHIFT_NONE.
 std::uint32_t shift_word(const std::array<std::int8_t, 3>& shift) {
     std::uint32_t word = 0;
     for (const std::int8_t k : shift) word = (word << 8) | static_cast<std::uint32_t>(k + 128);
@@ -57,7 +57,7 @@ std::uint32_t GpuEngine::chunk_cells(const PassSettings& settings) const {
     const VkDeviceSize usual = usual_chunk(*device_, settings, job_.options.chunk_size, seeds_.count());
     const auto cells = static_cast<std::uint32_t>(
         std::clamp<VkDeviceSize>(memory_.max_buffer_bytes() / DeviceCells::largest_bytes_per_cell(settings), 1, usual));
-    // Pieces of it begin with a tile of the second tier's list.
+    // Pieces begin with a tile of the second tier's list.
     return cells > TILE_ITEMS ? cells / TILE_ITEMS * TILE_ITEMS : cells;
 }
 
@@ -99,11 +99,11 @@ void GpuEngine::begin(const Job& job) {
     done_cells_ = 0;
     part_ = {};
     parts_.reset();
-    // A run that was stopped may have left the device at work.
+    // The device may still work on a run that was stopped.
     for (auto& chunk : chunks_)
         if (chunk) chunk->wait();
     download_.wait();
-    // Small faces are told by areas of double precision, so that it does not matter which device found them.
+    // The CPU finds small faces, by areas of double precision: they do not depend on the device.
     lists_only_ = needs_polytopes(job_.options.want) || job_.options.min_face > 0 || job_.options.min_area > 0;
     clipper_.begin(job_);
     result_.begin(job_, clipper_.pool());
@@ -120,7 +120,7 @@ void GpuEngine::find_parts() {
     const std::uint32_t most = max_seeds();
     std::span<const std::int32_t> duplicate_of;
     if (job_.points.count() > most) {
-        // Copies of a seed would otherwise lie in several parts.
+        // Without this, equal seeds could lie in several parts.
         duplicate_of = clipper_.duplicate_of();
         duplicates_ = !duplicate_of.empty();
     }
@@ -145,8 +145,8 @@ std::uint32_t GpuEngine::max_seeds() const {
     const auto range = std::min<VkDeviceSize>(adapter.limits.maxStorageBufferRange, memory_.max_buffer_bytes());
     // Seven seeds have at most one node on level 0 and a seventh of that above.
     const VkDeviceSize by_nodes = range / sizeof(Node) * 7 - 8 * MAX_LEVELS;
-    // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, 8 of names, and what is
-    // kept of the cells. That is half of the memory; a quarter each is for chunks and for rows.
+    // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, 8 of names, and the results
+    // of the cells. They take half of the memory; chunks and rows take a quarter each.
     const VkDeviceSize by_memory = adapter.device_memory / 2 / (92 + DeviceResults::bytes_per_member(measure));
     const VkDeviceSize by_geometry = range / (measure ? DeviceResults::geometry_bytes : 1);
     return static_cast<std::uint32_t>(
@@ -178,7 +178,7 @@ void GpuEngine::sort_part() {
     seeds_.sort(*passes_, bits);
     if (seeds_.state().duplicates == 0 && seeds_.state().suspects == 0) return;
     duplicates_ = true;
-    if (job_.options.duplicates == Duplicates::error) clipper_.prepare();  // throws, with the name of the first
+    if (job_.options.duplicates == Duplicates::error) clipper_.prepare();  // throws, and names the first
 }
 
 void GpuEngine::clip_part(std::size_t index) {
@@ -215,8 +215,8 @@ void GpuEngine::clip_part(std::size_t index) {
     const bool last_part = index + 1 == parts_->size();
     std::size_t slot = 0;
     std::uint32_t most = cells;
-    std::size_t done = 0;                           // seeds given to the device or left to the CPU
-    auto begun = std::chrono::steady_clock::now();  // when the device began with the running chunk
+    std::size_t done = 0;                           // seeds that the device took or left to the CPU
+    auto begun = std::chrono::steady_clock::now();  // when the device started the running chunk
     const auto take = [&](Chunk& chunk) {
         chunk.wait();
         const auto now = std::chrono::steady_clock::now();
@@ -232,7 +232,7 @@ void GpuEngine::clip_part(std::size_t index) {
             done += piece->count;
             if (piece->on_device) {
                 Chunk& next = *chunks_[slot];
-                // A trial that is repeated with ties leaves its first rows where they are.
+                // A trial that is repeated with ties does not free its first rows.
                 const VkDeviceSize needed = max_entries(piece->count) * (piece->trial && !piece->ties ? 2 : 1);
                 if (running != nullptr && !download_.has_room(max_entries(running->count()) + needed)) {
                     take(*running);
@@ -255,13 +255,14 @@ void GpuEngine::clip_part(std::size_t index) {
                 leave_to_cpu(piece->first, piece->count);
             }
         }
-        // The CPU's share of the chunks before, beside the device's work on this one; the last share comes at the end.
+        // The CPU clips the cells that earlier chunks left while the device works on this one. It clips the last ones
+        // at the end.
         const double progress = progress_now();
         if (started != nullptr || done < seeds_.count() || !last_part) clip_pending(progress);
         Progress::require(progress_.going_on(progress));
         if (running != nullptr) take(*running);
         running = started;
-        if (running != nullptr && piece->trial) {  // what it tells is worth the wait
+        if (running != nullptr && piece->trial) {  // its outcome is worth the wait
             running->wait();
             if (schedule.repeat_with_ties(*piece, uncertain_cells(*running))) {
                 download_.set_entries(running->entries());
@@ -282,8 +283,8 @@ std::size_t GpuEngine::uncertain_cells(const Chunk& chunk) const {
 }
 
 std::uint32_t GpuEngine::paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const {
-    constexpr double usual_seconds = 0.25;  // drivers of displays stop work that takes some seconds
-    constexpr double max_growth = 32;       // the next cells may be slower ones
+    constexpr double usual_seconds = 0.25;  // drivers of displays stop work that takes seconds
+    constexpr double max_growth = 32;       // the next cells may be slower
     if (limits_.chunk_seconds == 0 && device_->adapter().software()) return most;
     const double allowed = limits_.chunk_seconds != 0 ? limits_.chunk_seconds : usual_seconds;
     const auto on_device = chunk.seconds();
@@ -357,7 +358,7 @@ void GpuEngine::clip_pending(double progress) {
 
 void GpuEngine::finish(detail::Result& result) {
     std::optional<Stoppable> stoppable(std::in_place, progress_);
-    // It sorts the seeds of a power diagram to find those at one place.
+    // For a power diagram it sorts the seeds, to find those at one place.
     if (!job_.domain->has_weights() || !device_clips_ || duplicates_ || !job_.outside.empty())
         clipper_.set_empty(result_);
     if (duplicates_ || !device_clips_) result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
@@ -375,7 +376,7 @@ void GpuEngine::finish(detail::Result& result) {
     job_ = {};
 }
 
-// The validation layer's findings are bugs, whatever the result.
+// Messages of the validation layer are bugs, whatever the result.
 void GpuEngine::check_messages() {
     const auto messages = device_->instance().take_messages();
     if (!messages.empty())

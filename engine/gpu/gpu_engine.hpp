@@ -1,5 +1,8 @@
-// The Vulkan engine: compute passes. What it cannot certify the exact clipper of the CPU takes,
-// chunk by chunk, while the device works on the next chunk.
+// The GPU engine. A part is the seeds that the device holds at once; a chunk is the cells in flight.
+// Two chunks alternate: the device clips one while the CPU finishes the cells that the other left.
+// The first 2,048 cells of a part are a trial, which chooses the passes for the next ones (schedule.hpp).
+// Rows stay on the device until their buffer is full or the part is done; they come down in the order of its seeds.
+// Cells that the device cannot prove are pending until the exact clipper makes them.
 #pragma once
 
 #include <cstdint>
@@ -19,13 +22,13 @@
 
 namespace votess::gpu {
 
-// What tests vary beyond the options. 0 = as the device allows.
+// Limits that tests vary. 0 = as the device allows.
 struct EngineLimits {
     std::uint32_t max_seeds = 0;    // on the device at once
     std::uint32_t max_entries = 0;  // of rows, on the device at once
     std::uint32_t local_size = 0;
     std::uint32_t max_walk_visits = 0;
-    double chunk_seconds = 0;  // that the device may take for a chunk; the next one has as many cells
+    double chunk_seconds = 0;  // the device may take for a chunk; sets the cells of the next one
 };
 
 class GpuEngine {
@@ -33,8 +36,8 @@ public:
     GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipper, const EngineLimits& limits = {});
 
     // Goes through the stages upload, sort, knn, clip, fallback, download, and enters each on the clock. Fills the
-    // result except its seconds. After an error the next run starts afresh. domain: that of the job; null when no
-    // device clips it.
+    // result except its seconds. After an error the next run starts afresh. domain: the job's; null when no device
+    // clips it.
     void run(const Job& job, const DeviceDomain* domain, StageClock& clock, detail::Result& result);
 
     [[nodiscard]] vulkan::Device& device() { return *device_; }
@@ -44,33 +47,33 @@ private:
     [[nodiscard]] PassSettings pass_settings(const Options& options) const;
     [[nodiscard]] std::uint32_t chunk_cells(const PassSettings& settings) const;
     void begin(const Job& job);
-    // Returns whether the passes can do the job; else the exact clipper takes all cells.
+    // Finds the seeds and images. Returns whether the passes can do the job; else the exact clipper takes all cells.
     [[nodiscard]] bool find_seeds(const DeviceDomain& domain);
     void find_parts();
-    // Seeds for which all buffers stay within the device's limits.
+    // Returns the most seeds for which all buffers stay within the device's limits.
     [[nodiscard]] std::uint32_t max_seeds() const;
     void upload_part(std::size_t index);
     void sort_part();
     void clip_part(std::size_t index);
-    // Adds the cells that a finished chunk leaves to the pending ones.
+    // Adds the cells that a finished chunk left to the pending ones.
     void collect(const Chunk& chunk, Schedule& schedule);
-    // Takes over the cells that are on the device. all_cells: no others come, but for the CPU's.
+    // Downloads the cells that are on the device. all_cells: all others are the CPU's.
     void take_batch(bool all_cells);
-    // Cells left to the CPU that may have ties of small whole numbers.
+    // Returns the number of cells left to the CPU that may have ties of small whole numbers.
     [[nodiscard]] std::size_t uncertain_cells(const Chunk& chunk) const;
-    // How many cells the next chunk should have, by the time that this one took; on the host's clock, it took at most
-    // host_seconds.
+    // Returns how many cells the next chunk should have, by the time that this one took: at most host_seconds on the
+    // host's clock.
     [[nodiscard]] std::uint32_t paced_cells(const Chunk& chunk, double host_seconds, std::uint32_t most) const;
     void leave_to_cpu(std::uint32_t first, std::uint32_t count);
     void clip_pending(double progress);
     [[nodiscard]] std::int32_t input_of(std::uint32_t member) const {
         return part_.members.empty() ? static_cast<std::int32_t>(member) : part_.members[member];
     }
-    // Whether the part's own members are all seeds, in their order.
+    // Returns whether the part's own members are all seeds, in their order.
     [[nodiscard]] bool is_in_input_order() const {
         return parts_->size() == 1 && part_.own_count == job_.points.count();
     }
-    // Members from here on have names; those before are called as in the input, and not shifted.
+    // Returns the first member with a name. Members before it have their input index and no shift.
     [[nodiscard]] std::uint32_t named_from() const {
         return is_in_input_order() && (!periodic_ || periodic_->moves.empty()) ? part_.own_count : 0;
     }
@@ -95,9 +98,9 @@ private:
     Part part_;
     Box box_;                   // of all parts
     bool device_clips_ = true;  // else the exact clipper takes all cells
-    bool duplicates_ = false;   // there are some, or there may be
+    bool duplicates_ = false;   // there may be some
     PendingCells pending_;
-    bool lists_only_ = false;  // the device gives lists, and the CPU's clipper makes the cells from them
+    bool lists_only_ = false;  // the device makes lists, and the CPU's clipper makes the cells from them
     std::size_t done_cells_ = 0;
     StageClock* clock_ = nullptr;  // of the run
     Chunk::Seconds device_seconds_;

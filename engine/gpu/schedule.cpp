@@ -8,7 +8,7 @@ namespace votess::gpu {
 namespace {
 
 constexpr double hopeless = 0.9;    // share of the cells left to the CPU
-constexpr double many_ties = 0.02;  // share of uncertain ones, of which float32 and float64 leave far less without ties
+constexpr double many_ties = 0.02;  // share of uncertain cells: without ties far fewer are
 constexpr std::uint32_t max_skipped = 31, enough_to_judge = 256;
 
 bool is_many(std::uint64_t ties, std::uint64_t cells) {
@@ -59,7 +59,7 @@ void Schedule::note(const Piece& piece, std::size_t cells, std::size_t left_by_f
 }
 
 void Schedule::begin_window() {
-    // Not the window before, which the device may be at.
+    // Not the last window, at which the device may still work.
     if (tallies_.size() >= 2 && tallies_[tallies_.size() - 2].cells > 0) {
         const Tally& done = tallies_[tallies_.size() - 2];
         if (!done.ties && is_many(done.uncertain, done.cells)) ties_ = true;

@@ -134,7 +134,7 @@ void log(const Options& options, const std::string& line) {
     if (options.log) options.log(line);
 }
 
-// One call at a time; a flag and no mutex, for the second call may come from a callback of the first.
+// Allows one call at a time. It is a flag, not a mutex, because the second call may come from a callback of the first.
 class Turn {
 public:
     explicit Turn(detail::TessellatorState& state) : at_work_(state.at_work) {
@@ -151,8 +151,7 @@ private:
     std::atomic_flag& at_work_;
 };
 
-// shared: so that it outlives a Tessellator that is destroyed by a callback, and is never destroyed in a child
-// made by fork() meanwhile.
+// shared: outlives a Tessellator that a callback destroys, and is not destroyed in a child that fork() makes meanwhile.
 Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options) {
     if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
     detail::TessellatorState& state = *shared;

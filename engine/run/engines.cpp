@@ -25,7 +25,7 @@ namespace {
 // Finding out that there is no GPU takes 40 ms, as long as 10,000 cells take on one core; opening one takes longer.
 constexpr std::size_t min_seeds = 10000;
 
-// The engine of a GPU, and what the job's options call it.
+// The engine of an open GPU, and its name in Options::device.
 class OpenGpu {
 public:
     ~OpenGpu() { close(); }
@@ -77,7 +77,7 @@ gpu::GpuEngine* OpenGpu::find(const Job& job, const gpu::DeviceDomain* domain, E
 #endif
 
 struct Engines::State {
-    cpu::CpuClipper clipper;  // and its threads, for both engines
+    cpu::CpuClipper clipper;  // with its threads, for both engines
     cpu::CpuEngine cpu{clipper};
     Snapshot snapshot;
 #if VOTESS_HAVE_VULKAN

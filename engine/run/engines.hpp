@@ -22,9 +22,9 @@ public:
     Engines(const Engines&) = delete;
     Engines& operator=(const Engines&) = delete;
 
-    // Runs the job on the device that its options name. With "auto" the CPU runs it where no GPU is worth a look, where
-    // there is none, and where the GPU fails. Throws `unsupported` with the reason for any other device that cannot run
-    // it. Fills the result except its seconds.
+    // Runs the job on the device that its options name. With "auto" the CPU runs small jobs, jobs that no device clips,
+    // and jobs for which there is no GPU or the GPU fails. Throws `unsupported` with the reason for any other device
+    // that cannot run it. Fills the result except its seconds.
     void run(const Job& job, StageClock& clock, detail::Result& result);
     // Copies points with this number of threads, see input/snapshot.hpp.
     Points take(const Points& points, unsigned threads);

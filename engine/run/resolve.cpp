@@ -1,4 +1,4 @@
-// Plan::resolve(): the cells that a recorded frame could not certify, on the CPU, exactly.
+// Plan::resolve(): makes the cells that a recorded frame could not certify, exactly, on the CPU.
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -25,14 +25,14 @@ bool is_unresolved(std::uint32_t status) {
     }
 }
 
-// Seeds that the frame has left out are not there for the CPU either; nor are those without a cell, which are nobody's
-// neighbors.
+// Returns whether the CPU uses a seed. It skips seeds that the frame skipped, and seeds without a cell, which are not
+// neighbors of any.
 bool is_there(std::uint32_t status) {
     return status == static_cast<std::uint32_t>(CellStatus::certified) || is_unresolved(status);
 }
 
-// Few cells are made from the seeds near them, and are right when no other seed can reach them: their neighbors among
-// some seeds that hold all that may cut them are their neighbors among all.
+// Makes few cells from the seeds near them. Such a cell is right when no other seed can reach it: its neighbors among a
+// set that holds all seeds that may cut it are its neighbors among all.
 template <class Real>
 class Resolver {
 public:
@@ -44,7 +44,7 @@ public:
         if (plan.weights)
             check_count(weights.size(), plan.weights->first + std::size_t{1}, plan.weights->stride, "weights");
         else if (!weights.empty())
-            detail::refuse("weights are given, where the plan has none");
+            detail::refuse("weights are given, but the plan has none");
         if (plan.cell)
             options_.cell = how.cell.value_or(*plan.cell);
         else
@@ -52,7 +52,7 @@ public:
         options_.list_walls = plan.list_walls;
         options_.periodic = plan.periodic;
         options_.walls = plan.walls;
-        if (!plan.walls.empty()) options_.outside = Outside::drop;  // those that the frame was not sure of
+        if (!plan.walls.empty()) options_.outside = Outside::drop;  // seeds that the frame was not sure of
         options_.threads = how.threads;
         options_.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = plan.areas};
     }
@@ -73,7 +73,7 @@ public:
         heaviest_ = heaviest * empty.scale * empty.scale;
         const double spacing = std::cbrt(empty.domain->volume / static_cast<double>(std::max<std::size_t>(count, 1)));
         for (Open& cell : open) cell.distance = first_spacings * spacing;
-        // The second time the distances are those that the cells need, which become no more.
+        // In the second round the distances are those that the cells need, which do not grow.
         for (int round = 0; round < 2 && !open.empty() && open.size() < count / min_seeds_a_cell; ++round) {
             NearPlaces near(*empty.domain, 0.5 * first_spacings * spacing);
             for (const Open& cell : open) near.add(place(cell.seed, empty.scale), cell.distance);
@@ -88,13 +88,13 @@ public:
     }
 
 private:
-    static constexpr double first_spacings = 4;  // of the mean distance between seeds: more than most cells need
+    static constexpr double first_spacings = 4;  // mean distances between seeds: more than most cells need
     static constexpr std::size_t min_seeds_a_cell = 1000;
-    static constexpr double largest_share = 0.25;  // of the domain: sorting all is not much slower
+    static constexpr double largest_share = 0.25;  // of the domain: beyond it sorting all is not much slower
 
     struct Open {
         std::size_t seed, number;  // of the frame; among the unresolved
-        double distance;           // up to which all seeds are looked at, times scale
+        double distance;           // within which all seeds are used, times scale
     };
     struct Made {
         std::size_t run, cell;
@@ -117,7 +117,7 @@ private:
         for (std::size_t k = 0; k < 3; ++k) to.points.push_back(seeds_[i * stride_ + k]);
     }
 
-    // Makes the cells, ascending, from the seeds that are chosen; returns those that others may reach.
+    // Makes the cells, in ascending order, from the chosen seeds. Returns the cells that other seeds may reach.
     std::vector<Open> clip(const std::vector<Open>& open, const auto& chosen) {
         blocks::Run& run = runs_.emplace_back();
         for (const Open& cell : open) add(run.seeds, cell.seed);
@@ -132,7 +132,7 @@ private:
         std::vector<Open> rest;
         for (std::size_t k = 0; k < open.size(); ++k) {
             const double reach = run.reach_of(k, heaviest_);
-            // One without a cell among these has none among all.
+            // A seed without a cell among these has none among all.
             if (reach <= open[k].distance || run.result.status[k] != CellStatus::certified)
                 made_[open[k].number] = {runs_.size() - 1, k};
             else
@@ -172,10 +172,10 @@ private:
     std::span<const Cell> cells_;
     std::size_t stride_;
     std::optional<WeightOptions> weight_options_;
-    double heaviest_ = 0;  // weight of a seed that is there, times scale squared
+    double heaviest_ = 0;  // largest weight of a seed in use, times scale squared
     Options options_;
     std::deque<blocks::Run> runs_;
-    std::vector<Made> made_;  // by the order of the unresolved
+    std::vector<Made> made_;  // in the order of the unresolved
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ constexpr std::uint32_t row_windows[ROW_WINDOWS]{BINDING_ROWS_OUT, BINDING_ROWS_
 constexpr std::uint32_t shift_windows[ROW_WINDOWS]{BINDING_SHIFTS_OUT, BINDING_SHIFTS_OUT_1, BINDING_SHIFTS_OUT_2,
                                                    BINDING_SHIFTS_OUT_3};
 
-// How many cells of a tile the second tier takes. Small lists leave nearly all cells to it.
+// Returns how many cells of a tile the second tier takes. Small lists leave nearly all cells to it.
 std::uint32_t max_of_tile(std::uint32_t cells, const PassSettings& settings) {
     constexpr std::uint32_t ordinary_k = 64;
     return settings.k < ordinary_k || cells <= TILE_ITEMS ? TILE_ITEMS : TILE_ITEMS / 2;
@@ -25,12 +25,12 @@ std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& setting
     return std::min(cells, blocks_of(cells, TILE_ITEMS) * max_of_tile(cells, settings));
 }
 
-// Where subgroups make the cells of the first tier, only those of the second need lists.
+// Where subgroups make cells of the first tier, only cells of the second need lists.
 std::uint32_t listed_cells(std::uint32_t cells, const PassSettings& settings) {
     return settings.subgroup_size != 0 ? second_tier_cells(cells, settings) : cells;
 }
 
-// Words of the list for each cell of a large chunk.
+// Returns the words of the list per cell of a large chunk.
 VkDeviceSize list_words(const PassSettings& settings) {
     constexpr std::uint32_t large = 1u << 20;
     return ceil_div(VkDeviceSize{settings.k} * listed_cells(large, settings), large);
@@ -40,9 +40,8 @@ VkDeviceSize list_words(const PassSettings& settings) {
 
 std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& settings, std::uint32_t wanted,
                           std::uint32_t seeds) {
-    // The second tier has few cells, which take long and leave most of a GPU idle: large chunks have fewer such ends. A
-    // host's frames share memory with what it draws, and nobody measures how long they take: small GPUs get chunks of
-    // some 50 ms.
+    // The second tier has few cells, which take long and leave most of a GPU idle, so chunks are large. Frames share
+    // memory with the host's drawing, and nothing measures their time: small GPUs get chunks of about 50 ms.
     constexpr std::uint32_t for_software = 1u << 14;
     const auto& adapter = device.adapter();
     const std::uint32_t for_frames = adapter.unified() ? 1u << 17 : 1u << 20, for_parts = 1u << 22;
@@ -55,7 +54,7 @@ std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& sett
 }
 
 VkDeviceSize DeviceCells::bytes_per_cell(const PassSettings& s) {
-    // List, rows of both tiers, the words of reserve(), geometry, and areas beside the rows.
+    // List, rows of both tiers, the words of reserve(), geometry, and areas of the rows.
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
     return 4 * (list_words(s) + planes + 10 + 2 * geometry_components + (s.areas ? 2 * planes : 0));
 }
@@ -107,7 +106,7 @@ void DeviceCells::set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], cons
     VkDeviceSize begin = 0;
     Slice slice = rows;
     for (const std::uint32_t binding : bindings) {
-        // Behind the last window there is nothing to write, but something must be bound.
+        // Nothing is written behind the last window, but Vulkan requires a binding.
         if (begin == 0 || begin < rows.size)
             slice = {rows.handle, rows.offset + begin, std::min(window, rows.size - begin)};
         bindings_.set(binding, slice);
@@ -122,7 +121,7 @@ void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint3
     set_windows(row_windows, rows);
     bindings_.set(BINDING_AREAS_OUT, areas);
     rows_.shifts = 0;
-    set_windows(shift_windows, rows);  // something must be bound
+    set_windows(shift_windows, rows);  // unused, but Vulkan requires a binding
 }
 
 void DeviceCells::set_shifts_out(const Slice& shifts) {

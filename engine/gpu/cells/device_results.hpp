@@ -1,5 +1,5 @@
-// What a device keeps of the cells of a part: by member what it knows about each, and their rows, packed in the order
-// in which chunks made them. From there slices of rows are gathered in the order of the members.
+// The cells of a part that stay on the device: status and geometry by member, and rows packed in the order of the
+// chunks. Slices of rows are gathered from there in the order of the members.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace votess::gpu {
 
-// What is kept, for how many members and entries of rows.
+// Which results stay, for how many members and entries of rows.
 struct ResultSizes {
     std::uint32_t members = 0, entries = 0;
     bool measure = false, areas = false, shifts = false;
@@ -26,27 +26,27 @@ public:
     static VkDeviceSize bytes_per_member(bool measure);
     static VkDeviceSize bytes_per_entry(const ResultSizes& sizes);
 
-    // Arrays of these sizes. When it throws there are none.
+    // Reserves arrays of these sizes. There are none after it throws.
     void reserve(const ResultSizes& sizes);
     [[nodiscard]] const ResultSizes& sizes() const { return sizes_; }
 
-    // No cell is known, no row taken.
+    // Records the reset: no cell is known, no row is stored.
     void record_begin(Recorder& recorder) const;
-    // Has the rows of `cells` written here.
+    // Makes `cells` write its rows here.
     void take_rows_of(DeviceCells& cells) const;
-    // After the clip of sorted seeds from `first` on: their rows, for which there must be room, and what is known of
-    // them.
+    // Records after the clip of sorted seeds from `first` on: stores their rows, for which there must be room, and
+    // their status and geometry.
     void record_chunk(Recorder& recorder, const Passes& passes, const DeviceCells& cells, const ChunkJob& job,
                       std::uint32_t first, std::uint32_t count) const;
-    // For record_rows(): sums of the lengths of the rows of members 0 .. count - 1.
+    // Records the sums of the lengths of the rows of members 0 .. count - 1, for record_rows().
     void record_offsets(Recorder& recorder, const Passes& passes, std::uint32_t count) const;
 
     // Rows of consecutive members.
     struct RowSlice {
         std::uint32_t first = 0, count = 0;    // members
-        std::uint32_t entry = 0, entries = 0;  // sum of the lengths before them, and of theirs
+        std::uint32_t entry = 0, entries = 0;  // entries before them, and their own
     };
-    // Where they go: arrays of `entries`, rounded up to GATHER_ENTRIES; those not wanted are empty.
+    // Arrays for them, of `entries` rounded up to GATHER_ENTRIES; empty when not requested.
     struct SliceArrays {
         Slice rows, areas, shifts;
     };

@@ -1,5 +1,5 @@
-// The host's share of a part's cells: what a device has measured gets the units of the input, and rows go to the result
-// builder. Knows no Vulkan, so that tools/bench/gpu/gpu_host.cpp can feed it with made-up cells.
+// The host's work on a part's cells: converts measures to the units of the input and gives rows to the result builder.
+// Knows no Vulkan, so that tools/bench/gpu/gpu_host.cpp can feed it with made-up cells.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ struct DeviceRows {
     std::size_t first = 0;                   // member
     std::span<const std::uint32_t> lengths;  // of each
     std::span<const std::int32_t> ids;
-    Numbers areas;                        // beside ids when they are wanted, in the squares of the cells' own units
-    std::span<const std::int8_t> shifts;  // 3 beside each id in a periodic domain
+    Numbers areas;                        // of each id when requested, in squares of the cells' own units
+    std::span<const std::int8_t> shifts;  // 3 of each id in a periodic domain
 };
 
 // Cells in the order of their part's members.
@@ -38,28 +38,28 @@ class HostCells {
 public:
     static constexpr std::size_t numbers_each = 4;  // of the geometry of a cell: volume and centroid
 
-    // What all calls rely on, and which must outlive them. members: input indices; empty when they are 0, 1 ...
+    // The input of all calls, which must outlive them. members: input indices; empty when they are 0, 1 ...
     struct Source {
         const Job* job = nullptr;
         ResultBuilder* result = nullptr;
         ThreadPool* pool = nullptr;
         std::span<const std::int32_t> members;
-        std::span<const std::array<double, 3>> wraps;  // by input index: what a centroid is moved by; or empty
+        std::span<const std::array<double, 3>> wraps;  // by input index: translation of a centroid; or empty
         int shift = 0;                                 // Units::shift
         std::span<const std::uint32_t> info;           // by member, see INFO_ in config.h
     };
     explicit HostCells(const Source& source) : s_(source) {}
 
-    // Tells of the cells that are surely empty.
+    // Reports the cells that are certainly empty.
     void set_empty() const;
-    // Volumes, centroids and counts of the certified cells among `count` members from `first` on. geometry: of these,
-    // when any is wanted.
+    // Stores volumes, centroids and counts of the certified cells among `count` members from `first` on. geometry:
+    // theirs, when requested.
     void finish(std::size_t first, std::size_t count, const Numbers& geometry) const;
-    // Copies rows to where they stay, after ResultBuilder::settle(); members must be 0, 1 ...
+    // Copies rows to their final place, after ResultBuilder::settle(); members must be 0, 1 ...
     void place(const DeviceRows& rows) const;
-    // Gives rows to the builder, where they wait.
+    // Gives rows to the builder, which keeps them until it has all.
     void keep(const DeviceRows& rows) const;
-    // Has the exact clipper make the certified cells from their rows.
+    // Makes the certified cells from their rows by the exact clipper.
     void clip(const DeviceRows& rows, ExactClipper& clipper, const Share& share) const;
 
 private:
@@ -71,7 +71,7 @@ private:
         return static_cast<int>(s_.info[member] >> INFO_EXPONENT_SHIFT) - s_.shift;
     }
     void measure(std::size_t member, const Numbers& geometry) const;
-    // task(begin, end, values, entries): some of the rows at a time, on all threads, with what belongs to them.
+    // Calls task(first, lengths, ids, values) for some rows at a time, on all threads.
     void for_blocks_of(const DeviceRows& rows, const auto& task) const;
 
     Source s_;

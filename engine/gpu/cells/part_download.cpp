@@ -16,11 +16,11 @@ using vulkan::MemoryKind;
 
 constexpr VkDeviceSize slice_bytes = VkDeviceSize{16} << 20;
 constexpr VkDeviceSize geometry_bytes = DeviceResults::geometry_bytes;
-constexpr std::uint32_t usual_row = 20;  // room for rows is made for so many entries a cell
-// Entries of a slice are a multiple of this: each of its arrays then begins where any device can bind it, at a multiple
-// of 256 bytes.
+constexpr std::uint32_t usual_row = 20;  // entries per cell that the room for rows is made for
+// The entries of a slice are a multiple of this. So each of its arrays starts at a multiple of 256 bytes, where any
+// device can bind it.
 constexpr std::uint32_t entry_block = 64;
-constexpr std::size_t cell_group = 256;  // slices end between groups of so many cells, whose lengths are summed at once
+constexpr std::size_t cell_group = 256;  // cells of a group; slices end between groups
 
 }  // namespace
 
@@ -61,7 +61,7 @@ ResultSizes PartDownload::best_sizes() const {
                       .window_bits = DeviceCells::window_bits(device_)};
     if (!wanted_.neighbors) return sizes;
     const auto& adapter = device_.adapter();
-    // Areas are seen through one window, rows and shifts through several.
+    // Areas are bound as one window, rows and shifts as several.
     const VkDeviceSize each = wanted_.areas ? DeviceCells::number_bytes : 4;
     const VkDeviceSize seen =
         wanted_.areas ? adapter.limits.maxStorageBufferRange / each : VkDeviceSize{ROW_WINDOWS} << sizes.window_bits;

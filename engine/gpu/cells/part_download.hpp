@@ -1,5 +1,5 @@
-// Brings the cells of a part to the host. Chunks leave what they make on the device; a batch of them, as many as there
-// is room for, is then read by member, in slices that the host works on while the device writes the next one.
+// Brings the cells of a part to the host. Chunks leave their cells on the device. A batch is as many cells as there is
+// room for; it is read by member, in slices. The host works on one slice while the device writes the next.
 #pragma once
 
 #include <cstdint>
@@ -19,22 +19,22 @@ public:
     struct Wanted {
         std::uint32_t members = 0;
         bool neighbors = true, measure = true, areas = false, shifts = false;
-        bool float64 = true;            // what is measured, else sums of two float32
-        VkDeviceSize min_entries = 0;   // of the rows of a chunk
+        bool float64 = true;            // geometry is float64, else sums of two float32
+        VkDeviceSize min_entries = 0;   // for the rows of a chunk
         std::uint32_t max_entries = 0;  // on the device; 0 = as it allows
     };
     // Begins a part, with a batch.
     void begin(const Wanted& wanted);
     void begin_batch();
-    void wait();  // until the device is done with all
-    // Tells whether the batch has room for so many entries more.
+    void wait();  // until the device is done
+    // Returns whether the batch has room for this many more entries.
     [[nodiscard]] bool has_room(VkDeviceSize entries) const {
         return entries_ + entries <= results_.sizes().entries || !wanted_.neighbors;
     }
     void set_entries(std::uint32_t entries) { entries_ = entries; }
     [[nodiscard]] const DeviceResults& on_device() const { return results_; }
 
-    // Once all chunks of a batch are done: info and row lengths by member.
+    // Reads info and row lengths by member, once all chunks of a batch are done.
     void read_cells(const Passes& passes);
     [[nodiscard]] std::span<const std::uint32_t> info() const {
         return info_host_.as<std::uint32_t>().first(wanted_.members);
@@ -42,14 +42,14 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> lengths() const {
         return lengths_host_.as<std::uint32_t>().first(wanted_.members);
     }
-    // After read_cells(), slice by slice; what `take` gets is gone when it returns.
+    // Read slice by slice, after read_cells(). The arguments of `take` are valid until it returns.
     void read_geometry(const std::function<void(std::size_t first, std::size_t count, const Numbers&)>& take);
     void read_rows(const Passes& passes, const std::function<void(const DeviceRows&)>& take);
 
 private:
     [[nodiscard]] ResultSizes best_sizes() const;
     void reserve();
-    // record(slice, commands, staging) and take(slice, staging) for each slice, two of which are in flight.
+    // Calls record(slice, commands, staging) and take(slice, staging) for each slice. Two are in flight.
     void stream(std::size_t slices, const auto& record, const auto& take);
 
     vulkan::Device& device_;

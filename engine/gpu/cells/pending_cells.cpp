@@ -38,7 +38,7 @@ void PendingCells::add(std::int32_t cell, Reason reason) {
 
 PendingCells::Left PendingCells::add_left(std::span<const std::uint32_t> info, std::span<const std::uint32_t> order,
                                           std::span<const std::int32_t> members, ThreadPool& pool) {
-    std::mutex mutex;  // of what follows
+    std::mutex mutex;  // of cells_, reasons_ and found
     Left found;
     pool.run(ceil_div(info.size(), block_cells), [&](std::size_t block, unsigned) {
         const std::size_t begin = block * block_cells, end = std::min(info.size(), begin + block_cells);

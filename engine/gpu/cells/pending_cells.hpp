@@ -1,4 +1,4 @@
-// Cells that wait for the exact clipper, each with the reason why it is left to it. Knows no Vulkan.
+// Cells that wait for the exact clipper, each with the reason why the device left it. Knows no Vulkan.
 #pragma once
 
 #include <cstddef>

@@ -10,8 +10,8 @@ namespace votess::gpu {
 namespace {
 
 constexpr int max_steps = 3;            // along an edge, to an image
-constexpr double max_fraction = 7;      // of seeds as given
-constexpr double min_margin = 0x1p-16;  // of the longest side: more than rounding takes seeds out of the box
+constexpr double max_fraction = 7;      // of a seed's place as given
+constexpr double min_margin = 0x1p-16;  // of the longest side: more than rounding moves seeds out of the box
 constexpr double slack = 0.01;          // of fractions, see gpu/domain/periodic_part.cpp
 constexpr int fraction_bits = FRACTION_BITS;
 
@@ -21,7 +21,7 @@ constexpr int fraction_bits = FRACTION_BITS;
                 "edges of the same lattice");
 }
 
-// To the nearest whole number, modulo 2^64.
+// Rounds to the nearest whole number, modulo 2^64.
 std::uint64_t to_units(double value, int shift, bool& lossy) {
     const double units = std::ldexp(value, shift);
     if (!(std::abs(units) < 0x1p63)) refuse();
@@ -30,7 +30,7 @@ std::uint64_t to_units(double value, int shift, bool& lossy) {
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(rounded));
 }
 
-// Box and steps, with as much of the margin as there are steps for.
+// Finds the box and the steps. Reduces the margin until max_steps along each edge are enough.
 void find_steps(const Domain& domain, double scale, double margin, CellImages& out) {
     const Box bounds{{domain.box.lower[0] / scale, domain.box.lower[1] / scale, domain.box.lower[2] / scale},
                      {domain.box.upper[0] / scale, domain.box.upper[1] / scale, domain.box.upper[2] / scale}};
@@ -102,9 +102,9 @@ CellImages cell_images(const TriclinicBox& cell, double margin) {
             largest_dual = std::max(largest_dual, std::abs(domain.edges.dual[j][k]));
         }
     }
-    // A fraction is the sum of products with the dual, over 2^(to_fraction + fraction_bits). Its error: of the dual, as
-    // Basis knows it; of the dual's rounding to half, times coordinates below 2^63; of coordinates and origin, two
-    // units at most; of the last shift.
+    // A fraction is the sum of products with the dual, over 2^(to_fraction + fraction_bits). Its error has four parts:
+    // that of the dual, from Basis; the rounding of the dual to half, times coordinates below 2^63; two units at most
+    // of coordinates and origin; the last shift.
     const int dual_shift = COORDINATE_BITS - 1 - std::ilogb(largest_dual);
     const int to_fraction = dual_shift - exponent + units.shift - fraction_bits;
     if (to_fraction <= 32 || to_fraction >= 64) refuse();

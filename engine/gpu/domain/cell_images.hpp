@@ -1,4 +1,4 @@
-// Where recorded frames have the images of a triclinic box that repeats along all its edges: what the passes are told.
+// The data from which the passes of recorded frames make images of a triclinic box that repeats along all its edges.
 #pragma once
 
 #include "gpu/domain/units.hpp"
@@ -14,8 +14,9 @@ struct CellImages {
     LatticeData data{};
 };
 
-// With the images up to `margin` around the bounds of the box, or somewhat fewer where those were too many. Allocates
-// nothing. Throws invalid_argument as Options::cell does, unsupported for a box that leans or is thin too much.
+// Returns the data for images up to `margin` around the bounds of the box, or a smaller margin where these are too
+// many. Allocates nothing. Throws invalid_argument as Options::cell does, unsupported for a box that leans too much or
+// is too thin.
 CellImages cell_images(const TriclinicBox& cell, double margin);
 
 }  // namespace votess::gpu

@@ -13,7 +13,7 @@ constexpr double margin_spacings = 4;                 // of the mean distance be
 constexpr double max_shifts = 1000;                   // tried for each seed
 constexpr double max_images = 16, few_members = 1e5;  // images for each seed, where seeds are not few
 
-// The bounds of the cell that a basis spans at the domain's origin.
+// Returns the bounds of the cell that a basis spans at the domain's origin.
 Box box_of_cell(const Job& job, const Basis& basis) {
     const Domain& domain = *job.domain;
     if (!domain.triclinic) return job.box;
@@ -30,7 +30,8 @@ std::size_t seeds_inside(const Job& job) {
     return job.points.count() - static_cast<std::size_t>(std::ranges::count(job.outside, CellStatus::outside));
 }
 
-// Beyond walls, and so that no plane through corners of the domain's box goes through corners of this one.
+// Enlarges the box beyond walls, so that no plane through corners of the domain's box passes through corners of this
+// one.
 void leave_room(Box& box) {
     constexpr std::array<double, 3> below{0.051, 0.063, 0.074}, above{0.084, 0.055, 0.067};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -60,7 +61,7 @@ FractionRange fractions_of(const Domain& domain, const Basis& basis, const Box& 
 }
 
 double image_margin(double radius, double heavier) {
-    constexpr double max_heavier = 8;  // squares of the radius: seeds heavier than that leave few cells
+    constexpr double max_heavier = 8;  // squares of the radius: heavier seeds leave few cells
     return radius + std::sqrt(radius * radius + std::min(heavier, max_heavier * radius * radius));
 }
 

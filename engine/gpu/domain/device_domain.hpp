@@ -9,22 +9,23 @@
 
 namespace votess::gpu {
 
-// The least and the largest fractions of the points of a box in lengths as given; times `scale` these are the domain's.
+// The smallest and largest fractions, along the vectors of a basis, of the points of a box. The box has lengths as
+// given; times `scale` they are the domain's.
 struct FractionRange {
     std::array<double, 3> lower{}, upper{};
 };
 [[nodiscard]] FractionRange fractions_of(const Domain& domain, const Basis& basis, const Box& box, double scale);
 
-// Where a device has the images of a periodic domain. Seeds lie in the cell of a basis of the lattice.
+// The region that holds the images of a periodic domain on a device. Seeds lie in the cell of a basis of the lattice.
 struct ImageRange {
     Box box;                         // of seeds and images, in the units of length given
-    std::array<bool, 3> extended{};  // axes along which it is larger than the cell, for the images
+    std::array<bool, 3> extended{};  // axes along which images enlarge it beyond the cell
     const Basis* basis = nullptr;
     FractionRange fractions;  // of the box
 };
 
-// How far around a domain images count: as far as the farthest seed that cuts a cell whose vertices are within the
-// radius of its own seed, and heavier than that by at most so much.
+// Returns how far around a domain images matter. That is the distance of the farthest seed that cuts a cell whose
+// vertices are within `radius` of its own seed, when the other seed is heavier by at most `heavier`.
 [[nodiscard]] double image_margin(double radius, double heavier);
 
 // Returns the device's box of a domain that is not periodic.

@@ -7,7 +7,7 @@
 namespace votess::gpu {
 namespace {
 
-// This is the margin in mean distances between the part's seeds: twice the security radius of most cells.
+// The margin in mean distances between the part's seeds: twice the security radius of most cells.
 constexpr double margin_spacings = 5;
 
 }  // namespace
@@ -79,14 +79,14 @@ Part Parts::get(std::size_t index) const {
     double volume = 1;
     for (int k = 0; k < 3; ++k) volume *= own.upper[k] * job_.scale - own.lower[k] * job_.scale;
     double margin = margin_spacings * std::cbrt(volume / static_cast<double>(end - begin));
-    if (job_.domain->has_weights()) {  // the farthest seed that cuts such a cell, unless it is much heavier than most
+    if (job_.domain->has_weights()) {  // the farthest seed that cuts such a cell, if it is not much heavier than most
         const double heavier = job_.domain->largest_weight - *std::ranges::min_element(job_.domain->weights);
         margin = 0.5 * margin + std::sqrt(0.25 * margin * margin + std::min(heavier, 2 * margin * margin));
     }
     margin /= job_.scale;
 
     Box box;
-    // Seeds around the part; with a smaller margin when they do not fit.
+    // Adds the seeds around the part, with a smaller margin when they do not fit.
     for (;; margin *= 0.5) {
         if (!(margin > 0)) margin = 0;
         part.members.assign(order_.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -108,7 +108,7 @@ Part Parts::get(std::size_t index) const {
         add_around(0, begin);
         add_around(end, order_.size());
         if (part.members.size() <= max_seeds_) break;
-        if (margin == 0) {  // many seeds on the very bounds: leave them all to the CPU
+        if (margin == 0) {  // many seeds on the bounds themselves: the CPU clips them all
             part.members.resize(part.own_count);
             box = own;
             for (int k = 0; k < 3; ++k) box.upper[k] = box.lower[k];
@@ -119,7 +119,7 @@ Part Parts::get(std::size_t index) const {
     bool lossy = false;
     for (int k = 0; k < 3; ++k) {
         const std::uint64_t origin = units_.of(box_.lower[k], lossy);
-        // Rounded towards the part, as if seeds had been rounded away from it.
+        // Rounded towards the part, as if seeds were rounded away from it.
         if (box.lower[k] > box_.lower[k]) {
             part.bounded |= 1u << k;
             part.lower[k] = units_.of(box.lower[k], lossy) - origin + 1;

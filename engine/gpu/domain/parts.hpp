@@ -1,5 +1,5 @@
-// More seeds than the device can hold at once are tessellated part by part: compact sets of seeds, each with the seeds
-// around it.
+// Parts of a job with more seeds than a device holds at once. A part is a compact set of seeds, with the seeds around
+// it.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,17 @@
 namespace votess::gpu {
 
 struct Part {
-    std::vector<std::int32_t> members;  // input indices, own ones first; empty = all points are the part's own
+    std::vector<std::int32_t> members;  // input indices, own seeds first; empty: all points are the part's own
     std::uint32_t own_count = 0;
-    // Bounds in units from the box's lower corner within which all seeds are members; see KnnPush.
+    // Bounds in units from the box's lower corner. All seeds within them are members; see KnnPush.
     std::uint64_t lower[3]{}, upper[3]{};
     std::uint32_t bounded = 0;
 };
 
 class Parts {
 public:
-    // At most `max_seeds` members a part. One part when all points fit; else duplicates are in none. Seeds outside of
-    // the domain are in none at all.
+    // Makes parts of at most `max_seeds` members. One part when all points fit; else duplicates are in no part. Seeds
+    // outside of the domain are in no part either.
     Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t max_seeds);
 
     [[nodiscard]] std::size_t size() const { return ends_.size(); }

@@ -8,18 +8,18 @@
 namespace votess::gpu {
 namespace {
 
-// This share of a vector is more than fractions err by: places are right to 2^-52 of the box, which spans at most
+// This share of a vector exceeds the error of fractions. Places are right to 2^-52 of the box, which spans at most
 // max_shifts of the vectors.
 constexpr double slack = 0.01;
 constexpr std::int64_t largest_shift = 63;  // so that differences of two of them fit into rows
 
-// Numbers of units with 64 bits behind the point, modulo 2^128: coordinates and vectors are right to 2^-64, sums with
-// 2^31 vectors to 2^-30.
+// Numbers of units with 64 fractional bits, modulo 2^128. Coordinates and vectors are right to 2^-64, sums with 2^31
+// vectors to 2^-30.
 using Fixed = exact::Uint128;
 using Fixed3 = std::array<Fixed, 3>;
 using Units3 = std::array<std::uint64_t, 3>;
 
-// x 2^shift, rounded down.
+// Returns x 2^shift, rounded down.
 Fixed fixed(double x, int shift, bool& lossy) {
     if (x == 0) return 0;
     int exponent = 0;
@@ -57,9 +57,9 @@ public:
             for (std::size_t i = 0; i < 3; ++i) add(basis_[j], range.basis->shift[j][i], vector_[i]);
     }
 
-    // Seeds at their places. False when one is too far away.
+    // Adds the seeds at their places. Returns false when one is too far away.
     bool add_seeds();
-    // False when there are more than `most` members.
+    // Returns false when there are more than `most` members.
     bool add_images(std::uint32_t most);
     void set_bounds() const;
 
@@ -80,7 +80,7 @@ private:
             out_.lossy = out_.lossy || static_cast<std::uint64_t>(c) != 0;
         }
     }
-    // From the domain's origin; of places less than 2^62 units outside of the box.
+    // Returns the offset from the domain's origin of a place less than 2^62 units outside of the box.
     [[nodiscard]] exact::Point offset(const Fixed3& x) const {
         exact::Point at;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -90,7 +90,7 @@ private:
         }
         return at;
     }
-    // By its units, and as far as places 2^64 units apart, at least four sides of the box, look alike, by its offset.
+    // Compares units. Places 2^64 units apart, at least four sides of the box, look alike; the offset tells them apart.
     [[nodiscard]] bool is_inside(const Fixed3& x, const exact::Point& offset) const {
         for (std::size_t k = 0; k < 3; ++k) {
             if (static_cast<std::uint64_t>(x[k] >> 64) - origin_[k] > extent_[k]) return false;
@@ -109,7 +109,7 @@ private:
     Units3 origin_{}, extent_{};  // of the box, in units modulo 2^64
     std::array<Fixed3, 3> vector_{}, basis_{};
     bool vectors_lossy_ = false;
-    std::vector<exact::Shift> places_;  // by member: from where its seed was given
+    std::vector<exact::Shift> places_;  // by member: shift from the seed's place as given
 };
 
 bool Images::add_seeds() {
@@ -121,7 +121,7 @@ bool Images::add_seeds() {
         if (!job_.outside.empty() && job_.outside[i] == CellStatus::outside) continue;
         const auto wrapped = wrap(domain_, {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale,
                                             job_.points[3 * i + 2] * job_.scale});
-        if (!wrapped) return false;  // the exact clipper tells of it
+        if (!wrapped) return false;  // the exact clipper reports it
         wraps[i] = *wrapped;
         any_wrapped = any_wrapped || *wrapped != exact::Shift{};
         exact::Shift to = *wrapped;
@@ -188,7 +188,7 @@ bool Images::add_images(std::uint32_t most) {
     return true;
 }
 
-// All images in the box are members, but for those within rounding of its faces.
+// Sets the bounds of the known images: all in the box, except those within rounding of its faces.
 void Images::set_bounds() const {
     for (std::size_t k = 0; k < 3; ++k) {
         if (!range_.extended[k]) continue;

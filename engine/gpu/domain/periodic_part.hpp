@@ -1,5 +1,5 @@
-// The seeds of a periodic domain with their images around it, as one part: the passes then see a larger box with walls,
-// and cells that would need seeds from beyond it are left to the exact clipper.
+// The seeds of a periodic domain with the images around it, as one part. The passes see a larger box with walls. Cells
+// that need seeds from beyond it are left to the exact clipper.
 #pragma once
 
 #include <array>
@@ -14,12 +14,13 @@ namespace votess::gpu {
 
 struct PeriodicPart {
     Part part;
-    Box box;                                         // of seeds and images, in the units of length given
-    std::vector<std::uint64_t> coordinates;          // 3 for each member: in units, modulo 2^64
-    std::vector<std::array<std::int8_t, 3>> shifts;  // by member: of the image, from where its seed lies in the domain
-    bool lossy = false;                              // some coordinates have been rounded down
-    std::vector<std::array<double, 3>> wraps;  // by seed: what carries it into the domain; empty when none is moved
-    // By seed: from there into the cell where the device has it, which rows do not count; empty when none is moved.
+    Box box;                                 // of seeds and images, in the units of length given
+    std::vector<std::uint64_t> coordinates;  // 3 for each member: in units, modulo 2^64
+    std::vector<std::array<std::int8_t, 3>>
+        shifts;                                // by member: shift of the image from its seed's place in the domain
+    bool lossy = false;                        // some coordinates were rounded down
+    std::vector<std::array<double, 3>> wraps;  // by seed: translation into the domain; empty when none is moved
+    // By seed: shift from there into the reduced cell, which rows do not count; empty when none is moved.
     std::vector<std::array<std::int8_t, 3>> moves;
 };
 

@@ -7,16 +7,16 @@
 namespace votess::gpu {
 namespace {
 
-// No two places of a box are as far apart: its sides are below 2^COORDINATE_BITS units.
+// No two places of a box are as far apart, because its sides are below 2^COORDINATE_BITS units.
 constexpr double squared_diagonal = 3;          // over 2^(2 COORDINATE_BITS)
-constexpr double max_more = 3.5, max_span = 4;  // of weights that matter; of floats in searches
+constexpr double max_more = 3.5, max_span = 4;  // differences of weights that matter; that floats of searches hold
 static_assert(squared_diagonal < max_more && max_more < max_span);
 
-// A weight times 2^n is in squared units, for this n.
+// Returns n so that a weight times 2^n is in squared units.
 int squared_units(const Units& units, double scale) {
     return 2 * (units.shift - std::ilogb(scale));
 }
-// Returns so many squares of a side of 2^COORDINATE_BITS units as a weight.
+// Returns `sides` squares of a side of 2^COORDINATE_BITS units as a weight.
 double squares(double sides, int in_squares) {
     return std::ldexp(sides, 2 * COORDINATE_BITS - in_squares);
 }
@@ -26,7 +26,7 @@ double squares(double sides, int in_squares) {
 std::optional<WeightUnits> WeightUnits::of(double lightest, double heaviest, const Units& units, double scale) {
     const double most = squares(max_more, squared_units(units, scale));
     double least = std::max(lightest, heaviest - most);
-    // Rounding may have moved it up.
+    // Rounding may have increased it.
     if (least > lightest && heaviest - least < most)
         least = std::nextafter(least, -std::numeric_limits<double>::infinity());
     return between(least, heaviest, units, scale);

@@ -12,7 +12,7 @@
 
 namespace votess::gpu {
 
-// Numbers of 64 bits in the two words that shaders have for them.
+// Returns a number of 64 bits as the two words that shaders use.
 inline uvec2 words(std::uint64_t value) {
     return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32)};
 }
@@ -20,14 +20,14 @@ inline uvec2 words(std::uint64_t value) {
 struct Units {
     int shift = 0;  // coordinate * 2^shift is in units
 
-    // For the box's longest side. Doubles of any size: the side itself may overflow, its half does not.
+    // Returns units for the box's longest side. The side itself may overflow, its half does not.
     static Units for_box(const Box& box) {
         double half = 0;
         for (int k = 0; k < 3; ++k) half = std::max(half, box.upper[k] * 0.5 - box.lower[k] * 0.5);
         return {COORDINATE_BITS - 2 - std::ilogb(half)};
     }
 
-    // Modulo 2^64, rounded down; `lossy` becomes true when it had to be.
+    // Returns the value in units, rounded down, modulo 2^64. Sets `lossy` where it rounds.
     [[nodiscard]] std::uint64_t of(double value, bool& lossy) const {
         if (value == 0) return 0;
         int exponent = 0;
@@ -40,15 +40,15 @@ struct Units {
         lossy = lossy || (-n >= 64 || (rounded << right) != mantissa);
         return static_cast<std::uint64_t>(rounded);
     }
-    // The same as a double, not modulo; of the bounds of the box.
+    // Returns a bound of the box in units, rounded down, as a double.
     [[nodiscard]] double floor_of(double value) const {
         const double units = std::floor(std::ldexp(value, shift));
-        return units == 0 && value < 0 ? -1 : units;  // all bits may have fallen off
+        return units == 0 && value < 0 ? -1 : units;  // all bits may be lost
     }
 };
 
-// Moved out to where its sides are whole numbers of units, of boxes of about its size, and of few bits, so that their
-// distances from a lattice's seeds are small whole numbers too (shaders/clip/exact_side.glsl).
+// Returns a box whose faces are moved out, along these axes, to whole numbers of units with few bits. Their distances
+// from seeds of a lattice are then small whole numbers too (shaders/clip/exact_side.glsl).
 inline Box whole_box(Box box, const std::array<bool, 3>& axes) {
     constexpr int side_bits = 10;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -64,18 +64,18 @@ inline Box whole_box(Box box, const std::array<bool, 3>& axes) {
 struct WeightUnits {
     int shift = 0;     // a weight times 2^shift is in units
     int exponent = 0;  // a unit is 2^exponent squared units of length: 0 to 66
-    // Those below the least have a cell nowhere in a box of these units of length, and count as the least.
+    // Seeds with a weight below `least` have no cell in a box of these units of length, and count as the least.
     double least = 0, largest = 0;
 
-    // Makes units for weights between these, of which the heaviest is there. scale is the length that the weights are
-    // squares of over the one that `units` are parts of. Returns nothing when doubles as large are too coarse.
+    // Returns units for weights between these; a seed with the heaviest exists. Weights are squares of lengths that are
+    // `scale` times those of `units`. Returns nothing when doubles of this size are too coarse.
     static std::optional<WeightUnits> of(double lightest, double heaviest, const Units& units, double scale);
-    // The same for any weights from `least` to `largest`. Returns nothing too when these differ by more than
-    // max_span (units.cpp), which is at least four times the square of the box's longest side.
+    // The same for any weights from `least` to `largest`. Returns nothing too when these differ by more than max_span
+    // (units.cpp), at least four times the square of the box's longest side.
     static std::optional<WeightUnits> between(double least, double largest, const Units& units, double scale);
 };
 
-// Those of the domain, all of the same units; nothing too where there are no weights.
+// Returns the units of the domain's weights; nothing where there are no weights.
 std::optional<WeightUnits> weight_units(const Domain& domain, const Units& units, double scale);
 
 }  // namespace votess::gpu

@@ -45,14 +45,14 @@ WidePlane wide(const exact::Plane& wall) {
     return plane;
 }
 
-// To some 2^-200 of it; a is in the range of doubles.
+// Returns the square root to about 2^-200 of it; a is in the range of doubles.
 WideFloat root(const WideFloat& a) {
     WideFloat root = std::sqrt(static_cast<double>(a));
     for (int k = 0; k < 2; ++k) root = ldexp(root + a / root, -1);
     return root;
 }
 
-// To nearest; of numbers below 2^126.
+// Rounds numbers below 2^126 to nearest.
 Int128 nearest(WideFloat x) {
     Int128 sum = 0;
     for (double rounded = static_cast<double>(x); std::abs(rounded) >= 1; rounded = static_cast<double>(x)) {
@@ -95,7 +95,7 @@ std::vector<WallPlane> device_walls(const Job& job, const Box& box) {
         result.rough[3] = static_cast<float>(static_cast<double>(offset));
         return result;
     };
-    // Whether the corner of the domain's box that is farthest out is not beyond the wall.
+    // Returns whether the corner of the domain's box that is farthest out is not beyond the wall.
     const auto cuts_nothing = [&](const exact::Plane& wall) {
         const WidePlane plane = wide(wall);
         exact::Point corner;

@@ -56,7 +56,7 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
                    plan->passes->settings.weights);
     seeds_.set_walls(plan->walls);
     cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings);
-    // Passes bind something in place of arrays that are not wanted.
+    // Passes bind the header in place of arrays that are not requested.
     const auto wanted = [&](const gpu::Slice& array) { return array ? array : header_; };
     cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")),
                         wanted(slice(buffers.areas, sizes.areas, "areas")), plan->entries,
@@ -70,7 +70,7 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
         outputs_.set(binding, cells_.slice(binding));
     outputs_.set(BINDING_SEED_INPUT, seeds_.seed_input());
     outputs_.set(BINDING_SEEDS_Y, seeds_.bindings().get(BINDING_SEEDS_Y));
-    // All descriptor sets are made here: a recording of fewer seeds needs no other.
+    // Makes all descriptor sets: a recording of fewer seeds needs no other.
     record(VK_NULL_HANDLE, {.count = plan->options.most_seeds, .box = {}, .cell = {}, .timestamps = {}});
 }
 
@@ -139,7 +139,7 @@ void detail::FrameState::record_cells(std::uint32_t count) {
     job.volume_tolerance = volume_tolerance;
     job.own_count = count;
     for (std::size_t k = 0; k < 3 && plan->options.cell; ++k) {
-        constexpr std::uint64_t rounded = 2 * MAX_STEPS_APART;  // images may be beside their places by less
+        constexpr std::uint64_t rounded = 2 * MAX_STEPS_APART;  // images may be off by less
         job.bounded |= 9u << k;
         job.lower[k] = rounded;
         job.upper[k] = seeds_.extent()[k] - rounded;
@@ -151,7 +151,7 @@ void detail::FrameState::record_cells(std::uint32_t count) {
         job.upper[k] = seeds_.extent()[k];
         job.named_from = count;
     }
-    // Images are sorted among the seeds, and make no cells.
+    // Images are sorted among the seeds and get no cells.
     for (std::uint32_t first = 0; first < seeds_.count();) {
         const std::uint32_t cells = std::min(plan->chunk_cells, seeds_.count() - first);
         cells_.set_job(seeds_, passes.settings, job, first, cells);

@@ -1,4 +1,4 @@
-// All stages recorded into a host's command buffer, on its buffers: votess::vulkan::Plan and Frame.
+// votess::vulkan::Plan and Frame: all stages, recorded into a host's command buffer, on its buffers.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ struct PlanState {
     std::optional<gpu::Passes> passes;
     std::uint32_t chunk_cells = 0;
     std::uint32_t entries = 0;          // of the rows
-    std::uint32_t images = 0;           // places for them
+    std::uint32_t images = 0;           // places for images
     std::vector<gpu::WallPlane> walls;  // of any direction
     Box box_of_walls;                   // the device's box where there are walls
     BufferSizes sizes;
@@ -42,25 +42,26 @@ private:
     gpu::Recorder recorder_;
 };
 
-[[noreturn]] void refuse(const std::string& what);  // as invalid_argument
+[[noreturn]] void refuse(const std::string& what);  // throws invalid_argument
 
 // The domain of recorded frames: box, images, weights and walls of a plan (frame_domain.cpp).
 
-inline constexpr std::uint32_t max_of_all = 1u << 27;  // seeds: rows have 32 bits for their entries
+inline constexpr std::uint32_t max_of_all = 1u << 27;  // seeds: entries of rows have 32 bits
 
 [[nodiscard]] inline bool is_periodic(const PlanOptions& options) {
     return options.cell || options.periodic != std::array<bool, 3>{};
 }
 
-// Throws as Plan() does; of a recording's box or cell, as Frame::record().
+// Throws as Plan() does, or as Frame::record() does for a recording's box or cell.
 void check_domain(const PlanOptions& options);
 void check_domain(const PlanOptions& options, const RecordOptions& of_frame);
 
-// Places that will do for the images of a periodic plan.
+// Returns the number of places for the images of a periodic plan.
 [[nodiscard]] std::uint32_t usual_images(const PlanOptions& options);
-// Finds the walls of the plan as a device has them.
+// Makes the walls of the plan for the device.
 void make_walls(PlanState& plan);
-// Tells the seeds all but the walls, for a recording. Allocates nothing. Throws `unsupported` as Frame::record() does.
+// Sets box, images and weights of the seeds for a recording. Allocates nothing. Throws `unsupported` as Frame::record()
+// does.
 void set_domain(gpu::DeviceSeeds& seeds, const PlanState& plan, const RecordOptions& of_frame);
 
 }  // namespace votess::vulkan::detail

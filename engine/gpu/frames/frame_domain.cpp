@@ -10,7 +10,7 @@
 namespace votess::vulkan::detail {
 namespace {
 
-constexpr double margin_spacings = 3.4;  // of the mean distance between seeds: most uniform cells need less
+constexpr double margin_spacings = 3.4;  // mean distances between seeds: most uniform cells need less
 
 void check_cell(const TriclinicBox& cell) {
     if (cell.periodic != std::array{true, true, true})
@@ -30,7 +30,7 @@ void check_walls(const PlanOptions& options) {
         refuse("walls and a periodic domain are both given: walls go with a box that is not periodic");
 }
 
-// How far around a box seeds get images, by the mean distance between seeds: those beyond cut few cells.
+// Returns how far around a box there are images. Images beyond that cut few cells.
 double margin_of(const PlanOptions& options, double spacing) {
     if (options.margin > 0) return options.margin;
     const double heavier = options.weights ? options.weights->largest - options.weights->least : 0;
@@ -64,9 +64,9 @@ void check_domain(const PlanOptions& options) {
     }
     const Box none;
     if (options.box.lower != none.lower || options.box.upper != none.upper)
-        refuse("box and cell are both given: the cell is a box by itself, give one of them");
+        refuse("box and cell are both given: give either box or cell, not both");
     if (options.periodic != std::array<bool, 3>{})
-        refuse("cell and periodic contradict each other: the cell says itself along which edges it repeats");
+        refuse("cell and periodic contradict each other: set cell.periodic only");
     check_cell(*options.cell);
 }
 
@@ -75,11 +75,11 @@ void check_domain(const PlanOptions& options, const RecordOptions& of_frame) {
     if (options.cell ? of_frame.box.has_value() : of_frame.cell.has_value())
         refuse(options.cell ? "a box is given, where the plan has a cell" : "a cell is given, where the plan has none");
     if (of_frame.box && !options.walls.empty())
-        refuse("a box is given, where the plan has walls, which go with its own");
+        refuse("a box is given, but the plan has walls, which need the plan's own box");
     if (of_frame.cell) check_cell(*of_frame.cell);
 }
 
-// A quarter more than uniform seeds have.
+// A quarter more than uniform seeds need.
 std::uint32_t usual_images(const PlanOptions& options) {
     const double margin = margin_of(options, options.box, options.most_seeds);
     double larger = 1;

@@ -11,7 +11,7 @@ using detail::max_of_all;
 using detail::refuse;
 
 constexpr VkDeviceSize geometry_bytes = 16;      // of a cell: vec4
-constexpr std::uint32_t max_walk_visits = 2000;  // a frame waits for its slowest cell; resolve() makes what is left
+constexpr std::uint32_t max_walk_visits = 2000;  // a frame waits for its slowest cell; resolve() makes the others
 
 void check(const HostInstance& host) {
     if (host.instance == VK_NULL_HANDLE) refuse("the Vulkan instance is null");
@@ -33,7 +33,7 @@ void check(const PlanOptions& options) {
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
                " is neither float32 nor float64");
     check_k_init(options.k_init);
-    if (options.areas && !options.neighbors) refuse("areas lie beside the rows: neighbors must be wanted too");
+    if (options.areas && !options.neighbors) refuse("areas follow the rows: request neighbors too");
     detail::check_domain(options);
 }
 
@@ -43,16 +43,16 @@ void check_family(const gpu::vulkan::Adapter& adapter, std::uint32_t family) {
         refuse(given + ", but " + adapter.name + " has " + std::to_string(adapter.families.size()) +
                " queue families: give the family of the queue that runs the commands");
     if (!(adapter.families[family] & VK_QUEUE_COMPUTE_BIT))
-        refuse(given + " has no compute on " + adapter.name + ": requirements() names a family that has");
+        refuse(given + " has no compute on " + adapter.name + ": requirements() names a family that has one");
 }
 
-// Arrays that shaders see as wholes.
+// Checks an array that shaders bind as a whole.
 void check_range(const gpu::vulkan::Device& device, VkDeviceSize bytes, const char* what, const char* option) {
     const VkDeviceSize most = device.adapter().limits.maxStorageBufferRange;
     if (bytes <= most) return;
     throw Error(ErrorCode::unsupported, std::string("the ") + what + " would take " + gpu::vulkan::bytes_text(bytes) +
                                             ", more than the " + gpu::vulkan::bytes_text(most) + " that shaders of " +
-                                            device.adapter().name + " can see at once: lower " + option);
+                                            device.adapter().name + " can bind at once: lower " + option);
 }
 
 }  // namespace
@@ -90,13 +90,13 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     settings.frames = true;
     settings.weights = options.weights.has_value();
     settings.walls = !options.walls.empty();
-    settings.tiers[1].ties = !settings.weights && !settings.walls;  // with these nothing decides them
+    settings.tiers[1].ties = !settings.weights && !settings.walls;  // with these no pass decides ties
     settings.max_walk_visits = std::min(settings.max_walk_visits, max_walk_visits);
     settings.images = detail::is_periodic(options);
     settings.triclinic = options.cell.has_value();
     gpu::DeviceSeeds seeds;
     detail::make_walls(*state);
-    detail::set_domain(seeds, *state, {.count = options.most_seeds});  // refuses what no frame could be
+    detail::set_domain(seeds, *state, {.count = options.most_seeds});  // throws where no frame is possible
     state->passes.emplace(device, settings);
     if (settings.images) state->images = options.most_images != 0 ? options.most_images : detail::usual_images(options);
     if (state->images > max_of_all)
@@ -105,7 +105,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
 
     const VkDeviceSize n = options.most_seeds;
     constexpr std::uint32_t usual_row = 20;
-    // Rows are seen through windows, with areas through one.
+    // Rows are bound as windows, rows with areas as one.
     const std::uint64_t most_entries = std::uint64_t{options.areas ? 1u : ROW_WINDOWS}
                                        << gpu::DeviceCells::window_bits(device);
     if (options.most_entries > most_entries)

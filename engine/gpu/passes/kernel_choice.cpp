@@ -14,8 +14,8 @@ namespace {
 constexpr std::uint32_t min_lanes = 8, max_lanes = 64;
 constexpr std::uint32_t amd = 0x1002, intel = 0x8086;
 
-// With 32, a lane has two vertices; few cells have more than 64. Intel's registers hold 16 lanes with four each, 32
-// spill.
+// With 32 lanes each has two vertices, and few cells have more than 64. Intel's registers hold 16 lanes with four
+// vertices each; 32 lanes spill.
 std::uint32_t lanes_of(const vulkan::Adapter& adapter) {
     if (!adapter.subgroup_size_control) return adapter.subgroup_size;
     const std::uint32_t best = adapter.vendor_id == intel ? 16 : 32;
@@ -27,14 +27,14 @@ std::string_view environment(const char* name) {
     return text == nullptr ? "" : text;
 }
 
-// Vulkan does not tell how fast float64 is. These GPUs have it at half the rate of float32 (Radeon VII at a quarter),
-// as CPUs do; all others at 1/16 to 1/64.
+// Vulkan does not report how fast float64 is. These GPUs and CPUs run it at half the rate of float32 (Radeon VII at a
+// quarter), all others at 1/16 to 1/64.
 constexpr std::array fast_float64{"P100",   "GP100",  "V100",   "GV100",     "TITAN V", "A100",  "A800",
                                   "A30",    "H100",   "H200",   "H800",      "GH200",   "B100",  "B200",
                                   "GB200",  "MI50",   "MI60",   "MI100",     "MI210",   "MI250", "MI250X",
                                   "MI300A", "MI300X", "MI325X", "Radeon VII"};
 
-// Whether these words stand in the text, and not as parts of longer ones.
+// Returns whether the text has these words, not as parts of longer ones.
 bool has_words(std::string_view text, std::string_view words) {
     const auto ends_word = [&](std::size_t at) {
         return at >= text.size() || std::isalnum(static_cast<unsigned char>(text[at])) == 0;
@@ -59,7 +59,7 @@ std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
     for (const auto& operations : needed)
         if ((adapter.subgroup_operations & operations.bit) == 0)
             return std::string(operations.name) + " operations of subgroups";
-    // Where sizes vary, drivers other than AMD's may tell a nominal one that no shader runs with.
+    // Where sizes vary, drivers other than AMD's may report a nominal one that no shader runs with.
     if (!adapter.subgroup_size_control && adapter.min_subgroup_size != adapter.max_subgroup_size &&
         adapter.vendor_id != amd)
         return "control of the size of subgroups, which varies";
@@ -73,7 +73,7 @@ std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel
     if (kernel == Kernel::invocation) return 0;
     const std::string missing = missing_for_subgroups(adapter);
     if (missing.empty()) {
-        // On a CPU, where lanes are no threads, one invocation per cell is the faster.
+        // On a CPU lanes are not threads, and one invocation per cell is faster.
         return kernel == Kernel::automatic && adapter.software() ? 0 : lanes_of(adapter);
     }
     if (kernel == Kernel::automatic) return 0;

@@ -1,4 +1,5 @@
-// Whether an invocation or a subgroup makes a cell of the first tier, and in which numbers it is measured.
+// The choice of a kernel for cells of the first tier, an invocation or a subgroup, and of the numbers that measure
+// them.
 #pragma once
 
 #include <cstdint>
@@ -10,36 +11,37 @@ namespace votess::gpu {
 
 enum class Kernel {
     automatic,   // `subgroup` on GPUs that can, `invocation` on software devices
-    invocation,  // each shader invocation one cell, from a list of its neighbors in memory
-    subgroup,    // the invocations of a subgroup together, searching as they clip; needs subgroups of 8 to 64
+    invocation,  // an invocation makes a cell from a list of near seeds
+    subgroup,    // a subgroup makes a cell and searches as it clips; needs subgroups of 8 to 64
 };
 
-// Empty when subgroups can make cells, else what the device lacks: "subgroups of 8 to 64 invocations, it has 4".
+// Returns an empty text when subgroups can make cells, else what the device lacks: "subgroups of 8 to 64 invocations,
+// it has 4".
 [[nodiscard]] std::string missing_for_subgroups(const vulkan::Adapter& adapter);
 
-// PassSettings::subgroup_size, 0 for the invocation kernel. Throws `unsupported` when the subgroup kernel is asked for
-// where it cannot run.
+// Returns PassSettings::subgroup_size, 0 for the invocation kernel. Throws `unsupported` when the subgroup kernel is
+// requested where it cannot run.
 [[nodiscard]] std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel);
 
-// VOTESS_VULKAN_KERNEL of the environment, for measurements and tests: "automatic" (also when it is not set),
+// Returns VOTESS_VULKAN_KERNEL of the environment, for measurements and tests: "automatic" (also when it is not set),
 // "invocation" or "subgroup". Throws `invalid_argument`.
 [[nodiscard]] Kernel kernel_from_environment();
 
 enum class Measure {
-    automatic,  // `float64` where that is known to be fast
+    automatic,  // `float64` where it is known to be fast
     float64,
     float32,  // in sums of two float32, see shaders/numbers/number.glsl
 };
 
-// PassSettings::measure_float64. Throws `unsupported` when float64 is asked for and the device has none.
+// Returns PassSettings::measure_float64. Throws `unsupported` when float64 is requested and the device has none.
 [[nodiscard]] bool measures_in_float64(const vulkan::Adapter& adapter, bool has_float64, Measure measure);
 
-// VOTESS_VULKAN_MEASURE of the environment, for measurements and tests: "automatic" (also when it is not set),
+// Returns VOTESS_VULKAN_MEASURE of the environment, for measurements and tests: "automatic" (also when it is not set),
 // "float64" or "float32". Throws `invalid_argument`.
 [[nodiscard]] Measure measure_from_environment();
 
-// VOTESS_VULKAN_LOCAL_SIZE of the environment, for measurements: invocations of a work-group, a power of two up to
-// 1024. 0 when it is not set. Throws `invalid_argument`.
+// Returns VOTESS_VULKAN_LOCAL_SIZE of the environment, for measurements: invocations of a work-group, a power of two up
+// to 1024. 0 when it is not set. Throws `invalid_argument`.
 [[nodiscard]] std::uint32_t local_size_from_environment();
 
 }  // namespace votess::gpu

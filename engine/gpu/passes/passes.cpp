@@ -21,7 +21,7 @@ Pass make(Device& device, const char* name, std::span<const std::uint32_t> spirv
         {name, spirv, static_cast<std::uint32_t>(sizeof(Push)), local_size, std::move(constants), subgroup_size});
 }
 
-// An operation errs by half a unit in the last place where the device rounds to nearest, else by one.
+// The error of an operation is half a unit in the last place where the device rounds to nearest, else one unit.
 vulkan::Constant unit_roundoff(const Device& device) {
     return {CONSTANT_UNIT_ROUNDOFF, std::bit_cast<std::uint32_t>(device.rounds_to_nearest() ? 0x1p-24f : 0x1p-23f)};
 }
@@ -30,7 +30,7 @@ vulkan::Constant wanted_geometry(const PassSettings& settings) {
     return {CONSTANT_GEOMETRY, settings.measure ? (settings.areas ? 2u : 1u) : 0u};
 }
 
-// Where subgroups make the cells of the first tier, only those of the second need lists.
+// Where subgroups make cells of the first tier, only cells of the second need lists.
 vulkan::Constant list_of_todo(const PassSettings& settings) {
     return {CONSTANT_LIST_OF_TODO, settings.subgroup_size != 0 ? 1u : 0u};
 }
@@ -49,7 +49,7 @@ vulkan::Constant has_weights(const PassSettings& settings) {
     return {CONSTANT_WEIGHTS, settings.weights ? 1u : 0u};
 }
 
-// Shaders that clip in float64 measure in it too, and write what the others do.
+// Shaders that clip in float64 measure in it too. They write the numbers that the others write.
 std::vector<vulkan::Constant> with_numbers(std::vector<vulkan::Constant> constants, const PassSettings& settings,
                                            const TierLimits& limits) {
     if (limits.float64) constants.push_back({CONSTANT_WRITES_SUMS, settings.measure_float64 ? 0u : 1u});
@@ -74,13 +74,13 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
                                        settings, limits));
 }
 
-// What clip_subgroup.comp and its includes rely on: a set of planes is one word; the store of candidates takes two
-// numbers a plane in each array; and the users of scratch memory leave each other room.
+// clip_subgroup.comp and its includes rely on this: a set of planes is one word; the store of candidates has two
+// numbers a plane in each array; the users of scratch memory do not overlap.
 static_assert(SUBGROUP_PLANES <= 32 && 4 * SUBGROUP_PLANES <= SUBGROUP_STORE && GROUP_SEEDS == FAN);
 static_assert(SUBGROUP_NODES + SUBGROUP_GROUPS <= 3 * SUBGROUP_PLANES + SUBGROUP_STORE &&
               3 * SUBGROUP_PLANES + SUBGROUP_STORE + MAX_LEVELS <= SUBGROUP_SCRATCH);
 
-// The size of its shared arrays for one subgroup.
+// Returns the bytes of the shared arrays of one subgroup.
 std::uint32_t shared_bytes(const PassSettings& settings) {
     const std::uint32_t number = settings.tiers[0].float64 ? 8 : 4;
     return (2 * SUBGROUP_STORE + SUBGROUP_SCRATCH) * 4 + (SUBGROUP_PLANES + settings.subgroup_size) * (6 * number + 4);
@@ -145,7 +145,7 @@ PassSettings usual_settings(const Device& device, std::uint32_t k) {
     s.subgroup_size = choose_subgroup_size(device.adapter(), kernel_from_environment());
     s.measure_float64 = measures_in_float64(device.adapter(), device.has_float64(), measure_from_environment());
     if (k != 0) s.first_count = std::min(k, max_first_count);
-    // Where the device is the CPU, long walks are quicker in the CPU's own clipper.
+    // Where the device is the CPU, its own clipper is faster at long walks.
     s.max_walk_visits = device.adapter().software() ? software_walk : usual_walk;
     s.tiers[0] = {.planes = SUBGROUP_PLANES, .vertices = 64, .float64 = false};
     s.tiers[1] = {.planes = 64, .vertices = 128, .float64 = device.has_float64()};

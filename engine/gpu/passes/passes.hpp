@@ -8,8 +8,8 @@
 
 namespace votess::gpu {
 
-// These limits are one tier's of clip. With a subgroup per cell the first tier has SUBGROUP_PLANES planes. A cell that
-// needs more goes to the next tier, in the end to the CPU.
+// The limits of a tier of clip. Where a subgroup makes a cell, the first tier has SUBGROUP_PLANES planes. A cell that
+// needs more goes to the next tier, and from the second to the CPU.
 struct TierLimits {
     std::uint32_t planes = 32;    // alive at once; a multiple of 32
     std::uint32_t vertices = 64;  // alive at once; a multiple of 32
@@ -21,34 +21,34 @@ struct TierLimits {
 struct PassSettings {
     std::uint32_t k = 112;  // neighbors listed
     TierLimits tiers[2];
-    std::uint32_t max_visits = 4000;        // boxes looked at in a search
-    std::uint32_t max_walk_visits = 20000;  // boxes looked at for a cell of the second tier, beyond its list
-    bool measure = true;                    // volumes and centroids are wanted
-    bool measure_float64 = true;            // they are float64, else sums of two float32
-    bool areas = false;                     // areas beside the rows are wanted too
+    std::uint32_t max_visits = 4000;        // boxes visited in a search
+    std::uint32_t max_walk_visits = 20000;  // boxes visited for a cell of the second tier, beyond its list
+    bool measure = true;                    // volumes and centroids are requested
+    bool measure_float64 = true;            // these are float64, else sums of two float32
+    bool areas = false;                     // areas of the rows are requested too
     bool weights = false;                   // of a power diagram
-    bool frames = false;                    // there are passes for recorded frames instead of parts
+    bool frames = false;                    // the passes are for recorded frames, not for parts
     bool walls = false;                     // there are walls of any direction
-    bool images = false;                    // and for periodic ones
-    bool triclinic = false;                 // whose boxes are triclinic
+    bool images = false;                    // recorded frames have images
+    bool triclinic = false;                 // recorded frames have triclinic boxes
     std::uint32_t local_size = 64;          // work-groups of all passes that do not rely on a size
-    // So many invocations make a cell of the first tier together, searching as they clip; 0: each makes one, from a
-    // list.
+    // Invocations of a subgroup, which make a cell of the first tier together and search as they clip; 0: an invocation
+    // makes a cell from a list.
     std::uint32_t subgroup_size = 0;
-    // A work-group has so many. With one, what is uniform in a subgroup is so in the work-group, and only there SPIR-V
-    // promises that lanes are together again behind a branch that parted them.
+    // Subgroups of a work-group. With one, a value that is uniform in the subgroup is uniform in the work-group; only
+    // then does SPIR-V promise that lanes are together again behind a branch that parted them.
     std::uint32_t subgroups = 1;
-    std::uint32_t first_count = 48;  // seeds that the subgroup's first search aims at
+    std::uint32_t first_count = 48;  // seeds that the first search of a subgroup aims at
     bool operator==(const PassSettings&) const = default;
 };
 
-// Settings that suit the device; k = 0 lists the usual number. Throws as kernel_from_environment() and
-// measure_from_environment(), and `unsupported` for a kernel that the device cannot run and numbers that it lacks.
+// Returns settings that suit the device; k = 0 lists the usual number. Throws as kernel_from_environment() and
+// measure_from_environment(), and `unsupported` for a kernel or numbers that the device lacks.
 [[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k);
 
 struct Passes {
     Passes(vulkan::Device& device, const PassSettings& settings);
-    // Makes those that decide ties.
+    // Makes the passes that decide ties.
     void make_with_ties(vulkan::Device& device);
 
     PassSettings settings;
@@ -58,7 +58,7 @@ struct Passes {
     vulkan::Pass clip_cells[2], clip_todo;            // clip_cells[0] searches too where subgroups make cells
     std::unique_ptr<vulkan::Pass> clip_with_ties[2];  // null until they are made
     vulkan::Pass download_rows, download_total;
-    // Null: not wanted.
+    // Null when not needed.
     std::unique_ptr<vulkan::Pass> download_named_rows, download_place, download_gather;
     std::unique_ptr<vulkan::Pass> download_cells, upload_weights, upload_walls, upload_wrap, upload_images;
 };

@@ -9,7 +9,7 @@ namespace {
 
 using vulkan::push_bytes;
 
-// Doubles as whole numbers of the same order.
+// Returns a whole number that orders doubles as their values do.
 std::uint64_t ordered_bits(double x) {
     const auto bits = std::bit_cast<std::uint64_t>(x == 0 ? 0.0 : x);  // -0 equals 0
     const std::uint64_t sign = std::uint64_t{1} << 63;
@@ -40,7 +40,7 @@ void Scan::reserve(Workspace& workspace, std::uint32_t count) {
 }
 
 void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const {
-    std::array<std::uint32_t, max_levels> counts{};  // of each level's array
+    std::array<std::uint32_t, max_levels> counts{};  // items of each level
     std::size_t levels = 0;
     Bindings bindings;
     for (;; count = blocks_of(count, TILE_ITEMS)) {
@@ -53,7 +53,7 @@ void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, s
         recorder.barrier();
         if (count <= TILE_ITEMS) break;
     }
-    // The sums go down from the level below the last one.
+    // Adds the sums, from the level before the last one down.
     for (std::size_t level = levels - 1; level-- > 0;) {
         bindings.set(BINDING_SCAN_DATA, level == 0 ? data : sums_[level - 1]);
         bindings.set(BINDING_SCAN_SUMS, sums_[level]);
@@ -90,7 +90,7 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     bindings_.set(BINDING_NODES, workspace.take(nodes * sizeof(Node), "nodes"));
     state_and_walls_ = workspace.take(sizeof(RunState) + VkDeviceSize{walls} * sizeof(WallPlane), "run state");
     set_walls({});
-    // Without weights passes bind something in place of these arrays, and leave it alone.
+    // Without weights passes bind the run state in place of these arrays, and do not use it.
     const auto weights_of = [&](std::uint32_t binding, VkDeviceSize each, const char* name) {
         bindings_.set(binding, weights ? workspace.take(each * coordinate_bytes, name) : run_state());
     };
@@ -141,7 +141,7 @@ void DeviceSeeds::set_periodic_box(const Box& box, const std::array<bool, 3>& pe
     for (std::size_t k = 0; k < 3; ++k) {
         if (!periodic[k]) continue;
         const double side = box.upper[k] - box.lower[k];
-        larger.lower[k] -= std::min(margin, 0.99 * side);  // images by one side are enough
+        larger.lower[k] -= std::min(margin, 0.99 * side);  // images by one side suffice
         larger.upper[k] += std::min(margin, 0.99 * side);
         allowed.lower[k] -= side;
         allowed.upper[k] += side;
@@ -269,7 +269,7 @@ void DeviceSeeds::record_radix_pass(Recorder& recorder, const Passes& passes, st
 
 void DeviceSeeds::record_order(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const {
     constexpr std::uint32_t radix_passes = 2 * ((KEY_WORD_BITS + DIGIT_BITS - 1) / DIGIT_BITS);
-    static_assert(radix_passes % 4 == 0);  // the result is where the keys were made, after half of them too
+    static_assert(radix_passes % 4 == 0);  // an even number of passes, or half of them, ends where the keys were made
     const std::uint64_t longest = std::max({extent_[0], extent_[1], extent_[2]});
     const KeyPush push{
         count_, key_bits,

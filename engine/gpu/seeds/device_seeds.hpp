@@ -1,5 +1,5 @@
-// The seeds of a run on the device: points as given become coordinates in units, sorted along a Hilbert curve, with a
-// hierarchy of boxes over them. Arrays, and what is recorded for the stages upload, sort and the first half of knn.
+// The seeds of a run on the device: coordinates in units, sorted along a Hilbert curve, with a hierarchy of boxes over
+// them. Holds the arrays and records the stages upload, sort and the first half of knn.
 #pragma once
 
 #include <array>
@@ -21,11 +21,11 @@ namespace votess::gpu {
 using vulkan::BufferBinding;
 using vulkan::Recorder;
 
-// Arrays by binding number; a pass picks those it uses. A number that is set again has a new array.
+// Arrays by binding number. A pass uses some of them. Setting a number again replaces its array.
 class Bindings {
 public:
     void set(std::uint32_t binding, const Slice& slice);
-    [[nodiscard]] Slice get(std::uint32_t binding) const;  // an empty one when it was never set
+    [[nodiscard]] Slice get(std::uint32_t binding) const;  // empty when it was never set
     [[nodiscard]] std::span<const BufferBinding> list() const { return std::span(list_).first(count_); }
 
 private:
@@ -36,45 +36,45 @@ private:
 // Exclusive prefix sums of any number of words, in place.
 class Scan {
 public:
-    // Arrays for up to `count` words.
+    // Reserves arrays for up to `count` words.
     void reserve(Workspace& workspace, std::uint32_t count);
     void record(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const;
 
 private:
-    static constexpr std::size_t max_levels = 4;  // TILE_ITEMS to the fourth is more than 32 bits can count
-    std::array<Slice, max_levels> sums_;          // per level: totals of the level below
+    static constexpr std::size_t max_levels = 4;  // TILE_ITEMS^4 exceeds 32 bits
+    std::array<Slice, max_levels> sums_;          // of each level: totals of the level before
 };
 
 class DeviceSeeds {
 public:
     static constexpr VkDeviceSize coordinate_bytes = 8;
 
-    // Arrays for up to `capacity` seeds, for the images of those of a periodic box, and for walls of any direction;
-    // weights: for these too.
+    // Reserves arrays for up to `capacity` seeds, `images` images of a periodic box and `walls` walls of any direction.
+    // weights: reserves them for weights too.
     void reserve(Workspace& workspace, std::uint32_t capacity, std::uint32_t images = 0, std::uint32_t walls = 0,
                  bool weights = false);
-    // From now on there are these walls of any direction, for which there must be room.
+    // Sets the walls of any direction. There must be room for them.
     void set_walls(std::vector<WallPlane> walls);
-    // For names of up to `count` seeds, where they have others than their index.
+    // Reserves names for up to `count` seeds that have other names than their index.
     void reserve_names(Workspace& workspace, std::uint32_t count);
-    // Says how many seeds to record for from now on, with all places for images.
+    // Sets the number of seeds for later recordings, all places of images included.
     void set_count(std::uint32_t count);
     void set_box(const Box& box);
-    // The same; `allowed` is that of points that are checked.
+    // The same. allowed: the box of points that are checked.
     void set_box(const Box& box, const Box& allowed);
-    // Along these axes the box repeats: images up to `margin` outside of it count. Throws `unsupported` when the sides
-    // of the box are no whole numbers of units.
+    // Sets a box that repeats along these axes, with images up to `margin` outside of it. Throws `unsupported` when the
+    // sides of the box are not whole numbers of units.
     void set_periodic_box(const Box& box, const std::array<bool, 3>& periodic, double margin);
 
-    // The box of seeds and images around a triclinic one.
+    // Sets a triclinic box, with the box of its seeds and images.
     void set_cell(const CellImages& cell);
-    // From now on the seeds have such weights; none: they have no weights.
+    // Sets the units of weights; none: the seeds have no weights.
     void set_weights(const std::optional<WeightUnits>& weights) { weights_ = weights; }
 
-    // Forgets what is known about points; to be followed by a barrier. lossy: points that are rounded already.
+    // Records the reset of the run state; a barrier must follow. lossy: points are rounded already.
     void record_begin(Recorder& recorder, bool lossy) const;
-    // Points of the raw array, from a number of it on, become those from `first` on. check: those outside of the box
-    // get no cell.
+    // Records the conversion of raw points. `begin` is the first number of the raw array, `first` the first seed.
+    // check: points outside of the box get no cell.
     struct Raw {
         Slice slice;
         std::uint32_t format = POINTS_FLOAT64, stride = 3;
@@ -83,33 +83,32 @@ public:
     };
     void record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                        std::uint32_t count) const;
-    // The same for weights, one number a seed, after its coordinates. check: seeds of others than those from the least
-    // to the largest get no cell; else lighter ones, and those that are not finite, count as the least.
+    // The same for weights, one number a seed, after its coordinates. check: a seed whose weight is not from the least
+    // to the largest gets no cell. Otherwise lighter weights, and those that are not finite, count as the least.
     void record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                         std::uint32_t count) const;
-    // After the upload of `count` seeds: those beyond walls get no cell.
+    // Records after the upload of `count` seeds: seeds beyond walls get no cell.
     void record_walls(Recorder& recorder, const Passes& passes, std::uint32_t count) const;
-    // After that, too: brings them into the periodic box, and adds images at their places.
+    // Records after the upload: wraps the seeds into the periodic box and adds images.
     void record_images(Recorder& recorder, const Passes& passes, const Slice& header, std::uint32_t count) const;
-    // Finds the order of the points, by keys of so many bits per axis; with up to coarse_bits that takes half of the
-    // time.
+    // Records the sort of the points, by keys of `key_bits` per axis. Up to coarse_bits it takes half of the time.
     static constexpr std::uint32_t coarse_bits = KEY_WORD_BITS / 3;
     void record_order(Recorder& recorder, const Passes& passes, std::uint32_t key_bits) const;
-    // After record_order(): leaves a word at the begin of crowded() that is not 0 where the order is too coarse.
+    // Records after record_order(): the first word of crowded() becomes nonzero where the order is too coarse.
     void record_crowded(Recorder& recorder, const Passes& passes) const;
-    // Brings the points into the order.
+    // Records the move of the points into that order.
     void record_gather(Recorder& recorder, const Passes& passes) const;
     void record_hierarchy(Recorder& recorder, const Passes& passes) const;
 
     [[nodiscard]] std::uint32_t count() const { return count_; }
     [[nodiscard]] const Units& units() const { return units_; }
     [[nodiscard]] const std::uint64_t* extent() const { return extent_; }
-    // The box's lower corner in units, modulo 2^64.
+    // Returns the box's lower corner in units, modulo 2^64.
     [[nodiscard]] const std::uint64_t* origin() const { return origin_; }
     [[nodiscard]] std::span<const std::uint32_t> level_first() const {
         return std::span(level_first_).first(level_count_);
     }
-    // The arrays that knn and clip read.
+    // Returns the arrays that knn and clip read.
     [[nodiscard]] const Bindings& bindings() const { return bindings_; }
     [[nodiscard]] Slice run_state() const { return bindings_.get(BINDING_RUN_STATE); }
     [[nodiscard]] Slice seed_input() const { return bindings_.get(BINDING_SEED_INPUT); }
@@ -136,7 +135,7 @@ private:
     Bindings bindings_;
 };
 
-// How many blocks of `block` items there are.
+// Returns the number of blocks of `block` items.
 [[nodiscard]] constexpr std::uint32_t blocks_of(std::uint32_t count, std::uint32_t block) {
     return count / block + (count % block != 0 ? 1 : 0);
 }

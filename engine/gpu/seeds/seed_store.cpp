@@ -10,7 +10,7 @@ namespace {
 using vulkan::MemoryKind;
 
 constexpr VkDeviceSize staging_bytes = VkDeviceSize{8} << 20;
-constexpr std::uint32_t task_items = 1u << 14;  // of a thread that fills staging memory
+constexpr std::uint32_t task_items = 1u << 14;  // per task that fills staging memory
 
 }  // namespace
 
@@ -182,7 +182,7 @@ void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
         });
         return state_host_.as<std::uint32_t>()[0] != 0;
     };
-    // Few seeds lie so close together that they need more bits.
+    // Few inputs have seeds so close together that they need more bits.
     const bool ordered = key_bits > DeviceSeeds::coarse_bits && count() > 0 && !is_crowded();
     run([&] {
         if (!ordered) seeds_.record_order(commands_, passes, key_bits);

@@ -1,4 +1,4 @@
-// Uploads the seeds of a run (or of a part of it) and has the device sort them.
+// Uploads the seeds of a run, or of a part of it, and sorts them on the device.
 #pragma once
 
 #include <cstdint>
@@ -20,23 +20,23 @@ class SeedStore {
 public:
     SeedStore(vulkan::Device& device, vulkan::Memory& memory);
 
-    // Walls of any direction of the seeds that are uploaded from now on.
+    // Sets the walls of any direction for later uploads.
     void set_walls(std::vector<WallPlane> walls) { walls_ = std::move(walls); }
-    // members: input indices of the seeds to take, in this box; empty = all points.
+    // Uploads seeds in this box. members: their input indices; empty = all points.
     void upload(const Job& job, std::span<const std::int32_t> members, const Box& box, const Passes& passes,
                 ThreadPool& pool);
-    // Seeds and images of a periodic domain.
+    // Uploads seeds and images of a periodic domain.
     void upload(const PeriodicPart& periodic, const Job& job, const Passes& passes, ThreadPool& pool);
-    // Names for ids in rows: `count` of them, which name(i) tells, to several threads.
+    // Uploads `count` names for ids in rows. Several threads call name(i).
     void upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name, ThreadPool& pool);
-    // key_bits: per axis, at most.
+    // key_bits: the most per axis.
     void sort(const Passes& passes, std::uint32_t key_bits);
     void build_hierarchy(const Passes& passes);
 
     [[nodiscard]] const DeviceSeeds& on_device() const { return seeds_; }
     [[nodiscard]] std::uint32_t count() const { return seeds_.count(); }
     [[nodiscard]] RunState state() const { return state_; }
-    // After sort(): index (of the members) of each sorted seed, with DUPLICATE_BIT.
+    // After sort(): member of each sorted seed, with DUPLICATE_BIT.
     [[nodiscard]] std::span<const std::uint32_t> order() const {
         return order_host_.as<std::uint32_t>().first(count());
     }
@@ -56,12 +56,12 @@ private:
 
     void upload(const RawPoints& points, std::span<const std::int32_t> members, const Box& box, const Passes& passes,
                 const Job& job, std::span<const std::int32_t> members_of_weights, ThreadPool& pool);
-    // Copies what the members have to the device, in pieces, and records what makes points, or weights, of each.
+    // Copies points or weights of the members to the device, in pieces, and records the conversion of each piece.
     void upload_pieces(const RawPoints& points, std::span<const std::int32_t> members, std::uint32_t total,
                        bool weights, const Passes& passes, ThreadPool& pool);
     void reserve(std::uint32_t count, bool weights);
-    // Hands items over in slices, two of which are in flight: threads put them by write(to, first, count) where
-    // record(commands, staging, first, count) finds them.
+    // Copies items in slices, two of which are in flight. Threads write a slice with write(to, first, count);
+    // record(commands, staging, first, count) records its use.
     void stream(std::uint32_t total, std::size_t bytes_each, ThreadPool& pool, const auto& write, const auto& record);
 
     vulkan::Memory& memory_;
@@ -73,7 +73,7 @@ private:
     DeviceSeeds seeds_;
     RunState state_{};
     Seconds seconds_;
-    // Destroyed first, which waits for work on the buffers.
+    // Destroyed first: their destructors wait for work on the buffers.
     Commands commands_;
     Commands uploads_[2];
 };

@@ -9,7 +9,7 @@
 namespace votess::gpu::vulkan {
 namespace {
 
-constexpr std::uint32_t min_storage_buffers = 18;  // clip_cells has the most
+constexpr std::uint32_t min_storage_buffers = 18;  // clip_cells binds the most
 constexpr std::uint32_t min_push_bytes = 128;
 constexpr std::uint32_t min_invocations = TILE_GROUP;
 
@@ -33,7 +33,7 @@ std::string_view type_text(VkPhysicalDeviceType type) {
     }
 }
 
-// Knows what a physical device supports: its extensions, and its version as far as the instance may use it.
+// What a physical device supports: its extensions, and its version as far as the instance may use it.
 class Support {
 public:
     Support(const InstanceCalls& calls, VkPhysicalDevice device, std::uint32_t version) : version_(version) {
@@ -52,7 +52,7 @@ public:
                            [&](const auto& e) { return e.extensionName == extension; });
     }
     [[nodiscard]] bool is_at_least(std::uint32_t version) const { return version_ >= version; }
-    // Whether it has what is in the core of `version`, and was an extension before.
+    // Returns whether the device has a feature that `version` took into its core and that was an extension before.
     [[nodiscard]] bool has(std::uint32_t version, std::string_view extension) const {
         return is_at_least(version) || has(extension);
     }
@@ -62,7 +62,7 @@ private:
     std::vector<VkExtensionProperties> extensions_;
 };
 
-// A pNext chain of structures that the caller keeps.
+// A pNext chain of the caller's structures.
 template <class Head>
 class Chain {
 public:
@@ -185,7 +185,7 @@ Adapter query_adapter(const InstanceCalls& calls, VkPhysicalDevice device, std::
     const std::uint32_t usable = std::min(a.api_version, instance_version);
     if (usable < VK_API_VERSION_1_1) return a;
     const Support support(calls, device, usable);
-    // The name's macro is in a header of provisional extensions that volk does not include.
+    // volk does not include the header of provisional extensions, which has a macro for this name.
     a.portability_subset = support.has("VK_KHR_portability_subset");
     a.subgroup_size_extension = support.has(VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
     query_properties(a, calls, support);

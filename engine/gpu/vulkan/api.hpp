@@ -1,6 +1,6 @@
-// Vulkan's headers, which the engine includes through here alone, and its functions. Nothing uses volk's global
-// function pointers, since a host program may carry its own: calls on a device go through its VolkDeviceTable, all
-// others through the structs below.
+// Vulkan's headers and functions. The engine includes Vulkan's headers through this file only. It does not use volk's
+// global function pointers, because a host program may have its own. Calls on a device go through its VolkDeviceTable,
+// all others through the structs below.
 #pragma once
 
 #include <volk.h>
@@ -9,11 +9,11 @@
 
 namespace votess::gpu::vulkan {
 
-// The name as in "VK_ERROR_DEVICE_LOST", or "VkResult -123" for one unknown here.
+// Returns the name as in "VK_ERROR_DEVICE_LOST", or "VkResult -123" for one unknown here.
 [[nodiscard]] std::string result_name(VkResult result);
 // Throws for a negative result: device_lost, out_of_memory, else internal. `call` is the function's name.
 void check(VkResult result, const char* call);
-// A size as in "128 MiB", for messages.
+// Returns a size as in "128 MiB", for messages.
 [[nodiscard]] std::string bytes_text(VkDeviceSize bytes);
 
 // Functions of the loader that need no instance.
@@ -45,7 +45,7 @@ struct InstanceCalls {
     PFN_vkCmdEndDebugUtilsLabelEXT vkCmdEndDebugUtilsLabelEXT = nullptr;
 };
 
-// Fills the table of a device. Safe from any thread.
+// Fills the table of a device. Thread-safe.
 void load_device_table(VolkDeviceTable& table, VkDevice device, PFN_vkGetDeviceProcAddr get);
 
 }  // namespace votess::gpu::vulkan

@@ -130,7 +130,7 @@ bool Commands::wait_for(std::chrono::nanoseconds timeout) {
 }
 
 void Commands::wait() {
-    // It waits in slices: some drivers notice a lost device only when they are asked again.
+    // Waits in slices: some drivers notice a lost device only at the next call.
     while (!wait_for(std::chrono::milliseconds{500})) {
     }
 }

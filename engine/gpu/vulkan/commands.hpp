@@ -1,4 +1,4 @@
-// A command buffer that is recorded, submitted and waited for, again and again.
+// A command buffer that is recorded, submitted and waited for, many times.
 #pragma once
 
 #include <chrono>
@@ -10,27 +10,27 @@ namespace votess::gpu::vulkan {
 
 class Commands : public Recorder {
 public:
-    // One recording may hold up to `timestamps` of them; 0 = none.
+    // timestamps: the most that one recording may hold; 0 = none.
     explicit Commands(Device& device, std::uint32_t timestamps = 0);
     ~Commands();  // waits for submitted work
 
-    void begin();  // waits for the previous submission and forgets its recording
+    void begin();  // waits for the previous submission and drops its recording
     void end();
 
-    // Records the time at which all before it is done. The index is for seconds(); where timestamps are unsupported or
-    // the pool is full it is `no_timestamp`.
+    // Records the time at which all earlier commands are done. Returns its index for seconds(); `no_timestamp` where
+    // timestamps are unsupported or the pool is full.
     static constexpr std::uint32_t no_timestamp = UINT32_MAX;
     std::uint32_t timestamp();
-    // The time between two timestamps of the finished submission; 0 when one of them is no_timestamp.
+    // Returns the time between two timestamps of the finished submission; 0 when one of them is no_timestamp.
     [[nodiscard]] double seconds(std::uint32_t from, std::uint32_t to) const;
 
-    // The buffer, while it is recorded.
+    // Returns the buffer, while it is recorded.
     [[nodiscard]] VkCommandBuffer handle() const { return commands_; }
 
     void submit();
-    // True when nothing is running. Throws device_lost as the waits do.
+    // Returns whether nothing is running. Throws device_lost as the waits do.
     [[nodiscard]] bool finished();
-    // Waits at most so long, and tells whether the work has finished.
+    // Waits at most `timeout`. Returns whether the work has finished.
     bool wait_for(std::chrono::nanoseconds timeout);
     void wait();
 

@@ -116,7 +116,7 @@ void Device::set_name(std::uint64_t object, VkObjectType type, const char* text)
     info.objectType = type;
     info.objectHandle = object;
     info.pObjectName = text;
-    // All works without a name, so a failure does not matter.
+    // A failure does not matter: everything works without a name.
     instance_->calls().vkSetDebugUtilsObjectNameEXT(handle_, &info);
 }
 

@@ -21,25 +21,25 @@ struct Rounding {
     bool nearest32 = false;
     bool nearest64 = false;  // the same in float64
 };
-// Tries it out. float64: whether the device has it, and it is enabled.
+// Runs a shader to find out. float64: whether the device has it and it is enabled.
 [[nodiscard]] Rounding probe_rounding(Device& device, bool float64);
 
-// Features to use where the device has them.
+// Features to enable where the device has them.
 struct DeviceOptions {
     bool float64 = true;
 };
 
-// A device that a host program has made.
+// A device of a host program.
 struct HostDevice {
     VkDevice handle = VK_NULL_HANDLE;
     std::uint32_t queue_family = 0;
-    VkQueue queue = VK_NULL_HANDLE;      // for the probe of rounding; null: there is none
+    VkQueue queue = VK_NULL_HANDLE;      // runs the probe of rounding; null: no probe
     bool float64 = false;                // enabled
     bool subgroup_size_control = false;  // enabled
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
 };
 
-// Outlives all that is made from it (Memory, Buffer, Pass, Commands), which keep a reference to it.
+// Must outlive the Memory, Buffer, Pass and Commands made from it, which keep a reference to it.
 class Device {
 public:
     // Throws `unsupported` with Adapter::missing() when that is not empty.
@@ -53,26 +53,26 @@ public:
     Device& operator=(const Device&) = delete;
 
     [[nodiscard]] VkDevice handle() const { return handle_; }
-    // Read at every call, so that tests can replace an entry to make it fail.
+    // Tests replace entries to make them fail; so the table is read at every call.
     [[nodiscard]] VolkDeviceTable& table() { return table_; }
     [[nodiscard]] const Adapter& adapter() const { return adapter_; }  // queue_family: that of the queue
     [[nodiscard]] Instance& instance() { return *instance_; }
-    // It counts only where it is rounded to nearest: bounds of float64 arithmetic rely on that.
+    // Returns whether float64 is enabled and rounds to nearest, on which the error bounds rely.
     [[nodiscard]] bool has_float64() const { return float64_ && rounding_.nearest64; }
     [[nodiscard]] bool rounds_to_nearest() const { return rounding_.nearest32; }
-    // Pipelines that are kept on disk; a host's device has none.
+    // The pipelines on disk. A host's device has none.
     [[nodiscard]] const PipelineCache& pipeline_cache() const { return *cache_; }
     [[nodiscard]] PassCache& pass_cache() { return *passes_; }
     [[nodiscard]] VkPipelineCache cache_handle() const { return cache_ ? cache_->handle() : host_cache_; }
 
-    // Thread-safe: Vulkan wants calls on a queue one at a time.
+    // Thread-safe: a mutex orders the calls on the queue.
     void submit(VkCommandBuffer commands, VkFence fence);
-    // Waits until the queue is empty, as well as a lost device can; for destructors.
+    // Waits until the queue is empty or the device is lost. For destructors.
     void drain() noexcept;
-    // A name for tools and messages; does nothing without VK_EXT_debug_utils.
+    // Names an object for tools and messages; does nothing without VK_EXT_debug_utils.
     template <class Handle>
     void name(Handle object, VkObjectType type, const char* text) {
-        set_name((std::uint64_t)object, type, text);  // a pointer or an integer, as the platform has it
+        set_name((std::uint64_t)object, type, text);  // the platform decides: a pointer or an integer
     }
 
 private:

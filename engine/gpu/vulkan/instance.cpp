@@ -12,9 +12,9 @@ namespace votess::gpu::vulkan {
 namespace {
 
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
-// The newest version whose rules this code was written for.
+// The newest version whose rules this code follows.
 constexpr std::uint32_t newest_version = VK_API_VERSION_1_3;
-// A program that repeats one mistake must not fill the memory with it.
+// A program that repeats one mistake must not fill the memory.
 constexpr std::size_t max_messages = 1000;
 
 std::string_view validation_variable() {
@@ -72,7 +72,7 @@ bool synchronization_validation_wanted() {
 }
 
 Loader::Loader() {
-    // NODELETE: drivers leave threads and thread-local destructors behind, so that unmapping their code is not safe.
+    // NODELETE: drivers leave threads and thread-local destructors behind, so unmapping their code is not safe.
     const char* name = nullptr;
     for (const char* candidate : loader_names) {
         name = candidate;
@@ -156,7 +156,7 @@ void Instance::create_handle(const InstanceOptions& options) {
     features.pEnabledValidationFeatures = &synchronization;
     if (validation_) {
         if (!has_layer(calls, validation_layer)) {
-            throw Error(ErrorCode::unsupported, std::string("Vulkan validation is asked for, but the layer ") +
+            throw Error(ErrorCode::unsupported, std::string("Vulkan validation is requested, but the layer ") +
                                                     validation_layer +
                                                     " is not installed (Debian, Ubuntu: vulkan-validationlayers)");
         }
@@ -168,8 +168,8 @@ void Instance::create_handle(const InstanceOptions& options) {
             info.pNext = &features;
         }
     }
-    // It is enabled only where somebody looks: for names and labels the loader walks the devices of all instances
-    // without a lock, and crashes when any other thread destroys one (1.3.239).
+    // Enabled only with validation: for names and labels the loader (1.3.239) walks the devices of all instances
+    // without a lock, and crashes when another thread destroys one.
     debug_utils_ = validation_ && has(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (debug_utils_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (has(available, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
@@ -216,7 +216,7 @@ void Instance::load_calls(PFN_vkGetInstanceProcAddr get) {
 
 void Instance::create_messenger() {
     if (!debug_utils_) {
-        throw Error(ErrorCode::unsupported, "Vulkan validation is asked for, but there is no VK_EXT_debug_utils");
+        throw Error(ErrorCode::unsupported, "Vulkan validation is requested, but there is no VK_EXT_debug_utils");
     }
     VkDebugUtilsMessengerCreateInfoEXT info{};
     info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
@@ -237,7 +237,7 @@ std::vector<Adapter> Instance::adapters() const {
     for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
         std::uint32_t count = 0;
         result = calls_.vkEnumeratePhysicalDevices(handle_, &count, nullptr);
-        // Drivers say so when they find no device of theirs.
+        // Drivers return these when they find no device of theirs.
         if (result == VK_ERROR_INITIALIZATION_FAILED || result == VK_ERROR_INCOMPATIBLE_DRIVER) return adapters;
         check(result, "vkEnumeratePhysicalDevices");
         devices.resize(count);

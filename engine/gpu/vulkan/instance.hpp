@@ -12,7 +12,7 @@
 
 namespace votess::gpu::vulkan {
 
-// VOTESS_VULKAN_VALIDATION=1 in the environment; 2 also looks for missing barriers.
+// Returns whether the environment has VOTESS_VULKAN_VALIDATION=1, or 2, which also looks for missing barriers.
 [[nodiscard]] bool validation_wanted();
 [[nodiscard]] bool synchronization_validation_wanted();
 
@@ -36,7 +36,7 @@ struct InstanceOptions {
     bool synchronization = synchronization_validation_wanted();  // only with validation
 };
 
-// An instance that a host program has made.
+// An instance of a host program.
 struct HostInstance {
     VkInstance handle = VK_NULL_HANDLE;
     PFN_vkGetInstanceProcAddr get = nullptr;
@@ -46,8 +46,8 @@ struct HostInstance {
 
 class Instance {
 public:
-    // Throws `unsupported` without a loader for Vulkan 1.1 and when validation is asked for but its layer is missing.
-    // A loader without any driver is no error: there are no adapters then.
+    // Throws `unsupported` without a loader for Vulkan 1.1, and when validation is requested but its layer is missing.
+    // A loader without any driver is not an error: there are no adapters then.
     [[nodiscard]] static std::shared_ptr<Instance> create(const InstanceOptions& options = {});
     // Borrows the instance, which the host destroys.
     [[nodiscard]] static std::shared_ptr<Instance> adopt(const HostInstance& host);
@@ -62,10 +62,10 @@ public:
     [[nodiscard]] bool debug_utils() const { return debug_utils_; }
     [[nodiscard]] std::uint32_t version() const { return version_; }
 
-    // All physical devices in the loader's order, also those votess cannot use (Adapter::missing).
+    // Returns all physical devices in the loader's order, those that votess cannot use too (Adapter::missing).
     [[nodiscard]] std::vector<Adapter> adapters() const;
-    // Tells what the validation layer has said since the last call, each "error: ..." or "warning: ...". Any thread may
-    // ask.
+    // Returns the messages of the validation layer since the last call, each "error: ..." or "warning: ...".
+    // Thread-safe.
     [[nodiscard]] std::vector<std::string> take_messages();
 
 private:

@@ -65,7 +65,7 @@ int rank(VkMemoryPropertyFlags flags, MemoryKind kind, bool unified) {
     const bool cached = flags & VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     if (kind == MemoryKind::device) return (local ? 0 : 8) + (visible == unified ? 0 : 4) + (unified && !coherent);
     if (!visible) return -1;
-    // The window into the memory of a discrete device is small and slow to read: leave it alone.
+    // The host's window into the memory of a discrete device is small and slow to read: avoid it.
     const int window = local && !unified;
     if (kind == MemoryKind::upload) return (coherent ? 0 : 8) + 4 * window + (cached && !unified);
     return (cached ? 0 : 8) + 4 * window + (coherent ? 0 : 2);
@@ -139,7 +139,7 @@ std::vector<std::uint32_t> Memory::candidate_types(std::uint32_t allowed, Memory
         if (r >= 0) ranked.emplace_back(r, type);
     }
     std::sort(ranked.begin(), ranked.end());
-    // Shaders that work across the bus would be slower than smaller chunks of work: it is better to fail.
+    // Shaders would be slower across the bus than with smaller chunks of work: fail instead.
     const bool has_fast = !ranked.empty() && ranked.front().first < 8;
     std::vector<std::uint32_t> types;
     for (const auto& [r, type] : ranked) {
@@ -157,7 +157,7 @@ MemoryBlock* Memory::new_block(std::uint32_t type, MemoryKind kind, VkDeviceSize
     block->bytes = bytes;
     block->coherent = flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     block->gaps.emplace(0, bytes);
-    blocks_.reserve(blocks_.size() + 1);  // nothing below may throw once there is memory
+    blocks_.reserve(blocks_.size() + 1);  // nothing may throw once there is memory
 
     VolkDeviceTable& table = device_.table();
     VkMemoryAllocateInfo info{};

@@ -21,7 +21,7 @@ enum class MemoryKind {
 class Memory;
 struct MemoryBlock;
 
-// A part of a VkBuffer, whoever owns that.
+// A part of a VkBuffer, not owned.
 struct Slice {
     VkBuffer handle = VK_NULL_HANDLE;
     VkDeviceSize offset = 0;
@@ -38,22 +38,22 @@ public:
     ~Buffer();
 
     [[nodiscard]] VkBuffer handle() const { return handle_; }
-    // The size as asked for; the VkBuffer is at least as large, and a multiple of 16 bytes.
+    // Returns the requested size. The VkBuffer is at least as large, and a multiple of 16 bytes.
     [[nodiscard]] VkDeviceSize size() const { return size_; }
     [[nodiscard]] explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
     [[nodiscard]] operator Slice() const { return {handle_, 0, size_}; }
 
-    // The bytes as the host sees them, for as long as the buffer lives; empty when it cannot see them.
+    // Returns the bytes as the host sees them, valid as long as the buffer; empty when it cannot see them.
     [[nodiscard]] std::span<std::byte> mapped() const { return mapped_; }
-    // The same as an array of T; a rest shorter than a T is left out.
+    // The same as an array of T; a rest shorter than a T is dropped.
     template <class T>
     [[nodiscard]] std::span<T> as() const {
         return {reinterpret_cast<T*>(mapped_.data()), mapped_.size() / sizeof(T)};
     }
-    // flush() goes between the host's writing and submit, invalidate() between the wait and the host's reading. Where
-    // memory is coherent they do nothing.
+    // Call flush() between the host's writes and submit, invalidate() between the wait and the host's reads. They do
+    // nothing where memory is coherent.
     void flush() const;
-    void invalidate(VkDeviceSize bytes = VK_WHOLE_SIZE) const;  // from the front on, as far as they are to be read
+    void invalidate(VkDeviceSize bytes = VK_WHOLE_SIZE) const;  // from the front
 
 private:
     friend class Memory;
@@ -64,12 +64,12 @@ private:
     VkBuffer handle_ = VK_NULL_HANDLE;
     VkDeviceSize size_ = 0;
     VkDeviceSize offset_ = 0;    // in the block
-    VkDeviceSize reserved_ = 0;  // bytes taken in the block
+    VkDeviceSize reserved_ = 0;  // bytes reserved in the block
     std::span<std::byte> mapped_;
 };
 
-// Takes memory from the device in blocks and gives parts of them to buffers. Not thread-safe: one thread at a time
-// makes and destroys the buffers of a Memory (using them needs no care). The device must outlive it.
+// Allocates memory from the device in blocks and gives parts of them to buffers. One thread at a time may make and
+// destroy buffers of a Memory; any thread may use them. The device must outlive it.
 class Memory {
 public:
     static constexpr VkDeviceSize default_block_bytes = VkDeviceSize{64} << 20;
@@ -82,10 +82,10 @@ public:
 
     // Throws `out_of_memory`: above the device's limits, or no memory left. 0 bytes make a valid buffer.
     [[nodiscard]] Buffer buffer(VkDeviceSize bytes, MemoryKind kind, const char* name = nullptr);
-    // The largest buffer that buffer() would try to make.
+    // Returns the size of the largest buffer that buffer() tries to make.
     [[nodiscard]] VkDeviceSize max_buffer_bytes() const;
 
-    // Bytes that buffers hold now, and the most they ever held; bytes that blocks hold now.
+    // Bytes in use by buffers now, and at most so far; bytes of the blocks now.
     [[nodiscard]] VkDeviceSize used_bytes() const { return used_; }
     [[nodiscard]] VkDeviceSize peak_bytes() const { return peak_; }
     [[nodiscard]] VkDeviceSize block_bytes() const { return reserved_; }
@@ -99,7 +99,8 @@ private:
         VkDeviceSize bytes;
     };
     [[nodiscard]] Place allocate(const VkMemoryRequirements& needs, MemoryKind kind);
-    [[nodiscard]] MemoryBlock* new_block(std::uint32_t type, MemoryKind kind, VkDeviceSize bytes);  // null: none left
+    [[nodiscard]] MemoryBlock* new_block(std::uint32_t type, MemoryKind kind,
+                                         VkDeviceSize bytes);  // null: out of memory
     [[nodiscard]] std::vector<std::uint32_t> candidate_types(std::uint32_t allowed, MemoryKind kind) const;
     void release(const Place& place) noexcept;
     void destroy(Buffer& buffer) noexcept;

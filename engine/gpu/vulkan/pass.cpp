@@ -16,14 +16,14 @@ void require(bool good, const Device& device, const std::string& pass, const std
                 "the pass " + pass + " needs " + what + ", which is above the limits of " + device.adapter().name);
 }
 
-// The constants of the info and the local size; throws unless the shader declares just these.
+// Returns the constants of the info and the local size. Throws unless the shader declares exactly these.
 std::vector<Constant> all_constants(const PassInfo& info) {
     std::vector<Constant> constants{{CONSTANT_LOCAL_SIZE, info.local_size}};
     constants.insert(constants.end(), info.constants.begin(), info.constants.end());
     std::ranges::sort(constants, {}, &Constant::id);
     if (!std::ranges::equal(constants, declared(info.spirv, Decoration::constant_id), {}, &Constant::id))
-        throw Error(ErrorCode::internal,
-                    std::string("the pass ") + info.name + " sets other constants than its shader declares");
+        throw Error(ErrorCode::internal, std::string("the pass ") + info.name +
+                                             " does not set exactly the constants that its shader declares");
     return constants;
 }
 
@@ -147,7 +147,7 @@ void Pass::Made::make_pipeline(const PassInfo& info) {
     check(table.vkCreateShaderModule(device.handle(), &code, nullptr, &create.stage.module), "vkCreateShaderModule");
     const VkResult result =
         table.vkCreateComputePipelines(device.handle(), device.cache_handle(), 1, &create, nullptr, &pipeline);
-    // The module is not needed any more, whatever came out.
+    // The module is not needed any more, with or without a pipeline.
     table.vkDestroyShaderModule(device.handle(), create.stage.module, nullptr);
     if (result < 0) pipeline = VK_NULL_HANDLE;
     check(result, ("vkCreateComputePipelines for " + name).c_str());

@@ -24,10 +24,10 @@ struct PassInfo {
     std::uint32_t push_bytes = 0;          // size of the push constants, a multiple of 4
     std::uint32_t local_size = 64;         // invocations of a work-group, all along x: CONSTANT_LOCAL_SIZE
     std::vector<Constant> constants = {};  // all others that the shader declares
-    std::uint32_t subgroup_size = 0;       // asked for where the device lets one ask; 0 = any
+    std::uint32_t subgroup_size = 0;       // requested where the device allows that; 0 = any
 };
 
-// Copies share the pipeline. Throws `unsupported` when the device's limits are too small for it, `internal` when the
+// Copies share the pipeline. Throws `unsupported` where the device's limits are too small, `internal` where the
 // constants are not those of the shader.
 class Pass {
 public:
@@ -64,8 +64,8 @@ private:
     std::shared_ptr<const Made> made_;
 };
 
-// The passes of a device, so that other options do not make those again that they leave as they are: drivers take up
-// to seconds for one. The last ones are kept that nobody uses. Thread-safe.
+// The passes of a device. A driver may take seconds to make one, so a run with other options makes only the passes that
+// these change. Keeps the last max_unused passes that nobody uses. Thread-safe.
 class PassCache {
 public:
     explicit PassCache(Device& device) : device_(device) {}
@@ -80,7 +80,7 @@ private:
 
     Device& device_;
     std::mutex mutex_;
-    std::vector<Known> known_;  // those asked for last are at the end
+    std::vector<Known> known_;  // the last requested one is at the end
 };
 
 }  // namespace votess::gpu::vulkan

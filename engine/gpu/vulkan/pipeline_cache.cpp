@@ -15,14 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Drivers check the device, but not all of them survive a file cut short; so a file has a header of our own.
+// Drivers check the device, but some crash on a truncated file; so a file has a header of our own.
 struct FileHeader {
     std::array<char, 8> magic{'v', 'o', 't', 'e', 's', 's', 'p', '1'};
     std::uint64_t bytes = 0;
     std::uint64_t hash = 0;
 };
 
-// A file above this is not ours, and is not read.
+// A larger file is not ours and is not read.
 constexpr std::uint64_t max_bytes = std::uint64_t{256} << 20;
 
 std::uint64_t fnv1a(std::span<const std::byte> data) {
@@ -37,7 +37,7 @@ std::string hex(std::uint64_t value, int digits) {
     return text;
 }
 
-// Empty for a variable that is unset or relative, as the latter would change with the current directory.
+// Returns an empty path for a variable that is unset or relative: a relative one would depend on the current directory.
 fs::path directory_from(const char* variable) {
     const char* value = std::getenv(variable);
     const fs::path path = value ? value : "";
@@ -79,7 +79,7 @@ std::vector<std::byte> read_cache(const fs::path& file, const Adapter& adapter) 
         FileHeader header;
         in.read(reinterpret_cast<char*>(&header), sizeof header);
         if (!in || header.magic != FileHeader{}.magic || header.bytes > max_bytes) return {};
-        // The size is checked first: a damaged header must not make us reserve memory.
+        // The size is checked first: a damaged header must not reserve memory.
         if (fs::file_size(file, error) != sizeof header + header.bytes || error) return {};
         std::vector<std::byte> data(header.bytes);
         in.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(data.size()));
@@ -94,7 +94,7 @@ bool write_cache(const fs::path& file, std::span<const std::byte> data) noexcept
     try {
         std::error_code error;
         fs::create_directories(file.parent_path(), error);
-        // The number of the process makes the name unique among processes, the address of the data among its devices.
+        // The process id makes the name unique among processes, the address of the data among devices.
         fs::path temporary = file;
         temporary += ".tmp" + std::to_string(getpid()) + "-" + hex(reinterpret_cast<std::uintptr_t>(data.data()), 16);
         bool good = false;

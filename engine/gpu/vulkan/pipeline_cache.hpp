@@ -1,4 +1,4 @@
-// Compiled pipelines kept on disk between runs. Nothing here ever fails: without a cache pipelines just compile again.
+// Compiled pipelines kept on disk between runs. No function here fails: without a cache pipelines compile again.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +11,18 @@
 
 namespace votess::gpu::vulkan {
 
-// $VOTESS_CACHE_DIR, else $XDG_CACHE_HOME/votess, else $HOME/.cache/votess; empty = no cache, as when VOTESS_CACHE_DIR
-// is set but empty.
+// Returns $VOTESS_CACHE_DIR, else $XDG_CACHE_HOME/votess, else $HOME/.cache/votess; empty = no cache. A
+// VOTESS_CACHE_DIR that is set but empty means no cache.
 [[nodiscard]] std::filesystem::path cache_directory();
-// The file for this device and driver; empty when there is no cache.
+// Returns the file for this device and driver; empty when there is no cache.
 [[nodiscard]] std::filesystem::path cache_file(const Adapter& adapter);
 
-// The data in a file that write_cache made for this device and driver; empty for any other file.
+// Returns the data of a file that write_cache() made for this device and driver; empty for any other file.
 [[nodiscard]] std::vector<std::byte> read_cache(const std::filesystem::path& file, const Adapter& adapter) noexcept;
-// Replaces the file in one step; where that cannot be done it returns false and leaves no trace.
+// Replaces the file in one step. Returns false and leaves no trace where that fails.
 bool write_cache(const std::filesystem::path& file, std::span<const std::byte> data) noexcept;
 
-// A VkPipelineCache that begins with the data of the file, and on destruction writes it back when it has grown.
+// A VkPipelineCache that starts with the data of the file. Its destructor writes the data back when it has grown.
 class PipelineCache {
 public:
     PipelineCache(const VolkDeviceTable& table, VkDevice device, const Adapter& adapter);

@@ -23,11 +23,11 @@ std::array<std::uint32_t, 3> group_counts(std::uint64_t invocations, std::uint32
     const auto& most = limits.maxComputeWorkGroupCount;
     const std::uint64_t groups = ceil_div(invocations, local_size);
     if (groups == 0) return {0, 0, 0};
-    // As few layers and rows as will do are made equally long: the surplus is less than a row and a layer of columns.
+    // Uses as few layers and rows as possible, equally long: the surplus is less than a row and a layer of columns.
     const std::uint64_t z = ceil_div(ceil_div(groups, most[0]), most[1]);
     const std::uint64_t y = ceil_div(ceil_div(groups, z), most[0]);
     const std::uint64_t x = ceil_div(groups, y * z);
-    // Shaders count in 32 bits: an index that wraps around would do its work twice.
+    // Shaders count in 32 bits: work whose index wraps around would be done twice.
     if (z > most[2] || x * y * z > (std::uint64_t{1} << 32) / local_size) {
         misuse("a dispatch of " + std::to_string(invocations) + " invocations is too large");
     }
@@ -131,7 +131,7 @@ void Recorder::fill(const Slice& buffer, VkDeviceSize offset, VkDeviceSize bytes
     expect_open("fill");
     if (bytes == 0) return;
     if (offset > buffer.size || bytes > buffer.size - offset) misuse("Commands::fill beyond the end of a buffer");
-    if (offset % 4 != 0 || bytes % 4 != 0) misuse("Commands::fill of something else than words");
+    if (offset % 4 != 0 || bytes % 4 != 0) misuse("Commands::fill takes whole words");
     if (buffer_ == VK_NULL_HANDLE) return;
     device_.table().vkCmdFillBuffer(buffer_, buffer.handle, buffer.offset + offset, bytes, word);
 }

@@ -24,12 +24,12 @@ struct BufferBinding {
         : binding(number), slice(buffer != nullptr ? Slice(*buffer) : Slice{}), offset(from), bytes(size) {}
 };
 
-// Work-groups for so many invocations, one number per axis: their product times local_size is at least `invocations`
-// and little more. Shaders count groups as x + num.x * (y + num.y * z) and check bounds. {0, 0, 0} for 0 invocations.
+// Returns numbers of work-groups along three axes. Their product times local_size is at least `invocations` and little
+// more. Shaders count groups as x + num.x * (y + num.y * z) and check bounds. 0 invocations give {0, 0, 0}.
 [[nodiscard]] std::array<std::uint32_t, 3> group_counts(std::uint64_t invocations, std::uint32_t local_size,
                                                         const VkPhysicalDeviceLimits& limits);
 
-// Descriptor sets by what they bind: the same pass with the same buffers gets the set it had.
+// Descriptor sets, found by what they bind: the same pass with the same buffers gets the same set.
 class DescriptorSets {
 public:
     explicit DescriptorSets(Device& device) : device_(device) {}
@@ -39,14 +39,14 @@ public:
 
     // infos: one for each binding of the pass, in its order.
     [[nodiscard]] VkDescriptorSet get(const Pass& pass, std::span<const VkDescriptorBufferInfo> infos);
-    // Forgets all sets: none is in use any more, and buffers may be others.
+    // Drops all sets. None may be in use any more.
     void forget();
 
 private:
     struct Pool {
         VkDescriptorPool handle;
         std::uint32_t max_sets, max_descriptors;
-        std::uint32_t sets, descriptors;  // left
+        std::uint32_t sets, descriptors;  // still free
     };
     struct Known {
         VkDescriptorSetLayout layout;
@@ -62,42 +62,42 @@ private:
     std::vector<VkDescriptorBufferInfo> infos_;
 };
 
-// Its device must outlive it, and so must everything recorded, until the work is done. One thread at a time. What was
-// recorded once, with the same buffers, is recorded again without taking memory.
+// Its device must outlive it, and everything recorded must last until the work is done. One thread at a time. Recording
+// allocates nothing when the same passes were recorded with the same buffers before.
 class Recorder {
 public:
     explicit Recorder(Device& device) : device_(device), sets_(device) {}
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    // Between these two, calls record into `commands`; when it is null they only make their descriptor sets.
+    // Calls between open() and close() record into `commands`; when it is null they only make their descriptor sets.
     void open(VkCommandBuffer commands);
     void close() { open_ = false; }
 
-    // Offsets and sizes are in bytes; of fill and write, multiples of 4. 0 bytes record nothing.
+    // Offsets and sizes are in bytes, and multiples of 4 for fill and write. 0 bytes record nothing.
     void copy(const Slice& from, VkDeviceSize from_offset, const Slice& to, VkDeviceSize to_offset, VkDeviceSize bytes);
     void write(const Slice& buffer, VkDeviceSize offset, std::span<const std::byte> bytes);
     void fill(const Slice& buffer, VkDeviceSize offset, VkDeviceSize bytes, std::uint32_t word);
 
-    // `buffers` may hold more bindings than the pass has: it picks its own. `push` has exactly push_bytes() bytes.
-    // 0 invocations record nothing.
+    // `buffers` may hold more bindings than the pass has. `push` has exactly push_bytes() bytes. 0 invocations record
+    // nothing.
     void dispatch(const Pass& pass, std::span<const BufferBinding> buffers, std::span<const std::byte> push,
                   std::uint64_t invocations);
     // The three group counts are a VkDispatchIndirectCommand in `args`.
     void dispatch_indirect(const Pass& pass, std::span<const BufferBinding> buffers, std::span<const std::byte> push,
                            const Slice& args, VkDeviceSize offset = 0);
 
-    // Makes what shaders and copies have written visible to later shaders, copies and indirect dispatches.
+    // Makes writes of shaders and copies visible to later shaders, copies and indirect dispatches.
     void barrier();
-    // Makes it visible to the host after the wait; it is needed once before the end when the host is to read anything.
+    // Makes them visible to the host after the wait. Needed once before end() when the host reads anything.
     void barrier_to_host();
-    // Makes it visible to all later commands, of any kind.
+    // Makes them visible to all later commands of any kind.
     void barrier_to_all();
 
-    // Notes the time at which all before it is done.
+    // Records the time at which all earlier commands are done.
     void write_timestamp(VkQueryPool pool, std::uint32_t query);
 
-    // Names what is recorded during its life, for tools; nothing without VK_EXT_debug_utils.
+    // Names the commands recorded during its life, for tools. Does nothing without VK_EXT_debug_utils.
     class [[nodiscard]] Label {
     public:
         Label(Recorder& recorder, const char* text);
@@ -127,7 +127,7 @@ private:
     bool open_ = false;
 };
 
-// The bytes of a push-constant block.
+// Returns the bytes of a push-constant block.
 template <class T>
 [[nodiscard]] std::span<const std::byte> push_bytes(const T& block) {
     return std::as_bytes(std::span(&block, 1));

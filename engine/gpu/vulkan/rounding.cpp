@@ -12,7 +12,7 @@
 namespace votess::gpu::vulkan {
 namespace {
 
-// Makes pairs whose sums and products need rounding, in both directions and of both signs.
+// Returns pairs whose sums and products need rounding, in both directions and with both signs.
 template <class Real>
 std::vector<Real> operand_pairs(std::uint32_t count) {
     std::vector<Real> pairs;
@@ -52,10 +52,10 @@ bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
         const auto* const result = &found[6 * i];
         if (result[0] != a + b || result[1] != a * b || result[2] != static_cast<Real>(0x01000001u + 2 * i))
             return false;
-        // Fused, or rounded twice: the bounds hold for both.
+        // Fused or rounded twice: the bounds hold for both.
         const Real product = a * b;
         if (result[5] != std::fma(a, b, b) && result[5] != product + b) return false;
-        // The filter's bounds allow for so much; Vulkan promises no more than that of float32, for float64 too.
+        // The filter's bounds allow these errors. Vulkan promises them for float32, and no smaller ones for float64.
         constexpr Real ulp = std::numeric_limits<Real>::epsilon();
         const Real quotient = a / b, root = std::sqrt(std::abs(a));
         if (!(std::abs(result[3] - quotient) <= 3 * ulp * std::abs(quotient) &&

@@ -8,7 +8,7 @@
 namespace votess::gpu::vulkan {
 namespace {
 
-// A module is a header and instructions. The first word of an instruction holds its length and what it does.
+// A module is a header and instructions. The first word of an instruction holds its length and its operation.
 constexpr std::size_t header_words = 5;
 enum Operation : std::uint32_t {
     op_extension = 10,
@@ -20,7 +20,7 @@ enum Operation : std::uint32_t {
 };
 constexpr std::uint32_t capability_float64 = 10, capability_rounding_to_nearest = 4467, mode_rounding_to_nearest = 4462;
 
-// Calls back with each instruction before the first function; all that is declared stands there.
+// Calls `each` with each instruction before the first function: these are all declarations.
 template <class Each>
 void for_each_declaration(std::span<const std::uint32_t> spirv, Each each) {
     for (std::size_t at = header_words; at < spirv.size() && (spirv[at] & 0xffffu) != op_function;

@@ -1,8 +1,7 @@
-// volk's definitions, compiled once, under names of our own: volk_names.h is made from volk.h by
-// third_party/CMakeLists.txt. A program that links votess statically may define volk's names itself, or mean the
-// loader's functions by them.
+// volk's definitions, compiled once under names of our own. third_party/CMakeLists.txt makes volk_names.h from volk.h.
+// A program that links votess statically may define volk's names itself, or use them for the loader's functions.
 #include <volk_names.h>
-// These come after the names.
+// These follow the names.
 #include <mutex>
 #include <volk.c>
 
@@ -11,7 +10,7 @@
 namespace votess::gpu::vulkan {
 
 void load_device_table(VolkDeviceTable& table, VkDevice device, PFN_vkGetDeviceProcAddr get) {
-    // volk takes this one function from its global.
+    // volk reads this one function from its global.
     static std::mutex mutex;
     std::lock_guard lock(mutex);
     vkGetDeviceProcAddr = get;

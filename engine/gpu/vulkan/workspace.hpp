@@ -1,4 +1,4 @@
-// Where the arrays of the passes lie: in buffers of their own, or side by side in one that belongs to somebody else.
+// Memory for the arrays of the passes: buffers of their own, or parts of one buffer of a host.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ private:
     std::vector<vulkan::Buffer> buffers_;
 };
 
-// Takes arrays from `offset` on; without a buffer it only counts.
+// Places arrays from `offset` on; without a buffer it only counts.
 class PartOfBuffer final : public Workspace {
 public:
     PartOfBuffer(const vulkan::Device& device, VkBuffer buffer, VkDeviceSize offset)
@@ -41,7 +41,7 @@ public:
           end_(offset) {}
     [[nodiscard]] Slice take(VkDeviceSize bytes, const char*) override {
         const Slice slice{buffer_, end_, bytes};
-        // An empty array is bound as some words.
+        // An empty array is bound as 16 bytes.
         end_ += round_up(std::max<VkDeviceSize>(bytes, 16), alignment_);
         largest_ = std::max(largest_, bytes);
         return slice;

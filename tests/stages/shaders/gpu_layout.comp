@@ -84,9 +84,9 @@ void main() {
     put(push.seed_count);
     put(push.own_count);
     put(push.level_count);
-    put(push.most_visits);
+    put(push.max_visits);
     put(push.stride);
-    for (int i = 0; i < MOST_LEVELS; ++i) put(push.level_first[i]);
+    for (int i = 0; i < MAX_LEVELS; ++i) put(push.level_first[i]);
 #elif defined(CLIP)
     put(push.extent);
     put(push.first_cell);
@@ -98,10 +98,10 @@ void main() {
     put(push.walls);
     put(push.neighbors);
     put(push.volume_tolerance);
-    put(push.most_visits);
+    put(push.max_visits);
     put(push.bounded);
     put(push.level_count);
-    for (int i = 0; i < MOST_LEVELS; ++i) put(push.level_first[i]);
+    for (int i = 0; i < MAX_LEVELS; ++i) put(push.level_first[i]);
 #elif defined(CELLS)
     put(push.extent);
     put(push.lower);
@@ -112,7 +112,7 @@ void main() {
     put(push.seed_count);
     put(push.own_count);
     put(push.level_count);
-    put(push.most_visits);
+    put(push.max_visits);
     put(push.row_stride);
     put(push.walls);
     put(push.neighbors);
