@@ -42,7 +42,7 @@ void main() {
     prepare_bounds();
     const Plane a = plane_at(0u), b = plane_at(1u), c = plane_at(2u), d = plane_at(3u);
     const real heavier = weighted != 0u ? heavier_by(lighter_at(3u)) : real(0);
-    most_heavier = max(heavier, real(0));
+    max_heavier = max(heavier, real(0));
     Vertex v;
     uint verdict = 0u;
     if (find_vertex(a, b, c, v) && !is_too_near(a) && !is_too_near(b) && !is_too_near(c) && !is_too_near(d)) {
@@ -56,7 +56,7 @@ void main() {
         vec3 down = vec3(0.0), up = vec3(0.0);
         extend_reach(vec3(v.x, v.y, v.z), float(v.error), down, up);
         const vec3 at = vec3(d.x, d.y, d.z);
-        const float further = sqrt(float(most_heavier)) * 1.0001;
+        const float further = sqrt(float(max_heavier)) * 1.0001;
         if (any(greaterThan(at, up + further)) || any(lessThan(at, -down - further))) verdict |= 32u;
         const real radius = (v.norm + v.error) * real(1.00001);
         if (is_secure(d.norm * d.norm, cutting_distance_squared(radius, heavier))) verdict |= 64u;

@@ -119,7 +119,7 @@ void main() {
     put(push.volume_tolerance);
 #elif defined(TODO)
     put(push.cell_count);
-    put(push.most_of_tile);
+    put(push.max_of_tile);
     put(push.group);
     put(push.places);
 #elif defined(ROWS)

@@ -21,6 +21,6 @@ void main() {
         const uint w = wall_in_turn(i);
         const Plane plane = wall_plane(w);
         distances[number * wall_count + w] =
-            uvec4(wall_distance(walls[w]), floatBitsToUint(least_wall_distance(w, rough_place())), floatBitsToUint(plane.h));
+            uvec4(wall_distance(walls[w]), floatBitsToUint(min_wall_distance(w, rough_place())), floatBitsToUint(plane.h));
     }
 }
