@@ -26,8 +26,8 @@ std::string resolved(const std::string& path) {
         throw bad_input("cannot find " + in_quotes(path) +
                         ": the working directory is gone: go to another, or give the whole path");
     }
-    constexpr int most_links = 40;  // as Linux follows; beyond it links make a circle
-    for (int k = 0; k < most_links && fs::is_symlink(fs::symlink_status(real, problem)); ++k) {
+    constexpr int max_links = 40;  // as Linux follows; beyond it links make a circle
+    for (int k = 0; k < max_links && fs::is_symlink(fs::symlink_status(real, problem)); ++k) {
         real = real.parent_path() / fs::read_symlink(real, problem);
     }
     const fs::path canonical = fs::weakly_canonical(real, problem);

@@ -18,7 +18,7 @@ static_assert(same(VOTESS_ERROR_INVALID_USE, ErrorCode::invalid_use));
 static_assert(same(VOTESS_ERROR_STORAGE, ErrorCode::storage));
 static_assert(same(VOTESS_ERROR_NO_THREADS, ErrorCode::no_threads));
 
-constexpr std::uint64_t most_elements = 2147483647;
+constexpr std::uint64_t max_elements = 2147483647;
 constexpr std::uint64_t addressable = std::numeric_limits<std::uint64_t>::max() / (3 * sizeof(double));
 
 // The last failure of each thread: thread-local, so that no thread sees or changes another's, and of fixed size, so
@@ -55,10 +55,10 @@ void require(const void* pointer, const char* name) {
 }
 
 void require_array(const void* array, std::uint64_t count, const char* name, const char* count_name) {
-    if (count > most_elements)
+    if (count > max_elements)
         throw Error(count > addressable ? ErrorCode::invalid_argument : ErrorCode::unsupported,
                     std::string(count_name) + " is " + std::to_string(count) + ", too many at once: " + name +
-                        " may have at most " + std::to_string(most_elements));
+                        " may have at most " + std::to_string(max_elements));
     if (array == nullptr && count != 0)
         refuse(std::string(name) + " is NULL but " + count_name + " is " + std::to_string(count));
 }

@@ -40,7 +40,7 @@ public:
     void rest() {
         std::size_t bytes = 0;
         for (const auto& segment : segments_) bytes += segment.size();
-        for (auto& segment : segments_) segment.rest(bytes >= Buffer<std::byte>::least_rest ? 0 : bytes + 1);
+        for (auto& segment : segments_) segment.rest(bytes >= Buffer<std::byte>::min_rest ? 0 : bytes + 1);
     }
 
 private:

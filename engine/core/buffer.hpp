@@ -59,11 +59,11 @@ public:
 #endif
     }
 
-    static constexpr std::size_t least_rest = std::size_t{64} << 20;  // less is not worth the page faults
+    static constexpr std::size_t min_rest = std::size_t{64} << 20;  // less is not worth the page faults
 
     // Gives the memory of a large buffer back to the system but keeps its addresses, so that the next use allocates
     // nothing. The content is lost.
-    void rest([[maybe_unused]] std::size_t least = least_rest) {
+    void rest([[maybe_unused]] std::size_t least = min_rest) {
 #if defined(__linux__)
         auto* memory = reinterpret_cast<std::byte*>(memory_.get());
         const std::size_t bytes = capacity_ * sizeof(T), before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;

@@ -14,11 +14,11 @@ namespace votess::cpu {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t first_window = 160;         // seeds loaded around a group at once
-constexpr std::size_t most_window = 768;          // beyond this the far walk is cheaper
-constexpr std::size_t most_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
-constexpr double first_band = 0.8;                // of the squared reach expected
-constexpr double band_growth = 1.6;               // of the squared distance from band to band
+constexpr std::size_t first_window = 160;        // seeds loaded around a group at once
+constexpr std::size_t max_window = 768;          // beyond this the far walk is cheaper
+constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
+constexpr double first_band = 0.8;               // of the squared reach expected
+constexpr double band_growth = 1.6;              // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of places that are rounded
@@ -88,7 +88,7 @@ void CellBuilder::be(std::size_t seed) {
 }
 
 void CellBuilder::start() {
-    if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->most_more(weight_));
+    if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->max_heavier_by(weight_));
     cell_.start(base_.point, *domain_, own_);
     if (heaviest_ >= 0) clip_by_heaviest();
     if (probing_ && domain_->is_periodic()) clip_by_own_images();
@@ -202,7 +202,7 @@ void CellBuilder::open_window(const Box& home) {
     for (auto* v : {&x_, &y_, &z_}) v->clear();
     index_.clear();
     // Groups that overlap the home box lie at distance 0: go on until the window proves anything.
-    for (std::size_t least = first_window; least <= most_window; least *= 2) {
+    for (std::size_t least = first_window; least <= max_window; least *= 2) {
         extend_window(0, least);
         if (covered_ > 0) break;
     }
@@ -234,17 +234,17 @@ void CellBuilder::pop_into_window() {
     }
 }
 
-void CellBuilder::extend_window(double distance_squared, std::size_t least_count) {
-    while (!queue_.empty() && index_.size() < most_window &&
-           (queue_.front().distance_squared < distance_squared || index_.size() < least_count))
+void CellBuilder::extend_window(double distance_squared, std::size_t min_count) {
+    while (!queue_.empty() && index_.size() < max_window &&
+           (queue_.front().distance_squared < distance_squared || index_.size() < min_count))
         pop_into_window();
     covered_ = queue_.empty() ? infinity : queue_.front().distance_squared;
 }
 
-Cell* CellBuilder::build(std::size_t seed, std::size_t most_tests) {
-    if (most_tests > 0) open_window_of(seed);
+Cell* CellBuilder::build(std::size_t seed, std::size_t max_tests) {
+    if (max_tests > 0) open_window_of(seed);
     be(seed);
-    return search(most_tests);
+    return search(max_tests);
 }
 
 Cell& CellBuilder::build(std::size_t seed, std::span<const exact::Plane> guards) {
@@ -277,10 +277,10 @@ Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guard
     return *search(std::numeric_limits<std::size_t>::max());
 }
 
-Cell* CellBuilder::search(std::size_t most_tests) {
+Cell* CellBuilder::search(std::size_t max_tests) {
     tests_ = 0;
-    most_tests_ = most_tests;
-    if (most_tests == 0) return nullptr;
+    max_tests_ = max_tests;
+    if (max_tests == 0) return nullptr;
     start();
     measured_ = 0;
     double from = 0;
@@ -347,8 +347,8 @@ Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
     for (const std::int32_t p : faces.planes)
         if (const CellPlane& plane = cell_.planes()[p]; plane.source.is_bisector()) planes_.push_back(plane);
     // A cell without volume has lost faces that bound it.
-    constexpr std::size_t least_faces = 4;
-    if (cell_.empty() || faces.size() < least_faces) return cell_;
+    constexpr std::size_t min_faces = 4;
+    if (cell_.empty() || faces.size() < min_faces) return cell_;
     std::ranges::sort(planes_, [](const CellPlane& a, const CellPlane& b) {
         return std::tie(a.norm, a.id, a.shift) < std::tie(b.norm, b.id, b.shift);
     });
@@ -378,7 +378,7 @@ bool CellBuilder::clip_band(double from, double to) {
         const std::uint64_t key = band_[k];
         const double at_least = std::bit_cast<double>(key & key_distance_bits);
         if (at_least >= reach_squared()) return true;
-        if (++tests_ > most_tests_) return true;
+        if (++tests_ > max_tests_) return true;
         const auto i = static_cast<std::uint32_t>(key);
         clip_by(index_[i], x_[i], y_[i], z_[i]);
     }
@@ -393,7 +393,7 @@ void CellBuilder::clip_far(double from) {
         const QueueEntry entry = far_queue_.back();
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
-        if (++tests_ > most_tests_) return;
+        if (++tests_ > max_tests_) return;
         look();
         if (!cell_.in_reach(seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_), more_weight_))
             continue;
@@ -455,10 +455,10 @@ void CellBuilder::clip_far_images() {
         far_images_.pop_back();
         const double reach = reach_squared();
         if (entry.distance_squared >= reach || reach <= known * known) return;
-        if (++tests_ > most_tests_) return;
+        if (++tests_ > max_tests_) return;
         look();
         if (!cell_.in_reach(entry.images, more_weight_)) continue;
-        if (tests_ > most_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
+        if (tests_ > max_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
         const bool single = entry.at.shifts.is_single();
         if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.at.level == 0) {

@@ -45,7 +45,7 @@ public:
     // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
     Cell& build(std::size_t seed) { return *build(seed, std::numeric_limits<std::size_t>::max()); }
     // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.
-    Cell* build(std::size_t seed, std::size_t most_tests);
+    Cell* build(std::size_t seed, std::size_t max_tests);
     [[nodiscard]] std::size_t tests() const { return tests_; }
     // Builds the cell of a seed, cut by planes first. Guards are relative to the place of the seed as given; their ids
     // in the cell are places() + 1 and so on.
@@ -70,7 +70,7 @@ private:
     void be(std::size_t seed);
     // Begins the cell of the seed or probe at hand.
     void start();
-    Cell* search(std::size_t most_tests);
+    Cell* search(std::size_t max_tests);
     Cell& build_from(std::span<const std::int32_t> candidates);
     void clip_by_own_images();
     [[nodiscard]] exact::Plane bisector(std::int32_t home, const exact::Shift& shift) const;
@@ -86,9 +86,9 @@ private:
     void open_window(const Box& home);
     void open_window_of(std::size_t seed);
     // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
-    void extend_window(double distance_squared, std::size_t least_count);
+    void extend_window(double distance_squared, std::size_t min_count);
     void pop_into_window();
-    [[nodiscard]] bool exhausted() const { return tests_ > most_tests_; }
+    [[nodiscard]] bool exhausted() const { return tests_ > max_tests_; }
     // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
     // tests are exhausted.
     bool clip_band(double from, double to);
@@ -134,9 +134,9 @@ private:
     std::vector<std::pair<double, std::int32_t>> candidates_;
     std::vector<std::int32_t> neighbors_;
     std::vector<CellPlane> planes_;
-    std::size_t tests_ = 0, most_tests_ = 0;  // of the current seed
-    double reach_ = 0;                        // 4 R^2 expected of the next cell
-    std::size_t tested_vertices_ = 0;         // since the last look
+    std::size_t tests_ = 0, max_tests_ = 0;  // of the current seed
+    double reach_ = 0;                       // 4 R^2 expected of the next cell
+    std::size_t tested_vertices_ = 0;        // since the last look
 };
 
 }  // namespace votess::cpu

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t longest_block = 65536, longest_placed = 16384, shortest_block = 2048, fewest_placed = 4;
 constexpr std::size_t many_threads = 32, parts_per_thread = 2;
 constexpr std::size_t sparse_stretch = 16384;  // seeds, where few of them have cells
-constexpr std::size_t least_block_seeds = 16;  // of few cells, so that all threads get some
+constexpr std::size_t min_block_seeds = 16;    // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
 constexpr std::size_t index_task = 65536;   // entries of the inverse order per parallel task
 constexpr std::size_t cells_per_look = 64;  // after which the user may stop
@@ -186,7 +186,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     const std::span<std::int32_t> kept = out.keep(order_.size());
     std::ranges::transform(order_, kept.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     const std::size_t per_block =
-        std::clamp(order_.size() / (pool_->size() * blocks_per_thread), least_block_seeds, shortest_block);
+        std::clamp(order_.size() / (pool_->size() * blocks_per_thread), min_block_seeds, shortest_block);
     blocks_.assign(1, 0);
     while (blocks_.back() < kept.size()) blocks_.push_back(std::min(kept.size(), blocks_.back() + per_block));
     clip_blocks(
@@ -297,7 +297,7 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
         if (!powers_.empty())
             powers_[seeds_.input[seed]] =
                 cell->empty()
-                    ? Star::least_power
+                    ? Star::min_power
                     : bounds::power(cell->radius_squared(), seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
         const bool placed = job_.options.want.vertices;
         worker.writer.write(seed, placed ? worker.builder.again(worker.faces) : *cell);

@@ -13,7 +13,7 @@ constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
 // What a triangulation costs, in tests per seed: about 15 tests decided by exact arithmetic, 200 others.
 constexpr std::size_t triangulation_tests = 60;
-constexpr std::size_t most_triangulated = 20'000'000;  // seeds; 300 bytes each
+constexpr std::size_t max_triangulated = 20'000'000;  // seeds; 300 bytes each
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
@@ -32,12 +32,12 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
     std::vector<std::int32_t> hard = take_hard();
     // Most cells that were given up in a block have not been tried at all: the first round allows no more than a block.
-    std::size_t tests = SearchBudget::most_tests;
+    std::size_t tests = SearchBudget::max_tests;
     for (; !hard.empty(); hard = take_hard(), tests *= budget_growth) {
         if (tests >= 2 * count) tests = unlimited;
         // At least one of the two is done to the end: together they cost a few times what the cheaper one does.
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
-        if (job_.domain->is_plain() && count <= most_triangulated && (delaunay_ || many) && triangulate()) {
+        if (job_.domain->is_plain() && count <= max_triangulated && (delaunay_ || many) && triangulate()) {
             clip_each(hard, out, [this](std::size_t seed, Worker& worker) {
                 delaunay_->neighbors(seed, worker.candidates);
                 return &worker.builder.build_from(seed, worker.candidates);

@@ -14,19 +14,19 @@ namespace votess::cpu {
 // is hard does not depend on threads.
 class SearchBudget {
 public:
-    static constexpr std::size_t most_tests = 2000;  // for one cell
+    static constexpr std::size_t max_tests = 2000;   // for one cell
     static constexpr std::size_t usual_tests = 128;  // these are free
-    static constexpr std::size_t tests_per_cell = 8, least_cells = 256;
+    static constexpr std::size_t tests_per_cell = 8, min_cells = 256;
     static constexpr std::size_t long_streak = 8;
 
     void begin(std::size_t cells) {
-        left_ = tests_per_cell * std::max(cells, least_cells);
+        left_ = tests_per_cell * std::max(cells, min_cells);
         streak_ = 0;
     }
     // Whether to try the cell as a star: the longer the streak of hard cells, the less often.
     [[nodiscard]] bool worth_a_star() const { return streak_ < long_streak || std::has_single_bit(streak_); }
     // Tests that the cell may take.
-    [[nodiscard]] std::size_t tests() const { return left_ > 0 ? most_tests : 0; }
+    [[nodiscard]] std::size_t tests() const { return left_ > 0 ? max_tests : 0; }
 
     void star_done() { streak_ = 0; }
     void searched(std::size_t tests, bool found) {

@@ -15,8 +15,8 @@ namespace votess::detail {
 namespace {
 
 // Queries that one thread takes at once: neighbors in time are neighbors in space.
-constexpr std::size_t most_taken = 65536, fewest_taken = 256, shares_of_thread = 4;
-constexpr std::size_t most_probed = 1024;     // in one run of a walk
+constexpr std::size_t max_batch = 65536, min_batch = 256, shares_of_thread = 4;
+constexpr std::size_t max_probed = 1024;      // in one run of a walk
 constexpr std::size_t queries_per_look = 64;  // after which the user may stop
 constexpr std::chrono::milliseconds look_interval{10};
 
@@ -98,7 +98,7 @@ void for_queries(DiagramState& state, const Queries& queries,
     ThreadPool& pool = state.clipper.pool();
     make_searchers(state);
     const std::size_t count = queries.count();
-    const std::size_t taken = std::clamp(count / (shares_of_thread * pool.size()), fewest_taken, most_taken);
+    const std::size_t taken = std::clamp(count / (shares_of_thread * pool.size()), min_batch, max_batch);
     pool.run_stage(ceil_div(count, taken), [&](std::size_t index, unsigned worker) {
         task(state.searchers[worker], index * taken, std::min(count, (index + 1) * taken));
     });
@@ -126,8 +126,8 @@ void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& q
               const std::function<void(std::span<const std::int32_t>, std::size_t)>& run) {
     const auto& order = searcher.order;
     auto& probes = searcher.probes;
-    for (std::size_t first = 0; first < order.size(); first += most_probed) {
-        const std::size_t count = std::min(most_probed, order.size() - first);
+    for (std::size_t first = 0; first < order.size(); first += max_probed) {
+        const std::size_t count = std::min(max_probed, order.size() - first);
         probes.clear();
         for (std::size_t k = first; k < first + count; ++k) {
             const auto i = static_cast<std::uint32_t>(order[k]);

@@ -16,10 +16,10 @@ constexpr double share_of_cells = 0.4, share_of_graph = 0.6;  // of a call that 
 bool need_graph(DiagramState& state, const Queries& queries, const NaturalOptions& options) {
     const Job& job = state.job;
     const cpu::SortedSeeds& seeds = state.clipper.seeds();
-    constexpr std::size_t least_seeds = 64;
+    constexpr std::size_t min_seeds = 64;
     if (options.method != NaturalMethod::sibson || job.domain->is_periodic() || job.domain->triclinic) return false;
     if (state.graph) return true;
-    if (seeds.size() < least_seeds || queries.count() < seeds.size() / 2) return false;
+    if (seeds.size() < min_seeds || queries.count() < seeds.size() / 2) return false;
     const Share stage = Stoppable::stage();
     std::vector<double> points, weights(seeds.weights);
     points.reserve(3 * seeds.size());

@@ -12,8 +12,8 @@ namespace votess::detail {
 namespace {
 
 constexpr double share_of_cells = 0.5;  // of a call that builds them
-constexpr std::size_t most_along_axis = std::size_t{1} << 20, most_columns = std::size_t{1} << 20;
-constexpr std::size_t most_numbers = std::size_t{1} << 44;  // of a grid: as many doubles as addresses reach
+constexpr std::size_t max_along_axis = std::size_t{1} << 20, max_columns = std::size_t{1} << 20;
+constexpr std::size_t max_numbers = std::size_t{1} << 44;  // of a grid: as many doubles as addresses reach
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, "to_grid: " + message);
@@ -24,9 +24,9 @@ std::size_t count_grid_cells(const GridOptions& options) {
     std::size_t cells = 1;
     for (int k = 0; k < 3; ++k) {
         const std::size_t along = options.shape[static_cast<std::size_t>(k)];
-        if (along == 0 || along > most_along_axis)
+        if (along == 0 || along > max_along_axis)
             refuse("shape[" + std::to_string(k) + "] = " + std::to_string(along) + " is not from 1 to " +
-                   std::to_string(most_along_axis));
+                   std::to_string(max_along_axis));
         if (k != options.project) cells *= along;
     }
     return cells;
@@ -39,10 +39,10 @@ void check(std::size_t seeds, std::span<const double> values, const GridOptions&
                " is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
     if (options.project && (*options.project < 0 || *options.project > 2))
         refuse("project = " + std::to_string(*options.project) + " is no axis: give 0, 1 or 2");
-    if (options.columns == 0 || options.columns > most_columns)
-        refuse("columns = " + std::to_string(options.columns) + " is not from 1 to " + std::to_string(most_columns));
+    if (options.columns == 0 || options.columns > max_columns)
+        refuse("columns = " + std::to_string(options.columns) + " is not from 1 to " + std::to_string(max_columns));
     const std::size_t cells = count_grid_cells(options);
-    if (cells > most_numbers / options.columns)
+    if (cells > max_numbers / options.columns)
         throw Error(ErrorCode::out_of_memory,
                     "to_grid: " + std::to_string(cells) + " grid cells do not fit into memory: give a smaller shape");
     if (grid.size() / options.columns != cells || grid.size() % options.columns != 0)

@@ -52,7 +52,7 @@ void invert(Basis& basis) {
 
 // A whole number of box vectors; a quarter of the range leaves room for sums. Numbers that are not exact are too large.
 std::int32_t checked_shift(double number) {
-    if (!(std::abs(number) <= exact::most_shift / 4))
+    if (!(std::abs(number) <= exact::max_shift / 4))
         throw Error(ErrorCode::unsupported,
                     "the periodic box is so thin or skewed that cells reach over more than 268 million box vectors");
     return static_cast<std::int32_t>(number);
@@ -77,9 +77,9 @@ Basis reduced_basis(const Domain& domain) {
     Basis basis = domain.edges;
     auto& shifts = basis.shift;
     auto& v = basis.vector;
-    constexpr int most_rounds = 100;
+    constexpr int max_rounds = 100;
     bool shorter = domain.triclinic;
-    for (int round = 0; round < most_rounds && shorter; ++round) {
+    for (int round = 0; round < max_rounds && shorter; ++round) {
         shorter = false;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
@@ -195,7 +195,7 @@ double Basis::fraction_error(int j, double size) const {
 // In a periodic domain a vertex of the cell as it is, if it is not its own, belongs to a seed that is nearer to it than
 // the covering radius: images of a seed weigh the same, so the nearest has it. That seed cuts the vertex off, and with
 // a difference of the radius squared it is looked for, whatever its weight is.
-double Domain::most_more(double weight) const {
+double Domain::max_heavier_by(double weight) const {
     const double more = largest_weight - weight;
     return is_periodic() ? std::min(more, covering_radius * covering_radius * (1 + 1e-6)) : more;
 }
@@ -219,8 +219,8 @@ ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Poin
             upper += std::max(a, b);
         }
         const double around = distance / basis.width[j] * (1 + 1e-9) + basis.fraction_error(j, size);
-        range.least[j] = static_cast<std::int32_t>(std::ceil(std::max(-around - upper, -0.25 * exact::most_shift)));
-        range.most[j] = static_cast<std::int32_t>(std::floor(std::min(around - lower, 0.25 * exact::most_shift)));
+        range.least[j] = static_cast<std::int32_t>(std::ceil(std::max(-around - upper, -0.25 * exact::max_shift)));
+        range.most[j] = static_cast<std::int32_t>(std::floor(std::min(around - lower, 0.25 * exact::max_shift)));
         if (range.most[j] < range.least[j]) return {};
     }
     return range;
@@ -321,14 +321,14 @@ Domain triclinic_domain(const TriclinicBox& cell) {
     domain.vector = {cell.a, cell.b, cell.c};
     for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k) domain.lattice.vector[j][k] = {domain.vector[j][k], 0};
-    constexpr double worst_condition = 1e9, least_volume = 0x1p-900;
+    constexpr double worst_condition = 1e9, min_volume = 0x1p-900;
     domain.edges.vector = domain.vector;
     invert(domain.edges);
     if (!(domain.edges.condition < worst_condition))
         throw Error(ErrorCode::invalid_argument,
                     "cell: the three vectors lie in one plane, or so nearly that the volume is lost: give three "
                     "independent ones");
-    if (!(domain.edges.volume > least_volume))
+    if (!(domain.edges.volume > min_volume))
         throw Error(ErrorCode::invalid_argument,
                     "cell: its vectors are too short beside its largest number: move its origin towards 0, or give "
                     "vectors of like length");
@@ -389,7 +389,7 @@ std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {
     for (int j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
         const double whole = std::floor(f[j]);
-        if (!(std::abs(whole) < 0.5 * exact::most_shift)) return std::nullopt;
+        if (!(std::abs(whole) < 0.5 * exact::max_shift)) return std::nullopt;
         shift[j] = -static_cast<std::int32_t>(whole);
     }
     // The rounding of f matters near faces only: one fraction does not depend on the shifts along the others.

@@ -56,14 +56,14 @@ struct Domain {
 
     // Power diagrams: by input index, times scale squared; else empty.
     std::vector<double> weights;
-    double least_weight = 0, largest_weight = 0;  // of the seeds inside
+    double min_weight = 0, largest_weight = 0;  // of the seeds inside
 
     [[nodiscard]] bool is_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
     [[nodiscard]] bool has_weights() const { return !weights.empty(); }
     // A box with walls and no weights.
     [[nodiscard]] bool is_plain() const { return !is_periodic() && !triclinic && walls.empty() && !has_weights(); }
     // By how much the weight of a seed that matters to a cell may exceed the cell's.
-    [[nodiscard]] double most_more(double weight) const;
+    [[nodiscard]] double max_heavier_by(double weight) const;
     // Returns where a place lies along the edges: 0 to 1 inside the domain.
     [[nodiscard]] std::array<double, 3> fraction(const exact::Point& x) const {
         return edges.fraction({x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]});

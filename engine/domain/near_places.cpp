@@ -7,11 +7,11 @@
 namespace votess {
 
 NearPlaces::NearPlaces(const Domain& domain, double spacing) : domain_(domain) {
-    constexpr double most_steps = 128;
-    constexpr double most_periods = 8;  // that places are away, or fractions err by more
-    const double size = most_periods * std::max(largest_coordinate(domain.box), domain.covering_radius);
+    constexpr double max_steps = 128;
+    constexpr double max_periods = 8;  // that places are away, or fractions err by more
+    const double size = max_periods * std::max(largest_coordinate(domain.box), domain.covering_radius);
     for (std::size_t j = 0; j < 3; ++j) {
-        steps_[j] = static_cast<std::int64_t>(std::clamp(domain.reduced.width[j] / spacing, 1.0, most_steps));
+        steps_[j] = static_cast<std::int64_t>(std::clamp(domain.reduced.width[j] / spacing, 1.0, max_steps));
         error_[j] = domain.reduced.fraction_error(static_cast<int>(j), size);
     }
     marked_.assign(static_cast<std::size_t>(steps_[0] * steps_[1] * steps_[2]), 0);

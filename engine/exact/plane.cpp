@@ -10,7 +10,7 @@ namespace {
 // floating-point arithmetic, Discrete Comput. Geom. 18, 1997, grow-expansion).
 class Expansion {
 public:
-    static constexpr std::size_t most_terms = 16;  // a coordinate, that of p, and four for each of three vectors
+    static constexpr std::size_t max_terms = 16;  // a coordinate, that of p, and four for each of three vectors
 
     void add(double x) {
         std::size_t kept = 0;
@@ -56,7 +56,7 @@ private:
         return sum.high;
     }
 
-    std::array<double, most_terms> terms_;
+    std::array<double, max_terms> terms_;
     std::size_t size_ = 0;
 };
 
@@ -65,7 +65,7 @@ private:
 Differences image_differences(const Point& p, const Plane& bisector) {
     Differences d;
     for (int k = 0; k < 3; ++k) {
-        std::array<double, Expansion::most_terms> terms;  // that are not zero
+        std::array<double, Expansion::max_terms> terms;  // that are not zero
         int count = 0;
         const auto add = [&](DoubleDouble x) {
             if (x.low != 0) terms[count++] = x.low;

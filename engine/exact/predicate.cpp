@@ -28,7 +28,7 @@ struct WordRow {
 };
 constexpr int bits_for_int64 = 11;   // 5 * 11 + 6.2 < 63
 constexpr int bits_for_int128 = 24;  // 5 * 24 + 6.2 < 127
-constexpr int most_bits = 60;        // 5 * 61 + 6.2 < 319, with one bit more for the sum of two parts
+constexpr int max_bits = 60;         // 5 * 61 + 6.2 < 319, with one bit more for the sum of two parts
 
 // The planes in their largest common unit. Bits of the largest component; 0 when the rows do not fit.
 int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::array<WordRow, 4>& rows) {
@@ -37,11 +37,11 @@ int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::ar
         if (plane->has_power() || plane->is_oblique()) return 0;
         largest = std::max(largest, largest_difference(p, *plane));
     }
-    // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - most_bits) and its inverse must be normal.
+    // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - max_bits) and its inverse must be normal.
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
-    if (exponent <= most_bits || exponent == 0x7ff) return 0;
+    if (exponent <= max_bits || exponent == 0x7ff) return 0;
     auto power = [](int biased) { return std::bit_cast<double>(static_cast<std::uint64_t>(biased) << 52); };
-    const double unit = power(exponent + 1 - most_bits), per_unit = power(2045 - exponent + most_bits);
+    const double unit = power(exponent + 1 - max_bits), per_unit = power(2045 - exponent + max_bits);
     std::uint64_t any = 0, sizes = 0;
     bool whole = true;
     auto units = [&](double x) {

@@ -21,7 +21,7 @@ namespace votess::exact {
 using Point = std::array<double, 3>;
 using Shift = std::array<std::int32_t, 3>;
 
-inline constexpr std::int32_t most_shift = 1 << 30;
+inline constexpr std::int32_t max_shift = 1 << 30;
 
 // Vectors of a periodic box, each coordinate an exact sum of two doubles, because upper - lower need not be one; those
 // of a triclinic box are doubles.

@@ -18,7 +18,7 @@ constexpr int lowest_quantum = -1000;      // 2^1000 is still finite
 constexpr int coarse_bits = 6;             // differences of a lattice in its quanta
 constexpr int exact_bits = 10;             // beyond them A <= 2^52 is rare
 constexpr int fine_bits = 57;              // leaves planes d up to 8 times longer within 61 bits
-constexpr int most_bits = 120;             // A < 2^700; finer planes are decided alone, not at the cost of all others
+constexpr int max_bits = 120;              // A < 2^700; finer planes are decided alone, not at the cost of all others
 
 double power_of_two(int exponent) {
     return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
@@ -125,7 +125,7 @@ bool ExactVertex::refine(const Plane& plane) {
     BitRange range;
     add_differences(range, p_, plane);
     if (range.span() == 0) return true;
-    if (range.low < std::max(lowest_quantum, exponent_ - most_bits)) return false;
+    if (range.low < std::max(lowest_quantum, exponent_ - max_bits)) return false;
     quantum_ = std::min(quantum_, range.low);
     // Where double is not exact anyway: fine enough at once that few planes ask for more.
     if (exponent_ - quantum_ > exact_bits)

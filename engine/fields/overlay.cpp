@@ -15,7 +15,7 @@ constexpr std::size_t bodies_of_task = 4096;  // when tiles get their lists
 constexpr std::size_t bodies_per_look = 16;   // after which the user may stop
 // A body that fills less of its bounds, or whose polygons are less planar, is vague: the volumes of its parts need not
 // sum to its own.
-constexpr double least_filled = 1e-4, most_uneven = 1e-13;
+constexpr double min_filled = 1e-4, max_unevenness = 1e-13;
 
 // What a thread needs.
 struct Worker {
@@ -46,7 +46,7 @@ bool is_vague(const ConvexPiece& piece, double volume) {
         const auto [least, largest] = piece.extent(axis);
         bounds *= largest - least;
     }
-    return !(volume > least_filled * bounds && std::abs(piece.volume(1) - volume) < most_uneven * volume);
+    return !(volume > min_filled * bounds && std::abs(piece.volume(1) - volume) < max_unevenness * volume);
 }
 
 class Overlay {

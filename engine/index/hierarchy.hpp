@@ -19,7 +19,7 @@ public:
     static constexpr std::size_t fan = box_fan;
     static_assert(fan == 8);  // first_seed()
     // A search in depth never has as many nodes before it, in a tree of any size.
-    static constexpr std::size_t most_nodes = 256;
+    static constexpr std::size_t max_nodes = 256;
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 

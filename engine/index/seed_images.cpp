@@ -17,7 +17,7 @@ constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Images beyond the margin are searched for by each cell that needs them; in thin or long boxes there would be too
 // many.
-constexpr double most_images_per_seed = 16, most_images_of_few = 4096;
+constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
 
 exact::Point point_of(const Points& points, std::size_t i, double scale) {
     return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
@@ -222,7 +222,7 @@ void SeedImages::keep_false_duplicates(SortedSeeds& out) const {
 
 void SeedImages::choose_margin(std::size_t seeds) {
     const auto count = static_cast<double>(std::max<std::size_t>(seeds, 1));
-    const double most = most_images_per_seed * count + most_images_of_few;
+    const double most = max_images_per_seed * count + max_images_of_few;
     double margin = std::min(margin_spacings * std::cbrt(domain_->volume / count), 2 * domain_->covering_radius);
     const auto images = [&] {
         double cells = 1;
@@ -240,11 +240,10 @@ void SeedImages::choose_margin(std::size_t seeds) {
         error_[j] = fraction_slack + basis_->fraction_error(j, size);
         margin_[j] = domain_->periodic[j] ? margin / basis_->width[j] : 0;
     }
-    least_reach_ = std::numeric_limits<double>::infinity();
+    min_reach_ = std::numeric_limits<double>::infinity();
     for (int j = 0; j < 3; ++j)
-        if (domain_->periodic[j])
-            least_reach_ = std::min(least_reach_, (margin_[j] - 4 * error_[j]) * basis_->width[j]);
-    least_reach_ = std::max(least_reach_ * (1 - fraction_slack), 0.0);
+        if (domain_->periodic[j]) min_reach_ = std::min(min_reach_, (margin_[j] - 4 * error_[j]) * basis_->width[j]);
+    min_reach_ = std::max(min_reach_ * (1 - fraction_slack), 0.0);
 }
 
 template <class Visit>

@@ -59,7 +59,7 @@ public:
     // All seeds and images nearer to a seed than this are there; 0 when that is not known of any.
     [[nodiscard]] double reach(const exact::Point& seed) const;
     // The least of all seeds.
-    [[nodiscard]] double least_reach() const { return least_reach_; }
+    [[nodiscard]] double min_reach() const { return min_reach_; }
 
     // A seed as exact arithmetic knows it: coordinates and the shift that goes with them.
     struct Base {
@@ -97,7 +97,7 @@ private:
     std::vector<char> wrapped_rough_;            // N, whether even the two of them are rounded
     double domain_size_ = 0;                     // no coordinate inside is larger
     std::array<double, 3> edge_error_{};         // of fractions of the domain's edges, within domain_size_
-    double least_reach_ = 0;
+    double min_reach_ = 0;
     std::size_t first_ = 0;  // id of the first image
     Buffer<std::int32_t> home_;
     Buffer<exact::Shift> shift_;

@@ -12,16 +12,16 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t bucket_seeds = 512;    // wanted in a bucket: the records fit the first-level cache
-constexpr int most_bucket_bits = 12;         // more buckets than that are slow to scatter to
-constexpr std::size_t crowded_least = 4096;  // seeds in a bucket before it is split: many buckets for all threads,
-constexpr std::size_t crowded_most = 32768;  // and in the second-level cache; more only of some 100 million
-constexpr std::size_t chunk_seeds = 16384;   // at least, in a parallel task
+constexpr std::size_t bucket_seeds = 512;   // wanted in a bucket: the records fit the first-level cache
+constexpr int max_bucket_bits = 12;         // more buckets than that are slow to scatter to
+constexpr std::size_t crowded_min = 4096;   // seeds in a bucket before it is split: many buckets for all threads,
+constexpr std::size_t crowded_max = 32768;  // and in the second-level cache; more only of some 100 million
+constexpr std::size_t chunk_seeds = 16384;  // at least, in a parallel task
 constexpr std::size_t chunks_per_thread = 4;
 constexpr std::size_t bucket_task = 1024;  // buckets per parallel task
 constexpr std::size_t sort_task = 8192;    // seeds per parallel task
 
-static_assert(std::bit_width(crowded_least / bucket_seeds) >= 3, "a split has to separate octants");
+static_assert(std::bit_width(crowded_min / bucket_seeds) >= 3, "a split has to separate octants");
 
 constexpr std::int32_t not_split = -1;
 constexpr std::int32_t one_point = -2;  // cannot be split
@@ -82,7 +82,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     splits_.clear();
     split_of_.clear();
     const int levels =
-        resolution == 0 ? Grid::most_levels : std::clamp<int>(std::bit_width(resolution - 1), 1, Grid::most_levels);
+        resolution == 0 ? Grid::max_levels : std::clamp<int>(std::bit_width(resolution - 1), 1, Grid::max_levels);
     add_split(measure(cloud, pool), levels, count);
     // Keys live in x until the coordinates come.
     Buffer<double>& keys = out.x;
@@ -122,7 +122,7 @@ Bounds SeedSorter::measure(const Cloud<Real>& cloud, ThreadPool& pool) {
 void SeedSorter::add_split(const Bounds& bounds, int levels, std::size_t seeds) {
     const bool divisible = bounds.longest() > 0;
     int bits = static_cast<int>(std::bit_width(seeds / bucket_seeds));
-    bits = divisible ? std::clamp(bits, 0, std::min(most_bucket_bits, 3 * levels)) : 0;
+    bits = divisible ? std::clamp(bits, 0, std::min(max_bucket_bits, 3 * levels)) : 0;
     const auto first = static_cast<std::uint32_t>(split_of_.size());
     splits_.push_back({Grid(bounds, levels), 3 * levels - bits, first, 1u << bits});
     split_of_.resize(first + (std::size_t{1} << bits), divisible ? not_split : one_point);
@@ -149,7 +149,7 @@ void SeedSorter::make_keys(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<do
 // Gives each crowded bucket a grid of its own; false when there is none.
 template <class Real>
 bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<double>& keys) {
-    const std::size_t crowded = std::clamp(cloud.count / 32, crowded_least, std::max(crowded_most, cloud.count / 1024));
+    const std::size_t crowded = std::clamp(cloud.count / 32, crowded_min, std::max(crowded_max, cloud.count / 1024));
     const std::size_t first_split = splits_.size();
     std::size_t next_split = first_split;
     crowded_.clear();
@@ -172,7 +172,7 @@ bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffe
     });
     for (std::size_t c = 0; c < crowded_.size(); ++c) {
         for (std::size_t chunk = 1; chunk < chunks_; ++chunk) bounds_[c].unite(bounds_[chunk * crowded_.size() + c]);
-        add_split(bounds_[c], Grid::most_levels, crowded_[c]);
+        add_split(bounds_[c], Grid::max_levels, crowded_[c]);
     }
 
     const std::size_t buckets = split_of_.size();

@@ -8,9 +8,9 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t crowded = 8;   // seeds in one block of a grid before it is binned again
-constexpr std::size_t few = 24;      // items that are fastest sorted by insertion
-constexpr int most_digit_bits = 11;  // counters of a pass stay in the first-level cache
+constexpr std::size_t crowded = 8;  // seeds in one block of a grid before it is binned again
+constexpr std::size_t few = 24;     // items that are fastest sorted by insertion
+constexpr int max_digit_bits = 11;  // counters of a pass stay in the first-level cache
 constexpr std::uint64_t drop_mark = 1ull << 63;
 
 std::uint32_t key_of(std::uint64_t item) {
@@ -85,12 +85,12 @@ void BlockSorter::sort_items(std::span<Item> items) {
     for (const Item i : items) differ |= i ^ items[0];
     const int bits = std::bit_width(key_of(differ));
     if (bits == 0) return;  // in order already: passes are stable
-    const int digit_bits = std::min({bits, most_digit_bits, static_cast<int>(std::bit_width(items.size()))});
+    const int digit_bits = std::min({bits, max_digit_bits, static_cast<int>(std::bit_width(items.size()))});
     const int shift = 32 + bits - digit_bits;
     const std::size_t digits = std::size_t{1} << digit_bits;
     const auto digit = [=](Item i) { return i >> shift & (digits - 1); };
 
-    std::uint32_t end[1 << most_digit_bits];
+    std::uint32_t end[1 << max_digit_bits];
     std::fill_n(end, digits, 0);
     for (const Item i : items) ++end[digit(i)];
     std::uint32_t sum = 0, most = 0;

@@ -32,17 +32,17 @@ struct Bounds {
 // of the longest axis into different octants.
 class Grid {
 public:
-    static constexpr int most_levels = hilbert_levels;
+    static constexpr int max_levels = hilbert_levels;
 
-    explicit Grid(const Bounds& bounds, int levels = most_levels)
-        : lower_(bounds.lower), shift_(3 * (most_levels - levels)) {
+    explicit Grid(const Bounds& bounds, int levels = max_levels)
+        : lower_(bounds.lower), shift_(3 * (max_levels - levels)) {
         const double longest = bounds.longest();
         if (longest == 0) return;
         // The inverse of a subnormal extent would overflow.
         const double enlarged = longest < 0x1p-1000 ? 0x1p1000 : 1;
         enlarge_ = enlarged;
         // A little less than the number of blocks, so that the upper end lies in the last one.
-        blocks_ = (1 << most_levels) * (1 - 0x1p-40) / (longest * enlarged);
+        blocks_ = (1 << max_levels) * (1 - 0x1p-40) / (longest * enlarged);
     }
 
     [[nodiscard]] std::uint32_t key(double x, double y, double z) const {

@@ -55,8 +55,8 @@ Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
     polyhedron.start(middle, domain);
     cpu::CellFaces faces;
     if (!polyhedron.empty()) polyhedron.canonical_faces(faces);
-    constexpr std::size_t least_faces = 4;
-    if (faces.size() < least_faces) return otherwise;  // no room
+    constexpr std::size_t min_faces = 4;
+    if (faces.size() < min_faces) return otherwise;  // no room
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     for (const std::int32_t slot : faces.corners) {

@@ -19,8 +19,8 @@
 namespace votess {
 namespace {
 
-constexpr unsigned most_threads = 1024, most_resolution = 1u << 20;
-constexpr std::size_t most_index_digits = 6;
+constexpr unsigned max_threads = 1024, max_resolution = 1u << 20;
+constexpr std::size_t max_index_digits = 6;
 constexpr std::size_t points_per_look = 4096;      // after which the user may stop
 constexpr double largest_scaled_weight = 0x1p500;  // so that no square overflows
 
@@ -30,7 +30,7 @@ constexpr double largest_scaled_weight = 0x1p500;  // so that no square overflow
 
 bool names_device(const std::string& device) {
     if (device == "auto" || device == "cpu" || device == "gpu" || device == "lavapipe") return true;
-    return !device.empty() && device.size() <= most_index_digits &&
+    return !device.empty() && device.size() <= max_index_digits &&
            std::all_of(device.begin(), device.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
@@ -219,7 +219,7 @@ void take_weights(const Job& job, Domain& domain) {
     for (std::size_t i = 0; i < domain.weights.size(); ++i) {
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
         const double weight = domain.weights[i];
-        domain.least_weight = any ? std::min(domain.least_weight, weight) : weight;
+        domain.min_weight = any ? std::min(domain.min_weight, weight) : weight;
         domain.largest_weight = any ? std::max(domain.largest_weight, weight) : weight;
         any = true;
     }
@@ -400,12 +400,12 @@ void check_box(const Box& box) {
 }
 
 void check_options(const Options& options) {
-    if (options.threads > most_threads)
+    if (options.threads > max_threads)
         refuse("threads = " + std::to_string(options.threads) + " is too many: give at most " +
-               std::to_string(most_threads) + ", or 0 for all");
-    if (options.grid_resolution > most_resolution)
+               std::to_string(max_threads) + ", or 0 for all");
+    if (options.grid_resolution > max_resolution)
         refuse("grid_resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
-               std::to_string(most_resolution) + ", or 0 for automatic");
+               std::to_string(max_resolution) + ", or 0 for automatic");
     check_k_init(options.k_init);
     check_instructions(options.instructions);
     if (!names_device(options.device))

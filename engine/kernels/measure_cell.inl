@@ -46,8 +46,8 @@ class CellMeter {
         Lanes h;
     };
     struct alignas(64) Sums {
-        static constexpr int count = CellShape::most_planes + 4;  // with the fillers; a multiple of 4
-        std::array<double, count> q, h, foot;                     // by rank
+        static constexpr int count = CellShape::max_planes + 4;  // with the fillers; a multiple of 4
+        std::array<double, count> q, h, foot;                    // by rank
     };
 
     [[gnu::always_inline]] static void cross(const Vector& a, const Vector& b, Vector& out) {
@@ -305,13 +305,13 @@ class CellMeter {
             if constexpr (Weighted) lanes(&sums.foot[p]) = h / square;
         }
         if (!(smallest(least) > smallest_square)) return false;
-        lanes(&sums.q[CellShape::most_planes]) = lanes(&sums.foot[CellShape::most_planes]) = Lanes{};
+        lanes(&sums.q[CellShape::max_planes]) = lanes(&sums.foot[CellShape::max_planes]) = Lanes{};
 
         CornerOrder order;
         Isa::order_corners(shape, order);
         const double further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
         Totals sure;
-        std::array<std::uint8_t, CellShape::most_corners / 4> doubtful;  // groups of four
+        std::array<std::uint8_t, CellShape::max_corners / 4> doubtful;  // groups of four
         int doubts = 0;
         for (int i = 0; i < shape.corners; i += 4)
             if (!add_corners<Weighted, false>(shape, order, i, further, sums, sure))

@@ -304,10 +304,10 @@ struct Avx2 {
 
     // By keys of 16 bits: three ranks of five bits, ascending.
     VOTESS_AVX2 static void order_corners(const CellShape& shape, CornerOrder& out) {
-        constexpr int most_keys = 64;
+        constexpr int max_keys = 64;
         constexpr std::uint64_t fillers = 0x7fff7fff7fff7fff;
-        if (shape.slots > 32 || shape.corners > most_keys) return Baseline::order_corners(shape, out);
-        alignas(32) std::uint16_t keys[most_keys + 16], sorted[most_keys + 16];
+        if (shape.slots > 32 || shape.corners > max_keys) return Baseline::order_corners(shape, out);
+        alignas(32) std::uint16_t keys[max_keys + 16], sorted[max_keys + 16];
         corner_keys(shape, 0, keys);
         if (shape.corners > 32) corner_keys(shape, 32, keys);
         std::memcpy(keys + shape.corners, &fillers, sizeof fillers);

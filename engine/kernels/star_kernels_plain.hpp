@@ -219,15 +219,15 @@ struct Baseline {
 
     [[gnu::noinline]] static void order_corners(const CellShape& shape, CornerOrder& out) {
         constexpr int bits = 6, most = (1 << bits) - 1;
-        static_assert(most + 1 == CellShape::most_planes);
-        std::array<std::int32_t, CellShape::most_corners> keys;
+        static_assert(most + 1 == CellShape::max_planes);
+        std::array<std::int32_t, CellShape::max_corners> keys;
         for (int k = 0; k < shape.corners; ++k) {
             const int p = shape.rank[shape.a[k]], q = shape.rank[shape.b[k]], r = shape.rank[shape.c[k]];
             const int low = p < q ? p : q, high = p < q ? q : p;
             const int least = low < r ? low : r, greatest = high > r ? high : r, other = p + q + r - least - greatest;
             keys[k] = least << (2 * bits) | other << bits | greatest;
         }
-        std::array<std::uint32_t, CellShape::most_corners> places;
+        std::array<std::uint32_t, CellShape::max_corners> places;
         rank(keys.data(), shape.corners, places.data());
         for (int k = 0; k < shape.corners; ++k) {
             out.rank[0][places[k]] = static_cast<std::uint16_t>(CornerOrder::rank_step * (keys[k] >> (2 * bits)));
@@ -240,7 +240,7 @@ struct Baseline {
         for (int p = 0; p < 3; ++p)
             for (int k = 0; k < 4; ++k)
                 out.rank[p][corners + k] =
-                    static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::most_planes + p));
+                    static_cast<std::uint16_t>(CornerOrder::rank_step * (CellShape::max_planes + p));
     }
 
 private:

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t task_cells = 4096;
 constexpr std::size_t lookahead = 8;  // cells whose records are fetched before they are needed
-constexpr std::size_t least_segment = std::size_t{1} << 16, most_segment = std::size_t{32} << 20;
+constexpr std::size_t min_segment = std::size_t{1} << 16, max_segment = std::size_t{32} << 20;
 
 // task(block, begin, end)
 template <class Task>
@@ -42,7 +42,7 @@ void MeshBuilder::begin(const Job& job) {
     const std::size_t count = wanted_ ? job.points.count() : 0;
     for (Arena* memory : {&records_memory_, &vertices_memory_}) {
         if (!wanted_) *memory = {};
-        memory->reset(std::clamp(256 * count, least_segment, most_segment));
+        memory->reset(std::clamp(256 * count, min_segment, max_segment));
     }
     blocks_.clear();
     vertices_of_.clear();

@@ -11,7 +11,7 @@ namespace votess {
 namespace {
 
 constexpr std::size_t alignment = 8;
-constexpr std::size_t least_bytes = std::size_t{1} << 16;
+constexpr std::size_t min_bytes = std::size_t{1} << 16;
 
 template <class T>
 std::byte* put(std::byte* to, std::span<const T> values) {
@@ -50,7 +50,7 @@ void MeshBlock::append(const MeshCell& cell) {
         sizeof head + cell.hidden.size_bytes() + (2 * cell.ends.size() + cell.corners.size()) * head.number_size;
     begins_.push_back(used_);
     const std::size_t end = used_ + round_up(size, alignment);
-    if (end > bytes_.size()) bytes_.resize(2 * end + least_bytes);
+    if (end > bytes_.size()) bytes_.resize(2 * end + min_bytes);
     std::byte* to = bytes_.data() + used_;
     used_ = end;
     to = put(to, std::span<const MeshCellView::Head>(&head, 1));

@@ -124,8 +124,8 @@ void CellWriter::write(Cell& cell) {
         cell.face_planes(planes_);
         planes = planes_;
     }
-    constexpr std::size_t least_faces = 4;
-    if (planes.size() < least_faces) return write_empty();  // flat
+    constexpr std::size_t min_faces = 4;
+    if (planes.size() < min_faces) return write_empty();  // flat
     counters_.faces += planes.size();
     ids_.clear();
     face_normals_.clear();
@@ -255,8 +255,8 @@ exact::Shift CellWriter::shift_of(std::size_t face) const {
 
 void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
     const std::size_t count = ids.size();
-    if (names_.size() < std::max(count, most_ranked)) {
-        names_.resize(std::max(count, most_ranked));
+    if (names_.size() < std::max(count, max_ranked)) {
+        names_.resize(std::max(count, max_ranked));
         ranks_.resize(names_.size());
     }
     ranked_ids_ = ids;
@@ -291,7 +291,7 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
             keys_[f] = names_[f] < 0 ? names_[f] : row_order_[static_cast<std::size_t>(names_[f])];
         keys = keys_.data();
     }
-    if (count > most_ranked) return rank_labels();
+    if (count > max_ranked) return rank_labels();
     kernels_->rank(keys, static_cast<int>(count), ranks_.data());
     // In a small periodic box a seed is a neighbor more than once.
     if (shifted && !ranks_differ()) rank_labels();
@@ -299,7 +299,7 @@ void CellWriter::rank_faces(std::span<const std::int32_t> ids) {
 
 bool CellWriter::ranks_differ() const {
     const std::size_t count = ranked_ids_.size();
-    if (count > most_marked) return false;
+    if (count > max_marked) return false;
     std::uint64_t marked = 0;
     for (std::size_t f = 0; f < count; ++f) marked |= 1ull << ranks_[f];
     return static_cast<std::size_t>(std::popcount(marked)) == count;

@@ -54,8 +54,8 @@ public:
     [[nodiscard]] const FaceTally& tally() const { return tally_; }
 
 private:
-    static constexpr std::size_t most_marked = 64;   // ids of a row in which some may be the same
-    static constexpr std::size_t most_ranked = 256;  // ids of a row; ranking takes the square of their number
+    static constexpr std::size_t max_marked = 64;   // ids of a row in which some may be the same
+    static constexpr std::size_t max_ranked = 256;  // ids of a row; ranking takes the square of their number
 
     void aim(std::size_t seed) {
         output_ = static_cast<std::size_t>(seeds_.input[seed]);

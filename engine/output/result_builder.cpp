@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t copied_block = 4096;  // cells
 constexpr std::size_t task_cells = 65536;   // of loops over all cells; fixed, so that sums do not depend on threads
-constexpr std::size_t least_segment = std::size_t{64} << 10, most_segment = std::size_t{8} << 20;
+constexpr std::size_t min_segment = std::size_t{64} << 10, max_segment = std::size_t{8} << 20;
 constexpr std::size_t lookahead = 16;  // cells whose places in memory are fetched before they are needed
 
 // task(block, begin, end)
@@ -83,7 +83,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
         result_ = std::move(*job.arrays);
     blocks_.clear();
     settled_ = false;
-    memory_.reset(std::clamp(8 * count, least_segment, most_segment));
+    memory_.reset(std::clamp(8 * count, min_segment, max_segment));
     counters_ = {};
     faces_.begin(0);
     scale_ = job.scale;

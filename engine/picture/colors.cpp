@@ -169,8 +169,8 @@ Scale choose_scale(std::span<const double> values, std::span<const char> shown, 
         if (scale.logarithmic) scale.low = quantile(0.03);
     }
     scale.logarithmic = is_logarithmic(options, scale) || scale.logarithmic;
-    constexpr double most_steps = 24;
-    if (!options.range && !sorted.empty() && !scale.logarithmic && scale.high - scale.low < most_steps &&
+    constexpr double max_steps = 24;
+    if (!options.range && !sorted.empty() && !scale.logarithmic && scale.high - scale.low < max_steps &&
         std::ranges::all_of(sorted, [](double v) { return v == std::nearbyint(v); })) {
         scale.steps = static_cast<int>(scale.high - scale.low) + 1;
         scale.low -= 0.5;

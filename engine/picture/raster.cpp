@@ -320,7 +320,7 @@ private:
 
     void find_open_parts(const Tile& area) {
         constexpr double bias = 0.12;  // cosine that flat surfaces reach by rounding
-        constexpr double most_pixels = 160;
+        constexpr double max_pixels = 160;
         const View& view = scene_.view;
         const double radius = scene_.occlusion_radius;
         for (std::uint32_t y = area.top; y < area.bottom; ++y) {
@@ -330,7 +330,7 @@ private:
                 const Vec3& n = triangles_[static_cast<std::size_t>(here.triangle)].normal;
                 const Vec3 normal{dot(view.right, n), -dot(view.up, n), -dot(view.back, n)};
                 const Vec3 from = place(x, y, here.away);
-                const double reach = std::min(radius * view.focal / here.away, most_pixels);
+                const double reach = std::min(radius * view.focal / here.away, max_pixels);
                 double hidden = 0;
                 for (const auto& [dx, dy] : spirals_[((x & 3) * 4 + ((y & 3) * 7 & 15)) & 15]) {
                     const auto to_x =

@@ -8,7 +8,7 @@ namespace votess::cpu {
 
 bool CellShape::add_polygon(std::span<const std::uint8_t> around) {
     const std::size_t count = around.size();
-    if (corners + static_cast<int>(count) - 2 > most_corners) return false;
+    if (corners + static_cast<int>(count) - 2 > max_corners) return false;
     const auto least = static_cast<std::size_t>(
         std::ranges::min_element(around, {}, [this](std::uint8_t slot) { return rank[slot]; }) - around.begin());
     for (std::size_t k = 1; k + 1 < count; ++k)
@@ -28,7 +28,7 @@ CellShape::Plane plane_of(const CellPlane& plane) {
 }  // namespace
 
 bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellShape& out) {
-    if (faces.size() > CellShape::most_planes) return false;
+    if (faces.size() > CellShape::max_planes) return false;
     out.planes = out.slots = static_cast<int>(faces.size());
     out.corners = 0;
     out.exact = this;

@@ -25,8 +25,8 @@ protected:
 };
 
 struct CellShape {
-    static constexpr int most_planes = 64;
-    static constexpr int most_corners = 2 * most_planes;
+    static constexpr int max_planes = 64;
+    static constexpr int max_corners = 2 * max_planes;
     // Planes behind all others that fill up vectors of corners: they meet in the seed, which adds nothing.
     static constexpr int fillers = 3;
 
@@ -42,13 +42,13 @@ struct CellShape {
     bool weighted = false;
     // The planes that meet in each corner, by slots, in any order. Where more than three meet, the corner stands here
     // several times: the polygon of their normals is cut into triangles from its plane of least rank.
-    alignas(32) std::array<std::uint8_t, most_corners> a{}, b{}, c{};
-    alignas(32) std::array<std::uint8_t, most_planes> rank{};  // by slot: the place in the row, walls first
-    std::array<Plane, most_planes + fillers> plane{};          // by rank; measuring changes them
-    const ExactCorners* exact = nullptr;                       // of the same cell
+    alignas(32) std::array<std::uint8_t, max_corners> a{}, b{}, c{};
+    alignas(32) std::array<std::uint8_t, max_planes> rank{};  // by slot: the place in the row, walls first
+    std::array<Plane, max_planes + fillers> plane{};          // by rank; measuring changes them
+    const ExactCorners* exact = nullptr;                      // of the same cell
 
     CellShape() {
-        for (std::size_t k = 0; k < fillers; ++k) plane[most_planes + k].n[k] = 1;
+        for (std::size_t k = 0; k < fillers; ++k) plane[max_planes + k].n[k] = 1;
     }
     void add_corner(unsigned p, unsigned q, unsigned r) {
         const auto at = static_cast<std::size_t>(corners++);
@@ -62,15 +62,15 @@ struct CellShape {
 
 struct CellMeasures {
     double volume = 0;
-    double farthest_squared = 0;                                     // from the seed to a vertex
-    std::array<double, 3> centroid{};                                // relative to the seed
-    alignas(32) std::array<double, CellShape::most_planes> areas{};  // by rank
+    double farthest_squared = 0;                                    // from the seed to a vertex
+    std::array<double, 3> centroid{};                               // relative to the seed
+    alignas(32) std::array<double, CellShape::max_planes> areas{};  // by rank
 };
 
 // Corners in their order: of each, the three ranks, ascending, times rank_step.
 struct CornerOrder {
     static constexpr int rank_step = 4;  // an address is a multiple of what an instruction can multiply by
-    alignas(32) std::array<std::array<std::uint16_t, CellShape::most_corners + 16>, 3> rank;
+    alignas(32) std::array<std::array<std::uint16_t, CellShape::max_corners + 16>, 3> rank;
 };
 
 // The shapes of clipped cells. One per thread.
@@ -89,7 +89,7 @@ private:
     [[nodiscard]] std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const override;
 
     const Cell* cell_ = nullptr;
-    std::array<std::int32_t, CellShape::most_planes> plane_{};  // of the cell, by rank
+    std::array<std::int32_t, CellShape::max_planes> plane_{};  // of the cell, by rank
     std::vector<FaceAtVertex> all_;
     std::vector<std::uint8_t> around_;
 };

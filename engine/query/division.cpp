@@ -14,15 +14,15 @@ using Vector = Division::Vector;
 // much of the largest such product, and it may be so much of the volume of P.
 constexpr double rounding = 0x1p-50, accepted_error = 0x1p-40;
 // Bisectors of neighbors whose distance is a smaller share of that of the farthest neighbor have lost digits.
-constexpr double least_apart = 0x1p-8;
+constexpr double min_apart = 0x1p-8;
 // Gradients of shares are divided by the distance of the nearest neighbor.
-constexpr double least_near = 0x1p-20;
+constexpr double min_near = 0x1p-20;
 
 }  // namespace
 
 std::size_t Division::add_neighbor(std::int32_t seed, const Vector& n, double h) {
     const std::size_t a = add_wall(n, h);
-    if (a == most_neighbors) return a;
+    if (a == max_neighbors) return a;
     seeds_[a] = seed;
     moment_[a] = {};
     volumes_[a] = 0;
@@ -30,7 +30,7 @@ std::size_t Division::add_neighbor(std::int32_t seed, const Vector& n, double h)
 }
 
 std::size_t Division::add_wall(const Vector& n, double h) {
-    if (count_ == most_neighbors) return most_neighbors;
+    if (count_ == max_neighbors) return max_neighbors;
     nx_[count_] = n[0], ny_[count_] = n[1], nz_[count_] = n[2];
     h_[count_] = h;
     return count_++;
@@ -42,13 +42,13 @@ Vector Division::direction(std::size_t a, std::size_t b, std::size_t c) const {
 }
 
 bool Division::add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x) {
-    if (corner_count_ == most_corners) return false;
+    if (corner_count_ == max_corners) return false;
     farthest_squared_ = std::max(farthest_squared_, dot(x, x));
     std::uint16_t* const edges = &edges_[3 * corner_count_];
     corners_[corner_count_++] = x;
-    edges[0] = static_cast<std::uint16_t>(most_neighbors * a + b);
-    edges[1] = static_cast<std::uint16_t>(most_neighbors * b + c);
-    edges[2] = static_cast<std::uint16_t>(most_neighbors * c + a);
+    edges[0] = static_cast<std::uint16_t>(max_neighbors * a + b);
+    edges[1] = static_cast<std::uint16_t>(max_neighbors * b + c);
+    edges[2] = static_cast<std::uint16_t>(max_neighbors * c + a);
     for (std::size_t e = 0; e < 3; ++e) ends_[edges[e]] = static_cast<std::uint16_t>(corner_count_);
     return true;
 }
@@ -56,13 +56,13 @@ bool Division::add_corner(std::size_t a, std::size_t b, std::size_t c, const Vec
 bool Division::add_rims() {
     std::size_t forward = 0, backward = 0;  // each edge ends at one corner around a, at the other around b
     for (std::size_t e = 0; e < 3 * corner_count_; ++e) {
-        const std::size_t a = edges_[e] / most_neighbors, b = edges_[e] % most_neighbors;
+        const std::size_t a = edges_[e] / max_neighbors, b = edges_[e] % max_neighbors;
         if (is_wall(std::min(a, b))) continue;
         if (a > b) {
             ++backward;
             continue;
         }
-        const std::uint16_t end = ends_[edges_[e]], begin = ends_[most_neighbors * b + a];
+        const std::uint16_t end = ends_[edges_[e]], begin = ends_[max_neighbors * b + a];
         if (begin == 0) return false;
         add_rim(a, b, corners_[begin - 1u], corners_[end - 1u]);
         ++forward;
@@ -96,7 +96,7 @@ double Division::beyond(std::size_t a, std::size_t b, const Vector& across) {
     if (!weighted_) return along(b, across);
     const Vector d = minus(normal(b), normal(a));
     const double apart_squared = dot(d, d);
-    least_apart_squared_ = std::min(least_apart_squared_, apart_squared);
+    min_apart_squared_ = std::min(min_apart_squared_, apart_squared);
     return 2 * (h_[b] - h_[a]) / apart_squared * dot(d, across) - along(a, across);
 }
 
@@ -117,11 +117,11 @@ bool Division::finish() {
         shortest_squared = std::min(shortest_squared, square);
         highest = std::max(highest, std::abs(h_[a]));
     }
-    if (moments_ && !(shortest_squared >= least_near * least_near * longest_squared)) return false;
+    if (moments_ && !(shortest_squared >= min_near * min_near * longest_squared)) return false;
     const double longest = std::sqrt(longest_squared), farthest = std::sqrt(farthest_squared_);
     const double error = rounding * (longest + 2 * farthest) * farthest_squared_;
     return total > 0 && error <= accepted_error * total && least > error && highest <= 4 * longest * farthest &&
-           least_apart_squared_ >= least_apart * least_apart * longest_squared;
+           min_apart_squared_ >= min_apart * min_apart * longest_squared;
 }
 
 }  // namespace votess::cpu

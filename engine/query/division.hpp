@@ -23,7 +23,7 @@ namespace votess::cpu {
 class Division {
 public:
     using Vector = Vector3;
-    static constexpr std::size_t most_neighbors = 32;
+    static constexpr std::size_t max_neighbors = 32;
 
     void begin(bool weighted, bool moments) {
         count_ = neighbors_ = 0;
@@ -32,9 +32,9 @@ public:
         for (std::size_t e = 0; e < 3 * corner_count_; ++e) ends_[edges_[e]] = 0;
         corner_count_ = 0;
         farthest_squared_ = 0;
-        least_apart_squared_ = std::numeric_limits<double>::infinity();
+        min_apart_squared_ = std::numeric_limits<double>::infinity();
     }
-    // The bisector with a neighbor is n.x = h. Returns its number, the next one, or most_neighbors.
+    // The bisector with a neighbor is n.x = h. Returns its number, the next one, or max_neighbors.
     std::size_t add_neighbor(std::int32_t seed, const Vector& n, double h);
     // The plane n.x = h of a wall, after all neighbors.
     std::size_t add_wall(const Vector& n, double h);
@@ -67,7 +67,7 @@ public:
     [[nodiscard]] double volume(std::size_t a) const { return volumes_[a]; }
     [[nodiscard]] const Vector& moment(std::size_t a) const { return moment_[a]; }  // integral of x over its face
 
-    // Components of normals by number, walls too; readable up to most_neighbors.
+    // Components of normals by number, walls too; readable up to max_neighbors.
     struct Normals {
         const double *x, *y, *z;
         std::size_t count;
@@ -81,7 +81,7 @@ private:
         return nx_[a] * across[0] + ny_[a] * across[1] + nz_[a] * across[2];
     }
     // Stands for the probe beside two of its neighbors.
-    static constexpr std::size_t probe = most_neighbors;
+    static constexpr std::size_t probe = max_neighbors;
     // The edge runs counterclockwise around the face of a.
     void add_rim(std::size_t a, std::size_t b, const Vector& v, const Vector& w) {
         const Vector across = cross(v, w);
@@ -100,18 +100,18 @@ private:
 
     std::size_t count_ = 0, neighbors_ = 0;
     bool weighted_ = false, moments_ = false;
-    double farthest_squared_ = 0;     // to a corner of P
-    double least_apart_squared_ = 0;  // of neighbors whose common face needed the difference of their bisectors
-    std::array<std::int32_t, most_neighbors> seeds_{};
-    alignas(64) std::array<double, most_neighbors> nx_{}, ny_{}, nz_{}, h_{};
-    std::array<Vector, most_neighbors> moment_{};
-    std::array<double, most_neighbors> volumes_{};  // 12 times those until finish()
-    static constexpr std::size_t most_corners = 2 * most_neighbors;
-    std::array<Vector, most_corners> corners_;
+    double farthest_squared_ = 0;   // to a corner of P
+    double min_apart_squared_ = 0;  // of neighbors whose common face needed the difference of their bisectors
+    std::array<std::int32_t, max_neighbors> seeds_{};
+    alignas(64) std::array<double, max_neighbors> nx_{}, ny_{}, nz_{}, h_{};
+    std::array<Vector, max_neighbors> moment_{};
+    std::array<double, max_neighbors> volumes_{};  // 12 times those until finish()
+    static constexpr std::size_t max_corners = 2 * max_neighbors;
+    std::array<Vector, max_corners> corners_;
     std::size_t corner_count_ = 0;
-    // By most_neighbors a + b: 1 + the corner where the edge between their faces ends, counterclockwise around a.
-    std::array<std::uint16_t, most_neighbors * most_neighbors> ends_{};
-    std::array<std::uint16_t, 3 * most_corners> edges_;  // places of ends_ in use, three a corner
+    // By max_neighbors a + b: 1 + the corner where the edge between their faces ends, counterclockwise around a.
+    std::array<std::uint16_t, max_neighbors * max_neighbors> ends_{};
+    std::array<std::uint16_t, 3 * max_corners> edges_;  // places of ends_ in use, three a corner
 };
 
 }  // namespace votess::cpu

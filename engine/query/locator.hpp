@@ -73,7 +73,7 @@ private:
         std::int32_t level;
         std::uint32_t index;
     };
-    std::array<Node, Hierarchy::most_nodes> nodes_;
+    std::array<Node, Hierarchy::max_nodes> nodes_;
     std::vector<ImageNode> far_;
 };
 

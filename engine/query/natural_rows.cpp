@@ -20,7 +20,7 @@ void NaturalRows::begin_job(const Job& job, const NaturalOptions& options) {
     options_ = options;
     unscale_ = 1 / job.scale;
     shape_.weighted = domain_->has_weights();
-    divider_.begin_job(std::max(std::abs(domain_->least_weight), std::abs(domain_->largest_weight)));
+    divider_.begin_job(std::max(std::abs(domain_->min_weight), std::abs(domain_->largest_weight)));
     parts_.begin_job(*domain_);
 }
 
@@ -58,10 +58,10 @@ bool NaturalRows::take(std::size_t k, Star& star) {
 }
 
 void NaturalRows::take(std::size_t k, Cell& cell) {
-    constexpr std::size_t least_faces = 4;
+    constexpr std::size_t min_faces = 4;
     entries_.clear();
     if (!cell.empty()) cell.canonical_faces(faces_);
-    if (cell.empty() || faces_.size() < least_faces) return give(k);
+    if (cell.empty() || faces_.size() < min_faces) return give(k);
     neighbors_.clear();
     for (const std::int32_t p : faces_.planes) {
         const CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
@@ -167,7 +167,7 @@ bool NaturalRows::knows_corners(double accepted_error) const {
 
 bool NaturalRows::give_areas(std::size_t k) {
     if (!knows_corners(0x1p-41)) return false;
-    constexpr double least_share = 1e-11;  // below it the sign of an area might be rounding
+    constexpr double min_share = 1e-11;  // below it the sign of an area might be rounding
     const CellPolygons& polygons = shape_.polygons;
     double total = 0, least = std::numeric_limits<double>::infinity();
     for (std::size_t f = 0; f < shape_.planes.size(); ++f) {
@@ -185,7 +185,7 @@ bool NaturalRows::give_areas(std::size_t k) {
         total += weight;
         least = std::min(least, weight);
     }
-    if (!(least > least_share * total)) {
+    if (!(least > min_share * total)) {
         entries_.clear();
         return false;
     }

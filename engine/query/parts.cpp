@@ -12,7 +12,7 @@ namespace {
 // Of a volume, of the sum of all. Bounds count corners at their worst, errors are some hundred times smaller.
 constexpr double accepted_error = 0x1p-37;
 constexpr double accepted_of_moments = 0x1p-34;  // of a volume and an area, of themselves, where moments are wanted
-constexpr std::size_t least_faces = 4;
+constexpr std::size_t min_faces = 4;
 
 exact::Shift difference(const exact::Shift& a, const exact::Shift& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -61,7 +61,7 @@ bool Parts::clip(std::size_t k) {
     Cell& cell = build(k, std::span(&guard, same ? 0 : 1));
     cell_ = &cell;
     if (!cell.empty()) cell.canonical_faces(faces_);
-    return !cell.empty() && faces_.size() >= least_faces;
+    return !cell.empty() && faces_.size() >= min_faces;
 }
 
 void Parts::add(const Member& member) {

@@ -7,7 +7,7 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t most_together = 64;    // probes that share a window
+constexpr std::size_t max_together = 64;     // probes that share a window
 constexpr std::size_t probes_per_look = 16;  // after which the user may stop
 
 }  // namespace
@@ -28,7 +28,7 @@ std::size_t Prober::look_around(std::span<const Probe> probes) {
     Box box{probes[0].place.at, probes[0].place.at};
     double lightest = probes[0].weight;
     std::size_t count = 1;
-    for (; count < std::min(probes.size(), most_together); ++count) {
+    for (; count < std::min(probes.size(), max_together); ++count) {
         Box larger = box;
         double side = 0;
         for (std::size_t k = 0; k < 3; ++k) {

@@ -14,11 +14,11 @@ namespace {
 using Vector = Vector3;
 using Two __attribute__((vector_size(16), aligned(16), may_alias)) = double;  // as wide as any processor has
 
-constexpr std::size_t most_vertices = 128, none = ~std::size_t{0};
+constexpr std::size_t max_vertices = 128, none = ~std::size_t{0};
 constexpr double never = 1e300;                // h of a plane that is not there
 constexpr double residual_rounding = 0x1p-47;  // 64 u
-constexpr double least_determinant = 0x1p-30;  // of N^3: the sign of a smaller one may be rounding
-constexpr double least_apart = 0x1p-8;         // of N: bisectors of nearer neighbors have lost digits
+constexpr double min_determinant = 0x1p-30;    // of N^3: the sign of a smaller one may be rounding
+constexpr double min_apart = 0x1p-8;           // of N: bisectors of nearer neighbors have lost digits
 
 const Two& two(const double* all, std::size_t i) {
     return reinterpret_cast<const Two&>(all[i]);
@@ -74,7 +74,7 @@ bool ProbeShape::find_corners() {
 }
 
 bool Sibson::divide(const ProbeShape& shape, bool moments, Division& out) {
-    if (shape.planes.size() > Division::most_neighbors) return false;
+    if (shape.planes.size() > Division::max_neighbors) return false;
     read(shape, moments, out);
     return neighbors_are_apart(out.size()) && walk_inward(shape, out) && walk_on(out) && out.add_rims() && out.finish();
 }
@@ -126,7 +126,7 @@ bool Sibson::neighbors_are_apart(std::size_t neighbors) const {
             if (i <= a) square[a - i] = never;
             least = square < least ? square : least;
         }
-    return std::min(least[0], least[1]) >= least_apart * least_apart * longest_squared_;
+    return std::min(least[0], least[1]) >= min_apart * min_apart * longest_squared_;
 }
 
 // Returns the vertex from number `begin` on that is as near to three neighbors.
@@ -140,7 +140,7 @@ Sibson::Vertex* Sibson::find(std::uint32_t three, std::size_t begin) {
 // none: it meets none. Fills left_ and nearing_.
 std::size_t Sibson::meet(const Vector& from, const Vector& along, std::uint32_t without, double excess, double speed,
                          double& time) {
-    alignas(32) std::array<double, Division::most_neighbors> times;
+    alignas(32) std::array<double, Division::max_neighbors> times;
     for (std::size_t i = 0; i < padded_; i += 2) {
         const Two &nx = two(normals_.x, i), &ny = two(normals_.y, i), &nz = two(normals_.z, i);
         const Two& approached = two(approached_.data(), i);
@@ -183,10 +183,10 @@ bool Sibson::leave(const Division& division, const Vector& from, std::uint32_t t
     const double excess = division.residual(a, from), speed = dot(n, along);
     double time = 0;
     const std::size_t next = meet(from, along, three, excess, speed, time);
-    if (next == none || vertices_.size() == most_vertices) return false;
+    if (next == none || vertices_.size() == max_vertices) return false;
     const double own = excess - time * speed, determinant = std::abs(nearing_[next]);
     const double margin = rounding_ * (2 + 24 * longest_cubed_ / determinant);
-    if (!(determinant >= least_determinant * longest_cubed_)) return false;
+    if (!(determinant >= min_determinant * longest_cubed_)) return false;
     if (!is_proven(time, own, three | 1u << next, margin)) return false;
     for (std::size_t k = 0; k < 3; ++k) to[k] = from[k] + time * along[k];
     vertices_.push_back({three | 1u << next, 1u << next, to, own, 0.5 * margin / longest_});
@@ -203,7 +203,7 @@ bool Sibson::walk_inward(const ProbeShape& shape, Division& out) {
         if (c < a) std::swap(a, c);
         if (out.is_wall(a)) continue;
         const Vector along = turn(out, a, b, c, out.normal(a), {});
-        if (!(std::abs(dot(out.normal(a), along)) >= least_determinant * longest_cubed_)) return false;
+        if (!(std::abs(dot(out.normal(a), along)) >= min_determinant * longest_cubed_)) return false;
         const std::uint32_t three = 1u << a | 1u << b | 1u << c;
         for (const std::size_t i : {a, b, c})
             if (!(std::abs(out.residual(i, corner.x)) <= rounding_)) return false;

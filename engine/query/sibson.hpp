@@ -89,11 +89,11 @@ private:
     // By number, padded with planes that nothing meets to an even number.
     Division::Normals normals_{};
     std::size_t padded_ = 0;
-    alignas(16) std::array<double, Division::most_neighbors> h_{}, approached_{};  // 1 for neighbors, 0 for walls
-    alignas(16) std::array<double, Division::most_neighbors> far_{};               // 0 for neighbors, else never
+    alignas(16) std::array<double, Division::max_neighbors> h_{}, approached_{};  // 1 for neighbors, 0 for walls
+    alignas(16) std::array<double, Division::max_neighbors> far_{};               // 0 for neighbors, else never
     // Of the last ray: the residuals where it begins, and what they lose along it.
-    alignas(16) std::array<double, Division::most_neighbors> left_{}, nearing_{};
-    std::array<std::uint8_t, Division::most_neighbors> number_{};   // by plane of the shape
+    alignas(16) std::array<double, Division::max_neighbors> left_{}, nearing_{};
+    std::array<std::uint8_t, Division::max_neighbors> number_{};    // by plane of the shape
     double rounding_ = 0;                                           // of differences of residuals
     double longest_ = 0, longest_squared_ = 0, longest_cubed_ = 0;  // normal
     std::vector<Vertex> vertices_;

@@ -207,11 +207,11 @@ bool GraphDivider::search(Division& out) {
         const std::size_t own = swallowed_[s];
         const Place& here = places_[own];
         const VertexGraph::Vertex& v = graph_->vertex(here.vertex);
-        if (!v.is_plain() || swallowed_count_ > most_swallowed) return false;
+        if (!v.is_plain() || swallowed_count_ > max_swallowed) return false;
         std::array<std::size_t, 4> near;
         for (std::size_t k = 0; k < 4; ++k) {
             near[k] = neighbor(v.cells[k], out);
-            if (near[k] == Division::most_neighbors) return false;
+            if (near[k] == Division::max_neighbors) return false;
         }
         for (std::size_t k = 0; k < 4; ++k) {
             if (v.next[k] == VertexGraph::none) return false;

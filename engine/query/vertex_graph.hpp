@@ -88,17 +88,17 @@ private:
     [[nodiscard]] std::size_t neighbor(std::int32_t seed, Division& out);
     [[nodiscard]] bool search(Division& out);
 
-    static constexpr std::size_t table_size = 1024, most_swallowed = 128;
+    static constexpr std::size_t table_size = 1024, max_swallowed = 128;
 
     const SortedSeeds& seeds_;
     const VertexGraph* graph_ = nullptr;
     std::int32_t near_ = VertexGraph::none;  // a vertex near the last probe
     exact::Point at_{};
     double weight_ = 0, largest_weight_ = 0, uncertain_weight_ = 0;
-    bool uncertain_ = false;                        // whether some vertex seen is swallowed
-    std::array<Place, 5 * most_swallowed> places_;  // of the vertices seen
+    bool uncertain_ = false;                       // whether some vertex seen is swallowed
+    std::array<Place, 5 * max_swallowed> places_;  // of the vertices seen
     std::size_t place_count_ = 0;
-    std::array<std::uint16_t, most_swallowed + 4> swallowed_;  // of these
+    std::array<std::uint16_t, max_swallowed + 4> swallowed_;  // of these
     std::size_t swallowed_count_ = 0;
     std::array<Seen, table_size> seen_{};
     struct Number {  // of a seed in the division

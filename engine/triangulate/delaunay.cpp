@@ -13,7 +13,7 @@ namespace votess::cpu {
 namespace {
 
 // Uniform seeds have 7 tetrahedra each, infinite ones included.
-constexpr std::size_t most_cells_per_seed = 64, most_cells_of_few = 4'000'000;
+constexpr std::size_t max_cells_per_seed = 64, max_cells_of_few = 4'000'000;
 constexpr int first_round_bits = 8;
 
 // Finalizer of SplitMix64 (Steele, Lea, Flood 2014): the same order everywhere.
@@ -81,7 +81,7 @@ bool Delaunay::triangulate(Triangulation& triangulation) {
     const std::int32_t d = first_of([&](std::int32_t p) { return orient(a, b, c, p) != 0; });
     triangulation.begin(a, b, c, d);
 
-    const std::size_t most = std::min<std::size_t>(std::max(most_cells_per_seed * count_, most_cells_of_few),
+    const std::size_t most = std::min<std::size_t>(std::max(max_cells_per_seed * count_, max_cells_of_few),
                                                    std::numeric_limits<std::int32_t>::max() - std::size_t{1'000'000});
     for (std::size_t k = 2; k < count_; ++k) {
         const std::int32_t p = order[k];

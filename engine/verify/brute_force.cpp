@@ -85,7 +85,7 @@ void BruteForce::clip(const Own& own, cpu::Cell& cell) {
 }
 
 double BruteForce::more() const {
-    return domain_.has_weights() ? domain_.most_more(own_.weight) : 0;
+    return domain_.has_weights() ? domain_.max_heavier_by(own_.weight) : 0;
 }
 
 // No seed farther away cuts: R + sqrt(R^2 + w - w_i) for the largest weight w.

@@ -41,8 +41,8 @@ std::string check_row(const ToldCell& told, std::vector<ToldFace>& found, double
 std::string difference(const ToldCell& told, double scale, std::span<const std::int64_t> ids, cpu::Cell& cell,
                        cpu::CellFaces& faces) {
     cell.canonical_faces(faces);
-    constexpr std::size_t least_faces = 4;  // with fewer a cell has no interior
-    if ((cell.empty() || faces.size() < least_faces) != told.empty)
+    constexpr std::size_t min_faces = 4;  // with fewer a cell has no interior
+    if ((cell.empty() || faces.size() < min_faces) != told.empty)
         return "seed " + std::to_string(told.id) + " is said to have " + (told.empty ? "no cell" : "a cell") +
                ", trying every seed leaves " + (told.empty ? "one" : "none");
     if (told.empty) return {};

@@ -259,9 +259,9 @@ Message BlockVerifier::faces_of(const Message& message) {
                 {asked.points[3 * k] * scale, asked.points[3 * k + 1] * scale, asked.points[3 * k + 2] * scale},
                 asked.weights.empty() ? 0 : asked.weights[k] * scale * scale, s.cell);
         own.clear();
-        constexpr std::size_t least_faces = 4;  // with fewer a cell has no interior
+        constexpr std::size_t min_faces = 4;  // with fewer a cell has no interior
         s.cell.canonical_faces(s.faces);
-        const bool empty = s.cell.empty() || s.faces.size() < least_faces;
+        const bool empty = s.cell.empty() || s.faces.size() < min_faces;
         if (!empty)
             for (const std::int32_t plane : s.faces.planes) {
                 const std::int32_t id = s.cell.planes()[static_cast<std::size_t>(plane)].id;

@@ -47,7 +47,7 @@ std::string check_sample(const Tessellation& t, std::span<const double> points, 
     cpu::CellFaces faces;
     const auto enough = [&] {
         return options.sample ? sampled >= *options.sample
-                              : sampled >= least_sample && brute_force.work() >= sample_budget;
+                              : sampled >= min_sample && brute_force.work() >= sample_budget;
     };
     while (sampled < cells.size() && !enough()) {
         std::swap(cells[sampled], cells[sampled + random.next() % (cells.size() - sampled)]);

@@ -24,7 +24,7 @@ inline const VolumeTolerance& volume_tolerance(const Tessellation& t) {
 // Without a sample of the user's size, cells are tried until they took this much work, counted in distance tests: about
 // a second. Being counted and not measured, it gives the same sample on every machine.
 inline constexpr double sample_budget = 5e8;
-inline constexpr std::size_t least_sample = 64;
+inline constexpr std::size_t min_sample = 64;
 
 // splitmix64 (Steele, Lea, Flood 2014): portable, so that a sample is the same everywhere.
 struct SampleRandom {

@@ -7,9 +7,9 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t least_table = 1 << 14;
+constexpr std::size_t min_table = 1 << 14;
 constexpr std::size_t usual_vertices = 16;  // more than a cell of a stretch finds by itself
-constexpr std::size_t least_positions = 1 << 14;
+constexpr std::size_t min_positions = 1 << 14;
 constexpr std::size_t usual_slabs = 2048;  // cells at the front of a stretch
 
 std::size_t hash(std::int32_t id) {
@@ -26,8 +26,8 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     const std::size_t count = last - first;
     own_count_ = static_cast<std::uint32_t>(count);
     own_end_ = walls_ + static_cast<std::int32_t>(count);
-    if (table_.empty()) table_.resize(least_table);
-    ids_.reserve(static_cast<std::size_t>(own_end_) + least_table / 2 + 1);
+    if (table_.empty()) table_.resize(min_table);
+    ids_.reserve(static_cast<std::size_t>(own_end_) + min_table / 2 + 1);
     ids_.resize(static_cast<std::size_t>(own_end_));
     for (std::int32_t wall = 0; wall < walls_; ++wall) ids_[wall] = -1 - wall;
     std::iota(ids_.begin() + walls_, ids_.end(), static_cast<std::int32_t>(first));
@@ -83,7 +83,7 @@ void Neighborhood::grow_table() {
 }
 
 void Neighborhood::grow_positions() {
-    positions_.resize(std::max(least_positions, 2 * positions_.size()));
+    positions_.resize(std::max(min_positions, 2 * positions_.size()));
     owners_.resize(positions_.size());
 }
 

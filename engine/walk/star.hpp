@@ -33,8 +33,8 @@ namespace votess::cpu {
 
 class Star {
 public:
-    static constexpr int most_planes = CellShape::most_planes;
-    static constexpr int most_vertices = CellShape::most_corners;
+    static constexpr int max_planes = CellShape::max_planes;
+    static constexpr int max_vertices = CellShape::max_corners;
 
     virtual ~Star() = default;
 
@@ -71,9 +71,9 @@ public:
     [[nodiscard]] bool used_exact() const { return used_exact_; }
     // The largest power, |v - seed|^2 - weight, of those vertices v that this cell was not handed by others, and of all
     // ties. Of the other vertices it is no larger than what the neighbors of the stretch found: with theirs it bounds
-    // how far the cell reaches. Rounded up; least_power where it found none.
+    // how far the cell reaches. Rounded up; min_power where it found none.
     [[nodiscard]] double power_found() const { return power_found_; }
-    static constexpr double least_power = -1e300;
+    static constexpr double min_power = -1e300;
 
     // Outward unit vectors in the order of faces().
     virtual void normals(std::vector<std::array<double, 3>>& out) = 0;
@@ -86,9 +86,9 @@ public:
 
 protected:
     int faces_ = 0, vertices_ = 0, edges_ = 0;
-    std::array<std::int32_t, most_planes> face_{};
+    std::array<std::int32_t, max_planes> face_{};
     bool used_exact_ = false;
-    double power_found_ = least_power;
+    double power_found_ = min_power;
 };
 
 // What a run that wants this needs to know of vertices.

@@ -28,7 +28,7 @@ inline constexpr double solved_factor = 80 * unit, weighted_factor = 100 * unit;
 static_assert(weighted_factor * worst_condition < 0.58 * margin);
 
 // Returns at least |X|, by (1).
-inline double most_distance(double x, double length) {
+inline double max_distance(double x, double length) {
     return x + 2 * margin * length;
 }
 
@@ -38,7 +38,7 @@ inline double most_distance(double x, double length) {
 // 1.4 margin length in each is far more than the rounding of these sums. A bound in units of |x| alone does not hold:
 // by (2) L may be much longer than |x|, where another seed has a larger `more`.
 inline double reach_from_vertex(double x, double length, double more) {
-    const double most = most_distance(x, length), square = most * most + more;
+    const double most = max_distance(x, length), square = most * most + more;
     return square > 0 ? std::sqrt(square) + 2 * margin * length : 0;
 }
 
@@ -106,6 +106,6 @@ inline FloatMargin float_margin(double longest, double more, double span) {
 // (StarKernels::inside_ball) allows for 2 margin (|n|^2 + |X|^2). That is enough if 1.97 margin |X| >= r + r^2 / |X|:
 // for |X|^2 above 2^36.8. Nearer vertices of cells with images are left to the clipper. With weights |n - X| is less
 // than sqrt(|X|^2 + more), and the test allows for four times as much, of more, too.
-inline constexpr double least_image_vertex2 = 0x1p37;
+inline constexpr double min_image_vertex2 = 0x1p37;
 
 }  // namespace votess::cpu::bounds

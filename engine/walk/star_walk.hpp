@@ -33,14 +33,14 @@ private:
     static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
     static constexpr double longest_normal = 1e12;    // in window units: products of three stay floats
     static constexpr double reach_margin = 1.7;       // of the squared security radius that is typical
-    static constexpr int most_candidates = 160;       // at first; room for others is left
+    static constexpr int max_candidates = 160;        // at first; room for others is left
     static constexpr double near_share = 0.6;         // of the squared reach
     static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer is near
-    static constexpr int most_picks = 256;            // planes tried for one vertex
-    static constexpr int most_beginnings = 8;
+    static constexpr int max_picks = 256;             // planes tried for one vertex
+    static constexpr int max_beginnings = 8;
     static constexpr float parallel = 0x1p-18f;  // rays nearly along a plane do not leave it
-    static constexpr int most_new = 24;          // seeds taken at once from beyond the window
-    static constexpr int most_ties = 64;
+    static constexpr int max_new_seeds = 24;     // seeds taken at once from beyond the window
+    static constexpr int max_ties = 64;
     static constexpr std::int16_t no_slot = -1;
 
     // Attributes stand behind the name: elsewhere Clang does not see a lesser alignment.
@@ -139,9 +139,9 @@ private:
         return length * length;
     }
     // At least |X|^2 of a vertex, up to a factor of 1 + 4 margin.
-    [[nodiscard]] double most_distance_squared(double x2, const Third& third) const {
+    [[nodiscard]] double max_distance_squared(double x2, const Third& third) const {
         if (!weighted_) return x2;
-        const double most = bounds::most_distance(std::sqrt(x2), std::sqrt(third.length2));
+        const double most = bounds::max_distance(std::sqrt(x2), std::sqrt(third.length2));
         return most * most;
     }
     // Turns a distance in window units into one between places. size: the largest of their coordinates, which are
@@ -176,7 +176,7 @@ private:
     void set_image_reach(double reach) {
         reach = std::min(reach, own_images_);
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
-        images_beyond2_ = window_open_ ? bounds::least_image_vertex2 : -1;
+        images_beyond2_ = window_open_ ? bounds::min_image_vertex2 : -1;
     }
     [[gnu::noinline]] void note_reach(double x2, const Third& third);
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2);
@@ -187,10 +187,10 @@ private:
         open_end_ += static_cast<int>(~(in_[a] >> b) & 1);
     }
     [[gnu::always_inline]] void make_room(std::int32_t locals) {
-        if (slot_.size() < static_cast<std::size_t>(locals) + most_planes) grow_slots(locals);
+        if (slot_.size() < static_cast<std::size_t>(locals) + max_planes) grow_slots(locals);
     }
     [[gnu::noinline]] void grow_slots(std::int32_t locals) {
-        slot_.resize(2 * static_cast<std::size_t>(locals) + most_planes, no_slot);
+        slot_.resize(2 * static_cast<std::size_t>(locals) + max_planes, no_slot);
     }
     [[gnu::always_inline]] int new_slot(std::int32_t id) {
         const std::int32_t local = cells_.local(id);
@@ -223,7 +223,7 @@ private:
     bool add_candidate(std::int32_t id);
     [[nodiscard]] double surely_covered(double square) const;
     [[nodiscard]] double with_weights(double reach2, double weight) const;
-    [[nodiscard]] double least_weight(std::size_t home) const;
+    [[nodiscard]] double min_weight(std::size_t home) const;
     [[nodiscard]] bool is_extra(std::int32_t id) const;
     [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
     [[nodiscard, gnu::noinline]] unsigned find_inside_weighted(std::size_t begin, const GroupTest& test) const;
@@ -308,18 +308,18 @@ private:
 
     // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b; the vertex at its
     // other end has b -> a, and sets bit b of in_[a].
-    std::array<std::uint64_t, most_planes> out_{}, in_{};
+    std::array<std::uint64_t, max_planes> out_{}, in_{};
     // Edges that were open when they were put here; those from open_begin_ to open_end_ may still be.
-    std::array<OpenEdge, 4 * most_vertices + most_ties> open_edges_;
+    std::array<OpenEdge, 4 * max_vertices + max_ties> open_edges_;
     int open_begin_ = 0, open_end_ = 0;
     std::uint64_t planes_known_ = 0;   // planes with n_, h_, square_, id_
     std::uint64_t facings_known_ = 0;  // with facing_, too
     int ends_ = 0;                     // edges, counted at either end
-    std::array<std::int32_t, most_planes> local_{}, id_{};
+    std::array<std::int32_t, max_planes> local_{}, id_{};
     int planes_ = 0;
-    alignas(64) std::array<Four, most_planes> n_{};
-    std::array<double, most_planes> h_{}, square_{};
-    std::array<Facing, most_planes> facing_{};
+    alignas(64) std::array<Four, max_planes> n_{};
+    std::array<double, max_planes> h_{}, square_{};
+    std::array<Facing, max_planes> facing_{};
     std::vector<std::int16_t> slot_;  // by local id
 
     std::vector<std::int32_t> tied_;  // ids of the planes that go through the vertex examined
@@ -328,13 +328,13 @@ private:
         std::int32_t level;
         std::uint32_t index;
     };
-    std::array<Node, Hierarchy::most_nodes> nodes_;
+    std::array<Node, Hierarchy::max_nodes> nodes_;
     Cell probe_;                                               // of a seed outside of its cell
     std::array<float, CandidatePlanes::capacity> distance_{};  // of the candidates of a power diagram from the seed
 
     // For shape(): the corners of vertices on three planes, by vertex. Ties stand apart until the ranks are known.
     CellShape shape_;
-    std::array<std::uint8_t, most_planes> face_slot_;
+    std::array<std::uint8_t, max_planes> face_slot_;
     struct Tie {
         int vertex;
         std::vector<std::uint8_t>::difference_type begin, end;  // in tie_slots_
@@ -343,9 +343,9 @@ private:
     std::vector<std::uint8_t> tie_slots_;
 
     // For polygons().
-    alignas(64) std::array<Four, most_vertices> position_{};
-    std::array<std::uint32_t, most_vertices> numbers_{};                            // in the stretch
-    std::array<std::array<std::uint8_t, most_planes>, most_planes> from_vertex_{};  // vertex that has the edge a -> b
+    alignas(64) std::array<Four, max_vertices> position_{};
+    std::array<std::uint32_t, max_vertices> numbers_{};                           // in the stretch
+    std::array<std::array<std::uint8_t, max_planes>, max_planes> from_vertex_{};  // vertex that has the edge a -> b
 };
 
 }  // namespace votess::cpu

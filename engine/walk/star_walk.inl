@@ -56,7 +56,7 @@ template <class Isa>
 void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     window_home_ = home;
     Box box = probing_ ? probes_box_ : window_.home_box(home);
-    const double lightest = probing_ ? lightest_probe_ : least_weight(home);
+    const double lightest = probing_ ? lightest_probe_ : min_weight(home);
     const double radius = std::sqrt(with_weights(reach2, lightest)) * 1.02;
     window_open_ = window_.open(home, box, radius, lightest, cells_);
     // A home may span far more than its surroundings, where the curve leaves a cluster.
@@ -92,7 +92,7 @@ bool StarWalk<Isa>::gather_candidates() {
     const double scale = window_.scale();
     float weight = 0;
     if (weighted_) {
-        more_ = std::max(0.0, domain_->most_more(weight_)) * scale * scale;
+        more_ = std::max(0.0, domain_->max_heavier_by(weight_)) * scale * scale;
         weight = window_.weight(weight_);
         weight_span_ = window_.weight_span(weight);
     }
@@ -102,7 +102,7 @@ bool StarWalk<Isa>::gather_candidates() {
     own_x_ = p[0];
     scale_ = scale;
     unscale_ = 1 / scale;
-    if (seeds_.images != nullptr) set_image_reach(seeds_.images->least_reach());
+    if (seeds_.images != nullptr) set_image_reach(seeds_.images->min_reach());
     planes_known_ = facings_known_ = 0;
     for (int tries = 0;; ++tries) {
         const double reach = std::sqrt(reach2) * scale;
@@ -112,7 +112,7 @@ bool StarWalk<Isa>::gather_candidates() {
         const double square = reach2 * scale * scale, near_square = near_share * square;
         if (Isa::select(window_.seeds(), p.data(), weight, static_cast<float>(near_square), static_cast<float>(square),
                         candidates_) &&
-            candidates_.count <= most_candidates) {
+            candidates_.count <= max_candidates) {
             covered_ = surely_covered(square);
             near_covered_ = surely_covered(near_square);
             break;
@@ -128,12 +128,13 @@ bool StarWalk<Isa>::gather_candidates() {
 template <class Isa>
 double StarWalk<Isa>::with_weights(double reach2, double weight) const {
     if (!weighted_) return reach2;
-    const double x2 = 0.25 * reach2, reach = std::sqrt(x2) + std::sqrt(x2 + std::max(0.0, domain_->most_more(weight)));
+    const double x2 = 0.25 * reach2,
+                 reach = std::sqrt(x2) + std::sqrt(x2 + std::max(0.0, domain_->max_heavier_by(weight)));
     return reach * reach;
 }
 
 template <class Isa>
-double StarWalk<Isa>::least_weight(std::size_t home) const {
+double StarWalk<Isa>::min_weight(std::size_t home) const {
     if (!weighted_) return 0;
     const std::size_t begin = home * Window::home_seeds, end = std::min(begin + Window::home_seeds, seeds_.size());
     return *std::min_element(seeds_.weights.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -337,7 +338,7 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
 // Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
 // the vertex along its edge, and the sphere shrinks.
 //
-// The edge need not be searched again, unless there were most_new of them. It begins at a proven vertex, where
+// The edge need not be searched again, unless there were max_new_seeds of them. It begins at a proven vertex, where
 // n.x - h <= 0 for all seeds. Along the edge n.x - h is linear: if it is >= 0 at some vertex, it is so at all vertices
 // behind, and the search around those has found the seed.
 template <class Isa>
@@ -400,7 +401,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x,
                 // No candidate is surely inside.
                 if (!(excess > 4 * test.slack + 8 * margin * third.square) && is_extra(id)) continue;
                 if (!add_candidate(id)) return false;
-                if (++added == most_new) return true;
+                if (++added == max_new_seeds) return true;
                 if (excess > 0 && solve(line, third, nearer)) {
                     x = nearer;
                     look_around(error_length2(line, third, dot(wide(x), wide(x))));
@@ -499,7 +500,7 @@ bool StarWalk<Isa>::build_cell() {
     planes_known_ = facings_known_ = 0;
     scale_ = unscale_ = 1;
     have_candidates_ = have_walls_ = used_exact_ = false;
-    power_found_ = least_power;
+    power_found_ = min_power;
     ties_.clear();
     tie_slots_.clear();
     if (keep_ == Keep::nothing) return complete<Keep::nothing, Alone>();
@@ -550,7 +551,7 @@ template <class Isa>
 template <Star::Keep Kept>
 bool StarWalk<Isa>::find_first() {
     int candidates = 0;
-    for (int tries = 0; tries < most_beginnings; ++tries) {
+    for (int tries = 0; tries < max_beginnings; ++tries) {
         open_begin_ = open_end_ = 0;
         begun_badly_ = false;
         if (!begin_anywhere() || empty_ || candidates_.count == candidates) return false;
@@ -578,10 +579,10 @@ template <Star::Keep Kept>
 bool StarWalk<Isa>::take_known() {
     make_room(cells_.locals());
     const auto handed = cells_.known(seed_);
-    if (handed.size() > most_vertices - 4) return false;
+    if (handed.size() > max_vertices - 4) return false;
     int planes = 0, vertices = 0, ties = 0;
     for (const KnownVertex& known : handed) {
-        if (planes > most_planes - 4) {
+        if (planes > max_planes - 4) {
             planes_ = planes;
             return false;
         }
@@ -694,7 +695,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     Line line;
     if (!draw_line(edge, line)) return false;
     bool searched = false;
-    for (int pick = 0; pick < most_picks; ++pick) {
+    for (int pick = 0; pick < max_picks; ++pick) {
         if (lane < 0) lane = first_hit(ray);
         if (lane < 0) return false;
         const std::int32_t id = candidates_.id[lane];
@@ -735,7 +736,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
             }
             int added = 0;
             if (!add_inside(line, third, x, three, added)) return false;
-            searched = vertices_ > 0 && added < most_new;
+            searched = vertices_ > 0 && added < max_new_seeds;
             if (added > 0) {
                 lane = -1;
                 continue;
@@ -758,7 +759,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
 // Keeps the reach of a vertex in a power diagram. Not inlined: without weights it costs nothing.
 template <class Isa>
 void StarWalk<Isa>::note_reach(double x2, const Third& third) {
-    reached_ = std::max(reached_, 4 * most_distance_squared(x2, third));
+    reached_ = std::max(reached_, 4 * max_distance_squared(x2, third));
 }
 
 // Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
@@ -832,7 +833,7 @@ void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
 template <class Isa>
 template <Star::Keep Kept>
 bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
-    if (planes_ > most_planes - 2 || vertices_ > most_vertices - 4) return false;
+    if (planes_ > max_planes - 2 || vertices_ > max_vertices - 4) return false;
     const int c = new_slot(id);
     if (((planes_known_ >> c) & 1) == 0) {
         planes_known_ |= 1ull << c;
@@ -856,32 +857,32 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
 // A vertex of more than three planes: each of its cells sorts out by itself which of the others it has an edge with.
 template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
-    if (vertices_ > most_vertices - 4) return false;
+    if (vertices_ > max_vertices - 4) return false;
     if (keep_ == Keep::places) keep_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    const double square = (1 + 4 * margin) * most_distance_squared(dot(wide(x), wide(x)), third);
+    const double square = (1 + 4 * margin) * max_distance_squared(dot(wide(x), wide(x)), third);
     cells_.give_tie(tied_cells_, numbers_[vertices_], bounds::power(square * unscale_ * unscale_, weight_));
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 
 template <class Isa>
 bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them) {
-    if (cells.size() > most_ties || planes_ + cells.size() > most_planes || ends_ + cells.size() > 4 * most_vertices)
+    if (cells.size() > max_ties || planes_ + cells.size() > max_planes || ends_ + cells.size() > 4 * max_vertices)
         return false;
     if (weighted_ && any_parallel(cells)) return false;
     used_exact_ = true;
-    std::array<exact::Plane, most_ties> planes;
-    std::array<const exact::Plane*, most_ties> pointers;
+    std::array<exact::Plane, max_ties> planes;
+    std::array<const exact::Plane*, max_ties> pointers;
     for (std::size_t k = 0; k < cells.size(); ++k) {
         planes[k] = exact_plane(cells_.id(cells[k]));
         pointers[k] = &planes[k];
     }
-    std::array<int, most_ties> room;
+    std::array<int, max_ties> room;
     const auto polygon = exact::corner_polygon(base_.point, std::span(pointers).first(cells.size()),
                                                std::span(room).first(cells.size()));
     if (polygon.size() < 3) return false;
-    std::array<std::uint8_t, most_ties> slots;
+    std::array<std::uint8_t, max_ties> slots;
     const std::size_t count = polygon.size();
     for (std::size_t k = 0; k < count; ++k) {
         const std::int32_t cell = cells[static_cast<std::size_t>(polygon[k])];
@@ -995,12 +996,12 @@ void StarWalk<Isa>::polygons(std::span<const std::uint32_t> ranks, CellPolygons&
         out.positions[v] = {x[0], x[1], x[2]};
     }
     out.shared.assign(numbers_.begin(), numbers_.begin() + vertices_);
-    std::array<unsigned, most_planes> key;  // the rank, then the plane
+    std::array<unsigned, max_planes> key;  // the rank, then the plane
     for (unsigned p = 0, faces = 0; p < static_cast<unsigned>(planes_); ++p)
         if (out_[p] != 0) key[p] = ranks[faces++] << 8 | p;
     out.corners.resize(static_cast<std::size_t>(ends_));
     std::uint32_t* corner = out.corners.data();
-    std::array<std::uint8_t, most_vertices> next;  // a, by the vertex that has a -> b
+    std::array<std::uint8_t, max_vertices> next;  // a, by the vertex that has a -> b
     for (int b = 0; b < planes_; ++b) {
         if (out_[b] == 0) continue;
         unsigned least = ~0u;
@@ -1110,8 +1111,8 @@ exact::Plane StarWalk<Isa>::powered(exact::Plane plane, std::int32_t id) const {
 template <class Isa>
 bool StarWalk<Isa>::any_parallel(std::span<const std::int32_t> cells) {
     constexpr double nearly = 1e-20;
-    std::array<Four, most_ties> normals;
-    std::array<double, most_ties> squares;
+    std::array<Four, max_ties> normals;
+    std::array<double, max_ties> squares;
     for (std::size_t i = 0; i < cells.size(); ++i) {
         double h;
         plane_through(cells_.id(cells[i]), normals[i], h, squares[i]);

@@ -11,8 +11,8 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t least_groups = 4;  // fewer tell nothing about the surroundings
-constexpr int most_tries = 12;
+constexpr std::size_t min_groups = 4;  // fewer tell nothing about the surroundings
+constexpr int max_tries = 12;
 constexpr double widest_span = 1e28;        // of weights in squared units, which are floats
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
@@ -37,7 +37,7 @@ bool Window::collect(const Box& box, double distance_squared) {
                 groups_[group_count_] = first + k;
                 group_count_ += (near >> k) & 1;
             }
-            if (group_count_ > most_groups) return false;
+            if (group_count_ > max_groups) return false;
         }
     }
     return true;
@@ -59,13 +59,13 @@ Box Window::home_box(std::size_t home) const {
 bool Window::open(std::size_t home, const Box& box, double radius, double weight, const Neighborhood& cells) {
     for (int tries = 0;; ++tries) {
         const bool all = collect(box, radius * radius * (1 + 1e-12));
-        if (tries == most_tries) {
+        if (tries == max_tries) {
             if (!all) return false;
             break;
         }
         if (!all)
             radius *= 0.7;
-        else if (group_count_ < least_groups && group_count_ < hierarchy_.count(0))
+        else if (group_count_ < min_groups && group_count_ < hierarchy_.count(0))
             radius *= 1.5;
         else
             break;
@@ -119,7 +119,7 @@ std::array<std::int32_t, 3> Window::position(const std::array<double, 3>& x) con
 
 bool Window::weigh() {
     weight_.resize(x_.size());
-    least_weight_ = most_weight_ = 0;
+    min_weight_ = max_weight_ = 0;
     for (int i = 0; i < count_; ++i) {
         const std::int32_t id = id_[i];
         const bool image = seeds_.images != nullptr && seeds_.images->is_image(id);
@@ -127,11 +127,11 @@ bool Window::weigh() {
         const bool exists = static_cast<std::size_t>(id) < (image ? seeds_.images_end : seeds_.size());
         const auto seed = static_cast<std::size_t>(exists && image ? seeds_.images->home(id) : id);
         weight_[i] = exists ? weight(seeds_.weights[seed]) : 0;
-        least_weight_ = std::min(least_weight_, weight_[i]);
-        most_weight_ = std::max(most_weight_, weight_[i]);
+        min_weight_ = std::min(min_weight_, weight_[i]);
+        max_weight_ = std::max(max_weight_, weight_[i]);
     }
     for (int k = count_; k < count_ + 16; ++k) weight_[k] = 0;
-    return double{most_weight_} - least_weight_ < widest_span;
+    return double{max_weight_} - min_weight_ < widest_span;
 }
 
 }  // namespace votess::cpu

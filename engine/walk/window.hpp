@@ -46,7 +46,7 @@ public:
         return static_cast<float>((weight - base_weight_) * scale_ * scale_);
     }
     [[nodiscard]] double weight_span(float own) const {
-        return double{std::max(most_weight_, own)} - std::min(least_weight_, own);
+        return double{std::max(max_weight_, own)} - std::min(min_weight_, own);
     }
     // Whether a seed of the home is there: not if squares of distances underflow.
     [[nodiscard]] bool holds(std::size_t seed) const { return place(seed) < static_cast<std::size_t>(count_); }
@@ -62,24 +62,24 @@ private:
     }
     // False when their weights are too different for floats.
     bool weigh();
-    // False when more groups than `most_groups` are that near.
+    // False when more groups than `max_groups` are that near.
     bool collect(const Box& box, double distance_squared);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const StarKernels& kernels_;
-    static constexpr std::size_t most_groups = 160;  // more make it cheaper to look twice
+    static constexpr std::size_t max_groups = 160;  // more make it cheaper to look twice
     struct Node {
         std::int32_t level;
         std::uint32_t index;
     };
-    std::array<Node, Hierarchy::most_nodes> stack_;
-    std::array<std::uint32_t, most_groups + 2 * box_fan> groups_;
+    std::array<Node, Hierarchy::max_nodes> stack_;
+    std::array<std::uint32_t, max_groups + 2 * box_fan> groups_;
     std::size_t group_count_ = 0;
     std::vector<std::int32_t> x_, y_, z_, id_;
     std::vector<float> weight_;
     double base_weight_ = 0;
-    float least_weight_ = 0, most_weight_ = 0;
+    float min_weight_ = 0, max_weight_ = 0;
     int count_ = 0;
     std::array<std::size_t, home_groups> home_places_{};  // of the first seeds of the home's groups
     std::array<double, 3> origin_{};

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t few = 100;  // seeds, whose cells are all proven
 constexpr std::size_t proven_of_many = 16;
-constexpr double most_seconds = 2, most_megabytes = 200;  // for few seeds
+constexpr double max_seconds = 2, max_megabytes = 200;  // for few seeds
 
 double processor_seconds() {
     timespec now{};
@@ -147,9 +147,9 @@ Judgement judge(const Case& c, const std::string& device, bool measure) {
         std::string& wrong = judgement.failure;
         if (!answer.refusal.empty() && !(answer.proper && job.may_refuse)) {
             wrong = (answer.proper ? "refused: " : "threw: ") + answer.refusal;
-        } else if (measure && job.size() <= few && took > most_seconds) {
+        } else if (measure && job.size() <= few && took > max_seconds) {
             wrong = text("slow: ", took, " s of processor time for ", job.size(), " seeds");
-        } else if (measure && job.size() <= few && more > most_megabytes) {
+        } else if (measure && job.size() <= few && more > max_megabytes) {
             wrong = text("memory: ", more, " MB for ", job.size(), " seeds");
         } else if (!answer.refusal.empty()) {
             ++judgement.refused;

@@ -11,8 +11,8 @@
 namespace test {
 namespace {
 
-constexpr std::size_t most_planes = 150;  // in one cell: the time grows with their cube
-constexpr std::size_t most_seeds_made_anew = 60;
+constexpr std::size_t max_planes = 150;  // in one cell: the time grows with their cube
+constexpr std::size_t max_seeds_remade = 60;
 
 class Judge {
 public:
@@ -63,7 +63,7 @@ public:
         }
         for (IntegerPlane& wall : domain_.walls(i)) planes.push_back(std::move(wall));
         drop_hidden_walls(planes);
-        if (planes.size() > most_planes) return "";
+        if (planes.size() > max_planes) return "";
         const std::vector<Vertex> vertices = find_vertices(planes);
         std::string wrong;
         const std::vector<Face> faces = find_faces(planes, vertices, wrong);
@@ -81,7 +81,7 @@ public:
 
     // What is right, as far as that can be made in reasonable time.
     std::string exact_row(std::size_t i) const {
-        if (t_.size() > most_seeds_made_anew || !takes_part(i)) return "";
+        if (t_.size() > max_seeds_remade || !takes_part(i)) return "";
         std::string line = "; exact are";
         for (const ExactFace& face : make(i).faces) line += ' ' + name(face);
         return line;
@@ -151,7 +151,7 @@ private:
     }
 
     std::string check_empty(std::size_t i) const {
-        if (t_.size() > most_seeds_made_anew) return "";
+        if (t_.size() > max_seeds_remade) return "";
         return make(i).faces.empty() ? "" : "is called empty";
     }
 

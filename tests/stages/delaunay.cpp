@@ -62,7 +62,7 @@ struct Sphere {
     }
 };
 
-void check_predicates(const char* name, std::uint64_t seed, int sets, int least_ties, auto coordinate) {
+void check_predicates(const char* name, std::uint64_t seed, int sets, int min_ties, auto coordinate) {
     Random random(seed);
     int solid = 0, ties = 0;
     for (int s = 0; s < sets; ++s) {
@@ -83,7 +83,7 @@ void check_predicates(const char* name, std::uint64_t seed, int sets, int least_
         ties += side == 0;
     }
     CHECK(solid > sets / 4);
-    CHECK(ties >= least_ties);
+    CHECK(ties >= min_ties);
 }
 
 SortedSeeds sorted_seeds(const test::PointSet& set, votess::ThreadPool& pool) {

@@ -19,7 +19,7 @@ using votess::exact::Point;
 
 namespace {
 
-void check_family(const char* name, std::uint64_t seed, int sets, int least_ties, auto make_coordinate) {
+void check_family(const char* name, std::uint64_t seed, int sets, int min_ties, auto make_coordinate) {
     Random random(seed);
     int solved = 0, ties = 0;
     for (int s = 0; s < sets; ++s) {
@@ -52,7 +52,7 @@ void check_family(const char* name, std::uint64_t seed, int sets, int least_ties
         }
     }
     CHECK(solved > sets / 4);
-    CHECK(ties >= least_ties);
+    CHECK(ties >= min_ties);
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
         }
         if (cell.empty()) continue;
         cell.canonical_faces(faces);
-        const double more = weighted ? domain.most_more(weight) : 0;
+        const double more = weighted ? domain.max_heavier_by(weight) : 0;
         const double full = weighted ? domain.largest_weight - weight : 0;
         std::vector<std::int32_t> slots(faces.corners);
         std::ranges::sort(slots);

@@ -272,7 +272,7 @@ TEST_SUITE("stages") {
                     star->begin(begin / Star::alignment * Star::alignment, sorted.seeds.size(), Star::Keep::nothing);
                     for (std::size_t s = begin; s < center; ++s) (void)star->build(s);
                     const bool built = star->build(center);
-                    if (n > Star::most_planes) CHECK_FALSE(built);
+                    if (n > Star::max_planes) CHECK_FALSE(built);
                     if (n <= 40) CHECK(built);
                     for (std::size_t s = center + 1; s < sorted.seeds.size(); ++s)
                         if (star->build(s)) REQUIRE(compare(*star, cells[s]) == "");

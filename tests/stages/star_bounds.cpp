@@ -88,7 +88,7 @@ TEST_SUITE("stages") {
             // Away from the seed, or towards it, by as much as (1) allows.
             const mpq_class off = mpq_class(0.6 * bounds::margin) * mpq_class(length) * (random.chance(0.8) ? 1 : -1);
             const mpq_class exact = mpq_class(x) + off;
-            CHECK(mpq_class(bounds::most_distance(x, length)) >= exact);
+            CHECK(mpq_class(bounds::max_distance(x, length)) >= exact);
             double more = x * x * decades(random, -12, 12);
             if (random.chance(0.6)) more = -x * x * (1 - decades(random, -17, 0));
             const mpq_class square = exact * exact + mpq_class(more);
@@ -284,8 +284,8 @@ TEST_SUITE("stages") {
                 }
                 return all;
             };
-            CHECK(all_found(bounds::least_image_vertex2));
-            CHECK_FALSE(all_found(bounds::least_image_vertex2 / 2));
+            CHECK(all_found(bounds::min_image_vertex2));
+            CHECK_FALSE(all_found(bounds::min_image_vertex2 / 2));
         });
     }
 }

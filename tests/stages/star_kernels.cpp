@@ -401,7 +401,7 @@ TEST_SUITE("stages") {
         test::Random random(31);
         for (std::size_t round = 0; round < test::by_size(400, 100); ++round) {
             CellShape shape;
-            shape.slots = static_cast<int>(random.integer(4, CellShape::most_planes));
+            shape.slots = static_cast<int>(random.integer(4, CellShape::max_planes));
             const int most = 2 * shape.slots - 4;
             std::vector<std::uint8_t> ranks(static_cast<std::size_t>(shape.slots));
             const auto order = test::permutation(ranks.size(), random);
@@ -427,7 +427,7 @@ TEST_SUITE("stages") {
                 for (std::size_t k = 0; k < CellShape::fillers; ++k)
                     for (std::size_t p = 0; p < 3; ++p)
                         REQUIRE(found.rank[p][at + k] ==
-                                CornerOrder::rank_step * (CellShape::most_planes + static_cast<int>(p)));
+                                CornerOrder::rank_step * (CellShape::max_planes + static_cast<int>(p)));
             });
         }
     }

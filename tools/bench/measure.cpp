@@ -10,7 +10,7 @@
 namespace bench {
 namespace {
 
-constexpr std::size_t most_repeats = 200;
+constexpr std::size_t max_repeats = 200;
 constexpr const char* failed = "failed: ";
 // Rounding costs Voro++ a face in millions of these; ties and the sphere's center cost every inexact peer more.
 constexpr std::string_view in_general_position[] = {"uniform",  "clustered", "jittered",
@@ -51,7 +51,7 @@ bool finished(const Measurement& m, const Repeats& repeats, double pace) {
         return true;
     }
     return m.seconds.size() >= static_cast<std::size_t>(repeats.count) &&
-           (together >= repeats.at_least || m.seconds.size() >= most_repeats);
+           (together >= repeats.at_least || m.seconds.size() >= max_repeats);
 }
 
 void run_once(Entry& entry, const Repeats& repeats, double& pace) {

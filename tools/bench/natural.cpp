@@ -29,7 +29,7 @@ using Triangulation = CGAL::Delaunay_triangulation_3<Kernel, Structure>;
 using Row = std::vector<std::pair<std::int32_t, double>>;  // seeds, ascending, and their weights
 
 constexpr int repeats = 3;
-constexpr double margin = 0.15, most_different = 1e-9;
+constexpr double margin = 0.15, max_different = 1e-9;
 
 double now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -115,7 +115,7 @@ int main(int count, char** arguments) {
         std::printf("%-8s votess %6.2f us (the first time %.2f), CGAL %6.2f us: %.1f times; weights differ by %.1e\n",
                     sibson ? "Sibson" : "Laplace", median(ours) * each, ours[0] * each, median(theirs) * each,
                     median(theirs) / median(ours), apart);
-        equal = equal && apart <= most_different;
+        equal = equal && apart <= max_different;
     }
     return equal ? 0 : 1;
 }

@@ -55,7 +55,7 @@ void Run::clip(const Options& options, std::size_t first) {
     ResultBuilder builder;
     ThreadPool& pool = clipper.pool();
     builder.begin(of_first, pool);
-    powers.assign(first, cpu::Star::least_power);
+    powers.assign(first, cpu::Star::min_power);
     clipper.clip_first(first, powers, builder, clipping);
     Progress::require(progress.going_on(clipping.end));
     const Stoppable stoppable(progress);

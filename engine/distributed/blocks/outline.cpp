@@ -7,7 +7,7 @@
 namespace votess::blocks {
 namespace {
 
-constexpr std::size_t tile_seeds_at_most = 512;
+constexpr std::size_t max_tile_seeds = 512;
 constexpr double layer_spacings = 2.5;  // nearly all cells at a border reach less far
 constexpr std::size_t most_images = 512;
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -65,7 +65,7 @@ public:
 
     void make_tiles(Range range, Tiles& out) {
         std::vector<Range> ranges;
-        split(range, tile_seeds_at_most, ranges);
+        split(range, max_tile_seeds, ranges);
         for (const Range& of_tile : ranges) {
             Tile tile{box_of(of_tile), 0, -infinity};
             double volume = 1;
@@ -139,8 +139,7 @@ TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const d
     if (places.empty()) return tiled;
     Tiler tiler(places, weights);
     std::vector<Tiler::Range> tasks;
-    tiler.split({0, places.size()}, std::max(tile_seeds_at_most, places.size() / (4 * std::size_t{pool.size()})),
-                tasks);
+    tiler.split({0, places.size()}, std::max(max_tile_seeds, places.size() / (4 * std::size_t{pool.size()})), tasks);
     std::vector<Tiler::Tiles> of_task(tasks.size());
     pool.run(tasks.size(), [&](std::size_t k, unsigned) { tiler.make_tiles(tasks[k], of_task[k]); });
     std::vector<Tile> tiles;

@@ -172,9 +172,9 @@ public:
             planes_.push_back(plane);
         }
         cpu::Cell& cell = builder_.build(question.seed, planes_);
-        constexpr std::size_t least_faces = 4;
+        constexpr std::size_t min_faces = 4;
         if (!cell.empty()) cell.canonical_faces(faces_);
-        if (cell.empty() || faces_.size() < least_faces) {
+        if (cell.empty() || faces_.size() < min_faces) {
             // Nothing is left, or nothing with a volume, by some of all its planes.
             for (const cpu::CellPlane& plane : cell.planes()) take(plane.id);
             return;

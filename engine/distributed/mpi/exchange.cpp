@@ -9,7 +9,7 @@
 namespace votess::mpi {
 namespace {
 
-constexpr std::size_t most_bytes = std::size_t{1} << 30;  // MPI counts by int
+constexpr std::size_t max_bytes = std::size_t{1} << 30;  // MPI counts by int
 constexpr int data_tag = 0, stop_tag = 1;
 
 void check(int code, const char* what) {
@@ -124,8 +124,8 @@ std::vector<Message> Ranks::exchange(const std::vector<Message>& to) const {
     from[static_cast<std::size_t>(rank_)] = to[static_cast<std::size_t>(rank_)];
     std::vector<MPI_Request> requests;
     const auto pieces = [&](std::size_t bytes, const auto& post) {
-        for (std::size_t begin = 0; begin < bytes; begin += most_bytes)
-            check(post(begin, static_cast<int>(std::min(most_bytes, bytes - begin)), &requests.emplace_back()),
+        for (std::size_t begin = 0; begin < bytes; begin += max_bytes)
+            check(post(begin, static_cast<int>(std::min(max_bytes, bytes - begin)), &requests.emplace_back()),
                   "a message between ranks");
     };
     for (std::size_t step = 1; step < count; ++step) {

@@ -13,7 +13,7 @@
 namespace votess::mpi {
 namespace {
 
-constexpr std::size_t sample_of_all = 1000000, least_sample = 64, most_sample = 2048;  // places; for each block
+constexpr std::size_t sample_of_all = 1000000, min_sample = 64, max_sample = 2048;  // places; for each block
 
 // One number for all that must be the same on all ranks (FNV-1a).
 std::uint64_t digest(const Options& options) {
@@ -164,7 +164,7 @@ private:
             places_ = domain_->places(inside);
         });
         const double total = std::max(1.0, ranks_.sum(static_cast<double>(inside_.size())));
-        const std::size_t of_block = std::clamp(sample_of_all / ranks(), least_sample, most_sample);
+        const std::size_t of_block = std::clamp(sample_of_all / ranks(), min_sample, max_sample);
         const double share = std::min(1.0, static_cast<double>(of_block * ranks()) / total);
         const auto taken = static_cast<std::size_t>(std::ceil(share * static_cast<double>(inside_.size())));
         for (std::size_t k = 0; k < taken; ++k) {

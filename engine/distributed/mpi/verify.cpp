@@ -175,11 +175,11 @@ private:
         std::set<std::uint64_t> drawn;
         const std::uint64_t most = std::min(all, options_.sample ? std::uint64_t{*options_.sample} : all);
         while (report_.sampled < most) {
-            if (!options_.sample && report_.sampled >= least_sample &&
+            if (!options_.sample && report_.sampled >= min_sample &&
                 ranks_.maximum(std::uint64_t{verifier_->has_worked_enough() ? 1u : 0u}) > 0)
                 break;
             std::vector<std::size_t> mine;
-            const std::uint64_t batch = std::min<std::uint64_t>(least_sample, most - report_.sampled);
+            const std::uint64_t batch = std::min<std::uint64_t>(min_sample, most - report_.sampled);
             for (std::uint64_t k = 0; k < batch;) {
                 const std::uint64_t cell = random.next() % all;
                 if (!drawn.insert(cell).second) continue;

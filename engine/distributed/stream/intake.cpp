@@ -81,8 +81,8 @@ Intake::Intake(StreamSource& source, const Options& options, const std::string& 
       options_(options),
       stages_(stages),
       pool_(options.threads),
-      most_at_once_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 400), 1000, 250000)),
-      most_sampled_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 800), 1000, 1000000)),
+      max_at_once_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 400), 1000, 250000)),
+      max_sampled_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 800), 1000, 1000000)),
       bounds_(nothing) {
     if (source_.restart()) return;
     file_.emplace(folder);
@@ -99,7 +99,7 @@ void Intake::read(const Task& task) {
         std::vector<double> points, weights;
         while (waiting_->left() > 0) {
             const auto count =
-                std::min<std::size_t>(most_at_once_, static_cast<std::size_t>(waiting_->left() / (3 * sizeof(double))));
+                std::min<std::size_t>(max_at_once_, static_cast<std::size_t>(waiting_->left() / (3 * sizeof(double))));
             points.resize(3 * count);
             waiting_->read(std::span(points));
             weights.resize(weighted_ ? count : 0);
@@ -123,8 +123,8 @@ void Intake::read(const Task& task) {
                 refuse(std::string(name) + " of a piece hold " + std::to_string(values.size()) + " numbers for " +
                        std::to_string(count) + " points");
         if (count > 0) check_kind(first, some);
-        for (std::size_t begin = 0; begin < count; begin += most_at_once_) {
-            const std::size_t size = std::min(most_at_once_, count - begin);
+        for (std::size_t begin = 0; begin < count; begin += max_at_once_) {
+            const std::size_t size = std::min(max_at_once_, count - begin);
             const auto copy = [](std::span<const double> values, std::vector<double>& to) {
                 to.assign(values.begin(), values.end());
             };
@@ -162,7 +162,7 @@ void Intake::take_sample(std::uint64_t first, std::span<const double> points) {
     for (std::size_t i = 0; i < points.size() / 3; ++i) {
         if ((first + i) % every_ != 0) continue;
         sample_.insert(sample_.end(), &points[3 * i], &points[3 * i] + 3);
-        if (sample_.size() < 3 * most_sampled_) continue;
+        if (sample_.size() < 3 * max_sampled_) continue;
         std::size_t kept = 0;
         for (std::size_t s = 0; s < sample_.size() / 3; s += 2, ++kept)
             std::copy_n(&sample_[3 * s], 3, &sample_[3 * kept]);
@@ -208,7 +208,7 @@ Intake::Dealt Intake::deal(const Options& settled, std::size_t blocks, Temporary
                 std::vector(blocks, -infinity),
                 std::vector<std::uint64_t>(blocks),
                 {}};
-    Dealer dealer(dealt, blocks, std::clamp<std::size_t>(4 * most_at_once_ / blocks, 64, 1 << 15));
+    Dealer dealer(dealt, blocks, std::clamp<std::size_t>(4 * max_at_once_ / blocks, 64, 1 << 15));
     std::vector<exact::Point> places;
     std::vector<std::uint32_t> block_of;
     read([&](std::uint64_t first, const StreamSeeds& some) {

@@ -52,7 +52,7 @@ private:
     ThreadPool pool_;
     std::optional<TemporaryFile> file_;
     std::optional<Spool> waiting_, waiting_weights_;
-    std::size_t most_at_once_, most_sampled_;
+    std::size_t max_at_once_, max_sampled_;
     std::uint64_t seeds_ = 0, every_ = 1;
     bool weighted_ = false, radii_ = false, looked_ = false;
     Box bounds_;

@@ -7,10 +7,10 @@ namespace votess::stream {
 namespace {
 
 constexpr double entries = 15.6;  // of a row, in uniform seeds
-constexpr double least_block = 500;
+constexpr double min_block = 500;
 // A block has this share of the memory; the rest is for outlines, messages and uneven blocks. Threads take theirs
 // whatever the blocks are.
-constexpr double share_of_block = 0.9, of_threads = 40e6, most_of_threads = 0.25;
+constexpr double share_of_block = 0.9, of_threads = 40e6, max_share_of_threads = 0.25;
 
 // Returns the bytes that a seed takes for what is wanted of its cell; those of the entries of its row count `times`.
 double wanted_bytes(const Want& want, double times) {
@@ -37,9 +37,9 @@ double bytes_of_block(double seeds, const Kind& kind) {
 
 std::size_t blocks_for(std::uint64_t memory, std::uint64_t seeds, const Kind& kind) {
     const double given = static_cast<double>(memory), all = static_cast<double>(seeds);
-    const double room = share_of_block * given - std::min(of_threads, most_of_threads * given);
+    const double room = share_of_block * given - std::min(of_threads, max_share_of_threads * given);
     double blocks = 1;
-    while (bytes_of_block(all / blocks, kind) > room && all / blocks > least_block)
+    while (bytes_of_block(all / blocks, kind) > room && all / blocks > min_block)
         blocks = std::max(blocks + 1, std::floor(blocks * 1.05));
     return static_cast<std::size_t>(blocks);
 }

@@ -54,7 +54,7 @@ std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic, 
     const double work = static_cast<double>(seeds) * (periodic ? 62 : 2) + 2e4 * static_cast<double>(blocks);
     constexpr double bytes_of_answer = 2000;
     const double room = 0.1 * static_cast<double>(memory) / (bytes_of_answer * static_cast<double>(blocks + 1));
-    return std::max(least_sample, static_cast<std::size_t>(std::min(sample_budget / work, room)));
+    return std::max(min_sample, static_cast<std::size_t>(std::min(sample_budget / work, room)));
 }
 
 void RowChecks::take(const StreamRows& rows) {

@@ -78,7 +78,7 @@ std::optional<ImageRange> image_range(const Job& job) {
     const Domain& domain = *job.domain;
     const auto count = static_cast<double>(std::max<std::size_t>(seeds_inside(job), 1));
     const double spacing = std::cbrt(domain.volume / count);
-    const double usual = image_margin(0.5 * margin_spacings * spacing, domain.largest_weight - domain.least_weight);
+    const double usual = image_margin(0.5 * margin_spacings * spacing, domain.largest_weight - domain.min_weight);
     const double margin = std::min(usual, 2 * domain.covering_radius) / job.scale;
     ImageRange range;
     range.basis = domain.skewed ? &domain.reduced : &domain.edges;

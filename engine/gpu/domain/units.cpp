@@ -46,7 +46,7 @@ std::optional<WeightUnits> WeightUnits::between(double least, double largest, co
 
 std::optional<WeightUnits> weight_units(const Domain& domain, const Units& units, double scale) {
     if (!domain.has_weights()) return std::nullopt;
-    return WeightUnits::of(domain.least_weight, domain.largest_weight, units, scale);
+    return WeightUnits::of(domain.min_weight, domain.largest_weight, units, scale);
 }
 
 }  // namespace votess::gpu

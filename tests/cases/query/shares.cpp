@@ -22,7 +22,7 @@ using test::Coordinates;
 using test::QueryCase;
 using test::Random;
 
-constexpr double most_wrong = 1e-12;
+constexpr double max_error = 1e-12;
 
 double power_of_ten(Random& random, double lower, double upper) {
     return std::pow(10.0, random.uniform(lower, upper));
@@ -111,13 +111,13 @@ std::string check_weights(const Row& row, const std::map<std::int32_t, double>& 
     for (const auto& [seed, weight] : expected) {
         if (row.seeds[e] != seed) return "lacks seed " + std::to_string(seed);
         if (!(row.weights[e] > 0)) return "seed " + std::to_string(seed) + " has no positive weight";
-        if (!(std::abs(row.weights[e] - weight) <= most_wrong))
+        if (!(std::abs(row.weights[e] - weight) <= max_error))
             return "the weight of seed " + std::to_string(seed) + " is wrong by " +
                    std::to_string(std::abs(row.weights[e] - weight) * 1e12) + "e-12";
         sum += row.weights[e++];
     }
     // A query that buries all seeds has no face with any.
-    if (!expected.empty() && !(std::abs(sum - 1) <= most_wrong)) return "weights do not sum to 1";
+    if (!expected.empty() && !(std::abs(sum - 1) <= max_error)) return "weights do not sum to 1";
     return "";
 }
 

@@ -4,7 +4,7 @@
 
 namespace host {
 
-Bindings::Bindings(const HostDevice& device, VkShaderStageFlags stage, std::uint32_t buffers, std::uint32_t most_sets,
+Bindings::Bindings(const HostDevice& device, VkShaderStageFlags stage, std::uint32_t buffers, std::uint32_t max_sets,
                    std::uint32_t push_bytes)
     : device_(device.device()) {
     std::vector<VkDescriptorSetLayoutBinding> bindings(buffers);
@@ -30,10 +30,10 @@ Bindings::Bindings(const HostDevice& device, VkShaderStageFlags stage, std::uint
     check(vkCreatePipelineLayout(device_, &info, nullptr, &layout), "vkCreatePipelineLayout");
     layout_ = {device_, layout, vkDestroyPipelineLayout};
 
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, buffers * most_sets};
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, buffers * max_sets};
     VkDescriptorPoolCreateInfo pool_info{};
     pool_info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
-    pool_info.maxSets = most_sets;
+    pool_info.maxSets = max_sets;
     pool_info.poolSizeCount = 1;
     pool_info.pPoolSizes = &size;
     VkDescriptorPool pool = VK_NULL_HANDLE;

@@ -10,7 +10,7 @@ namespace host {
 
 class Bindings {
 public:
-    Bindings(const HostDevice& device, VkShaderStageFlags stage, std::uint32_t buffers, std::uint32_t most_sets,
+    Bindings(const HostDevice& device, VkShaderStageFlags stage, std::uint32_t buffers, std::uint32_t max_sets,
              std::uint32_t push_bytes);
 
     [[nodiscard]] VkPipelineLayout layout() const { return layout_.get(); }

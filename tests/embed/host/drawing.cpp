@@ -26,10 +26,10 @@ vec4 with(const Vector& v, float w) {
 
 }  // namespace
 
-Drawing::Drawing(const HostDevice& device, std::uint32_t width, std::uint32_t height, std::uint32_t most_sets)
+Drawing::Drawing(const HostDevice& device, std::uint32_t width, std::uint32_t height, std::uint32_t max_sets)
     : device_(device),
       extent_{width, height},
-      bindings_(device, VK_SHADER_STAGE_FRAGMENT_BIT, 4, most_sets, sizeof(DrawPush)) {
+      bindings_(device, VK_SHADER_STAGE_FRAGMENT_BIT, 4, max_sets, sizeof(DrawPush)) {
     make_render_pass();
     make_pipeline();
 }

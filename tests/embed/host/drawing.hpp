@@ -18,7 +18,7 @@ struct Target {
 
 class Drawing {
 public:
-    Drawing(const HostDevice& device, std::uint32_t width, std::uint32_t height, std::uint32_t most_sets);
+    Drawing(const HostDevice& device, std::uint32_t width, std::uint32_t height, std::uint32_t max_sets);
 
     [[nodiscard]] Target make_target() const;
     // Seeds, cells, indices, geometry; those that votess reads and writes.

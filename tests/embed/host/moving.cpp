@@ -4,8 +4,8 @@
 
 namespace host {
 
-Moving::Moving(const HostDevice& device, std::uint32_t most_sets)
-    : bindings_(device, VK_SHADER_STAGE_COMPUTE_BIT, 2, most_sets, sizeof(MovePush)) {
+Moving::Moving(const HostDevice& device, std::uint32_t max_sets)
+    : bindings_(device, VK_SHADER_STAGE_COMPUTE_BIT, 2, max_sets, sizeof(MovePush)) {
     const Owned<VkShaderModule> module = make_shader(device, votess::gpu::shaders::move);
     VkComputePipelineCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;

@@ -8,7 +8,7 @@ namespace host {
 
 class Moving {
 public:
-    Moving(const HostDevice& device, std::uint32_t most_sets);
+    Moving(const HostDevice& device, std::uint32_t max_sets);
 
     // source, target: vec4 a seed
     [[nodiscard]] VkDescriptorSet set(VkBuffer source, VkBuffer target) const;

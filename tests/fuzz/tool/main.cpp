@@ -31,7 +31,7 @@ namespace {
 using namespace test::fuzz;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t most_kinds = 32;
+constexpr std::size_t max_kinds = 32;
 constexpr int kept_of_a_sort = 3;
 
 struct Arguments {
@@ -93,7 +93,7 @@ Arguments parse(int count, char** values) {
 // What a worker does, seen by its parent.
 struct Progress {
     std::atomic<std::uint64_t> kind, number, next;
-    std::atomic<std::uint64_t> tried[most_kinds], refused[most_kinds], milliseconds[most_kinds];
+    std::atomic<std::uint64_t> tried[max_kinds], refused[max_kinds], milliseconds[max_kinds];
 };
 
 struct Worker {

@@ -11,7 +11,7 @@ namespace test::fuzz {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr auto most_time = std::chrono::seconds(60);
+constexpr auto max_time = std::chrono::seconds(60);
 
 class Reducer {
 public:
@@ -36,7 +36,7 @@ public:
     }
 
 private:
-    [[nodiscard]] bool in_time() const { return Clock::now() - start_ < most_time; }
+    [[nodiscard]] bool in_time() const { return Clock::now() - start_ < max_time; }
 
     template <class Change>
     bool attempt(Change change) {
