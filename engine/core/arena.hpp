@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "core/buffer.hpp"
-#include "core/ceil.hpp"
 
 namespace votess {
 

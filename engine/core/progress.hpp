@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "votess/votess.hpp"
 
@@ -106,6 +107,14 @@ void in_pieces(std::size_t count, const Work& work) {
         check_stop();
         work(begin, std::min(count, begin + piece));
     }
+}
+
+// Appends copies of `value` until the list has `size` elements.
+template <class T>
+void lengthen(std::vector<T>& list, std::size_t size, const T& value = {}) {
+    list.reserve(size);
+    const std::size_t first = list.size();
+    if (first < size) in_pieces(size - first, [&](std::size_t, std::size_t end) { list.resize(first + end, value); });
 }
 
 }  // namespace votess

@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "core/home_process.hpp"
+#include "core/process.hpp"
 
 namespace votess {
 

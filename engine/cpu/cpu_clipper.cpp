@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "core/text.hpp"
 #include "index/sort_inside.hpp"
 #include "input/implied_wants.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "cpu/cpu_clipper.hpp"
 
 namespace votess::cpu {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/ceil.hpp"
-#include "core/lengthen.hpp"
+#include "core/arithmetic.hpp"
+#include "core/progress.hpp"
 #include "core/text.hpp"
 #include "index/hilbert.hpp"
 #include "input/options.hpp"

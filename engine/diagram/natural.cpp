@@ -3,7 +3,7 @@
 #include <limits>
 #include <numeric>
 
-#include "core/lengthen.hpp"
+#include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
 
 namespace votess::detail {

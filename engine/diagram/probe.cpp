@@ -1,7 +1,7 @@
 // Cells of probes as a result.
 #include <algorithm>
 
-#include "core/lengthen.hpp"
+#include "core/progress.hpp"
 #include "core/stage_clock.hpp"
 #include "diagram/diagram_state.hpp"
 #include "input/implied_wants.hpp"

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "core/convex_piece.hpp"
 #include "input/job.hpp"
 

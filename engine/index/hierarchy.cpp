@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "index/seed_images.hpp"
 
 namespace votess::cpu {

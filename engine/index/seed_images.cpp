@@ -5,7 +5,7 @@
 #include <limits>
 #include <tuple>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "index/sort_inside.hpp"
 
 namespace votess::cpu {

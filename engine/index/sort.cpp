@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::cpu {
 namespace {

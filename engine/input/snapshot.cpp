@@ -4,7 +4,7 @@
 #include <cstring>
 #include <functional>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess {
 namespace {

@@ -6,7 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/lengthen.hpp"
+#include "core/progress.hpp"
 #include "input/domain_of_result.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess {
 namespace {

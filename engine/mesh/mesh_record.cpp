@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "core/ceil.hpp"
-#include "core/peak_memory.hpp"
+#include "core/arithmetic.hpp"
+#include "core/process.hpp"
 #include "core/vector3.hpp"
 #include "input/implied_wants.hpp"
 #include "output/face_filter.hpp"

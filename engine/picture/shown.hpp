@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "core/thread_pool.hpp"
 #include "picture/mesh.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::cpu {
 namespace {

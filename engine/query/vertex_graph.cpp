@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/lengthen.hpp"
+#include "core/progress.hpp"
 #include "core/vector3.hpp"
 
 namespace votess::cpu {

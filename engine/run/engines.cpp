@@ -11,7 +11,7 @@
 #include "input/snapshot.hpp"
 #include "polytope/cell_kernels.hpp"
 #if VOTESS_HAVE_VULKAN
-#include "core/home_process.hpp"
+#include "core/process.hpp"
 #include "gpu/device_choice.hpp"
 #include "gpu/gpu_engine.hpp"
 #endif

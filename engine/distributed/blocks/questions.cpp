@@ -3,7 +3,7 @@
 #include <cmath>
 #include <deque>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "distributed/blocks/local_block.hpp"
 #include "query/locator.hpp"
 

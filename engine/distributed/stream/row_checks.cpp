@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/peak_memory.hpp"
+#include "core/process.hpp"
 #include "verify/brute_force.hpp"
 #include "verify/invariants.hpp"
 #include "verify/verify_sample.hpp"

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::stream {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/peak_memory.hpp"
+#include "core/process.hpp"
 #include "distributed/blocks/local_block.hpp"
 #include "distributed/blocks/messages.hpp"
 #include "distributed/stream/assembler.hpp"

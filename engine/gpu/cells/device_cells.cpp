@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::gpu {
 namespace {

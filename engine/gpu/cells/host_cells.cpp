@@ -4,8 +4,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "core/ceil.hpp"
-#include "core/power_of_two.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::gpu {
 namespace {

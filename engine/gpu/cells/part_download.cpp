@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::gpu {
 namespace {

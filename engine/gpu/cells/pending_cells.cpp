@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <mutex>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "shared/config.h"
 
 namespace votess::gpu {

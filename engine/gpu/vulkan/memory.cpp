@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::gpu::vulkan {
 

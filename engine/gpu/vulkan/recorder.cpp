@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::gpu::vulkan {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "gpu/vulkan/memory.hpp"
 
 namespace votess::gpu {

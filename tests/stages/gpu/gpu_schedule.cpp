@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "gpu/schedule.hpp"
 #include "support/random.hpp"
 
