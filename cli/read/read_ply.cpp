@@ -66,7 +66,7 @@ public:
 
 private:
     void read_header() {
-        if (!lines_.rest().starts_with("ply\n") && !lines_.rest().starts_with("ply\r\n")) {
+        if (!lines_.release_pages().starts_with("ply\n") && !lines_.release_pages().starts_with("ply\r\n")) {
             throw bad_input(lines_.name() + ": not a PLY file: it must begin with a line \"ply\"");
         }
         (void)lines_.need("the header");
@@ -130,7 +130,7 @@ private:
     }
 
     void check_count(const Element& element) const {
-        if (!can_hold(lines_.rest().size(), element.count, shortest_row(element))) throw too_short(element, 0);
+        if (!can_hold(lines_.release_pages().size(), element.count, shortest_row(element))) throw too_short(element, 0);
     }
 
     // An element of a text file is a line; this calls use(row) with its words.
@@ -150,7 +150,7 @@ private:
     void pass_row(const Element& element, std::uint64_t row, std::vector<const char*>& fields) {
         constexpr std::uint64_t rows_in_a_round = 4096;
         if (row % rows_in_a_round == 0) throw_if_interrupted();
-        std::string_view rest = lines_.rest();
+        std::string_view rest = lines_.release_pages();
         fields.clear();
         for (const Property& property : element.properties) {
             fields.push_back(rest.data());
@@ -166,7 +166,7 @@ private:
             if (bytes > rest.size()) throw too_short(element, row);
             rest.remove_prefix(bytes);
         }
-        lines_.skip(lines_.rest().size() - rest.size(), 0);
+        lines_.skip(lines_.release_pages().size() - rest.size(), 0);
     }
 
     void skip(const Element& element) {

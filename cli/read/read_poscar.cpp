@@ -21,7 +21,7 @@ bool is_cif(std::string_view text, const std::string& name) {
         split_words(line, words);
         if (words[0][0] == '#') continue;
         return words.size() == 1 && lower_case(words[0].substr(0, 5)) == "data_" &&
-               lines.rest().find("_cell_") != std::string_view::npos;
+               lines.release_pages().find("_cell_") != std::string_view::npos;
     }
     return false;
 }
@@ -31,7 +31,7 @@ public:
     PoscarReader(std::string_view text, const std::string& name) : lines_(text, name) {}
 
     Input read() {
-        if (is_cif(lines_.rest(), lines_.name()))
+        if (is_cif(lines_.release_pages(), lines_.name()))
             throw bad_input(lines_.name() + ": a text in CIF, and " + conversion(".cif"));
         (void)lines_.need("a comment");
         const Words scale = words_of("the scale of the cell");
@@ -54,9 +54,9 @@ public:
         if (how[0] == 's') how = lower_case(words_of("Direct or Cartesian")[0]);  // Selective dynamics
         const bool lengths = how[0] == 'c' || how[0] == 'k';
         if (!lengths && how[0] != 'd') throw lines_.error("expected Direct or Cartesian, not " + in_quotes(how));
-        if (!can_hold(lines_.rest().size(), count, 6)) {
+        if (!can_hold(lines_.release_pages().size(), count, 6)) {
             throw lines_.error(std::to_string(count) + " atoms are announced, but only " +
-                               std::to_string(lines_.rest().size()) + " bytes follow");
+                               std::to_string(lines_.release_pages().size()) + " bytes follow");
         }
 
         Input input;

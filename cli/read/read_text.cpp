@@ -229,7 +229,7 @@ private:
     // Room for all rows that are left.
     void begin(Input& input) const {
         const auto rows =
-            1 + static_cast<std::size_t>(std::count(lines_.rest().begin(), lines_.rest().end(), '\n')) + 1;
+            1 + static_cast<std::size_t>(std::count(lines_.release_pages().begin(), lines_.release_pages().end(), '\n')) + 1;
         input.points.reserve(3 * rows);
         if (layout_.id) input.ids.reserve(rows);
         input.columns = places_->columns(rows);

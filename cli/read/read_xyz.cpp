@@ -170,7 +170,7 @@ private:
         if (properties) read_properties(*properties);
         const std::size_t first = first_.value_or(1);
         const auto count = static_cast<std::size_t>(count_);
-        if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);
+        if (!can_hold(lines_.release_pages().size(), count, 2)) throw short_frame(0);
         input.points.reserve(3 * count);
         std::optional<ColumnPlaces> wanted;  // known from the first row
         std::string_view line;

@@ -19,7 +19,7 @@ public:
         current_ = used_ = 0;
     }
     // Uninitialized, aligned for any number; stays until reset().
-    [[nodiscard]] std::byte* take(std::size_t bytes) {
+    [[nodiscard]] std::byte* allocate(std::size_t bytes) {
         while (current_ < segments_.size() && segments_[current_].size() - used_ < bytes) {
             ++current_;
             used_ = 0;
@@ -37,10 +37,10 @@ public:
     }
 
     // Gives much memory back to the system, but keeps its addresses; what it held is lost.
-    void rest() {
+    void release_pages() {
         std::size_t bytes = 0;
         for (const auto& segment : segments_) bytes += segment.size();
-        for (auto& segment : segments_) segment.rest(bytes >= Buffer<std::byte>::min_rest ? 0 : bytes + 1);
+        for (auto& segment : segments_) segment.release_pages(bytes >= Buffer<std::byte>::min_released ? 0 : bytes + 1);
     }
 
 private:

@@ -24,7 +24,7 @@ public:
     Buffer() = default;
     // Scattered writes to small pages are slow, for their addresses do not fit the processor's tables; but large ones
     // are slow to come by, so only for what is written everywhere at once.
-    enum class Pages : std::uint8_t { usual, huge };
+    enum class Pages : std::uint8_t { normal, huge };
     explicit Buffer(Pages pages) : pages_(pages) {}
     Buffer(Buffer&& other) noexcept { *this = std::move(other); }
     Buffer& operator=(Buffer&& other) noexcept {
@@ -59,11 +59,11 @@ public:
 #endif
     }
 
-    static constexpr std::size_t min_rest = std::size_t{64} << 20;  // less is not worth the page faults
+    static constexpr std::size_t min_released = std::size_t{64} << 20;  // less is not worth the page faults
 
     // Gives the memory of a large buffer back to the system but keeps its addresses, so that the next use allocates
     // nothing. The content is lost.
-    void rest([[maybe_unused]] std::size_t least = min_rest) {
+    void release_pages([[maybe_unused]] std::size_t least = min_released) {
 #if defined(__linux__)
         auto* memory = reinterpret_cast<std::byte*>(memory_.get());
         const std::size_t bytes = capacity_ * sizeof(T), before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
@@ -131,7 +131,7 @@ private:
     };
     std::unique_ptr<T[], Free> memory_;
     std::size_t size_ = 0, capacity_ = 0;
-    Pages pages_ = Pages::usual;
+    Pages pages_ = Pages::normal;
 };
 
 }  // namespace votess

@@ -60,7 +60,7 @@ ConvexPiece::Sides ConvexPiece::sides() const {
 
 // The half of the surface on a side of the plane, -1 within it or 1 beyond it, closed. A polygon that only touches the
 // plane belongs to neither half: what closes them is there.
-void ConvexPiece::take_half(double side, Surface& half) {
+void ConvexPiece::clip_half(double side, Surface& half) {
     const std::vector<Vector>& corners = surface_.corners;
     half.clear();
     rim_.clear();
@@ -126,7 +126,7 @@ bool ConvexPiece::cut(const Vector& n, double h) {
     const Sides at = sides();
     if (at.beyond && !at.within) clear();
     if (at.beyond && at.within) {
-        take_half(-1, kept_);
+        clip_half(-1, kept_);
         std::swap(surface_, kept_);
     }
     return !empty();
@@ -140,8 +140,8 @@ void ConvexPiece::split(const Vector& n, double h, ConvexPiece& below) {
     if (!at.beyond) {
         std::swap(surface_, below.surface_);
     } else if (at.within) {
-        take_half(-1, below.surface_);
-        take_half(1, kept_);
+        clip_half(-1, below.surface_);
+        clip_half(1, kept_);
         std::swap(surface_, kept_);
     }
 }

@@ -69,7 +69,7 @@ private:
         bool within = false, beyond = false;
     };
     [[nodiscard]] Sides sides() const;
-    void take_half(double side, Surface& half);
+    void clip_half(double side, Surface& half);
     void close_rim(Surface& half);
 
     Surface surface_;

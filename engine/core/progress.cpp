@@ -14,7 +14,7 @@ thread_local OfThread of_thread;
 // The callback may begin calls of its own, which must not look after this one.
 bool Progress::call(double fraction) {
     fraction_ = std::max(fraction_, fraction);
-    const Stoppable::Lent none(nullptr, false);
+    const Stoppable::Scope none(nullptr, false);
     return callback_(fraction_);
 }
 
@@ -47,17 +47,17 @@ void Progress::require(bool going_on) {
     if (!going_on) throw Error(ErrorCode::cancelled, "cancelled by the progress callback");
 }
 
-Stoppable::Lent::Lent(Stoppable* to, bool may_call) noexcept
+Stoppable::Scope::Scope(Stoppable* to, bool may_call) noexcept
     : outer_(of_thread.stoppable), outer_may_call_(of_thread.may_call) {
     of_thread = {to, may_call};
 }
 
-Stoppable::Lent::~Lent() {
+Stoppable::Scope::~Scope() {
     of_thread = {outer_, outer_may_call_};
 }
 
 Stoppable::Stoppable(Progress& progress)
-    : progress_(progress), lent_(progress ? this : of_thread.stoppable, progress || of_thread.may_call) {}
+    : progress_(progress), scope_(progress ? this : of_thread.stoppable, progress || of_thread.may_call) {}
 
 Stoppable::~Stoppable() = default;
 

@@ -64,12 +64,12 @@ public:
     Stoppable& operator=(const Stoppable&) = delete;
 
     // Lends an object, which may be null, to this thread: as its own, or as one that only reads the flag.
-    class Lent {
+    class Scope {
     public:
-        Lent(Stoppable* to, bool may_call) noexcept;
-        ~Lent();
-        Lent(const Lent&) = delete;
-        Lent& operator=(const Lent&) = delete;
+        Scope(Stoppable* to, bool may_call) noexcept;
+        ~Scope();
+        Scope(const Scope&) = delete;
+        Scope& operator=(const Scope&) = delete;
 
     private:
         Stoppable* outer_;
@@ -91,7 +91,7 @@ private:
     Progress& progress_;
     Share stage_;
     std::atomic<bool> stopped_{false};
-    Lent lent_;
+    Scope scope_;
 };
 
 // Throws `cancelled` when the user asks to stop. Long loops call it every few microseconds or more seldom.

@@ -80,7 +80,7 @@ void ThreadPool::Crew::serve(unsigned worker) {
             seen = job;
         }
         {
-            const Stoppable::Lent lent(stoppable, false);
+            const Stoppable::Scope scope(stoppable, false);
             work(worker);
         }
         std::lock_guard lock(mutex);
@@ -112,10 +112,10 @@ void ThreadPool::Crew::fail(unsigned worker) {
 }
 
 void ThreadPool::Crew::wait() {
-    constexpr std::chrono::milliseconds look_interval{10};
+    constexpr std::chrono::milliseconds poll_interval{10};
     const auto all_done = [this] { return busy == 0; };
     std::unique_lock lock(mutex);
-    while (stoppable != nullptr && !cancelled && !done.wait_for(lock, look_interval, all_done)) {
+    while (stoppable != nullptr && !cancelled && !done.wait_for(lock, poll_interval, all_done)) {
         lock.unlock();
         try {
             check_stop();

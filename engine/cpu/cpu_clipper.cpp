@@ -52,10 +52,10 @@ void CpuClipper::end() {
     job_ = {};
 }
 
-void CpuClipper::rest() {
+void CpuClipper::release_pages() {
     sorted_ = searchable_ = false;
-    for (auto* axis : {&seeds_.x, &seeds_.y, &seeds_.z}) axis->rest();
-    hierarchy_.rest();
+    for (auto* axis : {&seeds_.x, &seeds_.y, &seeds_.z}) axis->release_pages();
+    hierarchy_.release_pages();
 }
 
 void CpuClipper::sort() {

@@ -53,7 +53,7 @@ public:
     // vertices.
     void clip_first(std::size_t count, std::span<double> powers, ResultBuilder& out, const Share& share);
     // When no more cells are needed: gives much memory back, which the rows want.
-    void rest();
+    void release_pages();
 
 private:
     struct Worker {  // scratch of one thread

@@ -13,7 +13,8 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
     // Periodic domains need what wrapping took from coordinates, and a mesh needs seeds in input order.
-    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices) job.snapshot->rest();
+    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices)
+        job.snapshot->release_pages();
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are pulled while clipping
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);
@@ -22,7 +23,7 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clock.enter(&StageSeconds::download);
     clipper_.set_empty(result_);
     result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
-    clipper_.rest();
+    clipper_.release_pages();
     result_.finish(result, clipper_.pool());
     result.stats.device = "cpu";
     progress.report(1);

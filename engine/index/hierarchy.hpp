@@ -24,9 +24,9 @@ public:
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 
     // Gives much memory back to the system until the next build().
-    void rest() {
-        for (auto& level : levels_) level.rest();
-        for (auto& level : weights_) level.rest();
+    void release_pages() {
+        for (auto& level : levels_) level.release_pages();
+        for (auto& level : weights_) level.release_pages();
     }
 
     [[nodiscard]] int top_level() const { return static_cast<int>(counts_.size()) - 1; }

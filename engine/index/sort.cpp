@@ -101,7 +101,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(round_up(out.size(), group_size));
     for (auto* v : {&out.x, &out.y, &out.z})
         std::fill(v->begin() + out.size(), v->end(), std::numeric_limits<double>::infinity());
-    records_.rest();  // clipping needs much memory
+    records_.release_pages();  // clipping needs much memory
 }
 
 template <class Real>

@@ -42,7 +42,7 @@ struct Job {
     std::optional<std::int32_t> probes_of;
     // Arrays of an earlier run, whose memory ResultBuilder::begin() takes; may be null.
     detail::Result* arrays = nullptr;
-    // Owner of the points. An engine that needs them no more may call rest(). May be null.
+    // Owner of the points. An engine that needs them no more may call release_pages(). May be null.
     Snapshot* snapshot = nullptr;
 };
 

@@ -14,10 +14,10 @@ namespace votess {
 
 class Snapshot {
 public:
-    // Copies the points. The copy is valid until the next call of take() or rest().
+    // Copies the points. The copy is valid until the next call of take() or release_pages().
     Points take(const Points& points, ThreadPool& pool);
     // Gives the pages of a large copy back to the system. Its content is lost.
-    void rest();
+    void release_pages();
 
 private:
     Buffer<double> f64_{Buffer<double>::Pages::huge};

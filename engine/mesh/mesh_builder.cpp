@@ -59,11 +59,11 @@ void MeshBuilder::add(std::span<const std::int32_t> cells, const MeshBlock& bloc
     std::size_t number = 0;
     {
         const std::lock_guard lock(mutex_);
-        to = records_memory_.take(bytes.size());
-        positions = vertices_memory_.take(block.positions().size_bytes());
-        vertices = vertices_memory_.take(block.vertices().size_bytes());
+        to = records_memory_.allocate(bytes.size());
+        positions = vertices_memory_.allocate(block.positions().size_bytes());
+        vertices = vertices_memory_.allocate(block.vertices().size_bytes());
         if (left_out > 0) {  // they come by another block
-            std::span own(reinterpret_cast<std::int32_t*>(records_memory_.take(cells.size_bytes())),
+            std::span own(reinterpret_cast<std::int32_t*>(records_memory_.allocate(cells.size_bytes())),
                           cells.size() - left_out);
             for (std::size_t k = 0, kept = 0; k < cells.size(); ++k)
                 if (block.begins()[k] != MeshBlock::none) own[kept++] = cells[k];
@@ -105,7 +105,7 @@ void MeshBuilder::finish(detail::Result& result, ThreadPool& pool) {
         unite_vertices(sets, result, pool);
         number_vertices(result, sets, pool);
     }
-    vertices_memory_.rest();
+    vertices_memory_.release_pages();
     if (want_faces_) place_polygons(result, pool);
     for_cells(pool, records_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         std::int32_t* const all = result.cell_vertex_indices.data();

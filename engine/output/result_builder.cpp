@@ -156,7 +156,7 @@ void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<con
 
 std::span<std::int32_t> ResultBuilder::keep(std::size_t count) {
     const std::lock_guard lock(mutex_);
-    return {reinterpret_cast<std::int32_t*>(memory_.take(count * sizeof(std::int32_t))), count};
+    return {reinterpret_cast<std::int32_t*>(memory_.allocate(count * sizeof(std::int32_t))), count};
 }
 
 void ResultBuilder::count(const CellCounters& counters) {
@@ -203,7 +203,7 @@ std::span<const T> ResultBuilder::keep_copy(std::span<const T> values) {
     std::byte* to = nullptr;
     {
         const std::lock_guard lock(mutex_);
-        to = memory_.take(values.size_bytes());
+        to = memory_.allocate(values.size_bytes());
     }
     std::memcpy(to, values.data(), values.size_bytes());
     return {reinterpret_cast<const T*>(to), values.size()};
@@ -221,7 +221,7 @@ void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const st
     std::int32_t* own_cells = nullptr;
     {
         const std::lock_guard lock(mutex_);
-        if (copy_cells) own_cells = reinterpret_cast<std::int32_t*>(memory_.take(rows * sizeof *own_cells));
+        if (copy_cells) own_cells = reinterpret_cast<std::int32_t*>(memory_.allocate(rows * sizeof *own_cells));
         blocks_.push_back({copy_cells ? std::span<const std::int32_t>(own_cells, rows) : cells, kept_ids, kept});
     }
     for (std::size_t k = 0; copy_cells && k < cells.size(); ++k)

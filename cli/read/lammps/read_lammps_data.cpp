@@ -147,7 +147,7 @@ private:
         if (!units_.empty()) input.units.push_back({"units", std::string(units_)});
         const auto count = static_cast<std::size_t>(*count_);
         constexpr std::size_t shortest_row = 10;
-        if (!can_hold(lines_.rest().size(), count, shortest_row)) throw short_section(0);
+        if (!can_hold(lines_.release_pages().size(), count, shortest_row)) throw short_section(0);
         input.points.reserve(3 * count);
         input.ids.reserve(count);
         AtomColumns columns;

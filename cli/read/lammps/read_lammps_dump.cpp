@@ -77,9 +77,9 @@ private:
         split_words(lines_.need("the number of atoms"), words_);
         const auto count = words_.size() == 1 ? read_uint64(words_[0]) : std::nullopt;
         if (!count) throw lines_.error("expected one whole number, the number of atoms");
-        if (!can_hold(lines_.rest().size(), *count, 2)) {
+        if (!can_hold(lines_.release_pages().size(), *count, 2)) {
             throw lines_.error(std::to_string(*count) + " atoms are announced, but only " +
-                               std::to_string(lines_.rest().size()) + " bytes follow");
+                               std::to_string(lines_.release_pages().size()) + " bytes follow");
         }
         count_ = *count;
     }
@@ -162,7 +162,7 @@ private:
         if (!units_.empty()) input.units.push_back({"units", std::string(units_)});
         input.note = "frame " + std::to_string(frame) + ", timestep " + std::string(timestep);
         const auto count = static_cast<std::size_t>(*count_);
-        if (!can_hold(lines_.rest().size(), count, 2 * names.size())) throw short_frame(0);
+        if (!can_hold(lines_.release_pages().size(), count, 2 * names.size())) throw short_frame(0);
         input.points.reserve(3 * count);
         if (id != names.end()) input.ids.reserve(count);
         input.columns = wanted.columns(count);
