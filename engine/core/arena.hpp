@@ -1,4 +1,4 @@
-// Memory handed out piece by piece from large segments, and taken back all at once to be handed out again.
+// Memory that is allocated piece by piece from large segments and freed all at once, for reuse.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@ namespace votess {
 
 class Arena {
 public:
-    // Takes everything back. Segments made from now on have at least this size.
+    // Frees all pieces. New segments have at least this size.
     void reset(std::size_t segment_bytes) {
         segment_bytes_ = segment_bytes;
         current_ = used_ = 0;
     }
-    // Uninitialized, aligned for any number; stays until reset().
+    // Returns uninitialized memory, aligned for any number, valid until reset().
     [[nodiscard]] std::byte* allocate(std::size_t bytes) {
         while (current_ < segments_.size() && segments_[current_].size() - used_ < bytes) {
             ++current_;
@@ -26,7 +26,7 @@ public:
         }
         if (current_ == segments_.size()) {
             Buffer<std::byte> segment;
-            // Some more, for a piece that is a little larger when all this is used again.
+            // Leaves room for a piece that is a little larger in the next use.
             segment.resize_uninitialized(std::max(segment_bytes_, std::bit_ceil(bytes + bytes / 8)));
             segments_.push_back(std::move(segment));
         }
@@ -36,7 +36,7 @@ public:
         return place;
     }
 
-    // Gives much memory back to the system, but keeps its addresses; what it held is lost.
+    // Returns large memory to the system but keeps its addresses. The contents are lost.
     void release_pages() {
         std::size_t bytes = 0;
         for (const auto& segment : segments_) bytes += segment.size();
@@ -46,7 +46,7 @@ public:
 private:
     std::vector<Buffer<std::byte>> segments_;
     std::size_t segment_bytes_ = 0;
-    std::size_t current_ = 0, used_ = 0;  // where the next piece is taken
+    std::size_t current_ = 0, used_ = 0;  // where the next piece begins
 };
 
 }  // namespace votess

@@ -1,5 +1,5 @@
-// Memory that is reused and never filled: whoever writes a part first also touches its pages first, so several threads
-// share the cost of new pages, which then lie near the thread that used them.
+// Memory that is reused and never filled. Whoever writes a part first also touches its pages first: threads share the
+// cost of new pages, and each page lies near its thread.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ class Buffer {
 
 public:
     Buffer() = default;
-    // Scattered writes to small pages are slow, for their addresses do not fit the processor's tables; but large ones
-    // are slow to come by, so only for what is written everywhere at once.
+    // Use huge pages only for what is written all over. They are slow to get, but scattered writes to small pages are
+    // slow, because their addresses do not fit the processor's tables.
     enum class Pages : std::uint8_t { normal, huge };
     explicit Buffer(Pages pages) : pages_(pages) {}
     Buffer(Buffer&& other) noexcept { *this = std::move(other); }
@@ -35,12 +35,12 @@ public:
         return *this;
     }
 
-    // The elements that fit the memory at hand keep their values; when it has to grow, all are lost.
+    // Keeps the elements that fit the current memory. If it has to grow, all elements are lost.
     void resize_uninitialized(std::size_t count) {
         if (count > capacity_) {
             memory_.reset();
             size_ = capacity_ = 0;
-            const std::size_t room = count + count / 8;  // costs nothing until it is touched
+            const std::size_t room = count + count / 8;  // untouched memory costs nothing
             if (room > std::size_t{PTRDIFF_MAX} / sizeof(T)) throw std::bad_array_new_length();
             memory_.reset(allocate(room * sizeof(T), pages_));
             capacity_ = room;
@@ -48,8 +48,8 @@ public:
         size_ = count;
     }
 
-    // Gets the pages of these elements at once, which takes less than a fault for each when they are written. Where the
-    // system cannot do that nothing happens.
+    // Makes the pages of these elements present at once, which costs less than a fault for each. Does nothing where the
+    // system has no such call.
     void touch([[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t count) {
 #if defined(__linux__) && defined(MADV_POPULATE_WRITE)
         constexpr std::uintptr_t page = 4096;
@@ -61,8 +61,8 @@ public:
 
     static constexpr std::size_t min_released = std::size_t{64} << 20;  // less is not worth the page faults
 
-    // Gives the memory of a large buffer back to the system but keeps its addresses, so that the next use allocates
-    // nothing. The content is lost.
+    // Returns the memory of a large buffer to the system but keeps its addresses, so that the next use allocates
+    // nothing. The contents are lost.
     void release_pages([[maybe_unused]] std::size_t least = min_released) {
 #if defined(__linux__)
         auto* memory = reinterpret_cast<std::byte*>(memory_.get());

@@ -24,7 +24,7 @@ public:
         put_all(std::span(values));
     }
     void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
-    // More of an array whose length has been put.
+    // Appends to an array whose length has been written.
     template <class T>
     void append(std::span<const T> values) {
         put_all(values);
@@ -40,7 +40,7 @@ private:
     Message bytes_;
 };
 
-// Throws invalid_argument where the bytes are not what was written.
+// Throws invalid_argument if the bytes do not match the types read.
 class Reader {
 public:
     explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -71,7 +71,8 @@ private:
         return begin;
     }
     [[noreturn]] static void refuse() {
-        throw Error(ErrorCode::invalid_argument, "a message between blocks is not what a block of this version wrote");
+        throw Error(ErrorCode::invalid_argument,
+                    "a message between blocks is damaged or from another version: run the same version everywhere");
     }
     std::span<const std::byte> bytes_;
 };

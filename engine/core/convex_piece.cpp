@@ -17,7 +17,7 @@ void ConvexPiece::Surface::clear() {
     ends.clear();
 }
 
-// What has fewer than three corners has no area, and its edges meet each other.
+// Drops a polygon of fewer than three corners. It has no area, and its edges meet each other.
 void ConvexPiece::Surface::end_polygon() {
     const std::size_t begin = ends.empty() ? 0 : ends.back();
     if (corners.size() < begin + 3)
@@ -58,8 +58,8 @@ ConvexPiece::Sides ConvexPiece::sides() const {
     return sides;
 }
 
-// The half of the surface on a side of the plane, -1 within it or 1 beyond it, closed. A polygon that only touches the
-// plane belongs to neither half: what closes them is there.
+// Writes the closed half of the surface on one side of the plane: -1 within, 1 beyond. Polygons that only touch the
+// plane belong to neither half, because the closing polygons lie there.
 void ConvexPiece::clip_half(double side, Surface& half) {
     const std::vector<Vector>& corners = surface_.corners;
     half.clear();
@@ -89,7 +89,7 @@ void ConvexPiece::clip_half(double side, Surface& half) {
             const std::size_t next = c + 1 == end ? begin : c + 1;
             if (side * beyond_[c] >= 0) add(corners[c], beyond_[c] == 0);
             if (!(beyond_[c] < 0 && beyond_[next] > 0) && !(beyond_[c] > 0 && beyond_[next] < 0)) continue;
-            // From the same end whichever way the edge goes.
+            // computed from the same end in both directions
             const std::size_t in = beyond_[c] < 0 ? c : next, out = beyond_[c] < 0 ? next : c;
             const double share = beyond_[in] / (beyond_[in] - beyond_[out]);
             Vector at;
@@ -102,7 +102,7 @@ void ConvexPiece::clip_half(double side, Surface& half) {
     close_rim(half);
 }
 
-// Edges that follow each other become polygons. As many begin at a place as end there, so each walk comes back.
+// Joins edges that follow each other into polygons. As many edges begin at a point as end there, so each walk returns.
 void ConvexPiece::close_rim(Surface& half) {
     while (!rim_.empty()) {
         const Vector start = rim_.back().from;
@@ -170,7 +170,7 @@ ConvexPiece::Ball ConvexPiece::ball() const {
     return ball;
 }
 
-// Sums over tetrahedra from a corner, which keeps what cancels small.
+// Sums tetrahedra from one corner, so that terms that cancel stay small.
 ConvexPiece::Measure ConvexPiece::measure(std::size_t corner) const {
     Measure sum;
     if (empty()) return sum;

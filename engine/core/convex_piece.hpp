@@ -1,4 +1,4 @@
-// A convex polyhedron in floating point, cut plane by plane: for volumes of pieces, where a sign that rounding decides
+// A convex polyhedron in floating point, cut plane by plane, for the volumes of pieces. A sign that rounding decides
 // changes a volume by no more than rounding.
 #pragma once
 
@@ -12,34 +12,34 @@
 
 namespace votess {
 
-// Its surface stays closed whatever rounding does to corners near a plane: an edge has the same ends in both of its
+// The surface stays closed whatever rounding does to corners near a plane: an edge has the same ends in both of its
 // polygons, so the two sides of a cut add up to the whole.
 class ConvexPiece {
 public:
     using Vector = Vector3;
 
     void clear();
-    // The polyhedron is bounded by polygons, counterclockwise seen from outside.
+    // Adds a bounding polygon, counterclockwise seen from outside.
     void add_polygon(std::span<const Vector> corners);
     void add_box(const Vector& lower, const Vector& upper);
-    // Becomes a copy of the polyhedron, without its scratch.
+    // Copies the polyhedron without its scratch.
     void assign(const ConvexPiece& other) { surface_ = other.surface_; }
     [[nodiscard]] bool empty() const { return surface_.ends.empty(); }
 
-    // Keeps what lies where n.x <= h. False when that is nothing.
+    // Keeps the part where n.x <= h. Returns false if it is empty.
     bool cut(const Vector& n, double h);
-    // Keeps what lies where n.x >= h; `below` becomes the rest.
+    // Keeps the part where n.x >= h. `below` becomes the rest.
     void split(const Vector& n, double h, ConvexPiece& below);
 
     struct Measure {
         double volume = 0;
         Vector moment{};  // the integral of x
     };
-    // The surface is that of triangles around one corner of each polygon, by its number: another corner shows how much
-    // it matters that polygons of rounded corners are not planar.
+    // Measures the surface of triangles around the given corner of each polygon. Polygons of rounded corners are not
+    // planar; another corner shows how much that matters.
     [[nodiscard]] Measure measure(std::size_t corner = 0) const;
     [[nodiscard]] double volume(std::size_t corner = 0) const { return measure(corner).volume; }
-    // Returns the least and the largest n.x of a polyhedron that is not empty.
+    // Returns the smallest and the largest n.x. Not for an empty polyhedron.
     [[nodiscard]] std::pair<double, double> extent(const Vector& n) const;
     // A ball that holds all corners.
     struct Ball {
@@ -47,7 +47,6 @@ public:
         double radius = 0;
     };
     [[nodiscard]] Ball ball() const;
-    // Polygon f, of polygons().
     [[nodiscard]] std::size_t polygons() const { return surface_.ends.size(); }
     [[nodiscard]] std::span<const Vector> polygon(std::size_t f) const {
         const std::size_t begin = f == 0 ? 0 : surface_.ends[f - 1];
@@ -74,7 +73,7 @@ private:
 
     Surface surface_;
     Surface kept_;                // scratch
-    std::vector<double> beyond_;  // by corner: how far it lies beyond the plane
+    std::vector<double> beyond_;  // by corner: distance beyond the plane, times |n|
     std::vector<Edge> rim_;       // of the polygons that close a half
 };
 

@@ -11,7 +11,7 @@ thread_local OfThread of_thread;
 
 }  // namespace
 
-// The callback may begin calls of its own, which must not look after this one.
+// The callback may make calls of its own. They must not check this one.
 bool Progress::call(double fraction) {
     fraction_ = std::max(fraction_, fraction);
     const Stoppable::Scope none(nullptr, false);
@@ -82,7 +82,7 @@ void Stoppable::check(double fraction) {
     if (!of_thread.may_call) return;
     try {
         Progress::require(progress_.going_on(fraction));
-    } catch (...) {  // also what the callback throws
+    } catch (...) {  // also for exceptions of the callback
         stopped_ = true;
         throw;
     }

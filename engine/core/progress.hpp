@@ -1,4 +1,4 @@
-// The user's progress callback as engines call it, and how long loops learn that the user asks to stop.
+// The user's progress callback, and how long loops learn that the user wants to stop.
 #pragma once
 
 #include <algorithm>
@@ -19,28 +19,28 @@ struct Share {
     [[nodiscard]] double at(std::size_t done, std::size_t total) const {
         return at(static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(total, 1)));
     }
-    // A part of this part.
+    // Returns a part of this part.
     [[nodiscard]] Share part(double from, double to) const { return {at(from), at(to)}; }
 };
 
-inline constexpr Share clipping{0.05, 0.95};  // of a run: before it seeds are sorted, after it rows are put in place
+inline constexpr Share clipping{0.05, 0.95};  // of a run: seeds are sorted before it, rows put in place after it
 
 class Progress {
 public:
     Progress() = default;
     explicit Progress(ProgressCallback callback) : callback_(std::move(callback)) {}
 
-    // Whether anybody listens.
+    // True if there is a callback.
     explicit operator bool() const { return static_cast<bool>(callback_); }
-    // False when the user asks to stop. Calls back some ten times a second, with fractions that never fall. A call that
-    // comes earlier costs a look at the clock.
+    // Returns false when the user asks to stop. Calls back about ten times a second, with fractions that never fall.
+    // Other calls cost a look at the clock.
     [[nodiscard]] bool going_on(double fraction);
     // Makes going_on() wait an interval, as after a call.
     void postpone() { last_ = std::chrono::steady_clock::now(); }
-    // Calls in any case: for the beginning, the end and between stages. Throws `cancelled`.
+    // Calls back unconditionally: at the beginning, the end and between stages. Throws `cancelled`.
     void report(double fraction);
-    // The callback of a run within this one, whose fractions lie in `share`. Empty when nobody listens. This object
-    // must outlive it.
+    // Returns the callback for a run within this one, whose fractions lie in `share`; empty without a callback. This
+    // object must outlive it.
     [[nodiscard]] ProgressCallback within(const Share& share);
     static void require(bool going_on);
 
@@ -50,12 +50,12 @@ private:
     static constexpr std::chrono::milliseconds interval{100};
     ProgressCallback callback_;
     double fraction_ = 0;
-    std::chrono::steady_clock::time_point last_{};  // long ago: the first call goes through, however short the run
+    std::chrono::steady_clock::time_point last_{};  // long ago, so that the first call goes through in the shortest run
 };
 
-// Lets the user stop a call. While it lives, check_stop() calls the progress callback when it is due: in the thread
-// that made this object, and so in tasks that this thread runs. In other threads of a pool check_stop() looks at a
-// flag. A progress without a callback changes nothing: an outer object stays in charge.
+// Lets the user stop a call. While it lives, check_stop() calls the progress callback when due, in the thread that made
+// this object and its tasks. In other threads of a pool check_stop() reads a flag. A progress without a callback
+// changes nothing: an outer object stays in charge.
 class Stoppable {
 public:
     explicit Stoppable(Progress& progress);
@@ -63,7 +63,7 @@ public:
     Stoppable(const Stoppable&) = delete;
     Stoppable& operator=(const Stoppable&) = delete;
 
-    // Lends an object, which may be null, to this thread: as its own, or as one that only reads the flag.
+    // Sets this thread's object, which may be null. may_call: whether this thread calls back or only reads the flag.
     class Scope {
     public:
         Scope(Stoppable* to, bool may_call) noexcept;
@@ -75,12 +75,12 @@ public:
         Stoppable* outer_;
         bool outer_may_call_;
     };
-    // That of this thread, or null.
+    // Returns this thread's object, or null.
     [[nodiscard]] static Stoppable* current() noexcept;
-    // The share of the stage at hand, of which report_stage() reports.
+    // The share of the current stage, for report_stage().
     [[nodiscard]] static Share stage() noexcept;
     static void enter_stage(const Share& share) noexcept;
-    // The progress callback for a run within the call, see Progress::within(). Empty when nobody listens.
+    // Returns the progress callback for a run within the call, see Progress::within().
     [[nodiscard]] static ProgressCallback within(const Share& share);
 
 private:
@@ -94,9 +94,9 @@ private:
     Scope scope_;
 };
 
-// Throws `cancelled` when the user asks to stop. Long loops call it every few microseconds or more seldom.
+// Throws `cancelled` when the user asks to stop. Long loops call it at intervals of a few microseconds or more.
 void check_stop();
-// The same, and reports how much of the stage at hand is done.
+// Does the same, and reports how much of the current stage is done.
 void report_stage(std::size_t done, std::size_t total);
 
 // Calls work(begin, end) for pieces of 0 .. count-1, and check_stop() between them.
@@ -109,7 +109,7 @@ void in_pieces(std::size_t count, const Work& work) {
     }
 }
 
-// Appends copies of `value` until the list has `size` elements.
+// Appends copies of `value` until the list has `size` elements. The user may stop it.
 template <class T>
 void lengthen(std::vector<T>& list, std::size_t size, const T& value = {}) {
     list.reserve(size);

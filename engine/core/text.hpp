@@ -4,11 +4,10 @@
 
 namespace votess {
 
-// The shortest text that reads back as the same double.
+// Returns the shortest text that reads back as the same double.
 std::string number(double value);
 // Quotes a user's text for a message. Control bytes become question marks, so that the message stays one line.
 std::string in_quotes(std::string text);
-// These are the names of the axes.
 inline constexpr const char* axis_name[3] = {"x", "y", "z"};
 
 }  // namespace votess

@@ -16,9 +16,9 @@
 
 namespace votess {
 
-// The threads and what they share with the calling one.
+// The threads, and the state that they share with the calling thread.
 struct ThreadPool::Crew {
-    // Makes fewer threads where the system gives no more.
+    // Makes fewer threads if the system gives no more.
     explicit Crew(unsigned threads);
     ~Crew() { dismiss(); }
     Crew(const Crew&) = delete;
@@ -104,7 +104,7 @@ void ThreadPool::Crew::work(unsigned worker) {
     }
 }
 
-// What the user's callback throws comes before what it makes the others throw.
+// An exception of the user's callback precedes those that it causes in other threads.
 void ThreadPool::Crew::fail(unsigned worker) {
     std::lock_guard lock(mutex);
     if (!failure || worker == 0) failure = std::current_exception();
@@ -151,14 +151,14 @@ ThreadPool::ThreadPool(unsigned requested) : requested_(requested) {
     crew_ = std::make_unique<Crew>(requested == 0 ? processors : requested);
     size_ = static_cast<unsigned>(crew_->workers.size()) + 1;
     if (size_ >= requested) return;
-    crew_.reset();  // gives memory back, which the message takes
+    crew_.reset();  // frees memory that the message needs
     throw Error(ErrorCode::no_threads, "threads = " + std::to_string(requested) + ", but the system gives only " +
                                            std::to_string(size_) +
                                            ": request fewer, or raise its limits (ulimit -u, ulimit -v, pids.max of "
                                            "the container)");
 }
 
-// A condition variable on which threads of the parent wait can never be destroyed in its child.
+// A child must not destroy a condition variable on which the parent's threads wait.
 ThreadPool::~ThreadPool() {
     if (!has_threads()) (void)crew_.release();
 }

@@ -1,4 +1,5 @@
-// Threads that wait between jobs. A job is a range of task numbers taken one by one; the calling thread works too.
+// Threads that wait between jobs. A job is a range of task numbers; threads take the next number in turn, and the
+// calling thread works too.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +12,11 @@ namespace votess {
 
 class ThreadPool {
 public:
-    // task(index, worker): worker is below size(), each worker runs one task at a time.
+    // task(index, worker): worker is below size(). Each worker runs one task at a time.
     using Task = std::function<void(std::size_t index, unsigned worker)>;
 
-    // requested: 0 for one thread for each processor, or as many of them as the system gives. Throws `no_threads` where
-    // the system gives fewer than are requested.
+    // requested: 0 for one thread per processor, or as many as the system gives. Throws `no_threads` if the system
+    // gives fewer than requested.
     explicit ThreadPool(unsigned requested);
     ~ThreadPool();
     ThreadPool(const ThreadPool&) = delete;
@@ -23,13 +24,13 @@ public:
 
     [[nodiscard]] unsigned size() const { return size_; }
     [[nodiscard]] unsigned requested() const { return requested_; }
-    // False in a child made by fork(), which has none of the threads and may only destroy the pool.
+    // False in a child made by fork(), which has no threads and may only destroy the pool.
     [[nodiscard]] bool has_threads() const { return home_.is_this(); }
-    // Runs task for 0 .. count-1 and returns when all are done. Rethrows the first exception of a task after the others
-    // have stopped; one of the calling thread comes first. Tasks may call check_stop(). The calling thread does so
-    // between its tasks, and while it waits for the others.
+    // Runs task for 0 .. count-1 and returns when all are done. Rethrows the first exception after the other tasks have
+    // stopped; an exception of the calling thread comes first. Tasks may call check_stop(). The calling thread calls it
+    // between its tasks and while it waits.
     void run(std::size_t count, const Task& task);
-    // The same, and reports the tasks handed out as the progress of the stage at hand.
+    // Does the same, and reports the tasks started as the progress of the current stage.
     void run_stage(std::size_t count, const Task& task);
 
 private:

@@ -145,6 +145,6 @@ TEST_CASE("blocks: what is refused, and by which words") {
     CHECK(!outline.empty());
     outline.pop_back();
     CHECK(message([&] { (void)block.layer_for(outline); }) ==
-          "a message between blocks is not what a block of this version wrote");
+          "a message between blocks is damaged or from another version: run the same version everywhere");
     CHECK(block.layer_for({}).empty());
 }
