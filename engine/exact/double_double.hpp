@@ -1,6 +1,6 @@
-// Unevaluated sums of two doubles, about 106 bits. Sum and product after Joldes, Muller, Popescu: Tight and rigorous
-// error bounds for basic building blocks of double-word arithmetic (ACM TOMS 44(2), 2017), algorithms 6 and 10:
-// relative errors below 3.1 u^2 and 5.1 u^2, u = 2^-53. Wrong if the compiler contracts a*b+c.
+// Unevaluated sums of two doubles, about 106 bits. Sum and product have relative errors below 3.1 u^2 and 5.1 u^2, with
+// u = 2^-53: algorithms 6 and 10 of Joldes, Muller, Popescu: Tight and rigorous error bounds for basic building blocks
+// of double-word arithmetic (ACM TOMS 44(2), 2017). Wrong if the compiler contracts a*b+c.
 #pragma once
 
 #include <limits>

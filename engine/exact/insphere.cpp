@@ -1,10 +1,10 @@
 #include "exact/insphere.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
+#include "core/arithmetic.hpp"
 #include "exact/double_double.hpp"
 #include "exact/integer/rows.hpp"
 #include "exact/integer/wide_int.hpp"
@@ -14,10 +14,10 @@ namespace {
 
 constexpr double unit = 0x1p-53;
 constexpr double orient_factor = 50 * unit, insphere_factor = 400 * unit;
-// More than all that underflow may add, with coordinates below 2^90.
+// An upper bound of all underflow, with coordinates below 2^90.
 constexpr double underflow = 1e-200;
 
-// Determinants whose elements are numbers (double) or WideInt<W>, where products are as wide as they need.
+// Determinants of numbers (double), or of WideInt<W>, whose products are as wide as they need.
 template <class Row>
 auto minor_xy(const Row& a, const Row& b) {
     return a[0] * b[1] - b[0] * a[1];
@@ -38,7 +38,7 @@ auto lift(const Row& a) {
     return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
 }
 
-// Rows (x, y, z, x^2 + y^2 + z^2) by the last column.
+// Expands rows (x, y, z, x^2 + y^2 + z^2) by the last column.
 template <class Row>
 auto lifted_determinant(const Row& a, const Row& b, const Row& c, const Row& d) {
     const auto ab = minor_xy(a, b), ac = minor_xy(a, c), ad = minor_xy(a, d);
@@ -48,7 +48,7 @@ auto lifted_determinant(const Row& a, const Row& b, const Row& c, const Row& d) 
     return (abc * lift(d) - abd * lift(c)) + (acd * lift(b) - bcd * lift(a));
 }
 
-// N points minus a last one: rounded, and what rounding took off. The sum of both is exact.
+// N points minus a last one: rounded differences, and their exact rounding errors.
 template <std::size_t N>
 struct PointRows {
     std::array<std::array<double, 3>, N> high;
@@ -60,20 +60,15 @@ struct PointRows {
     }
 };
 
-// Exponent of one above the highest bit of |x|; not for subnormals.
-int high_bit(double x) {
-    return static_cast<int>((std::bit_cast<std::uint64_t>(x) >> 52) & 0x7ff) - 1022;
-}
-
-// The differences as integers below 2^61 in units of a power of two; false when that would round one.
+// Writes the differences as integers below 2^61 in units of a power of two. Returns false if one would be rounded.
 template <std::size_t N>
 bool to_int64(const PointRows<N>& d, std::array<std::array<std::int64_t, 3>, N>& out) {
     double largest = 0;
     for (const auto& row : d.high)
         for (double x : row) largest = std::max(largest, std::abs(x));
-    const int shift = 60 - high_bit(largest);
-    if (shift < 0 || shift > 1000) return false;  // scaling up loses nothing
-    const double scale = std::bit_cast<double>(static_cast<std::uint64_t>(1023 + shift) << 52);
+    const int shift = 60 - exponent_above(largest);
+    if (shift < 0 || shift > 1000) return false;  // scaling up is exact
+    const double scale = power_of_two(shift);
     bool exact = true;
     for (std::size_t i = 0; i < N; ++i)
         for (int k = 0; k < 3; ++k) {
@@ -93,7 +88,7 @@ std::array<std::array<WideInt<W>, 3>, N> wide_rows(const PointRows<N>& d, int qu
     return out;
 }
 
-// The sign of a determinant of degree at most 5 in the differences: below 2^(5b + 8) when they are below 2^b.
+// Returns the sign of a determinant of degree at most 5 in the differences: below 2^(5b + 8) when they are below 2^b.
 template <std::size_t N, class Determinant>
 int exact_sign(const PointRows<N>& d, Determinant determinant_of) {
     if (std::array<std::array<std::int64_t, 3>, N> small; to_int64(d, small)) {

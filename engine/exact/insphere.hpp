@@ -1,23 +1,24 @@
 // The two predicates of a Delaunay triangulation, exact for all float64 coordinates: a filter in double, then integers
-// as wide as the operands need (the coordinates are integers times a common power of two).
+// as wide as the operands need. The coordinates are integers times a common power of two.
 //
-// For seeds on a sphere the filter decides almost nothing, so the first integer tier is the one that counts: the
-// differences to one of the points, exact as sums of two doubles, fit 61 bits unless a coordinate is far smaller than
-// the largest difference; the determinant then fits 320 bits.
+// The filter decides almost nothing for seeds on a sphere, so the first integer tier has to be fast. The differences to
+// one of the points are exact as sums of two doubles. They fit 61 bits unless a coordinate is far smaller than the
+// largest difference; the determinant then fits 320 bits.
 //
-// Filter. With u = 2^-53 and mx, my, mz, L the largest |dx|, |dy|, |dz|, dx^2 + dy^2 + dz^2, rounding changes a
-// determinant of 6 products by at most 8u * 6 mx my mz, and one of 24 by 16u * 24 mx my mz L (Shewchuk, Adaptive
-// precision floating-point arithmetic and fast robust geometric predicates, 1997, has the same 7 and 16 per product).
+// Filter: u = 2^-53, and mx, my, mz, L are the largest |dx|, |dy|, |dz|, dx^2 + dy^2 + dz^2. Rounding changes a
+// determinant of 6 products by at most 8u * 6 mx my mz, and one of 24 by 16u * 24 mx my mz L. (Shewchuk, Adaptive
+// precision floating-point arithmetic and fast robust geometric predicates, 1997, has the same 7 and 16 per product.)
 #pragma once
 
 #include "exact/predicate.hpp"
 
 namespace votess::exact {
 
-// Sign of det(a - d, b - d, c - d): +1 when a, b, c turn clockwise as seen from d. Coordinates below 2^90.
+// Returns the sign of det(a - d, b - d, c - d): +1 when a, b, c turn clockwise as seen from d. Coordinates below 2^90.
 int orient(const Point& a, const Point& b, const Point& c, const Point& d);
 
-// +1 when p lies strictly inside the sphere through a, b, c, d, where orient(a, b, c, d) > 0; -1 outside, 0 on it.
+// Returns +1 when p lies strictly inside the sphere through a, b, c, d, where orient(a, b, c, d) > 0; -1 outside, 0 on
+// it.
 int insphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p);
 
 }  // namespace votess::exact

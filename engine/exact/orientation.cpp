@@ -24,9 +24,9 @@ Normal<double> rounded_normal(const Point& p, const Plane& plane) {
     return n;
 }
 
-// 0 when uncertain. With P = sum |Na_k| (|Nb_i Nc_j| + |Nb_j Nc_i|) and u = 2^-53, differences (u), products, minors
-// and sums err by at most 8 u P; products that underflow add 2^-1073 (1 + sum |Na_k|) at most,
-// for which a number is taken that is not itself subnormal, and slow.
+// Returns 0 when uncertain. With P = sum |Na_k| (|Nb_i Nc_j| + |Nb_j Nc_i|) and u = 2^-53, differences (u), products,
+// minors and sums err by at most 8 u P. Products that underflow add at most 2^-1073 (1 + sum |Na_k|); the bound is
+// larger because subnormal numbers are slow.
 int filtered_orientation(const Normal<double>& a, const Normal<double>& b, const Normal<double>& c) {
     const auto& [ax, ay, az] = a;
     const auto& [bx, by, bz] = b;

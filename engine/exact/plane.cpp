@@ -6,7 +6,7 @@
 namespace votess::exact {
 namespace {
 
-// Sum of doubles without rounding: components that do not overlap, smallest first (Shewchuk, Adaptive precision
+// A sum of doubles without rounding: components that do not overlap, smallest first (Shewchuk, Adaptive precision
 // floating-point arithmetic, Discrete Comput. Geom. 18, 1997, grow-expansion).
 class Expansion {
 public:
@@ -26,8 +26,8 @@ public:
         if (x.low != 0) add(x.low);
         add(x.high);
     }
-    // The sum as two doubles: the nearest one, and the one nearest to the rest. Equal sums give equal doubles, however
-    // they were added up. `exact` becomes false when it takes more than two.
+    // Returns the sum as two doubles: the nearest one, and the one nearest to the rest. Equal sums give equal doubles
+    // in any order of terms. Sets `exact` to false when two are not enough.
     [[nodiscard]] DoubleDouble rounded(bool& exact) const {
         if (size_ == 0) return {};
         if (size_ == 1) return {terms_[0], 0};
@@ -42,8 +42,8 @@ public:
     }
 
 private:
-    // The sum rounded to nearest, ties to even. Components do not overlap, so the first rounding from the top that
-    // leaves a rest decides, unless the rest is half a unit: then the sign of the next component does.
+    // Returns the sum rounded to nearest, ties to even. Components do not overlap, so the first rounding from the top
+    // that leaves a rest decides. If the rest is half a unit, the sign of the next component decides.
     [[nodiscard]] double nearest() const {
         if (size_ == 0) return 0;
         std::size_t i = size_ - 1;
@@ -65,7 +65,7 @@ private:
 Differences image_differences(const Point& p, const Plane& bisector) {
     Differences d;
     for (int k = 0; k < 3; ++k) {
-        std::array<double, Expansion::max_terms> terms;  // that are not zero
+        std::array<double, Expansion::max_terms> terms;  // those that are not zero
         int count = 0;
         const auto add = [&](DoubleDouble x) {
             if (x.low != 0) terms[count++] = x.low;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "core/arithmetic.hpp"
 #include "exact/integer/rows.hpp"
 #include "exact/integer/vertex.hpp"
 #include "exact/integer/wide_int.hpp"
@@ -21,7 +22,7 @@ int side_of_rows(const R& a, const R& b, const R& c, const R& d) {
     return sign_of(excess) * sign_of(determinant);
 }
 
-// A plane in words: N, or the sign and the distance of a wall.
+// A plane in 64-bit words: N, or the sign and the distance of a wall.
 struct WordRow {
     std::array<std::int64_t, 3> n{};
     std::int64_t wall = 0;
@@ -30,7 +31,7 @@ constexpr int bits_for_int64 = 11;   // 5 * 11 + 6.2 < 63
 constexpr int bits_for_int128 = 24;  // 5 * 24 + 6.2 < 127
 constexpr int max_bits = 60;         // 5 * 61 + 6.2 < 319, with one bit more for the sum of two parts
 
-// The planes in their largest common unit. Bits of the largest component; 0 when the rows do not fit.
+// Writes the planes in their largest common unit. Returns the bits of the largest component, or 0 when they do not fit.
 int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::array<WordRow, 4>& rows) {
     double largest = 0;
     for (const Plane* plane : planes) {
@@ -40,8 +41,7 @@ int word_rows(const Point& p, const std::array<const Plane*, 4>& planes, std::ar
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - max_bits) and its inverse must be normal.
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
     if (exponent <= max_bits || exponent == 0x7ff) return 0;
-    auto power = [](int biased) { return std::bit_cast<double>(static_cast<std::uint64_t>(biased) << 52); };
-    const double unit = power(exponent + 1 - max_bits), per_unit = power(2045 - exponent + max_bits);
+    const double unit = power_of_two(exponent - 1022 - max_bits), per_unit = power_of_two(1022 - exponent + max_bits);
     std::uint64_t any = 0, sizes = 0;
     bool whole = true;
     auto units = [&](double x) {
@@ -98,7 +98,7 @@ Real scale_by_power(Real x, int exponent) {
     if constexpr (std::is_same_v<Real, WideFloat>) {
         return ldexp(x, exponent);
     } else {
-        // In steps that neither overflow nor underflow in between.
+        // In steps that neither overflow nor underflow.
         while (exponent > 500) x *= static_cast<Real>(0x1p500), exponent -= 500;
         while (exponent < -500) x *= static_cast<Real>(0x1p-500), exponent += 500;
         return x * static_cast<Real>(std::ldexp(1.0, exponent));
@@ -121,7 +121,7 @@ struct Fractions {
     WideInt<3 * W> determinant;
 };
 
-// The same for all types of positions, hence compiled once a width.
+// Equal for all types of positions, so it is compiled once for each width.
 template <int W>
 [[gnu::noinline]] Fractions<W> fractions(const WideRow<W>& a, const WideRow<W>& b, const WideRow<W>& c) {
     const auto bc = cross(b.n, c.n), ca = cross(c.n, a.n), ab = cross(a.n, b.n);
@@ -179,7 +179,7 @@ int side_of_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& 
 
 namespace {
 
-// decide(row a, row b) at a width that holds any two planes.
+// Returns decide(row a, row b) at a width that holds any two planes.
 template <class Decide>
 auto decide_on_rows(const Point& p, const Plane& a, const Plane& b, Decide decide) {
     BitRange range;
@@ -220,7 +220,7 @@ std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane&
     const auto solve = [&]<int W>() {
         return position<Real, W>(wide_row<W>(p, a, q), wide_row<W>(p, b, q), wide_row<W>(p, c, q), q);
     };
-    if constexpr (std::is_same_v<Real, WideFloat>) {  // rare, so that one width is enough
+    if constexpr (std::is_same_v<Real, WideFloat>) {  // rare, so one width is enough
         return solve.template operator()<widest>();
     } else {
         if (range.span() > middle_bits) return solve.template operator()<widest>();

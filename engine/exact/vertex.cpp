@@ -1,11 +1,11 @@
 #include "exact/vertex.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "core/arithmetic.hpp"
 #include "exact/double_double.hpp"
 #include "exact/integer/rows.hpp"
 
@@ -15,27 +15,18 @@ namespace {
 constexpr double rounding = 20 * 0x1p-53;  // above the 17 of vertex.hpp
 constexpr double exact_limit = 0x1p52;     // leaves A room for its own rounding
 constexpr int lowest_quantum = -1000;      // 2^1000 is still finite
-constexpr int coarse_bits = 6;             // differences of a lattice in its quanta
+constexpr int coarse_bits = 6;             // differences of a lattice, in its quanta
 constexpr int exact_bits = 10;             // beyond them A <= 2^52 is rare
 constexpr int fine_bits = 57;              // leaves planes d up to 8 times longer within 61 bits
-constexpr int max_bits = 120;              // A < 2^700; finer planes are decided alone, not at the cost of all others
+constexpr int max_bits = 120;              // A < 2^700; finer planes are decided one by one
 
-double power_of_two(int exponent) {
-    return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
-}
-
-// Smallest e with |x| < 2^e for a normal x.
-int exponent_above(double x) {
-    return static_cast<int>((std::bit_cast<std::uint64_t>(x) >> 52) & 0x7ff) - 1022;
-}
-
-// Planes that the fast ways can handle.
+// True for planes that the fast ways can handle.
 bool in_two_doubles(const Point& p, const Plane& plane) {
     if (plane.has_power() || plane.is_reversed() || plane.is_oblique()) return false;
     return plane.plain() || image_differences(p, plane).exact;
 }
 
-// All the bits of the differences of a plane.
+// Adds all the bits of the differences of a plane.
 void add_differences(BitRange& range, const Point& p, const Plane& plane) {
     auto add = [&range](DoubleDouble d) {
         range.add(d.high);
@@ -84,7 +75,7 @@ FloatRow float_row(const Point& p, const Plane& plane, double unit, double per_u
     return row;
 }
 
-// A plane in quanta, exact. False when a difference may reach 2^61.
+// Writes a plane in quanta, exact. Returns false when a difference may reach 2^61.
 bool int_row(const Point& p, const Plane& plane, double per_unit, IntRow& row) {
     bool fits = true;
     auto quanta = [&](DoubleDouble d) -> std::int64_t {
@@ -127,7 +118,7 @@ bool ExactVertex::refine(const Plane& plane) {
     if (range.span() == 0) return true;
     if (range.low < std::max(lowest_quantum, exponent_ - max_bits)) return false;
     quantum_ = std::min(quantum_, range.low);
-    // Where double is not exact anyway: fine enough at once that few planes ask for more.
+    // Double is not exact here anyway, so a quantum so fine that few planes need a finer one.
     if (exponent_ - quantum_ > exact_bits)
         quantum_ = std::min(quantum_, std::max(exponent_ - fine_bits, lowest_quantum));
     return true;

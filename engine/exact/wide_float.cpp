@@ -43,7 +43,7 @@ WideFloat operator*(const WideFloat& a, const WideFloat& b) {
 // Newton's iteration for 1/b doubles the 53 correct bits of its start each time.
 WideFloat operator/(const WideFloat& a, const WideFloat& b) {
     constexpr int bits = 64 * WideFloat::limbs - 1;
-    WideFloat divisor = b;  // brought between 1/2 and 1
+    WideFloat divisor = b;  // scaled to between 1/2 and 1
     divisor.exponent_ = -bits;
     WideFloat inverse = 1 / static_cast<double>(divisor);
     for (int correct = 50; correct < bits; correct *= 2) inverse += inverse * (1 - divisor * inverse);

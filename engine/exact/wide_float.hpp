@@ -1,5 +1,5 @@
-// Floating point of 2367 bits: relative rounding so small that even a cell as thin as the smallest subnormal in a box
-// of order one keeps a correct volume.
+// Floating point of 2367 bits. Even a cell as thin as the smallest subnormal, in a box of order one, keeps a correct
+// volume.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ public:
     }
 
     explicit operator double() const { return to_real<double>(); }
-    explicit operator long double() const { return to_real<long double>(); }  // with more exponents
+    explicit operator long double() const { return to_real<long double>(); }  // has more exponents
 
     WideFloat operator-() const;
     friend WideFloat operator+(const WideFloat& a, const WideFloat& b);
@@ -45,7 +45,7 @@ private:
     template <class Real>
     [[nodiscard]] Real to_real() const;
 
-    // The number is mantissa * 2^exponent, the mantissa as long as it can be, or 0.
+    // The number is mantissa * 2^exponent. The mantissa is as long as possible, or 0.
     WideInt<limbs> mantissa_;
     int exponent_ = 0;
 };

@@ -1,10 +1,11 @@
-// Normals of planes as integers, each times some positive power of two: what the sign of det(Na, Nb, Nc) needs. The
-// distance plays no part and walls need no unit, so these are narrower than the rows of integer_rows.hpp.
+// Normals of planes as integers, each times some positive power of two, for the sign of det(Na, Nb, Nc). Distances do
+// not matter and walls need no unit, so normals are narrower than the rows of rows.hpp.
 #pragma once
 
 #include <span>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "exact/double_double.hpp"
 #include "exact/integer/rows.hpp"
 
@@ -18,7 +19,7 @@ inline constexpr int bits_for_int64 = 20;   // 3 * 2^61 < 2^63
 inline constexpr int bits_for_int128 = 41;  // 3 * 2^124 < 2^127
 inline constexpr int bits_for_word = 60;    // WideInt<1>: 3 * 2^184 < 2^191 with one bit more, for high + low
 
-// One T a plane, unset; on the heap for many planes or very wide numbers.
+// One uninitialized T for each plane; on the heap for many planes or very wide numbers.
 template <class T>
 class Scratch {
 public:
@@ -43,7 +44,7 @@ inline int wall_sign(const Plane& wall) {
     return wall.kind == Plane::Kind::lower_wall ? -1 : 1;
 }
 
-// All normals in one unit that leaves `bits` bits to the largest; false when some difference is finer.
+// Writes all normals in one unit that leaves `bits` bits to the largest. Returns false when a difference is finer.
 template <int bits>
 bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
     double largest = 0;
@@ -54,9 +55,8 @@ bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<
     // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - bits) and its inverse must be normal.
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
     if (largest != 0 && (exponent <= bits || exponent == 0x7ff)) return false;
-    auto power = [](int biased) { return std::bit_cast<double>(static_cast<std::uint64_t>(biased) << 52); };
-    const int unit_exponent = largest == 0 ? 1023 : exponent + 1 - bits;
-    const double unit = power(unit_exponent), per_unit = power(2046 - unit_exponent);
+    const int unit_exponent = largest == 0 ? 0 : exponent - 1022 - bits;
+    const double unit = power_of_two(unit_exponent), per_unit = power_of_two(-unit_exponent);
     bool whole = true;
     auto units = [&](double x) {
         const auto n = static_cast<std::int64_t>(x * per_unit);
@@ -83,7 +83,7 @@ bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<
     return true;
 }
 
-// Bits of the largest component after a common power of two is taken out of all but walls.
+// Removes a common power of two from all normals except walls. Returns the bits of the largest component.
 inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
     std::uint64_t any = 0, sizes = 0;
     for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -101,7 +101,7 @@ inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int6
     return 64 - std::countl_zero(sizes) - zeros;
 }
 
-// It has units of its own, and holds coordinates that span at most 124 bits.
+// Writes a normal in a unit of its own. Returns false when the coordinates span more than 124 bits.
 inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& n) {
     n = {};
     if (plane.is_oblique()) {
@@ -124,7 +124,7 @@ inline bool wide_normal(const Point& p, const Plane& plane, Normal<WideInt<2>>& 
     return true;
 }
 
-// It holds any float64.
+// Returns a normal at a width that holds any float64.
 inline Normal<WideInt<widest>> widest_normal(const Point& p, const Plane& plane) {
     BitRange range;
     range.add(p);
@@ -132,7 +132,7 @@ inline Normal<WideInt<widest>> widest_normal(const Point& p, const Plane& plane)
     return wide_row<widest>(p, plane, range.quantum()).n;
 }
 
-// decide(normals) at a width that holds them and the determinants of three of them.
+// Returns decide(normals), at a width that holds them and the determinants of any three.
 template <class Decide>
 auto decide_on_normals(const Point& p, std::span<const Plane* const> planes, Decide decide) {
     const std::size_t count = planes.size();

@@ -1,5 +1,5 @@
-// Planes as rows of integers, for the exact decisions. Float64 coordinates are integers times a power of two; a set of
-// them is brought to the lowest power in it, the quantum, and the width follows from the highest.
+// Planes as rows of integers, for the exact decisions. Float64 coordinates are integers times a power of two. The
+// lowest power in a set of them, the quantum, is their unit; the width follows from the highest.
 #pragma once
 
 #include <algorithm>
@@ -68,7 +68,7 @@ struct BitRange {
         low = std::min(low, sum.low);
         high = std::max(high, sum.high + 3);  // of up to seven terms
     }
-    // The two lattice vectors that span a wall of a triclinic box.
+    // The range of the two lattice vectors that span a wall of a triclinic box.
     static BitRange of_vectors_in(const Plane& wall) {
         BitRange range;
         for (int j = 1; j <= 2; ++j)
@@ -80,7 +80,7 @@ struct BitRange {
     [[nodiscard]] int quantum() const { return high > low ? low : 0; }
 };
 
-// x / 2^quantum as an integer; exact when the quantum divides x and W holds it.
+// Returns x / 2^quantum as an integer. Exact when the quantum divides x and W holds it.
 template <int W>
 WideInt<W> to_wide(double x, int quantum) {
     int exponent = 0;
@@ -185,7 +185,8 @@ auto dot(const std::array<A, 3>& a, const std::array<B, 3>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-// The power of two that brings the normal of an oblique wall, or the vectors that span it, to integers; at most 1.
+// Returns the exponent of the power of two that brings the normal of an oblique wall, or the vectors that span it, to
+// integers; at most 0.
 inline int normal_quantum(const Plane& wall) {
     BitRange range;
     if (wall.kind == Plane::Kind::cell_wall)
@@ -213,7 +214,7 @@ std::array<WideInt<W>, 3> oblique_normal(const Plane& wall) {
     return n;
 }
 
-// An oblique wall: W limbs hold N, and the coordinates.
+// Returns the row of an oblique wall. W limbs hold N and the coordinates.
 template <int W>
 WideRow<W> oblique_row(const Point& p, const Plane& wall, int quantum) {
     WideRow<W> r{oblique_normal<W>(wall), {}};
@@ -230,7 +231,7 @@ WideRow<W> oblique_row(const Point& p, const Plane& wall, int quantum) {
     return r;
 }
 
-// The general case: W limbs hold coordinates.
+// Returns the row of any plane. W limbs hold coordinates.
 template <int W>
 WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
     if (plane.is_oblique()) return oblique_row<W>(p, plane, quantum);
@@ -256,7 +257,7 @@ WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
     return row;
 }
 
-// Any plane whose coordinates span at most 124 bits.
+// Returns the row of any plane whose coordinates span at most 124 bits.
 inline WideRow<2> narrow_row(const Point& p, const std::array<Int128, 3>& seed, const Plane& plane, int quantum) {
     if (plane.is_oblique()) return oblique_row<2>(p, plane, quantum);
     WideRow<2> row = wide_row<2>(int_difference(seed, plane, quantum), plane.is_bisector());
@@ -274,7 +275,7 @@ int sign_of(const WideInt<W>& x) {
     return x.sign();
 }
 
-// Differences as sums of two doubles, which lose nothing.
+// An exact difference as the sum of two doubles.
 struct WallDifference {
     double sign;
     DoubleDouble distance;
@@ -285,7 +286,7 @@ inline WallDifference wall_difference(const Point& p, const Plane& wall) {
     return {1, two_sum(wall.wall, -p[wall.axis])};
 }
 
-// Largest difference of a plane other than an oblique wall.
+// Returns the largest difference of a plane that is not an oblique wall.
 inline double largest_difference(const Point& p, const Plane& plane) {
     if (!plane.is_bisector()) return std::abs(wall_difference(p, plane).distance.high);
     double m = 0;
@@ -296,13 +297,13 @@ inline double largest_difference(const Point& p, const Plane& plane) {
     return m;
 }
 
-// 2098 bits from the smallest subnormal to the largest double, 34 for shifts and sums.
+// 2098 bits from the smallest subnormal to the largest double, 34 for shifts and sums
 inline constexpr int widest = 36;
 
-// For coordinates that span at most so many bits, as when some are 0 but for rounding.
+// For coordinates that span at most so many bits, for example because some are 0 except for rounding.
 inline constexpr int middle = 4, middle_bits = 250;
 
-// side_of_vertex for any float64, without a look at the easy cases.
+// Decides as side_of_vertex() does, for any float64, without its fast cases.
 int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
 
 }  // namespace votess::exact

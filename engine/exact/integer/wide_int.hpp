@@ -1,5 +1,5 @@
-// Fixed-width two's complement integers of W 64-bit limbs, little endian. Wide enough by construction: the callers
-// choose W from bounds on their operands, so nothing here checks for overflow.
+// Fixed-width two's complement integers of W 64-bit limbs, little endian. Nothing checks for overflow: callers choose W
+// from bounds on their operands.
 #pragma once
 
 #include <array>
@@ -63,7 +63,8 @@ WideInt<W> operator-(const WideInt<W>& a) {
     return WideInt<W>{} - a;
 }
 
-// The full product. Schoolbook on the unsigned limbs; a negative operand counts 2^(64 W) too much, taken off after.
+// Returns the full product. Schoolbook on the unsigned limbs, where a negative operand counts 2^(64 W) too much; that
+// is subtracted afterwards.
 template <int A, int B>
 WideInt<A + B> operator*(const WideInt<A>& a, const WideInt<B>& b) {
     WideInt<A + B> r;
@@ -89,7 +90,7 @@ WideInt<A + B> operator*(const WideInt<A>& a, const WideInt<B>& b) {
     return r;
 }
 
-// Sign extension or truncation; truncating is right when the value fits.
+// Extends the sign or truncates. A truncated value must fit.
 template <int To, int From>
 WideInt<To> resize(const WideInt<From>& a) {
     WideInt<To> r;
@@ -109,7 +110,7 @@ WideInt<W> shift_left(const WideInt<W>& a, int bits) {
     return r;
 }
 
-// Number of bits of |a|.
+// Returns the number of bits of |a|.
 template <int W>
 int bit_length(const WideInt<W>& a) {
     const WideInt<W> m = a.negative() ? -a : a;
