@@ -115,7 +115,7 @@ void CellBuilder::clip_by_heaviest() {
     const auto f = domain_->reduced.fraction({at_[0] - seeds_.x[i], at_[1] - seeds_.y[i], at_[2] - seeds_.z[i]});
     ShiftRange nearest;
     for (std::size_t j = 0; j < 3; ++j)
-        if (domain_->periodic[j]) nearest.least[j] = static_cast<std::int32_t>(std::round(f[j]));
+        if (domain_->periodic[j]) nearest.lower[j] = static_cast<std::int32_t>(std::round(f[j]));
     clip_by_image(heaviest_, only_shift(*domain_, nearest));
 }
 
@@ -260,7 +260,7 @@ Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guard
     guards_ = guards;
     coincident_ = -1;
     at_ = probe.place.at;
-    base_ = {probe.x, probe.place.by};
+    base_ = {probe.x, probe.place.shift};
     weight_ = probe.weight;
     for (std::size_t k = 0; k < 3; ++k) {
         if (place_rounding_[k] == 0 && probe.place.low[k] == 0) continue;

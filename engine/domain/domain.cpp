@@ -219,9 +219,9 @@ ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Poin
             upper += std::max(a, b);
         }
         const double around = distance / basis.width[j] * (1 + 1e-9) + basis.fraction_error(j, size);
-        range.least[j] = static_cast<std::int32_t>(std::ceil(std::max(-around - upper, -0.25 * exact::max_shift)));
-        range.most[j] = static_cast<std::int32_t>(std::floor(std::min(around - lower, 0.25 * exact::max_shift)));
-        if (range.most[j] < range.least[j]) return {};
+        range.lower[j] = static_cast<std::int32_t>(std::ceil(std::max(-around - upper, -0.25 * exact::max_shift)));
+        range.upper[j] = static_cast<std::int32_t>(std::floor(std::min(around - lower, 0.25 * exact::max_shift)));
+        if (range.upper[j] < range.lower[j]) return {};
     }
     return range;
 }
@@ -235,10 +235,10 @@ Box images_of(const Domain& domain, const Box& box, const ShiftRange& range, con
         double steps = 0;
         for (std::size_t j = 0; j < 3; ++j) {
             const DoubleDouble v{domain.reduced.vector[j][k], domain.reduced.low[j][k]};
-            if (v.high == 0 || (range.least[j] == 0 && range.most[j] == 0)) continue;
-            const DoubleDouble least = v * DoubleDouble{static_cast<double>(range.least[j])};
+            if (v.high == 0 || (range.lower[j] == 0 && range.upper[j] == 0)) continue;
+            const DoubleDouble least = v * DoubleDouble{static_cast<double>(range.lower[j])};
             const DoubleDouble most =
-                range.most[j] == range.least[j] ? least : v * DoubleDouble{static_cast<double>(range.most[j])};
+                range.upper[j] == range.lower[j] ? least : v * DoubleDouble{static_cast<double>(range.upper[j])};
             lower = lower + (v.high > 0 ? least : most);
             upper = upper + (v.high > 0 ? most : least);
             steps += std::max(std::abs(least.high), std::abs(most.high));
@@ -253,15 +253,15 @@ Box images_of(const Domain& domain, const Box& box, const ShiftRange& range, con
 std::array<ShiftRange, 2> halves(const ShiftRange& range, int axis) {
     const auto j = static_cast<std::size_t>(axis);
     std::array<ShiftRange, 2> parts{range, range};
-    parts[0].most[j] = range.least[j] + (range.most[j] - range.least[j]) / 2;
-    parts[1].least[j] = parts[0].most[j] + 1;
+    parts[0].upper[j] = range.lower[j] + (range.upper[j] - range.lower[j]) / 2;
+    parts[1].lower[j] = parts[0].upper[j] + 1;
     return parts;
 }
 
 Extent longest_extent(const Domain& domain, const ShiftRange& range) {
     Extent longest;
     for (int j = 0; j < 3; ++j) {
-        const double steps = static_cast<double>(range.most[j]) - range.least[j];
+        const double steps = static_cast<double>(range.upper[j]) - range.lower[j];
         const double extent = steps * length(domain.reduced.vector[j]);
         if (extent > longest.length) longest = {j, extent};
     }
@@ -269,7 +269,7 @@ Extent longest_extent(const Domain& domain, const ShiftRange& range) {
 }
 
 exact::Shift only_shift(const Domain& domain, const ShiftRange& range) {
-    return in_lattice(domain.reduced, range.least);
+    return in_lattice(domain.reduced, range.lower);
 }
 
 std::vector<exact::Shift> near_translations(const Domain& domain) {

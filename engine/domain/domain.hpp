@@ -29,11 +29,11 @@ struct Basis {
     [[nodiscard]] double fraction_error(int j, double size) const;
 };
 
-// Shifts a.reduced with least <= a <= most on each axis.
+// Shifts a.reduced with lower <= a <= upper on each axis.
 struct ShiftRange {
-    std::array<std::int32_t, 3> least{}, most{};
+    std::array<std::int32_t, 3> lower{}, upper{};
 
-    [[nodiscard]] bool is_single() const { return least == most; }
+    [[nodiscard]] bool is_single() const { return lower == upper; }
     friend bool operator==(const ShiftRange&, const ShiftRange&) = default;
 };
 

@@ -9,8 +9,8 @@ namespace votess::cpu {
 struct Place {
     exact::Point at{};            // rounded where it has been moved
     std::array<double, 3> low{};  // what rounding took
-    exact::Shift by{};
-    exact::Shift move{};  // the part of `by` from the domain into its reduced cell
+    exact::Shift shift{};
+    exact::Shift move{};  // the part of `shift` from the domain into its reduced cell
 };
 
 struct Probe {

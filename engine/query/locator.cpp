@@ -55,8 +55,8 @@ std::optional<Place> place_in(const Domain& domain, const exact::Point& x) {
     Place place{x};
     if (!domain.is_periodic()) return place;
     const auto move = [&](const exact::Shift& shift) {
-        for (std::size_t j = 0; j < 3; ++j) place.by[j] += shift[j];
-        const auto moved = exact::differences({}, exact::Plane::bisector(x, place.by, domain.lattice));
+        for (std::size_t j = 0; j < 3; ++j) place.shift[j] += shift[j];
+        const auto moved = exact::differences({}, exact::Plane::bisector(x, place.shift, domain.lattice));
         for (std::size_t k = 0; k < 3; ++k) place.at[k] = moved.x[k].high, place.low[k] = moved.x[k].low;
     };
     const auto shift = wrap(domain, x);
@@ -195,7 +195,7 @@ std::int32_t Locator::find(const exact::Point& x, const Place& place) {
     if (seeds_.size() == 0) return -1;
     at_ = place.at;
     rounding_ = image_rounding_;
-    if (place.by != exact::Shift{})
+    if (place.shift != exact::Shift{})
         for (const double c : at_) rounding_ = std::max(rounding_, image_rounding_ + 4 * unit * std::abs(c));
     best_ = reach_ = infinity;
     candidates_.clear();
@@ -204,7 +204,7 @@ std::int32_t Locator::find(const exact::Point& x, const Place& place) {
     search();
     if (seeds_.images != nullptr) search_images();
     std::erase_if(candidates_, [this](const Candidate& c) { return !(c.least <= best_); });
-    return decide(x, place.by);
+    return decide(x, place.shift);
 }
 
 exact::Plane Locator::plane_of(const Candidate& candidate, const exact::Shift& by) const {

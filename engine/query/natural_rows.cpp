@@ -117,7 +117,7 @@ void NaturalRows::read_shape(std::size_t k, Star& star) {
             exact::Plane bisector = exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
             if (images != nullptr) {
                 plane.seed = images->home(id);
-                bisector = images->bisector({probe.x, probe.place.by}, plane.seed, images->shift(id));
+                bisector = images->bisector({probe.x, probe.place.shift}, plane.seed, images->shift(id));
             }
             const auto d = exact::differences(probe.x, bisector).x;
             for (std::size_t c = 0; c < 3; ++c) plane.n[c] = d[c].high;

@@ -30,7 +30,7 @@ SeedImages::Base Parts::base_of(std::int32_t home) const {
 exact::Plane Parts::guard_of(const Member& member) const {
     exact::Plane guard = exact::Plane::bisector(probe_->x);
     if (seeds_.images != nullptr) {
-        const exact::Shift by = difference(difference(probe_->place.by, member.shift), base_of(member.home).shift);
+        const exact::Shift by = difference(difference(probe_->place.shift, member.shift), base_of(member.home).shift);
         guard = exact::Plane::bisector(probe_->x, by, seeds_.images->domain().lattice);
     }
     if (!seeds_.weights.empty())

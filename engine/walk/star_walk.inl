@@ -479,7 +479,7 @@ bool StarWalk<Isa>::build(const Probe& probe) {
     ++seed_;  // what is known of walls belongs to another
     own_id_ = static_cast<std::int32_t>(seeds_.places());
     p_ = probe.place.at;
-    base_ = {probe.x, probe.place.by};
+    base_ = {probe.x, probe.place.shift};
     const auto& low = probe.place.low;
     low_ = {{low[0], low[1], low[2], 0}};
     if (weighted_) weight_ = probe.weight;

@@ -153,7 +153,7 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
                 if (!images) continue;
                 const auto by = votess::shifts_around(domain, {image, image}, at,
                                                       (std::sqrt(square) + radius) * (1 + 1e-9) + rounding);
-                if (!(by.least <= std::array<std::int32_t, 3>{} && std::array<std::int32_t, 3>{} <= by.most))
+                if (!(by.lower <= std::array<std::int32_t, 3>{} && std::array<std::int32_t, 3>{} <= by.upper))
                     FAIL_CHECK("a shift within the distance is missing");
             }
         }
@@ -228,14 +228,14 @@ TEST_SUITE("stages") {
                 for (double& x : q) x = random.uniform(-1, 1) * size;
                 votess::ShiftRange range;
                 for (std::size_t j = 0; j < 3; ++j) {
-                    range.least[j] = static_cast<std::int32_t>(random.below(200)) - 100;
-                    range.most[j] = range.least[j] + static_cast<std::int32_t>(random.below(3));
+                    range.lower[j] = static_cast<std::int32_t>(random.below(200)) - 100;
+                    range.upper[j] = range.lower[j] + static_cast<std::int32_t>(random.below(3));
                 }
                 votess::ShiftRange one;
                 for (std::size_t j = 0; j < 3; ++j)
-                    one.least[j] = one.most[j] =
-                        range.least[j] + static_cast<std::int32_t>(random.below(
-                                             static_cast<std::uint64_t>(range.most[j] - range.least[j]) + 1));
+                    one.lower[j] = one.upper[j] =
+                        range.lower[j] + static_cast<std::int32_t>(random.below(
+                                             static_cast<std::uint64_t>(range.upper[j] - range.lower[j]) + 1));
                 const Shift shift = votess::only_shift(*domain, one);
                 const auto exact = votess::exact::difference<Quad>({}, Plane::bisector(q, shift, domain->lattice));
                 // Seen from beside the image nearly all digits cancel.
@@ -257,8 +257,8 @@ TEST_SUITE("stages") {
                 }
                 const auto around = votess::shifts_around(*domain, {q, q}, p, std::sqrt(square) * (1 + 1e-15));
                 for (std::size_t j = 0; j < 3; ++j) {
-                    REQUIRE(around.least[j] <= one.least[j]);
-                    REQUIRE(one.least[j] <= around.most[j]);
+                    REQUIRE(around.lower[j] <= one.lower[j]);
+                    REQUIRE(one.lower[j] <= around.upper[j]);
                 }
             }
         }
