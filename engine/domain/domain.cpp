@@ -16,7 +16,7 @@ double length(const Vector& a) {
     return std::sqrt(dot(a, a));
 }
 
-// The volume that three vectors span, with a sign. Leaning vectors lose nine digits of it, which doubles do not have.
+// Returns the signed volume of three vectors. The condition may cost nine digits, so double would not do.
 double triple_product(const std::array<Vector, 3>& v) {
     exact::Quad sum = 0;
     for (int k = 0; k < 3; ++k) {
@@ -28,8 +28,8 @@ double triple_product(const std::array<Vector, 3>& v) {
 
 constexpr double unit = 0x1p-53;
 
-// Fills all that follows from shift and vector. Each vector is brought to order one meanwhile, so that no product
-// leaves the range.
+// Computes the rest of a basis from shift and vector. Each vector is scaled to order one, so that no product leaves the
+// range.
 void invert(Basis& basis) {
     std::array<int, 3> exponent{};
     std::array<Vector, 3> v{};
@@ -50,16 +50,18 @@ void invert(Basis& basis) {
     }
 }
 
-// A whole number of box vectors; a quarter of the range leaves room for sums. Numbers that are not exact are too large.
+// Returns a whole number of box vectors. A quarter of the range leaves room for sums; numbers that double does not hold
+// exactly are too large as well.
 std::int32_t checked_shift(double number) {
     if (!(std::abs(number) <= exact::max_shift / 4))
         throw Error(ErrorCode::unsupported,
-                    "the periodic box is so thin or skewed that cells reach over more than 268 million box vectors");
+                    "the periodic box is so thin or skewed that cells reach over more than 268 million box vectors: "
+                    "give shorter vectors of the same lattice");
     return static_cast<std::int32_t>(number);
 }
 
-// What is left of the edges that are not periodic without their parts along the lattice: only the distance of the walls
-// matters, and the less the vectors lean, the fewer images are near.
+// Makes edges that are not periodic perpendicular to the lattice. Only the distance of the walls matters, and fewer
+// images are near when vectors lean less.
 void straighten(const Domain& domain, std::array<Vector, 3>& v) {
     const auto periodic = std::ranges::count(domain.periodic, true);
     for (int j = 0; j < 3; ++j) {
@@ -71,8 +73,8 @@ void straighten(const Domain& domain, std::array<Vector, 3>& v) {
     }
 }
 
-// Makes the vectors of a lattice short: takes from each the multiples of the others that bring it nearest to 0
-// (pairwise reduction), until none becomes shorter. Only speed depends on how short they are.
+// Makes the vectors of a lattice short: subtracts from each the multiples of the others that bring it nearest to 0
+// (pairwise reduction), until none becomes shorter. Only speed depends on their length.
 Basis reduced_basis(const Domain& domain) {
     Basis basis = domain.edges;
     auto& shifts = basis.shift;
@@ -100,7 +102,7 @@ Basis reduced_basis(const Domain& domain) {
     return basis;
 }
 
-// edges: of the box; lattice and vector are known.
+// edges: of the box. lattice and vector must be set.
 void set_edges(Domain& domain, const std::array<Vector, 3>& edges) {
     domain.edges.vector = edges;
     for (int j = 0; j < 3; ++j)
@@ -115,7 +117,8 @@ void set_edges(Domain& domain, const std::array<Vector, 3>& edges) {
     domain.volume = domain.edges.volume;
     const auto narrowest = [](const Basis& basis) { return std::ranges::min(basis.width); };
     domain.skewed = narrowest(domain.edges) < 0.5 * narrowest(domain.reduced);
-    // A point is within half of each short vector of a corner of its parallelepiped, and in the box along other axes.
+    // A point is within half of each short vector of a corner of their parallelepiped. Along other axes it is in the
+    // box.
     domain.covering_radius = 0;
     for (int j = 0; j < 3; ++j)
         domain.covering_radius += (domain.periodic[j] ? 0.5 : 1) * length(domain.reduced.vector[j]);
@@ -131,7 +134,7 @@ exact::Shift in_lattice(const Basis& basis, const std::array<std::int32_t, 3>& m
     return shift;
 }
 
-// Sign of the fraction of x + shift along vector j, less `less`; W limbs hold the coordinates.
+// Returns the sign of the fraction of x + shift along vector j, minus `less`. W limbs hold the coordinates.
 template <int W>
 int fraction_sign(const Domain& domain, const exact::Point& x, const exact::Shift& shift, int j, int less,
                   int quantum) {
@@ -186,15 +189,15 @@ std::array<double, 3> Basis::fraction(const std::array<double, 3>& x) const {
     return {dot(dual[0], x), dot(dual[1], x), dot(dual[2], x)};
 }
 
-// x and x - origin err by 2 u size, the products and sums by 4 u, and dual by 12 u condition of its length, which the
-// cross products and the determinant lose; x - origin is at most 2 size.
+// x and x - origin err by 2 u size, products and sums by 4 u, and dual by 12 u condition of its length, which the cross
+// products and the determinant lose. x - origin is at most 2 size.
 double Basis::fraction_error(int j, double size) const {
     return 40 * unit * condition * size * (std::abs(dual[j][0]) + std::abs(dual[j][1]) + std::abs(dual[j][2]));
 }
 
-// In a periodic domain a vertex of the cell as it is, if it is not its own, belongs to a seed that is nearer to it than
-// the covering radius: images of a seed weigh the same, so the nearest has it. That seed cuts the vertex off, and with
-// a difference of the radius squared it is looked for, whatever its weight is.
+// In a periodic domain the square of the covering radius R is enough. A vertex at distance r that the cell must lose
+// lies in the cell of another seed, whose nearest image is within R of it: images of a seed weigh the same. The image
+// is at most r + R away, which is less than the reach r + sqrt(r^2 + R^2).
 double Domain::max_heavier_by(double weight) const {
     const double more = largest_weight - weight;
     return is_periodic() ? std::min(more, covering_radius * covering_radius * (1 + 1e-6)) : more;
@@ -226,7 +229,7 @@ ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Poin
     return range;
 }
 
-// Sums are of two doubles, right to 2^-98 of what has been added up; the result is rounded once more.
+// Sums of two doubles err by 2^-98 of the terms. The result is rounded once more.
 Box images_of(const Domain& domain, const Box& box, const ShiftRange& range, const exact::Point& x) {
     using exact::DoubleDouble;
     Box images;
@@ -326,22 +329,22 @@ Domain triclinic_domain(const TriclinicBox& cell) {
     invert(domain.edges);
     if (!(domain.edges.condition < worst_condition))
         throw Error(ErrorCode::invalid_argument,
-                    "cell: the three vectors lie in one plane, or so nearly that the volume is lost: give three "
-                    "independent ones");
+                    "cell: its three vectors lie in one plane, or so nearly that its volume is lost: give three "
+                    "independent vectors");
     if (!(domain.edges.volume > min_volume))
         throw Error(ErrorCode::invalid_argument,
-                    "cell: its vectors are too short beside its largest number: move its origin towards 0, or give "
-                    "vectors of like length");
+                    "cell: its vectors are too short compared with its largest number: move its origin towards 0, or "
+                    "give vectors of similar length");
     domain.handedness = dot(cell.a, cross(cell.b, cell.c)) < 0 ? -1 : 1;
     if (domain.has_cell_walls()) {
         exact::BitRange range;
         for (const Vector& v : domain.vector) range.add(v);
-        // Then no product of two numbers, nor what rounding takes from it, underflows.
+        // Above it no product of two numbers underflows, and its rounding error does not either.
         constexpr int lowest_bit = -450;
         if (range.low < lowest_bit)
             throw Error(ErrorCode::invalid_argument,
-                        "cell: its vectors hold numbers too small beside the largest for walls that are exact: move "
-                        "them to 0");
+                        "cell: its vectors hold numbers that are too small compared with the largest for exact walls: "
+                        "set them to 0");
         exact::set_across(domain.lattice);
     }
     for (int k = 0; k < 3; ++k) {
@@ -392,7 +395,7 @@ std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {
         if (!(std::abs(whole) < 0.5 * exact::max_shift)) return std::nullopt;
         shift[j] = -static_cast<std::int32_t>(whole);
     }
-    // The rounding of f matters near faces only: one fraction does not depend on the shifts along the others.
+    // Rounding of f matters near faces only. One fraction does not depend on the shifts along the others.
     for (int j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
         const double rest = f[j] - std::floor(f[j]), error = domain.edges.fraction_error(j, size);

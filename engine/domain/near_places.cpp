@@ -8,7 +8,7 @@ namespace votess {
 
 NearPlaces::NearPlaces(const Domain& domain, double spacing) : domain_(domain) {
     constexpr double max_steps = 128;
-    constexpr double max_periods = 8;  // that places are away, or fractions err by more
+    constexpr double max_periods = 8;  // how far away places may be; fractions of farther ones err by more
     const double size = max_periods * std::max(largest_coordinate(domain.box), domain.covering_radius);
     for (std::size_t j = 0; j < 3; ++j) {
         steps_[j] = static_cast<std::int64_t>(std::clamp(domain.reduced.width[j] / spacing, 1.0, max_steps));
@@ -22,8 +22,8 @@ std::array<double, 3> NearPlaces::fraction(const exact::Point& x) const {
     return domain_.reduced.fraction({x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]});
 }
 
-// Returns a step of the grid for any fraction, NaN and infinity included: frames may hold them. Beyond the ends of an
-// axis that does not repeat it is the last step there.
+// Returns a step of the grid for any fraction, also for NaN and infinity, which frames may hold. Fractions beyond the
+// ends of an axis that does not repeat get the last step there.
 std::int64_t NearPlaces::step(std::size_t j, double fraction) const {
     const double f = domain_.periodic[j] ? fraction - std::floor(fraction) : fraction;
     const double at = f * static_cast<double>(steps_[j]);
@@ -31,7 +31,7 @@ std::int64_t NearPlaces::step(std::size_t j, double fraction) const {
     return static_cast<std::int64_t>(std::min(at, static_cast<double>(steps_[j] - 1)));
 }
 
-// Where a fraction differs by d, so do places by the width of the domain along it times d.
+// A fraction that differs by d moves a place by d times the width of the domain.
 void NearPlaces::add(const exact::Point& x, double distance) {
     const auto f = fraction(x);
     std::array<std::int64_t, 3> first{}, count{};

@@ -1,4 +1,4 @@
-// Which places of a domain are near one of some, or near an image of it.
+// Marks the parts of a domain that are near given places or their images.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace votess {
 
-// Marks in a grid over the fractions of the domain's short vectors.
+// A grid of marks over the fractions of the domain's short vectors.
 class NearPlaces {
 public:
-    // spacing: of the grid, about.
+    // spacing: of the grid, approximately.
     NearPlaces(const Domain& domain, double spacing);
 
-    // Marks all that is within that distance of x.
+    // Marks everything within the distance of x.
     void add(const exact::Point& x, double distance);
-    // False only when x is beyond the distance of all that were added.
+    // Returns false only if x is farther from each added place than its distance.
     [[nodiscard]] bool holds(const exact::Point& x) const;
-    // The part of the domain that is marked.
+    // Returns the fraction of the domain that is marked.
     [[nodiscard]] double share() const;
 
 private:

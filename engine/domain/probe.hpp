@@ -1,14 +1,14 @@
-// A query among the seeds: where it lies, and what is needed to build the cell that it would have.
+// A query among the seeds: its place, and what is needed to build its cell.
 #pragma once
 
 #include "exact/predicate.hpp"
 
 namespace votess::cpu {
 
-// After it has been wrapped into a periodic domain, or into the reduced cell of a skewed one, by a shift.
+// A place after a shift into a periodic domain, or into the reduced cell of a skewed one.
 struct Place {
-    exact::Point at{};            // rounded where it has been moved
-    std::array<double, 3> low{};  // what rounding took
+    exact::Point at{};            // rounded if it has been moved
+    std::array<double, 3> low{};  // rounding error of `at`
     exact::Shift shift{};
     exact::Shift move{};  // the part of `shift` from the domain into its reduced cell
 };
@@ -16,7 +16,7 @@ struct Place {
 struct Probe {
     exact::Point x{};  // as given, times the scale of the job
     Place place;
-    double weight = 0;  // 0 where seeds have none
+    double weight = 0;  // 0 if seeds have no weights
 };
 
 }  // namespace votess::cpu

@@ -33,7 +33,7 @@ void check_faces(std::size_t faces, std::size_t least) {
         refuse(std::to_string(faces) + " faces: give " + std::to_string(least) + " to " + std::to_string(most));
 }
 
-// The same of length one.
+// Returns x scaled to length one.
 Vector direction(const char* what, const Vector& x) {
     check_finite(what, x);
     const double largest = std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
@@ -44,15 +44,15 @@ Vector direction(const char* what, const Vector& x) {
     return {scaled[0] / length, scaled[1] / length, scaled[2] / length};
 }
 
-// The plane across n through the point that is `distance` along n from `from`.
+// Returns the plane across n at `distance` along n from `from`.
 Wall wall_at(const Vector& from, const Vector& n, double distance) {
     return {n, n[0] * from[0] + n[1] * from[1] + n[2] * from[2] + distance};
 }
 
-// `count` directions evenly around the axis, each leaning against it with this sine.
+// Returns `count` directions evenly around the axis, each leaning against it with this sine.
 std::vector<Vector> around(const Vector& axis, double sine, std::size_t count) {
     const double cosine = std::sqrt(1 - sine * sine);
-    Vector least{};  // the coordinate axis that is farthest from it
+    Vector least{};  // the coordinate axis farthest from `axis`
     least[static_cast<std::size_t>(std::ranges::min_element(axis, {}, [](double x) { return std::abs(x); }) -
                                    axis.begin())] = 1;
     const Vector u = direction("axis", cross(axis, least)), v = cross(axis, u);
@@ -77,7 +77,7 @@ exact::Plane domain_wall(const Wall& wall, double scale, const std::string& name
     }
     if (!std::isfinite(wall.offset)) refuse(name + ": its offset " + number(wall.offset) + " is not finite");
     if (largest == 0) refuse(name + ": its normal is 0: give a direction");
-    // It is scaled in two steps, for the power of two itself may be beyond the range.
+    // Scaled in two steps, because the power of two itself may be out of range.
     const int exponent = -std::ilogb(largest);
     const double offset = std::ldexp(wall.offset, exponent) * scale;
     bool lossless = std::ldexp(offset / scale, -exponent) == wall.offset && std::isfinite(offset);
@@ -111,8 +111,8 @@ bool inside(const exact::Plane& wall, const exact::Point& x) {
     return exact::oblique_row<exact::widest>(x, wall, q).s.sign() >= 0;
 }
 
-// The directions of a Fibonacci lattice (Swinbank and Purser, Q. J. R. Meteorol. Soc. 132, 2006): equal areas, turned
-// by the golden angle each.
+// The directions of a Fibonacci lattice (Swinbank and Purser, Q. J. R. Meteorol. Soc. 132, 2006): equal areas, each
+// turned by the golden angle.
 std::vector<Wall> sphere_walls(const Vector& center, double radius, std::size_t faces) {
     check_finite("center", center);
     check_radius(radius);
