@@ -102,7 +102,7 @@ void CellBuilder::clip_by_own_images() {
     for (const exact::Shift& shift : own_images_) {
         const exact::Point by = domain_->translation(shift);
         if (by[0] * by[0] + by[1] * by[1] + by[2] * by[2] >= reach_squared()) return;
-        if (cell_.knows(own_, shift)) continue;
+        if (cell_.has_plane(own_, shift)) continue;
         cell_.clip(own_, exact::Plane::bisector(base_.point, shift, domain_->lattice), shift);
     }
 }
@@ -140,7 +140,7 @@ void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     look();
     const auto i = static_cast<std::size_t>(home);
     // The nearest of them are there from the start.
-    if ((home == own_ || home == heaviest_) && cell_.knows(home, shift)) return;
+    if ((home == own_ || home == heaviest_) && cell_.has_plane(home, shift)) return;
     exact::Plane plane = bisector(home, shift);
     if (home == coincident_ && coincides(plane)) return;
     if (!seeds_.weights.empty()) plane.power = exact::two_sum(weight_, -seeds_.weights[i]);
@@ -355,7 +355,7 @@ Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
     start();
     for (const CellPlane& plane : planes_) {
         look();
-        if (!cell_.knows(plane.id, plane.shift)) cell_.clip(plane.id, plane.source, plane.shift);
+        if (!cell_.has_plane(plane.id, plane.shift)) cell_.clip(plane.id, plane.source, plane.shift);
     }
     return cell_;
 }
@@ -434,7 +434,7 @@ void CellBuilder::clip_far_group(const FarEntry& entry, double from) {
                                moved.data(), distance);
     for (std::size_t i = begin; i < end; ++i) {
         const auto id = static_cast<std::int32_t>(i);
-        if (distance[i - begin] < from || cell_.knows(id, shift)) continue;
+        if (distance[i - begin] < from || cell_.has_plane(id, shift)) continue;
         clip_by_image(id, shift);
         ++tests_;
     }
@@ -471,7 +471,7 @@ void CellBuilder::clip_far_images() {
         }
         const auto id = static_cast<std::int32_t>(entry.at.node);
         const exact::Shift shift = only_shift(*domain_, entry.at.shifts);
-        if (entry.distance_squared < tried * tried || cell_.knows(id, shift)) continue;
+        if (entry.distance_squared < tried * tried || cell_.has_plane(id, shift)) continue;
         clip_by_image(id, shift);
     }
 }

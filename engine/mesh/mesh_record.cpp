@@ -55,7 +55,7 @@ void MeshBlock::append(const MeshCell& cell) {
     used_ = end;
     to = put(to, std::span<const MeshCellView::Head>(&head, 1));
     to = put(to, cell.hidden);
-    for (const auto list : {cell.beginnings, cell.ends, cell.corners})
+    for (const auto list : {cell.first_across, cell.ends, cell.corners})
         to = head.number_size == 1   ? put_numbers<std::uint8_t>(to, list)
              : head.number_size == 2 ? put_numbers<std::uint16_t>(to, list)
                                      : put_numbers<std::uint32_t>(to, list);

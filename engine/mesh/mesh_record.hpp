@@ -25,7 +25,7 @@ struct MeshCell {
     std::span<const std::uint32_t> vertices;  // from MeshBlock::add_vertex()
     std::span<const FaceLabel> hidden;        // of walls that have no place in the row
     std::span<const std::uint32_t>
-        beginnings;                       // for each face of the row: that across its first edge, the hidden first
+        first_across;                     // for each face of the row: that across its first edge, the hidden first
     std::span<const std::uint32_t> ends;  // for each face of the row, of its corners
     std::span<const std::uint32_t> corners;
 };

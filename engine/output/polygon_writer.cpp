@@ -31,7 +31,7 @@ void PolygonWriter::append(const CellPolygons& polygons, std::span<const FaceLab
     };
     number_.assign(polygons.positions.size(), none);
     vertices_.resize(polygons.positions.size());
-    beginnings_.resize(listed);
+    first_across_.resize(listed);
     ends_.resize(listed);
     corners_.resize(polygons.corners.size());
     std::uint32_t vertices = 0, corners = 0;
@@ -50,11 +50,11 @@ void PolygonWriter::append(const CellPolygons& polygons, std::span<const FaceLab
             corners = begun;
             continue;
         }
-        beginnings_[r - hidden] = polygons.beginnings[order[r]];
+        first_across_[r - hidden] = polygons.first_across[order[r]];
         ends_[r - hidden] = corners;
     }
     block_.append({origin, shared.empty() ? 0 : group_, std::span(vertices_).first(vertices), hidden_labels_,
-                   beginnings_, ends_, std::span(corners_).first(corners)});
+                   first_across_, ends_, std::span(corners_).first(corners)});
 }
 
 }  // namespace votess::cpu

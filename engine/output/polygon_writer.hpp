@@ -34,7 +34,7 @@ private:
     std::vector<std::uint32_t> in_block_;  // by shared number: the vertex of the block, or none
     std::vector<std::uint32_t> number_;    // by vertex of the polygons, or none
     std::vector<FaceLabel> hidden_labels_;
-    std::vector<std::uint32_t> vertices_, beginnings_, ends_, corners_;
+    std::vector<std::uint32_t> vertices_, first_across_, ends_, corners_;
 };
 
 }  // namespace votess::cpu

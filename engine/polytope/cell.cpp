@@ -252,7 +252,7 @@ void Cell::sharpen() {
     radius_known_ = false;
 }
 
-bool Cell::knows(std::int32_t id, const exact::Shift& shift) const {
+bool Cell::has_plane(std::int32_t id, const exact::Shift& shift) const {
     return std::ranges::any_of(planes_, [&](const CellPlane& p) { return p.id == id && p.shift == shift; });
 }
 
@@ -297,7 +297,7 @@ int Cell::side_exact(int slot, const CellPlane& plane) {
     return side;
 }
 
-int Cell::take_slot() {
+int Cell::allocate_slot() {
     for (int w = 0; w * word_slots < slots_; ++w) {
         const std::uint64_t free = ~(alive_[w] | killed_[w]);
         if (free == 0) continue;
@@ -361,7 +361,7 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
 
 // In a power diagram, where the bisector of a seed farther behind lies on that of a face: whether it is so, and then
 // the face is the other seed's, for beyond the plane its power is the least.
-bool Cell::take_over(const CellPlane& plane, int slot) {
+bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
     if (plane.source.is_reversed()) return false;
     for (const std::int32_t p : corners_[slot].plane) {
         CellPlane& face = planes_[p];
@@ -388,7 +388,8 @@ bool Cell::clip(const CellPlane& plane) {
             const int bit = std::countr_zero(m);
             const int side = side_exact(w * word_slots + bit, plane);
             if (side > 0) certain |= 1ull << bit;
-            if (side == 0 && plane.source.is_bisector() && take_over(plane, w * word_slots + bit)) return false;
+            if (side == 0 && plane.source.is_bisector() && replace_equal_face(plane, w * word_slots + bit))
+                return false;
         }
         killed_[w] = certain;
         any |= certain != 0;
@@ -423,7 +424,7 @@ bool Cell::clip(const CellPlane& plane) {
 
     // One new vertex per horizon edge, linked around the new face by the planes they share.
     for (const HorizonEdge& edge : horizon_) {
-        const int v = take_slot();
+        const int v = allocate_slot();
         alive_[v / word_slots] |= 1ull << (v % word_slots);
         corners_[v].plane = {edge.first, edge.second, added};
         corners_[v].next[0] = edge.survivor;

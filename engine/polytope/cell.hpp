@@ -89,7 +89,7 @@ public:
     // edge of a thin box. Where it is asked often it makes the vertices as exact as doubles are.
     [[nodiscard]] bool may_cut(const Box& relative, double more);
     // Whether it has been cut, or begun, by that bisector.
-    [[nodiscard]] bool knows(std::int32_t id, const exact::Shift& shift) const;
+    [[nodiscard]] bool has_plane(std::int32_t id, const exact::Shift& shift) const;
     // Nothing is left: in a power diagram another seed is nearer everywhere.
     [[nodiscard]] bool empty() const { return empty_; }
 
@@ -134,7 +134,7 @@ private:
         double size;  // of what minus_h was summed from
     };
     bool clip(const CellPlane& plane);
-    [[nodiscard]] bool take_over(const CellPlane& plane, int slot);
+    [[nodiscard]] bool replace_equal_face(const CellPlane& plane, int slot);
     struct HorizonEdge {
         std::int32_t first, second;  // planes, as ordered in the vertex that is cut off
         std::int32_t survivor;       // vertex slot that stays
@@ -145,7 +145,7 @@ private:
     [[nodiscard]] int side_exact(int slot, const CellPlane& plane);
     // Sign of the refined test; 0 when that is uncertain too.
     [[nodiscard]] int refined_side(int slot, const CellPlane& plane);
-    int take_slot();
+    int allocate_slot();
     void place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c);
     void sharpen();
     void merge_equal_corners();

@@ -69,7 +69,7 @@ void read_polygons(const Cell& cell, const CellFaces& faces, std::span<const std
         const auto begin = static_cast<std::ptrdiff_t>(out.offsets[f]),
                    end = static_cast<std::ptrdiff_t>(out.offsets[f + 1]);
         const auto first = std::min_element(beside.begin() + begin, beside.begin() + end);
-        out.beginnings.push_back(*first);
+        out.first_across.push_back(*first);
         std::rotate(out.corners.begin() + begin, out.corners.begin() + (first - beside.begin()),
                     out.corners.begin() + end);
     }

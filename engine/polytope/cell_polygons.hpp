@@ -18,7 +18,7 @@ struct CellFaces;
 struct CellPolygons {
     std::vector<std::uint32_t> offsets{0};
     std::vector<std::uint32_t> corners;            // vertices: places in `positions`, which may have others, too
-    std::vector<std::uint32_t> beginnings;         // by face: that rank
+    std::vector<std::uint32_t> first_across;       // by face: that rank
     std::vector<std::array<double, 3>> positions;  // relative to the seed, scaled
     std::vector<std::uint32_t> shared;             // numbers that cells of a stretch have in common; or empty
 
@@ -29,7 +29,7 @@ struct CellPolygons {
     void clear() {
         offsets.assign(1, 0);
         corners.clear();
-        beginnings.clear();
+        first_across.clear();
         positions.clear();
         shared.clear();
     }

@@ -144,7 +144,7 @@ void BruteForce::cut(std::size_t slot, const ShiftRange& range, cpu::Cell& cell)
     const exact::Shift shift = domain_.is_periodic() ? only_shift(domain_, range) : exact::Shift{};
     const auto id = id_[slot];
     const auto j = static_cast<std::size_t>(id);
-    if ((slot == own_.slot && shift == exact::Shift{}) || cell.knows(id, shift)) return;
+    if ((slot == own_.slot && shift == exact::Shift{}) || cell.has_plane(id, shift)) return;
     exact::Shift total;
     for (std::size_t k = 0; k < 3; ++k) total[k] = shift[k] + place_[slot].shift[k] - own_.place.shift[k];
     exact::Plane plane = exact::Plane::bisector(seed_of(j), total, domain_.lattice);

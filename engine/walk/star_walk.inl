@@ -1010,7 +1010,7 @@ void StarWalk<Isa>::polygons(std::span<const std::uint32_t> ranks, CellPolygons&
             next[from_vertex_[a][b]] = static_cast<std::uint8_t>(a);
             least = std::min(least, key[a]);
         }
-        out.beginnings.push_back(least >> 8);
+        out.first_across.push_back(least >> 8);
         const unsigned first = from_vertex_[least & 0xff][b];
         unsigned v = first;
         do {
