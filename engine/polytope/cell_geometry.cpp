@@ -5,7 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include "exact/wide_float.hpp"
 #include "polytope/cell.hpp"
 #include "polytope/cell_polygons.hpp"
 #include "polytope/cell_shape.hpp"
@@ -40,14 +39,6 @@ struct Sums {
         return g;
     }
 };
-
-// Unit roundoff of the working precision.
-template <class Real>
-constexpr double roundoff = 0x1p-53;
-template <>
-constexpr double roundoff<exact::Quad> = 0x1p-112;
-template <>
-constexpr double roundoff<exact::WideFloat> = 0;  // beyond any doubt
 
 template <class Real>
 struct Pyramids {  // over the faces on one plane: volume = factor * doubled area . n

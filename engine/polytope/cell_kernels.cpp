@@ -4,8 +4,6 @@
 #include <bit>
 #include <cstring>
 
-#include "polytope/target.hpp"
-
 #if defined(__x86_64__)
 #include <cpuid.h>
 #include <immintrin.h>
@@ -139,6 +137,11 @@ __attribute__((target("avx512f"))) int select_band_compress(const double* distan
 
 VOTESS_KERNELS(baseline, , select_band_plain)
 #if defined(__x86_64__)
+#ifdef __clang__
+#define VOTESS_TARGET_512(instructions) __attribute__((target(instructions), min_vector_width(512)))
+#else  // whose usual tuning would split vectors of 512 bits
+#define VOTESS_TARGET_512(instructions) __attribute__((target(instructions ",prefer-vector-width=512")))
+#endif
 VOTESS_KERNELS(avx2, __attribute__((target("avx2"))), select_band_plain)
 VOTESS_KERNELS(avx512, VOTESS_TARGET_512("avx512f,avx512dq,avx512vl"), select_band_compress)
 #endif

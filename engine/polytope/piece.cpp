@@ -6,19 +6,10 @@
 #include <span>
 #include <type_traits>
 
-#include "exact/wide_float.hpp"
 #include "polytope/vectors.hpp"
 
 namespace votess::cpu {
 namespace {
-
-// Unit roundoff.
-template <class Real>
-constexpr double roundoff = 0x1p-53;
-template <>
-constexpr double roundoff<exact::Quad> = 0x1p-112;
-template <>
-constexpr double roundoff<exact::WideFloat> = 0;
 
 template <class Real>
 struct Corner {

@@ -4,7 +4,18 @@
 #include <array>
 #include <cmath>
 
+#include "exact/double_double.hpp"
+#include "exact/wide_float.hpp"
+
 namespace votess::cpu {
+
+// Unit roundoff; 0 where it does not matter.
+template <class Real>
+inline constexpr double roundoff = 0x1p-53;
+template <>
+inline constexpr double roundoff<exact::Quad> = 0x1p-112;
+template <>
+inline constexpr double roundoff<exact::WideFloat> = 0;
 
 template <class Real>
 using Vector = std::array<Real, 3>;
