@@ -12,24 +12,23 @@ namespace {
 
 constexpr double unit = 0x1p-53;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Below these squares and products underflow may spoil the error bounds; such planes are always decided exactly.
+// Below these, underflow of squares and products may spoil the error bounds. Such planes are always decided exactly.
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
 constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
-constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which only the exact test decides
+constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which need the exact test
 constexpr int passed_before_sharpening = 256;
 constexpr std::int32_t no_plane = -1;  // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
-// Covers the rounding of squared lengths and distances, and of a box outward.
+// Covers the rounding of squared lengths and distances, and the outward rounding of a box.
 constexpr double radius_slack = 1 + 32 * unit;
-// Vertices have a relative error of at most this.
+// The largest relative error of a vertex.
 constexpr double worst_error = worst_condition * solved_factor;
-// A seed q cuts off a vertex v only if |q - v|^2 < |v|^2 + more, where `more` is by how much its weight is greater.
-// When v has a relative error of e, both sides change by less than 4.1 e (|v|^2 + more): with |q - v|^2 = D^2 by 2 e
-// |v| D.
+// A seed q cuts off a vertex v only if |q - v|^2 < |v|^2 + more, where `more` is the excess of its weight. A relative
+// error e of v changes both sides by less than 4.1 e (|v|^2 + more); it changes |q - v|^2 = D^2 by 2 e |v| D.
 constexpr double reach_of_error(double e) {
     return 1 + 5 * e;
 }
-// Squared distances below this may have underflowed; a cell that small is searched as if it were larger.
+// Squared distances below this may have underflowed. A cell that small is searched as if it were larger.
 constexpr double smallest_radius = 1e-280;
 
 }  // namespace
@@ -79,7 +78,7 @@ CellPlane box_wall(const exact::Point& seed, const Box& box, int wall) {
     return plane;
 }
 
-// h, as sums that cancel, must be known to half of all digits.
+// h is a sum that may cancel. At least half of all digits must remain.
 constexpr double worst_cancellation = 0x1p-40;
 
 }  // namespace
@@ -165,7 +164,7 @@ void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id
             for (auto& times : shift) times = -times;
         planes_.push_back(make_plane(seed, id, exact::Plane::bisector(seed, shift, domain.lattice), shift));
     }
-    // Corners take the upper walls for a right-handed basis.
+    // Corners assume that the upper walls form a right-handed basis.
     if (domain.triclinic && exact::orientation(seed, planes_[1].source, planes_[3].source, planes_[5].source) < 0)
         std::swap(planes_[0], planes_[1]);
     std::fill(alive_.begin(), alive_.end(), 0);
@@ -222,9 +221,8 @@ bool Cell::in_reach(const Box& relative, double more) const {
     return false;
 }
 
-// A seed q cuts off v when |q|^2 - 2 q.v < more, axis by axis least where q is v itself or the end of the box. The
-// terms are rounded by 4 u of their size. An error t of v moves the least q by t at most, and so the sum by 2 (|q| + 3
-// t) t.
+// A seed q cuts off v when |q|^2 - 2 q.v < more. Along each axis the sum is least at q = v or at an end of the box. The
+// terms are rounded by 4 u of their size. An error t of v moves that q by at most t, and the sum by 2 (|q| + 3 t) t.
 bool Cell::may_cut(const Box& relative, double more) {
     bool found = false;
     for_each_alive([&](int slot) {
@@ -305,7 +303,7 @@ int Cell::allocate_slot() {
         if (slot >= slots_) break;
         return slot;
     }
-    // A whole block at a time, its free lanes at the origin where no plane cuts.
+    // Adds a whole block, with its free lanes at the origin, where no plane cuts.
     reserve_slots(slots_ + lanes);
     const int slot = slots_;
     for (int i = slot; i < slot + lanes; ++i) x_[i] = y_[i] = z_[i] = tolerance_[i] = radius_[i] = 0;
@@ -359,8 +357,8 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
     return clip(make_plane(seed_, id, source, shift));
 }
 
-// In a power diagram, where the bisector of a seed farther behind lies on that of a face: whether it is so, and then
-// the face is the other seed's, for beyond the plane its power is the least.
+// In a power diagram the bisector with a farther seed may lie on the plane of a face. Then the face becomes the farther
+// seed's, whose power is least beyond the plane. Returns whether the bisector equals a face's plane.
 bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
     if (plane.source.is_reversed()) return false;
     for (const std::int32_t p : corners_[slot].plane) {
@@ -413,7 +411,7 @@ bool Cell::clip(const CellPlane& plane) {
     const auto added = static_cast<std::int32_t>(planes_.size());
     planes_.push_back(plane);
     ring_.resize(planes_.size());
-    for (int w = 0; w < words; ++w) {  // free at once: horizon_ holds all that is still needed of them
+    for (int w = 0; w < words; ++w) {  // horizon_ holds all that is needed of these vertices
         for (std::uint64_t m = killed_[w]; m != 0; m &= m - 1) {
             const int v = w * word_slots + std::countr_zero(m);
             x_[v] = y_[v] = z_[v] = tolerance_[v] = radius_[v] = 0;
@@ -422,7 +420,7 @@ bool Cell::clip(const CellPlane& plane) {
         killed_[w] = 0;
     }
 
-    // One new vertex per horizon edge, linked around the new face by the planes they share.
+    // One new vertex for each horizon edge, linked around the new face by the planes that they share.
     for (const HorizonEdge& edge : horizon_) {
         const int v = allocate_slot();
         alive_[v / word_slots] |= 1ull << (v % word_slots);
@@ -448,7 +446,7 @@ bool Cell::same_position(int v, int w, int shared_edge) {
     const double reach = tolerance_[v] + tolerance_[w];
     if (std::abs(x_[v] - x_[w]) > reach || std::abs(y_[v] - y_[w]) > reach || std::abs(z_[v] - z_[w]) > reach)
         return false;
-    // Both lie on the line of the shared planes a, b; they coincide when v lies on the third plane of w.
+    // Both lie on the line of the shared planes a, b. They coincide when v lies on the third plane of w.
     const std::int32_t a = corners_[v].plane[shared_edge],
                        b = corners_[v].plane[shared_edge == 2 ? 0 : shared_edge + 1];
     for (std::int32_t third : corners_[w].plane) {

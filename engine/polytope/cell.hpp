@@ -1,16 +1,16 @@
 // One Voronoi cell: a convex polytope around a seed, clipped plane by plane.
 //
-// The polytope is kept simple: every vertex lies on exactly three of its planes, every edge on two. A plane that only
-// touches a vertex leaves it alone (as if later planes were pushed outward by an infinitesimal), so vertices may
-// coincide; canonical_faces() merges those that exact arithmetic finds equal and drops faces of no area.
+// The polytope is simple: every vertex lies on exactly three of its planes, every edge on two. A plane that only
+// touches a vertex does not cut it off, as if later planes were pushed outward by an infinitesimal. So vertices may
+// coincide. canonical_faces() merges those that are equal in exact arithmetic and drops faces of no area.
 //
 // Filter. With u = 2^-53 and planes rounded from exact ones (n relative error u, h 5u), Cramer's rule gives a vertex
 //     |x - X| <= 62 u |X| |na||nb||nc| / |det(na,nb,nc)|
 // (17u per numerator term, |perm| <= 1.16 |na||nb||nc| after Carlen, Lieb, Loss 2006), and the test of plane n, h
 //     |n.x - h - exact| <= |n| (|x - X| + 6u |x|) + 12 u h .
-// Vertices worse than `worst_condition` are solved exactly and rounded instead. Signs inside the bound are decided by
-// exact::side_of_vertex. A vertex that many bisectors almost touch (seeds near a sphere) is solved once to 106 bits and
-// tested in double-double arithmetic first.
+// Vertices worse than `worst_condition` are solved exactly and rounded. exact::side_of_vertex decides signs inside the
+// bound. A vertex that many bisectors almost touch (seeds near a sphere) is first solved once to 106 bits and tested in
+// double-double arithmetic.
 #pragma once
 
 #include <array>
@@ -31,17 +31,18 @@ struct CellPlane {
     std::array<double, 3> n;  // q - p rounded, or the outward normal of a wall
     double h;                 // n.x = h on the plane
     double norm;              // |n|
-    std::int32_t id;          // what clip() was given; walls are -1..-6, then -7, -8, ...
-    bool reliable;            // h is known to its last digits, and large enough that no product underflows
+    std::int32_t id;          // as given to clip(); walls are -1..-6, then -7, -8, ...
+    bool reliable;            // h has all its digits, and is so large that no product underflows
     exact::Plane source;
-    exact::Shift shift{};  // of the image that q is, between positions inside a periodic box
+    exact::Shift shift{};  // of the image q, between positions inside a periodic box
 };
 
-// The plane of a bisector or a wall as a seed at p sees it.
+// Returns the plane of a bisector or a wall as seen by a seed at p.
 CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source,
                      const exact::Shift& shift = {});
 
-// The vector from the seed to its mirror image in a wall; 0 where the seed lies on it, or that is not known well.
+// Returns the vector from the seed to its mirror image in a wall; 0 if the seed lies on the wall or the distance is not
+// reliable.
 std::array<double, 3> mirror_image(const CellPlane& wall);
 
 struct CellGeometry {
@@ -50,7 +51,7 @@ struct CellGeometry {
     double farthest_squared = 0;       // from the seed to a vertex
 };
 
-// Faces of the canonical cell. Face f is the polygon of vertex slots corners[offsets[f]..offsets[f+1]), ordered
+// Faces of the canonical cell. Face f is the polygon of vertex slots corners[offsets[f]..offsets[f+1]),
 // counterclockwise seen from outside.
 struct CellFaces {
     std::vector<std::int32_t> planes;  // index into Cell::planes()
@@ -61,36 +62,36 @@ struct CellFaces {
     [[nodiscard]] std::size_t size() const { return planes.size(); }
 };
 
-// A box as seen from `at`, moved outward by the rounding of the subtraction and by that of the places: each may be off
-// by `rounding` along an axis.
+// Returns a box as seen from `at`, moved outward by the rounding of the subtraction and of the positions, which may be
+// off by `rounding` along each axis.
 Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding = {});
 
 class Cell {
 public:
     explicit Cell(const Kernels& kernels = best_kernels());
 
-    // Begins anew with the box around the seed; the box contains the seed.
+    // Resets the cell to the box, which contains the seed.
     void start(const exact::Point& seed, const Box& box);
-    // The same with a domain, whose walls bound the cell, and along periodic axes the nearest images of the seed, which
-    // is `id`.
+    // Resets the cell to the domain's walls and, along periodic axes, the bisectors with the nearest images of the
+    // seed. The seed is `id`.
     void start(const exact::Point& seed, const Domain& domain, std::int32_t id = 0);
-    // Cuts by the bisector with q (not equal to the seed). True when the cell changed.
+    // Clips by the bisector with q, which must differ from the seed. Returns true if the cell changed.
     bool clip(std::int32_t id, const exact::Point& q);
-    // Cuts by any plane that is relative to seed(); a bisector with a seed at the same place needs power.
+    // Clips by any plane relative to seed(). A bisector with a seed at the same place needs power.
     bool clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift = {});
 
-    // Returns at least the squared distance R^2 to the farthest vertex, with slack for the rounding of what it is
-    // compared with: no seed at 2 R or beyond cuts the cell.
+    // Returns a bound on the squared distance R^2 to the farthest vertex, with slack for rounding in comparisons. No
+    // seed at 2 R or beyond cuts the cell.
     [[nodiscard]] double radius_squared();
-    // False only when no seed inside the box, which is relative to the cell's own seed, can cut the cell. more: how
-    // much the weight of the seed may exceed that of the cell's, 0 or more.
+    // Returns false only if no seed inside the box can cut the cell. The box is relative to the cell's seed. more:
+    // bound on the excess of their weight over the cell's, 0 or more.
     [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
-    // The same, slower, and sharp where the box is much nearer than the vertices: the row of images along the short
-    // edge of a thin box. Where it is asked often it makes the vertices as exact as doubles are.
+    // Does the same, slower, and sharp even if the box is much nearer than the vertices, like the row of images along
+    // the short edge of a thin box. After many calls it solves the vertices exactly.
     [[nodiscard]] bool may_cut(const Box& relative, double more);
-    // Whether it has been cut, or begun, by that bisector.
+    // Whether planes() includes this bisector, with a face or without.
     [[nodiscard]] bool has_plane(std::int32_t id, const exact::Shift& shift) const;
-    // Nothing is left: in a power diagram another seed is nearer everywhere.
+    // True if nothing is left: in a power diagram other seeds may be nearer everywhere.
     [[nodiscard]] bool empty() const { return empty_; }
 
     [[nodiscard]] const exact::Point& seed() const { return seed_; }
@@ -102,18 +103,18 @@ public:
         const auto& [a, b, c] = corners_[slot].plane;
         return {&planes_[a], &planes_[b], &planes_[c]};
     }
-    // Returns the place of a vertex relative to the seed.
+    // Returns the position of a vertex relative to the seed.
     [[nodiscard]] std::array<double, 3> position(int slot) const { return {x_[slot], y_[slot], z_[slot]}; }
-    // A bound on the error of each coordinate of position().
+    // Returns a bound on the error of each coordinate of position().
     [[nodiscard]] double tolerance(int slot) const { return tolerance_[slot]; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
-    // Whether a plane touched a vertex, so that faces of no area may be left.
+    // Whether a plane touched a vertex. Faces of no area may then remain.
     [[nodiscard]] bool met_tie() const { return met_tie_; }
 
-    // Planes that have a face; the canonical cell's only when no tie was met.
+    // Lists the planes that have a face. After a tie some of them may have no area.
     void face_planes(std::vector<std::int32_t>& out);
     void canonical_faces(CellFaces& out);
-    // areas: if given, the areas of the faces, each to an absolute error of 1e-10 of their sum.
+    // areas: if not null, receives the areas of the faces, each to an absolute error of 1e-10 of their sum.
     [[nodiscard]] CellGeometry measure(const CellFaces& faces, std::vector<double>* areas = nullptr) const;
 
 private:
@@ -121,7 +122,7 @@ private:
         std::array<std::int32_t, 3> plane;
         std::array<std::int32_t, 3> next;
     };
-    struct Refined {  // grows more precise with the number of uncertain tests
+    struct Refined {  // gains precision with the number of uncertain tests
         int tests = 0;
         bool solved = false;  // whether the position is known
         std::array<exact::DoubleDouble, 3> position{};
@@ -131,7 +132,7 @@ private:
         exact::Shift shift;
         std::array<exact::DoubleDouble, 3> n;
         exact::DoubleDouble minus_h;
-        double size;  // of what minus_h was summed from
+        double size;  // of the terms of minus_h
     };
     bool clip(const CellPlane& plane);
     [[nodiscard]] bool replace_equal_face(const CellPlane& plane, int slot);
@@ -143,7 +144,7 @@ private:
     void reserve_slots(int slots);
     [[nodiscard]] VertexBlock block(int word) const;
     [[nodiscard]] int side_exact(int slot, const CellPlane& plane);
-    // Sign of the refined test; 0 when that is uncertain too.
+    // Returns the sign of the refined test, or 0 if that is uncertain too.
     [[nodiscard]] int refined_side(int slot, const CellPlane& plane);
     int allocate_slot();
     void place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c);
@@ -160,7 +161,7 @@ private:
     exact::Point seed_{};
     std::vector<CellPlane> planes_;
 
-    int slots_ = 0;  // slots in use or free below this
+    int slots_ = 0;  // slots in use or free are below this
     std::vector<double> storage_;
     double *x_ = nullptr, *y_ = nullptr, *z_ = nullptr, *tolerance_ = nullptr, *radius_ = nullptr;
     int capacity_ = 0;
@@ -175,7 +176,7 @@ private:
     std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
     bool radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
     double radius_squared_ = 0;
-    int passed_ = 0;      // boxes that may_cut() let pass
+    int passed_ = 0;      // boxes that may_cut() did not exclude
     bool sharp_ = false;  // vertices are rounded from exact ones
 };
 

@@ -1,6 +1,6 @@
-// Volume and centroid of a cell as a sum of pyramids from the seed over its faces, areas of the faces. Done in double
-// with a running error bound; needles and slabs, where vertices cancel, are done again from exactly solved vertices, in
-// double or in quad, and what is thinner than quad can tell in 2304 bits.
+// Volume, centroid and areas of a cell, as a sum of pyramids from the seed over its faces. Computed in double with a
+// running error bound. Needles and slabs, where vertices cancel, are computed again from exactly solved vertices: in
+// double, then in quad, then in WideFloat.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -13,7 +13,7 @@
 namespace votess::cpu {
 namespace {
 
-// The promise is 1e-10; the bound counts vertices at their worst, the rest is rounding of the sums.
+// The promise is 1e-10. The bound assumes the worst vertices; the rest is rounding of the sums.
 constexpr double accepted_error = 5e-11;
 constexpr double smallest_volume = 1e-140;  // below this volume times position might underflow
 
@@ -21,8 +21,8 @@ template <class Real>
 double square(const Vector<Real>& a) {
     return static_cast<double>(dot(a, a));
 }
-// A pyramid over the triangle of doubled area vector A on the plane n.x = h has volume A.n h / (6 |n|^2): for a
-// bisector, h = |n|^2 / 2.
+// A pyramid over a triangle with doubled area vector A, on the plane n.x = h, has volume A.n h / (6 |n|^2). For a
+// bisector h = |n|^2 / 2.
 template <class Real>
 struct Sums {
     Real volume = 0;
@@ -46,7 +46,7 @@ struct Pyramids {  // over the faces on one plane: volume = factor * doubled are
     Real factor;
 };
 
-// The normal of an oblique wall.
+// Returns the normal of an oblique wall.
 template <class Real>
 Vector<Real> wall_normal(const exact::Plane& wall) {
     Vector<Real> n;
@@ -84,7 +84,7 @@ Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed) {
 // Turns doubled area vectors on a plane into areas.
 template <class Real>
 struct AreaScale {
-    Vector<Real> n;       // normal, brought to a length of order one, so that no product underflows
+    Vector<Real> n;       // normal, scaled to order one, so that no product underflows
     double factor;        // area = factor * doubled area . n
     double error_factor;  // of a bound on the error of the doubled area
 
@@ -102,7 +102,7 @@ struct AreaScale {
     }
 };
 
-// corner(slot) gives {position, bound on its error}. Nothing when the error bound is not met.
+// corner(slot) returns {position, bound on its error}. Returns nothing when the error bound is not met.
 template <class Real, class Corners>
 std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& faces, Corners&& corner,
                                          std::vector<double>* areas) {
@@ -157,8 +157,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
     return geometry;
 }
 
-// Vertices solved exactly and rounded to Real, each once. Any three of a vertex's planes give it; those of the first
-// three faces are taken.
+// Sums over vertices that are solved exactly and rounded to Real, each once, from the planes of its first three faces.
 template <class Real>
 std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces, std::vector<double>* areas) {
     struct Solved {
@@ -207,8 +206,8 @@ CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) c
     return solve(*this, faces, areas);
 }
 
-// The faces by rank, and of each the corners from the edge to the face of least rank on, so that the sums do not depend
-// on how the cell was found.
+// Sorts faces by rank, and begins each polygon at the edge to the face of least rank, so that the sums do not depend on
+// how the cell was found.
 void measure_exactly(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellMeasures& out,
                      std::vector<double>& areas) {
     CellPolygons polygons;

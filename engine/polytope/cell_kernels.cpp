@@ -88,7 +88,7 @@ VOTESS_INLINE void squared_distances_body(const double* x, const double* y, cons
 
 int select_band_plain(const double* distances, int count, double from, double to, std::uint64_t* keys) {
     int selected = 0;
-    for (int i = 0; i < count; ++i) {  // without branches: each is a coin toss
+    for (int i = 0; i < count; ++i) {  // without branches, which would be mispredicted half of the time
         const double d = distances[i];
         keys[selected] = (std::bit_cast<std::uint64_t>(d) & key_distance_bits) | static_cast<std::uint32_t>(i);
         selected += static_cast<int>(d >= from) & static_cast<int>(d < to);
@@ -117,7 +117,7 @@ __attribute__((target("avx512f"))) int select_band_compress(const double* distan
 }
 #endif
 
-// One set of functions per instruction set; the bodies above are inlined into each. SELECT is the one that is not.
+// One set of functions for each instruction set. The bodies above are inlined into each; SELECT is passed.
 #define VOTESS_KERNELS(NAME, TARGET, SELECT)                                                            \
     TARGET SideMasks classify_##NAME(const VertexBlock& v, const FilterPlane& p) {                      \
         return classify_body(v, p);                                                                     \
@@ -139,7 +139,7 @@ VOTESS_KERNELS(baseline, , select_band_plain)
 #if defined(__x86_64__)
 #ifdef __clang__
 #define VOTESS_TARGET_512(instructions) __attribute__((target(instructions), min_vector_width(512)))
-#else  // whose usual tuning would split vectors of 512 bits
+#else  // GCC would otherwise split vectors of 512 bits
 #define VOTESS_TARGET_512(instructions) __attribute__((target(instructions ",prefer-vector-width=512")))
 #endif
 VOTESS_KERNELS(avx2, __attribute__((target("avx2"))), select_band_plain)
@@ -154,14 +154,14 @@ bool has_lzcnt() {
 }
 #endif
 
-const Kernels* best = nullptr;  // of set_best_kernels()
+const Kernels* best = nullptr;  // set by set_best_kernels()
 
 }  // namespace
 
 std::vector<const Kernels*> supported_kernels() {
     std::vector<const Kernels*> supported;
 #if defined(__x86_64__)
-    // All that any code of the set is compiled for: a virtual machine may hide some of it.
+    // All instructions that any code of the set is compiled for. A virtual machine may hide some.
     const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
                           __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt() &&
                           __builtin_cpu_supports("popcnt");

@@ -9,7 +9,7 @@
 namespace votess::cpu {
 namespace {
 
-// Subnormal vectors are made longer first: their length would be rounded to few bits.
+// Lengthens subnormal vectors first, because their length would be rounded to few bits.
 std::array<double, 3> unit_vector(const std::array<double, 3>& n) {
     const double length = std::hypot(n[0], n[1], n[2]);
     if (length < 0x1p-900) return unit_vector({n[0] * 0x1p500, n[1] * 0x1p500, n[2] * 0x1p500});
@@ -46,7 +46,7 @@ void read_polygons(const Cell& cell, const CellFaces& faces, std::span<const std
     out.offsets.assign(faces.offsets.begin(), faces.offsets.end());
     out.corners.assign(faces.corners.begin(), faces.corners.end());
     std::vector<std::uint32_t> beside(out.corners.size());  // the rank of the face across the edge from the corner
-    // An edge is met twice, once in each direction: its two places come together when sorted by its ends.
+    // An edge occurs twice, once in each direction. Sorting by the ends brings both together.
     struct End {
         std::uint32_t low, high, face, place;
     };

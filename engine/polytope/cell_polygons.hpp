@@ -1,4 +1,4 @@
-// The faces of one cell as polygons: what the mesh is made from, however the cell was found.
+// The faces of one cell as polygons, for the mesh.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@ namespace votess::cpu {
 class Cell;
 struct CellFaces;
 
-// Face f has the corners offsets[f]..offsets[f+1), counterclockwise seen from outside. The edge from the first to the
-// second of them is that of the face of least rank among those beside it.
+// Face f has the corners offsets[f]..offsets[f+1), counterclockwise seen from outside. Its first edge borders the
+// neighboring face of least rank.
 struct CellPolygons {
     std::vector<std::uint32_t> offsets{0};
-    std::vector<std::uint32_t> corners;            // vertices: places in `positions`, which may have others, too
+    std::vector<std::uint32_t> corners;            // indices into `positions`, which may have more
     std::vector<std::uint32_t> first_across;       // by face: that rank
     std::vector<std::array<double, 3>> positions;  // relative to the seed, scaled
     std::vector<std::uint32_t> shared;             // numbers that cells of a stretch have in common; or empty
@@ -35,9 +35,9 @@ struct CellPolygons {
     }
 };
 
-// Returns the outward unit normal of a plane as a seed at p sees it. All rows take normals from here, so that their
-// digits do not depend on how a cell was found: each component of the exact normal is rounded once, and only then is
-// the length divided out.
+// Returns the outward unit normal of a plane as seen by a seed at p. Each component of the exact normal is rounded once
+// before the division by the length. All rows take normals from here, so their digits do not depend on how a cell was
+// found.
 std::array<double, 3> unit_normal(const exact::Point& p, const exact::Plane& plane);
 
 // faces: the canonical ones of the cell; ranks: by face, all different.

@@ -1,6 +1,6 @@
-// What volume, centroid and areas of a cell are computed from, and the numbers themselves. They depend on the seed and
-// its neighbors alone: not on who found the cell, nor in which order. So planes stand in the order of the cell's row,
-// and CellMeter brings the corners into an order of their own.
+// The shape of a cell, from which its volume, centroid and areas are computed, and these measures. They depend on the
+// seed and its neighbors only, not on who found the cell or in which order. So planes are in the order of the cell's
+// row, and CellMeter sorts the corners.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ struct CellFaces;
 // Solves corners exactly.
 class ExactCorners {
 public:
-    // The corner of three planes, by their ranks, rounded.
+    // Returns the corner of three planes, given by rank, rounded.
     [[nodiscard]] virtual std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const = 0;
 
 protected:
@@ -27,23 +27,23 @@ protected:
 struct CellShape {
     static constexpr int max_planes = 64;
     static constexpr int max_corners = 2 * max_planes;
-    // Planes behind all others that fill up vectors of corners: they meet in the seed, which adds nothing.
+    // Planes behind all others that fill up vectors of corners. They meet in the seed, which adds nothing.
     static constexpr int fillers = 3;
 
-    // n.x = |n|^2 + power, with n half of the difference of the seeds, rounded to doubles, or half of the way to the
-    // seed's mirror image in a wall; power: a quarter of what the seed's weight exceeds the neighbor's by.
+    // n.x = |n|^2 + power. n: half of the difference of the seeds, rounded to doubles, or half of the way to the mirror
+    // image in a wall. power: (own weight - neighbor's weight) / 4.
     struct alignas(32) Plane {
         double n[3] = {};
         double power = 0;
     };
 
     int planes = 0, corners = 0;
-    int slots = 0;  // of planes, some of which may have no face; whoever fills this chooses them
+    int slots = 0;  // of planes, chosen by the writer; some may have no face
     bool weighted = false;
-    // The planes that meet in each corner, by slots, in any order. Where more than three meet, the corner stands here
-    // several times: the polygon of their normals is cut into triangles from its plane of least rank.
+    // The slots of the planes that meet in each corner, in any order. A corner of more than three planes occurs several
+    // times: the polygon of normals is cut into triangles from its plane of least rank.
     alignas(32) std::array<std::uint8_t, max_corners> a{}, b{}, c{};
-    alignas(32) std::array<std::uint8_t, max_planes> rank{};  // by slot: the place in the row, walls first
+    alignas(32) std::array<std::uint8_t, max_planes> rank{};  // by slot: position in the row, walls first
     std::array<Plane, max_planes + fillers> plane{};          // by rank; measuring changes them
     const ExactCorners* exact = nullptr;                      // of the same cell
 
@@ -56,7 +56,7 @@ struct CellShape {
         b[at] = static_cast<std::uint8_t>(q);
         c[at] = static_cast<std::uint8_t>(r);
     }
-    // Planes around one corner, after their ranks are known. False when there is no room.
+    // Adds the planes around one corner. Their ranks must be set. Returns false when there is no room.
     [[nodiscard]] bool add_polygon(std::span<const std::uint8_t> around);
 };
 
@@ -67,16 +67,16 @@ struct CellMeasures {
     alignas(32) std::array<double, CellShape::max_planes> areas{};  // by rank
 };
 
-// Corners in their order: of each, the three ranks, ascending, times rank_step.
+// Corners in order: the three ranks of each, ascending, times rank_step.
 struct CornerOrder {
-    static constexpr int rank_step = 4;  // an address is a multiple of what an instruction can multiply by
+    static constexpr int rank_step = 4;  // addresses are a multiple of a factor that an instruction has
     alignas(32) std::array<std::array<std::uint16_t, CellShape::max_corners + 16>, 3> rank;
 };
 
-// The shapes of clipped cells. One per thread.
+// Reads the shapes of clipped cells. One for each thread.
 class ShapeReader final : private ExactCorners {
 public:
-    // ranks: by face. False for cells that are too large.
+    // ranks: by face. Returns false for cells that are too large.
     [[nodiscard]] bool read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks,
                             CellShape& out);
 
@@ -94,8 +94,8 @@ private:
     std::vector<std::uint8_t> around_;
 };
 
-// For cells whose shape does not tell: from corners that are solved exactly. areas: by rank, to an absolute error of
-// 1e-10 of their sum.
+// Measures cells whose shape is not precise enough, from corners that are solved exactly. areas: by rank, to an
+// absolute error of 1e-10 of their sum.
 void measure_exactly(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellMeasures& out,
                      std::vector<double>& areas);
 

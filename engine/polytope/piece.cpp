@@ -34,14 +34,14 @@ std::span<const std::int32_t> corners_of(const CellFaces& faces, std::size_t fac
     return std::span(faces.corners).subspan(begin, end - begin);
 }
 
-// A corner as seen from another.
+// Returns a corner as seen from another.
 template <class Real>
 Corner<Real> seen_from(const Corner<Real>& from, const Corner<Real>& corner) {
     const auto x = corner.x - from.x;
     return {x, corner.error + from.error + 2 * roundoff<Real> * length_bound(x)};
 }
 
-// An error of a corner changes a determinant by no more than its length times those of the two others.
+// An error of a corner changes a determinant by at most that error times the lengths of the two others.
 template <class Real>
 Measured volume_in(const Cell& cell, const CellFaces& faces) {
     std::vector<std::optional<Corner<Real>>> known(static_cast<std::size_t>(cell.slots()));
@@ -98,7 +98,7 @@ FaceMeasure face_in(const Cell& cell, const CellFaces& faces, std::size_t face) 
     return sum;
 }
 
-// in_precision.operator()<Real>()
+// Calls in_precision.operator()<Real>().
 template <class Measure>
 auto measure_in(Precision precision, const Measure& in_precision) {
     if (precision == Precision::cell) return in_precision.template operator()<double>();

@@ -1,4 +1,4 @@
-// Measures of a clipped cell in a chosen precision, each with a bound on its error.
+// Measures of a clipped cell in a chosen precision, each with an error bound.
 #pragma once
 
 #include <array>
@@ -8,8 +8,7 @@
 
 namespace votess::cpu {
 
-// Where the corners come from: the cell itself, or solved exactly and rounded to 113 or 2367 bits. The last needs no
-// bounds.
+// The source of the corners: the cell itself, or exact ones rounded to 113 or 2367 bits. The last has no error.
 enum class Precision { cell, quad, wide };
 
 struct Measured {

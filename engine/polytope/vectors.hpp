@@ -1,4 +1,4 @@
-// Vectors of doubles, of two doubles or of wide floats, for volumes that are summed in several precisions.
+// Vectors of double, Quad or WideFloat, for volumes that are summed in several precisions.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace votess::cpu {
 
-// Unit roundoff; 0 where it does not matter.
+// Unit roundoff; counted as 0 for 2367 bits.
 template <class Real>
 inline constexpr double roundoff = 0x1p-53;
 template <>
@@ -32,7 +32,7 @@ template <class Real>
 Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
-// Returns the sum of the components' sizes, which no length exceeds.
+// Returns the sum of the components' sizes, a bound on the length.
 template <class Real>
 double length_bound(const Vector<Real>& a) {
     return std::abs(static_cast<double>(a[0])) + std::abs(static_cast<double>(a[1])) +
