@@ -51,7 +51,7 @@ struct CandidatePlanes {
 
 struct Ray {  // (o + t d) / s; o[3] and d[3] are free
     float o[4], d[4];
-    float s, least;
+    float s, limit;
 };
 
 // Seeds q that may lie in the ball around p + v / scale through p: n.v >= |n|^2 / 2 but for the slack.
@@ -87,7 +87,7 @@ struct StarKernels {
     // too many.
     bool (*select)(const WindowSeeds&, const std::int32_t* p, float weight, float near_squared, float distance_squared,
                    CandidatePlanes&);
-    // The plane that each of two rays meets first among those of the first `count` that it leaves (n.d > least), -1 if
+    // The plane that each of two rays meets first among those of the first `count` that it leaves (n.d > limit), -1 if
     // none. A guess: which of those within 2^-12 of the least t it is may vary, and it may be one beyond `count`.
     void (*first_hits)(const CandidatePlanes&, int count, const Ray* rays, int* hits);
     // The first plane with h - n.v <= v[3] that is none of the three, from plane `begin` on; -1 if there is none among

@@ -256,7 +256,7 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
         size += std::abs(ray.d[k]);
     }
     ray.s = 1;
-    ray.least = parallel * size * static_cast<float>(longest_);
+    ray.limit = parallel * size * static_cast<float>(longest_);
     const int hit = first_hit(ray);
     if (hit < 0) return false;
     stack(a, new_slot(c.id[hit]));
@@ -648,7 +648,7 @@ void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
     floats(ray.o) = across;
     floats(ray.d) = -ab;
     ray.s = square;
-    ray.least = parallel * std::sqrt(square) * static_cast<float>(longest_);
+    ray.limit = parallel * std::sqrt(square) * static_cast<float>(longest_);
 }
 
 // False when the planes are too near to parallel, or too large or small to square.

@@ -312,10 +312,10 @@ TEST_SUITE("stages") {
                 ray = {};
                 for (int k = 0; k < 3; ++k) ray.o[k] = draw(), ray.d[k] = draw();
                 ray.s = static_cast<float>(1 + random.below(4));
-                ray.least = integers ? static_cast<float>(random.below(3)) : static_cast<float>(random.uniform(0, 2));
+                ray.limit = integers ? static_cast<float>(random.below(3)) : static_cast<float>(random.uniform(0, 2));
                 // Among planes that are all parallel to the ray, or met from behind, there is none to hit.
                 if (random.chance(0.1)) ray.d[0] = ray.d[1] = ray.d[2] = 0;
-                if (random.chance(0.1)) ray.least = 1e6f;
+                if (random.chance(0.1)) ray.limit = 1e6f;
             }
             for_each_set([&](const StarKernels& kernels) {
                 int hits[2] = {-7, -7};
