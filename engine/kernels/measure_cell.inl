@@ -1,19 +1,19 @@
-// Volume, centroid and areas of a cell, from its corners alone: no edge is looked up.
+// Volume, centroid and areas of a cell, from its corners only. No edge is looked up.
 //
 // Between the seed, its foot on a face A, the foot on the line of A and B, and a corner on that line lies an
-// orthoscheme, a tetrahedron with three right angles in a row; each corner has six of them, and with signs they fill
-// the cell. Planes are a.x = h_a here, a being half the way to the neighbor, and the foot is f_a a,
-// f_a = h_a / |a|^2: without weights h_a = |a|^2 and f_a = 1. With c the third plane of a corner x and
+// orthoscheme: a tetrahedron with three right angles in a row. Each corner has six of them, and with signs they fill
+// the cell. Planes are a.x = h_a, where a is half the way to the neighbor. The foot is f_a a with f_a = h_a / |a|^2;
+// without weights h_a = |a|^2 and f_a = 1. With c the third plane of a corner x and
 //     w_ab = (x.ab) sign(det) / |ab|^2,  ab = a x b,  det = a.(b x c),     q_a = (h_b - f_a a.b) w_ab
-// the triangle on the face has the area |a| q_a / 2 and the orthoscheme the volume h_a q_a / 6. Its centroid is the
+// the triangle on the face has the area |a| q_a / 2 and the orthoscheme the volume h_a q_a / 6. Its centroid is a
 // quarter of the sum of f_a a, the corner, and the foot on the line, which is x - (x.ab) ab / |ab|^2.
 //
 // Error. Let u = 2^-53 and cond = |a||b||c| / |det|. No foot is farther away than x, so each orthoscheme has at most
 // |x|^3 / 6, and |f_a a| |x|^2 / 6. The corner is wrong by 62 u cond |x| (cell.hpp), ab by 6 u |a||b|, h_b - f_a a.b by
-// 14 u |b||x|, and |ab| |c| >= |det|: that sums to 106 u cond |x|^3 / 6 for each of six. `corner_error` has room for
-// what rounds the sums. Corners whose cond is large are solved exactly: their error is that of their lines, whose cond
-// |a||b| / |ab| is less. With weights the rounding of a plane counts like that of a point farther away, by |n| / 4
-// (star.hpp).
+// 14 u |b||x|, and |ab| |c| >= |det|: that sums to 106 u cond |x|^3 / 6 for each of six. `corner_error` also covers the
+// rounding of the sums. Corners whose cond is large are solved exactly. Their error is that of their lines, whose cond
+// |a||b| / |ab| is smaller. With weights the rounding of a plane counts like that of a point farther away, by |n| / 4
+// (star_bounds.hpp).
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ class CellMeter {
     static constexpr double unit = 0x1p-53;
     template <bool Weighted>
     static constexpr double corner_error = Weighted ? 240 * unit : 160 * unit;
-    static constexpr double unknown_sign2 = 1e26;    // of the determinant, beyond that
+    static constexpr double unknown_sign2 = 1e26;    // beyond this the sign of the determinant is unknown
     static constexpr double worst_condition2 = 4e6;  // of a corner that is not solved exactly
 
     using Lanes = typename Isa::Lanes;  // four doubles
@@ -101,8 +101,8 @@ class CellMeter {
         out = Lanes{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])};
     }
 
-    // What the line of two planes a, b adds at a corner: to q_a, q_b and the volume (times 6), and by how much of a x b
-    // the foot on the line differs from the corner.
+    // The terms of the line of two planes a, b at a corner: of q_a, q_b and the volume (times 6), and the multiple of a
+    // x b by which the corner differs from the foot on the line.
     struct Line {
         Lanes q_a, q_b, volume, share;
     };
@@ -121,14 +121,14 @@ class CellMeter {
         Isa::multiply_add(a_h, out.q_a, b_h * out.q_b, out.volume);
     }
 
-    // What corners have added up to.
+    // Sums over corners.
     struct Totals {
         Vector moments{}, feet{};
         Lanes errors{}, farthest{};
     };
 
-    // Solves those of four corners exactly whose planes are nearly parallel to a line, which spoils the corner, but not
-    // the lines of two: condition2 then is that of the worst of these.
+    // Solves those of four corners exactly that are badly conditioned. Their condition2 becomes that of the worst of
+    // the three lines, which may still be good.
     [[gnu::noinline]] static void solve_doubtful(const ExactCorners& exact, const Planes& a, const Planes& b,
                                                  const Planes& c, const std::uint16_t* const (&ranks)[3], Vector& x,
                                                  Lanes& condition2) {
@@ -145,7 +145,7 @@ class CellMeter {
             condition2[k] = worst_line(a, b, c, k);
         }
     }
-    // The squared condition of the worst line of two of three planes.
+    // Returns the squared condition of the worst line of two of three planes.
     static double worst_line(const Planes& a, const Planes& b, const Planes& c, int k) {
         const auto line = [k](const Vector& u, const Vector& v) {
             const double across[3] = {u.y[k] * v.z[k] - u.z[k] * v.y[k], u.z[k] * v.x[k] - u.x[k] * v.z[k],
@@ -157,7 +157,7 @@ class CellMeter {
         return std::max({line(a.n, b.n), line(b.n, c.n), line(c.n, a.n)});
     }
 
-    // Four corners from the i-th on. Doubtful: some of them are; else returns false where some are.
+    // Adds four corners from the i-th on. Without Doubtful, returns false if some of them are badly conditioned.
     template <bool Weighted, bool Doubtful>
     [[gnu::always_inline]] static bool add_corners(const CellShape& shape, const CornerOrder& order, int i,
                                                    double further, Sums& sums, Totals& totals) {
@@ -239,7 +239,7 @@ class CellMeter {
         add_corners<Weighted, true>(shape, order, i, further, sums, totals);
     }
 
-    // Bounds the errors of volume and areas more sharply, for cells that are long or flat.
+    // Bounds the errors of volume and areas more sharply, for long or flat cells.
     template <bool Weighted>
     [[gnu::noinline]] static bool is_exact_enough(const CellShape& shape, const CornerOrder& order,
                                                   const CellMeasures& found) {
@@ -286,7 +286,7 @@ class CellMeter {
     template <bool Weighted>
     static bool measure(CellShape& shape, CellMeasures& out) {
         constexpr double smallest_volume = 1e-140, smallest_square = 1e-90;  // no product of six leaves the range
-        // Planes are handled four at a time: what fills the last four is wanted by no corner.
+        // Planes are handled four at a time; the padding lanes are ignored.
         for (int p = shape.planes; p % 4 != 0; ++p) shape.plane[p] = shape.plane[0];
         Sums sums;
         Lanes least = Lanes{} + std::numeric_limits<double>::infinity(), longest{};

@@ -14,7 +14,7 @@
 namespace votess::cpu {
 namespace {
 
-// Lanes in the order of compress(): by mask, a byte each; first those whose bit is set.
+// Order of lanes for compress(), by mask, one byte for each lane: lanes whose bit is set come first.
 constexpr std::array<std::uint64_t, 256> compress_orders = [] {
     std::array<std::uint64_t, 256> orders{};
     for (unsigned mask = 0; mask < 256; ++mask) {
@@ -37,7 +37,7 @@ VOTESS_AVX2 VOTESS_INLINE void compress(float* to, __m256 values, __m256i order)
     _mm256_storeu_ps(to, _mm256_permutevar8x32_ps(values, order));
 }
 
-// What is out of the range of integers becomes the least one.
+// Integers out of range become the smallest one.
 VOTESS_AVX2 VOTESS_INLINE __m256i clamp(__m256i x) {
     return _mm256_min_epi32(_mm256_max_epi32(x, _mm256_set1_epi32(-window_range)), _mm256_set1_epi32(window_range));
 }
@@ -107,7 +107,7 @@ VOTESS_AVX2 VOTESS_INLINE void rank_blocks(const std::int32_t* ids, int count, s
     for (int b = 0; b < Blocks; ++b) _mm256_storeu_si256(reinterpret_cast<__m256i*>(places + 8 * b), smaller[b]);
 }
 
-// The keys of up to 32 corners, see Avx2::order_corners().
+// Writes the keys of up to 32 corners, see Avx2::order_corners().
 VOTESS_AVX2 VOTESS_INLINE void corner_keys(const CellShape& shape, int begin, std::uint16_t* keys) {
     const __m256i table = _mm256_load_si256(reinterpret_cast<const __m256i*>(shape.rank.data()));
     const __m256i low = _mm256_permute2x128_si256(table, table, 0x00),
@@ -131,8 +131,8 @@ VOTESS_AVX2 VOTESS_INLINE void corner_keys(const CellShape& shape, int begin, st
     }
 }
 
-// Sorts keys, of which no two are equal but the fillers: those behind the last, up to a multiple of four, are larger
-// than all others. Keys stand in blocks of 16.
+// Sorts keys in blocks of 16. All are different, except fillers behind the last key up to a multiple of four, which are
+// larger than all others.
 template <int Blocks>
 VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, std::uint16_t* sorted) {
     __m256i of[Blocks], smaller[Blocks];
@@ -160,7 +160,7 @@ struct Avx2 {
     VOTESS_AVX2 VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
         out = _mm256_fmadd_pd(a, b, c);
     }
-    // Or not a number.
+    // True for NaN too.
     VOTESS_AVX2 VOTESS_INLINE static bool any_above(const Lanes& a, double limit) {
         return _mm256_movemask_pd(_mm256_cmp_pd(a, _mm256_set1_pd(limit), _CMP_NLE_UQ)) != 0;
     }
@@ -201,7 +201,7 @@ struct Avx2 {
                                 _mm256_fmadd_pd(ny, _mm256_set1_pd(t.v[1]), _mm256_mul_pd(nz, _mm256_set1_pd(t.v[2]))));
             const __m256d excess = _mm256_fmadd_pd(square, _mm256_set1_pd(relative_slack - 0.5),
                                                    _mm256_add_pd(along, _mm256_set1_pd(t.slack)));
-            // Not a number where the seed is padding, infinitely far away.
+            // NaN if the seed is padding, infinitely far away.
             const __m256d inside = _mm256_and_pd(_mm256_cmp_pd(excess, _mm256_setzero_pd(), _CMP_GE_OQ),
                                                  _mm256_cmp_pd(square, _mm256_set1_pd(least), _CMP_GE_OQ));
             mask |= static_cast<unsigned>(_mm256_movemask_pd(inside)) << i;
@@ -302,7 +302,7 @@ struct Avx2 {
         Baseline::rank(ids, count, places);
     }
 
-    // By keys of 16 bits: three ranks of five bits, ascending.
+    // Sorts by keys of 16 bits: three ranks of five bits, ascending.
     VOTESS_AVX2 static void order_corners(const CellShape& shape, CornerOrder& out) {
         constexpr int max_keys = 64;
         constexpr std::uint64_t fillers = 0x7fff7fff7fff7fff;

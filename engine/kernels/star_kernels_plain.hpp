@@ -1,4 +1,4 @@
-// The loops of StarKernels for any processor, in vectors of four that the compiler knows.
+// The loops of StarKernels for any processor, in the compiler's vectors of four.
 #pragma once
 
 #include <bit>
@@ -14,7 +14,7 @@
 
 namespace votess::cpu {
 
-// With GroupTest::slack this is more than 2e-8 (h + |v| sqrt(h)), h = |n|^2 / 2.
+// Together with GroupTest::slack more than 2e-8 (h + |v| sqrt(h)), h = |n|^2 / 2.
 constexpr double relative_slack = 4e-8;
 
 #define VOTESS_INLINE inline __attribute__((always_inline))
@@ -34,7 +34,7 @@ VOTESS_INLINE Int4 load(const std::int32_t* from) {
     return v;
 }
 
-// A bit for each lane that is true.
+// Returns a bit for each true lane.
 VOTESS_INLINE unsigned mask_of(Int4 lanes) {
 #if defined(__SSE2__)
     return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(lanes)));
@@ -56,7 +56,7 @@ VOTESS_INLINE void pad(CandidatePlanes& c) {
     }
 }
 
-// Moves `far` planes from far_begin to behind the first `near`; false when they are too many.
+// Moves `far` planes from far_begin to behind the first `near`. Returns false when they are too many.
 VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
     if (near + far > CandidatePlanes::capacity) return false;
     c.near = near;
@@ -78,12 +78,12 @@ VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
 struct Baseline {
     static constexpr const char* name = "baseline";
 
-    // For numbers that are rounded: a * b may be rounded, too, before c is added.
+    // For rounded numbers: a * b may be rounded before c is added.
     using Lanes __attribute__((vector_size(32), may_alias)) = double;
     VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
         out = a * b + c;
     }
-    // Or not a number.
+    // True for NaN too.
     VOTESS_INLINE static bool any_above(const Lanes& a, double limit) {
         return !(a[0] <= limit && a[1] <= limit && a[2] <= limit && a[3] <= limit);
     }
@@ -110,7 +110,7 @@ struct Baseline {
             const double nx = (x[i] - t.p[0]) * t.scale, ny = (y[i] - t.p[1]) * t.scale, nz = (z[i] - t.p[2]) * t.scale;
             const double square = nx * nx + ny * ny + nz * nz;
             const double excess = nx * t.v[0] + ny * t.v[1] + nz * t.v[2] - 0.5 * square;
-            // Not a number where the seed is padding, infinitely far away.
+            // NaN if the seed is padding, infinitely far away.
             const double margin = excess + (relative_slack * square + t.slack);
             mask |= static_cast<unsigned>((margin >= 0) & (square >= least)) << i;
         }
@@ -244,7 +244,7 @@ struct Baseline {
     }
 
 private:
-    // Between two intervals that are so far apart, where one of the two is positive.
+    // Returns the gap between two intervals whose distances are given, one of which is positive if they are apart.
     VOTESS_INLINE static double gap_between(double below, double above) {
         const double gap = below > above ? below : above;
         return gap > 0 ? gap : 0;
