@@ -47,7 +47,7 @@ public:
         return has_weights_ ? weights_[static_cast<std::size_t>(level)][node] : 0;
     }
     // The same of all boxes of a block.
-    [[nodiscard]] double largest_weight_below(int level, std::size_t index) const {
+    [[nodiscard]] double largest_weight_of_block(int level, std::size_t index) const {
         return level == top_level() ? largest_weight(level, 0) : largest_weight(level + 1, index);
     }
 

@@ -29,7 +29,7 @@ inline std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
     const exact::Point& o = domain_->origin;
     const exact::Point d{x[0] - o[0], x[1] - o[1], x[2] - o[2]};
     const auto& dual = basis_->dual;
-    if (straight_) return {d[0] * dual[0][0], d[1] * dual[1][1], d[2] * dual[2][2]};  // other products are 0
+    if (axis_aligned_) return {d[0] * dual[0][0], d[1] * dual[1][1], d[2] * dual[2][2]};  // other products are 0
     return basis_->fraction(d);
 }
 
@@ -60,7 +60,7 @@ exact::Point SeedImages::place_in_domain(std::size_t seed) const {
 }
 
 SeedImages::Base SeedImages::base(std::size_t seed) const {
-    if (!any_moved() || is_exact(seed)) return {{seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]}, {}};
+    if (!any_wrapped() || is_exact(seed)) return {{seeds_->x[seed], seeds_->y[seed], seeds_->z[seed]}, {}};
     const auto input = static_cast<std::size_t>(seeds_->input[seed]);
     return {point_of(points_, input, scale_), wraps_[input]};
 }
@@ -75,7 +75,7 @@ exact::Plane SeedImages::bisector(const Base& seed, std::int32_t home, const exa
 exact::Differences SeedImages::position(std::size_t input, const exact::Shift& shift) const {
     const exact::Point x = point_of(points_, input, scale_);
     exact::Differences at;
-    bool all = straight_;
+    bool all = axis_aligned_;
     for (std::size_t k = 0; k < 3 && all; ++k) {
         at.x[k] = {x[k], 0};
         if (shift[k] == 0) continue;
@@ -89,8 +89,8 @@ exact::Differences SeedImages::position(std::size_t input, const exact::Shift& s
 // In a straight box no place is too far to tell.
 bool SeedImages::surely_inside(const exact::Point& x) const {
     for (int k = 0; k < 3; ++k)
-        if (!straight_ && !(std::abs(x[k]) <= domain_size_)) return false;
-    const auto f = straight_ ? fraction(x) : domain_->fraction(x);
+        if (!axis_aligned_ && !(std::abs(x[k]) <= domain_size_)) return false;
+    const auto f = axis_aligned_ ? fraction(x) : domain_->fraction(x);
     for (int j = 0; j < 3; ++j)
         if (domain_->periodic[j] && !(f[j] > edge_error_[j] && f[j] < 1 - edge_error_[j])) return false;
     return true;
@@ -152,7 +152,7 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
 
 // The sorter takes seeds for equal whose rounded positions are. Those that are not equal go to the end, behind each
 // other where their positions are near; the lowest index of each place keeps it for its duplicates.
-void SeedImages::keep_false_duplicates(SortedSeeds& out) const {
+void SeedImages::restore_false_duplicates(SortedSeeds& out) const {
     if (out.duplicates == 0 || wraps_.empty()) return;
     struct Member {
         std::size_t at;  // the sorted seed that has the rounded position
@@ -274,16 +274,16 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
     scale_ = job.scale;
     seeds_ = &out;
     basis_ = domain_->skewed ? &domain_->reduced : &domain_->edges;
-    straight_ = !domain_->skewed;
+    axis_aligned_ = !domain_->skewed;
     for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k) {
             const exact::DoubleDouble& v = domain_->lattice.vector[j][k];
-            straight_ = straight_ && v.low == 0 && (j == k || (v.high == 0 && domain_->edges.dual[j][k] == 0));
+            axis_aligned_ = axis_aligned_ && v.low == 0 && (j == k || (v.high == 0 && domain_->edges.dual[j][k] == 0));
         }
     wrap_points(job.outside, pool);
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
     sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
-    keep_false_duplicates(out);
+    restore_false_duplicates(out);
     if (!moves_.empty()) {
         std::vector<exact::Shift> moves(out.size());
         for (std::size_t s = 0; s < moves.size(); ++s) moves[s] = moves_[static_cast<std::size_t>(out.input[s])];

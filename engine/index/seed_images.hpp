@@ -39,9 +39,9 @@ public:
     [[nodiscard]] bool is_rough(std::int32_t id) const { return rough_[static_cast<std::size_t>(id)]; }
     [[nodiscard]] bool any_rough() const { return any_rough_; }
     // Whether some seeds have been moved into the domain, or into its reduced cell.
-    [[nodiscard]] bool any_moved() const { return !wraps_.empty(); }
+    [[nodiscard]] bool any_wrapped() const { return !wraps_.empty(); }
     // Whether some seeds have been moved from the domain into its reduced cell.
-    [[nodiscard]] bool has_moves() const { return !moves_.empty(); }
+    [[nodiscard]] bool any_moved() const { return !moves_.empty(); }
     // Returns what to add to the shift of an image of `home`, as a cell of `seed` sees it, to count from the places of
     // both in the domain.
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t home, std::size_t seed) const {
@@ -76,7 +76,7 @@ private:
     [[nodiscard]] bool surely_inside(const exact::Point& x) const;
     void wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool);
     [[nodiscard]] exact::Differences position(std::size_t input, const exact::Shift& shift) const;
-    void keep_false_duplicates(SortedSeeds& out) const;
+    void restore_false_duplicates(SortedSeeds& out) const;
     void choose_margin(std::size_t seeds);
     template <class Visit>
     void for_images(const exact::Point& x, Visit visit) const;
@@ -87,7 +87,7 @@ private:
     Points points_;
     double scale_ = 1;
     const Basis* basis_ = nullptr;     // that seeds are wrapped by
-    bool straight_ = false;            // box vectors are doubles, along x, y and z
+    bool axis_aligned_ = false;        // box vectors are doubles, along x, y and z
     std::array<double, 3> margin_{};   // of the box, in fractions
     std::array<double, 3> error_{};    // of fractions
     std::vector<exact::Shift> wraps_;  // by input; empty when all seeds lie inside

@@ -49,7 +49,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     domain_ = job.domain.get();
     probe_number_ = job.probes_of.value_or(0);
     probe_id_ = std::numeric_limits<std::int32_t>::min();
-    moved_ = seeds_.images != nullptr && seeds_.images->has_moves();
+    moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
     periodic_ = job.domain->is_periodic();
     placed_ = needs_geometry(want_);
     measured_ = want_.volumes || want_.centroids || want_.areas || want_.surfaces || want_.radii;
@@ -217,7 +217,7 @@ void CellWriter::aim(std::size_t output, const Probe& probe) {
     output_ = output;
     probe_ = &probe;
     probe_id_ = static_cast<std::int32_t>(seeds_.places());
-    moved_ = seeds_.images != nullptr && (seeds_.images->has_moves() || probe.place.move != exact::Shift{});
+    moved_ = seeds_.images != nullptr && (seeds_.images->any_moved() || probe.place.move != exact::Shift{});
 }
 
 exact::Shift CellWriter::shift_in_domain(std::int32_t id) const {

@@ -143,7 +143,7 @@ void Locator::search() {
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
         const BoxBlock& block = hierarchy_.block(level, index);
-        const double weight = hierarchy_.largest_weight_below(level, index);
+        const double weight = hierarchy_.largest_weight_of_block(level, index);
         double reach = reach_to(weight);
         unsigned near = box_kernels_.near_boxes(block, here, reach);
         for (; near != 0; near &= near - 1) {

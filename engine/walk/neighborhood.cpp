@@ -52,7 +52,7 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     seeds_.resize(count);
     for (std::size_t s = 0; s < count; ++s)
         seeds_[s] = {{seeds.x[first + s], seeds.y[first + s], seeds.z[first + s], 0}};
-    const bool moved = seeds.images != nullptr && seeds.images->any_moved();
+    const bool moved = seeds.images != nullptr && seeds.images->any_wrapped();
     lows_.resize(moved ? count : 0);
     for (std::size_t s = 0; s < lows_.size(); ++s) {
         const auto& low = seeds.images->low(static_cast<std::int32_t>(first + s));

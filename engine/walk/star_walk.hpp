@@ -271,7 +271,7 @@ private:
     // Squared. All images that matter to a vertex are there if its security radius is less than images_within2_, and
     // their rounding does not matter if it lies farther away than images_beyond2_.
     double images_beyond2_ = 0, images_within2_ = 0;
-    bool any_moved_ = false;  // of all seeds
+    bool any_wrapped_ = false;  // of all seeds
     Neighborhood cells_;
     Window window_;
     std::size_t window_home_ = ~std::size_t{0};

@@ -29,7 +29,7 @@ void StarWalk<Isa>::begin(std::size_t first, std::size_t last, Keep keep) {
     keep_ = keep;
     probing_ = false;
     own_images_ = std::numeric_limits<double>::infinity();
-    any_moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
+    any_wrapped_ = seeds_.images != nullptr && seeds_.images->any_wrapped();
     any_rough_ = seeds_.images != nullptr && seeds_.images->any_rough();
     low_ = {};
     moved_ = false;
@@ -376,8 +376,9 @@ bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x,
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
-        unsigned near = Isa::near_boxes(hierarchy_.block(level, index), at,
-                                        weighted_ ? reach_of(hierarchy_.largest_weight_below(level, index)) : reach2);
+        unsigned near =
+            Isa::near_boxes(hierarchy_.block(level, index), at,
+                            weighted_ ? reach_of(hierarchy_.largest_weight_of_block(level, index)) : reach2);
         if (level > 0) {
             for (; near != 0; near &= near - 1)
                 nodes_[nodes++] = {level - 1, index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near))};
@@ -461,7 +462,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     p_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     base_ = {p_, {}};
     if (weighted_) weight_ = seeds_.weights[seed];
-    if (any_moved_) {
+    if (any_wrapped_) {
         const auto& low = seeds_.images->low(own_id_);
         low_ = {{low[0], low[1], low[2], 0}};
         base_ = seeds_.images->base(seed);
@@ -485,7 +486,7 @@ bool StarWalk<Isa>::build(const Probe& probe) {
     if (weighted_) weight_ = probe.weight;
     if (seeds_.images != nullptr) {
         moved_ = low != std::array<double, 3>{};
-        any_moved_ = seeds_.images->any_moved() || moved_;
+        any_wrapped_ = seeds_.images->any_wrapped() || moved_;
         any_rough_ = seeds_.images->any_rough();
     }
     return build_cell<true>() && !empty_ && !may_coincide();
@@ -1039,7 +1040,7 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& s
     const auto i = static_cast<std::size_t>(id);
     const Wide q{seeds_.x[i], seeds_.y[i], seeds_.z[i], 0}, p{p_[0], p_[1], p_[2], 0};
     wide(n) = q - p;
-    if (!plain_ && seeds_.images != nullptr && (any_moved_ || seeds_.images->is_image(id))) add_low(id, n);
+    if (!plain_ && seeds_.images != nullptr && (any_wrapped_ || seeds_.images->is_image(id))) add_low(id, n);
     wide(n) *= scale_;
     square = dot(wide(n), wide(n));
     h = 0.5 * square;
