@@ -5,7 +5,6 @@
 
 #include "core/arithmetic.hpp"
 #include "core/text.hpp"
-#include "index/sort_inside.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
 #include "walk/star_bounds.hpp"

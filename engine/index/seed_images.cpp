@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "core/arithmetic.hpp"
-#include "index/sort_inside.hpp"
 
 namespace votess::cpu {
 namespace {

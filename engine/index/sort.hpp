@@ -12,6 +12,7 @@
 #include "index/sort_block.hpp"
 #include "index/sort_grid.hpp"
 #include "index/sorted_seeds.hpp"
+#include "input/job.hpp"
 
 namespace votess::cpu {
 
@@ -70,5 +71,10 @@ private:
     std::vector<BlockSorter> workers_;
     std::vector<std::size_t> kept_;  // by chunk
 };
+
+// Sorts the seeds of a job, except those outside of the domain, which have no cell. outside: as in the job. Indices in
+// `out` are those of the points. See SeedSorter::sort() for the rest.
+void sort_inside(const Points& points, double scale, unsigned resolution, std::span<const CellStatus> outside,
+                 SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);
 
 }  // namespace votess::cpu
